@@ -44,15 +44,15 @@ COLUMNS = (
 def record(folder: Path, seeds: int) -> None:
     """Records trials of the simulated user; those that lie there already stay as they are."""
     from benchmarks.judged import FIRST
-    from sandbox.options.scene_options import SceneOptions, scene_settings
     from sandbox.trial.driver import run_trial
+    from sandbox.trial.trial_options import TrialOptions, trial_settings
 
     folder.mkdir(parents=True, exist_ok=True)
     jobs = [(task, device, seed) for task in FIRST for device in DEVICES for seed in range(seeds)]
     for task, device, seed in track(jobs, "recording"):
         file = folder / f"{task}-{device.replace(':', '-')}-{seed}.jsonl"
         if not file.exists():
-            chosen = scene_settings(SceneOptions(task=task, seed=seed, device=device))
+            chosen = trial_settings(TrialOptions(task=task, seed=seed, device=device))
             run_trial(chosen, record=file)
 
 

@@ -101,11 +101,11 @@ Job = tuple[str, str, int, int]
 
 def trial(job: Job) -> dict[str, Any]:
     """Runs one trial: (task, row, fingers, seed)."""
-    from sandbox.options.scene_options import SceneOptions, scene_settings
     from sandbox.trial.driver import run_trial
+    from sandbox.trial.trial_options import TrialOptions, trial_settings
 
     task, row, fingers, seed = job
-    chosen = scene_settings(SceneOptions(task=task, seed=seed, fingers=fingers, **ROWS[row]))
+    chosen = trial_settings(TrialOptions(task=task, seed=seed, fingers=fingers, **ROWS[row]))
     result = run_trial(chosen).as_json()
     kept = ("success", "instant", "final", "status", "progress", "time_s", "reason", "state_hash")
     return {

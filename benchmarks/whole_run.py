@@ -107,9 +107,9 @@ def timed(clock: Clock, places: Sequence[tuple[Any, str, str]]) -> Iterator[None
 
 def whole_trial(seed: int, fingers: int, solid: Solid) -> tuple[float, float, float]:
     """Simulated s, processor s and wall s of a trial, from settings to result."""
-    from sandbox.options.scene_options import SceneOptions, scene_settings
     from sandbox.session.session import Session
     from sandbox.trial.driver import run_trial
+    from sandbox.trial.trial_options import TrialOptions, trial_settings
 
     sessions: list[Session] = []
 
@@ -118,7 +118,7 @@ def whole_trial(seed: int, fingers: int, solid: Solid) -> tuple[float, float, fl
         return []
 
     wall, own = time.perf_counter(), time.process_time()
-    chosen = scene_settings(SceneOptions(seed=seed, fingers=fingers, solid=solid))
+    chosen = trial_settings(TrialOptions(seed=seed, fingers=fingers, solid=solid))
     run_trial(
         chosen,
         device_makers(chosen),
@@ -130,11 +130,11 @@ def whole_trial(seed: int, fingers: int, solid: Solid) -> tuple[float, float, fl
 
 def parts_of_trial(seed: int, fingers: int, solid: Solid) -> dict[str, float]:
     """Processor s of every part in one control step, on average over a trial."""
-    from sandbox.options.scene_options import SceneOptions, scene_settings
     from sandbox.trial.assembly import build
     from sandbox.trial.driver import DivergenceRecorder, Trial
+    from sandbox.trial.trial_options import TrialOptions, trial_settings
 
-    chosen = scene_settings(SceneOptions(seed=seed, fingers=fingers, solid=solid))
+    chosen = trial_settings(TrialOptions(seed=seed, fingers=fingers, solid=solid))
     box = DivergenceRecorder({})
     session: Any = build(chosen, device_makers(chosen), box)
     rig: Any = session.rigs[0]

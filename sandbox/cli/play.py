@@ -10,27 +10,24 @@ from cyclopts import Parameter
 from rich.console import Console
 
 from models.errors import InputError
-from sandbox.cli.common.command_line import parse
+from sandbox.cli.common.command_line import parse, picked
 from sandbox.cli.common.lsl_options import LslOptions, streaming
 from sandbox.cli.run import RunOptions, perform
 from sandbox.devices.registry import LIVE_HEADSET as LIVE
 from sandbox.devices.registry import is_in_air
-from sandbox.options.headings import COMMON, OUTPUT, PERSON
-from sandbox.options.leap_calibration import uses_touch_profile, with_measured_hand
-from sandbox.options.names import check_names
-from sandbox.options.page_options import PageOptions
-from sandbox.options.picked import picked
-from sandbox.options.profiles import DEFAULT, default_path, find_profile
-from sandbox.options.scene_options import SceneOptions, check_labels, scene_settings
-from sandbox.play.own_profile import Learner, with_usable_profile
+from sandbox.play.own_profile import Learner, with_measured_hand, with_usable_profile
 from sandbox.play.page import play_on_page
 from sandbox.play.reports import checked_limit
+from sandbox.server.page_options import PageOptions
+from sandbox.trial.headings import COMMON, OUTPUT, PERSON
+from sandbox.trial.profiles import DEFAULT, default_path, find_profile, uses_touch_profile
+from sandbox.trial.trial_options import TrialOptions, check_labels, check_names, trial_settings
 from sandbox.views.display import has_display
 from tasks.registry import find_task
 
 
 @dataclass(frozen=True, kw_only=True)
-class PlayOptions(LslOptions, PageOptions, SceneOptions):
+class PlayOptions(LslOptions, PageOptions, TrialOptions):
     """Plays a task in a window with the mouse or a tablet, or on a browser page by touch.
 
     `sandbox play --tablet` prints a QR code: scan it with a tablet and play by touch. In the
@@ -111,7 +108,7 @@ def main(argv: list[str]) -> int:
             remedy="`--view web` plays in a browser, `sandbox run` without any view; on a remote "
             "machine try `xvfb-run`",
         )
-    if uses_touch_profile(options, is_in_air(options.device)):
+    if uses_touch_profile(options):
         console.print(f"profile: {find_profile(str(options.profile)).line}")
     from sandbox.play.window import play_in_window
 
@@ -121,7 +118,7 @@ def main(argv: list[str]) -> int:
 
 def _check(options: PlayOptions) -> None:
     """Checks that the task can be played, before a page or window is opened."""
-    find_task(scene_settings(replace(options, record=None)).task)
+    find_task(trial_settings(replace(options, record=None)).task)
     if options.record is not None and not options.record.absolute().parent.is_dir():
         raise InputError(
             "no such folder",

@@ -18,13 +18,11 @@ from rich.markup import escape
 
 from models.errors import InputError
 from models.message import counted
-from sandbox.cli.common.command_line import parse
+from sandbox.cli.common.command_line import parse, picked
 from sandbox.cli.common.json_out import TERMINAL, check_output, refuse_same
 from sandbox.cli.common.printing import printing
-from sandbox.options.one_hand_options import TrialOptions, given_options
-from sandbox.options.picked import picked
-from sandbox.options.second_hand import SecondOptions
-from sandbox.options.variations import KINDS, help_with_names
+from sandbox.trial.trial_options import ConditionOptions, SecondOptions, given_options
+from sandbox.trial.variations import KINDS, help_with_names
 
 if TYPE_CHECKING:
     from sandbox.regress.baseline import Baseline
@@ -36,7 +34,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, kw_only=True)
-class RegressOptions(SecondOptions, TrialOptions):
+class RegressOptions(SecondOptions, ConditionOptions):
     """Runs the simulated user over many seeds, says how often it succeeds, and whether that is
     less than a baseline said.
 
@@ -202,11 +200,11 @@ def _parsed(argv: list[str]) -> RegressOptions:
 
 
 def _scene(options: RegressOptions) -> dict[str, Any]:
-    from sandbox.options.scene_options import SceneOptions, check_labels
+    from sandbox.trial.trial_options import TrialOptions, check_labels
 
     # Of the same name, but not those of a trial.
     given = options.given - {"vary", "record"}
-    scene = picked(SceneOptions, options, vary="", record=None, given=given)
+    scene = picked(TrialOptions, options, vary="", record=None, given=given)
     check_labels(scene)
     return {name: getattr(scene, name) for name in given_options(scene)}
 

@@ -19,25 +19,24 @@ from sandbox.cli.common.json_out import TERMINAL, check_output, refuse_same, wri
 from sandbox.cli.common.lsl_options import LslOptions, streaming
 from sandbox.cli.common.printing import printing
 from sandbox.devices.device import Device
-from sandbox.options.headings import COMMON, OUTPUT
-from sandbox.options.names import check_names
-from sandbox.options.scene_options import SceneOptions, check_labels, scene_settings
 from sandbox.play.reports import NoticePrinter, address_line, report_end
 from sandbox.session.messages import Snapshot
 from sandbox.session.session import Session
 from sandbox.system.ending import ending_as_by_ctrl_c
 from sandbox.trial.driver import View, run_trial
 from sandbox.trial.events import EventLog, NoticeEvents
+from sandbox.trial.headings import COMMON, OUTPUT
 from sandbox.trial.lift import with_lift
 from sandbox.trial.live_run import RealTime
 from sandbox.trial.open_devices import DeviceMaker, device_makers, is_live
 from sandbox.trial.result import TrialResult
 from sandbox.trial.settings import Settings
+from sandbox.trial.trial_options import TrialOptions, check_labels, check_names, trial_settings
 from tasks.task import Task
 
 
 @dataclass(frozen=True, kw_only=True)
-class RunOptions(LslOptions, SceneOptions):
+class RunOptions(LslOptions, TrialOptions):
     """Runs a task without a window, as fast as the machine can, and prints its score.
 
     Exit status 0: the trial was played, also if it failed; `success` in --json tells. 1: an error
@@ -67,7 +66,7 @@ def perform(options: RunOptions) -> int:
     """Runs the trial that the options describe, and reports its result."""
     check_names(options)
     check_labels(options)
-    chosen = scene_settings(options)
+    chosen = trial_settings(options)
     if options.device == "mouse":
         raise InputError(
             "the mouse needs a window", where="--device mouse", remedy="Use `sandbox play`"

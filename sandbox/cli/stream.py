@@ -17,22 +17,19 @@ from encoders.paalm.calibration_file import read_hand
 from encoders.regression.model_registry import DEFAULT_MODEL, check_model_name
 from models.errors import InputError
 from models.frames import SIDES
-from sandbox.cli.common.command_line import parse
+from sandbox.cli.common.command_line import parse, picked
 from sandbox.cli.common.json_out import check_output, write_json
+from sandbox.cli.common.touch_options import LiveTouchOptions
 from sandbox.devices.device import Sees
 from sandbox.devices.leap import LeapCommandOptions, OverLeapOptions
 from sandbox.devices.leap.leap import open_leap
-from sandbox.devices.registry import DEVICES, kind_of
+from sandbox.devices.registry import DEVICES, given_device_options, kind_of, named_device
 from sandbox.devices.registry import LIVE_LEAP as LEAP
 from sandbox.export.leap_source import Hand
 from sandbox.export.motion_source import MotionSource
 from sandbox.export.sources import open_source
-from sandbox.options.names import check_device_name
-from sandbox.options.page_options import PageOptions
-from sandbox.options.picked import picked
-from sandbox.options.scene_options import SceneOptions, scene_settings
-from sandbox.options.touch_devices import LiveTouchOptions
 from sandbox.recording.recording import is_recording
+from sandbox.server.page_options import PageOptions
 from sandbox.stream.lines import BLENDER, MAYA, MAYA_MEL, StreamTarget
 from sandbox.stream.player import StreamPace, StreamPlayer
 from sandbox.stream.script import script
@@ -40,6 +37,7 @@ from sandbox.stream.sender import Moment, Sender, parse_address
 from sandbox.study.record.trial_files import find_recordings
 from sandbox.system.ending import heeding
 from sandbox.trial.open_devices import device_makers
+from sandbox.trial.trial_options import TrialOptions, trial_settings
 from tasks.registry import find_task
 
 if TYPE_CHECKING:
@@ -215,7 +213,7 @@ def _check(options: StreamOptions) -> None:
         find_task(options.task)
     check_model_name(options.encoder)
     if options.device is not None:
-        check_device_name(options.device)
+        named_device(options.device)
     check_output(options.json)
     if (options.file is None) == (options.device is None):
         raise InputError(
@@ -319,15 +317,18 @@ def _is_capture(path: Path) -> bool:
 
 def _session(options: StreamOptions, console: Console) -> tuple[Settings, DeviceMakers]:
     hand = None if options.hand == "both" else options.hand
-    scene = picked(SceneOptions, options, task=options.task or TASK, hand=hand)
+    given = given_device_options(options)
+    scene = picked(
+        TrialOptions, options, task=options.task or TASK, hand=hand, device_options=given
+    )
     if options.device == "mouse":
         raise InputError(
             "the mouse needs a window", where="--device mouse", expected=", ".join(LIVE)
         )
-    chosen = scene_settings(scene)
+    chosen = trial_settings(scene)
     if options.device != "web":
         return chosen, device_makers(chosen)
-    from sandbox.options.touch_devices import TouchOptions
+    from sandbox.cli.common.touch_options import TouchOptions
     from sandbox.play.page_touches import open_page_touches
 
     page = open_page_touches(picked(TouchOptions, options), console, PAGE_PATIENCE)

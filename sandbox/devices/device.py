@@ -167,6 +167,11 @@ def _anything(options: Any, argument: str) -> None:
     """Checks nothing."""
 
 
+def _the_same(options: Any) -> Any:
+    """The options as they are."""
+    return options
+
+
 def _no_surface(argument: str) -> Surface | None:
     """None: the device reports no surface."""
     return None
@@ -190,6 +195,8 @@ class DeviceEntry(Generic[O]):
             of `options`.
         hand_input: For a device that sees hands in the air: how it sees a hand, by its options on
             the command line, its argument and the hand's side.
+        for_second: The options of a second device of this kind beside the first, such as another
+            port.
     """
 
     help: str
@@ -201,6 +208,7 @@ class DeviceEntry(Generic[O]):
     surface: Callable[[str], Surface | None] = _no_surface
     command_options: type[Any] | None = None
     hand_input: Callable[[Any, str, str], HandInput] | None = None
+    for_second: Callable[[O], O] = _the_same
 
     @property
     def on_command_line(self) -> type[Any]:

@@ -6,7 +6,7 @@ imported when its device is named, and not before.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
 from functools import lru_cache
 from pathlib import Path
@@ -148,6 +148,65 @@ def seen_hand(device: str, given: Mapping[str, Any], side: str) -> HandInput:
     if entry.hand_input is None:
         raise InputError("this device sees no hands in the air", where="--device", got=device)
     return entry.hand_input(options_among(entry, given), argument, side)
+
+
+def devices_with_option(name: str) -> list[str]:
+    """Names of the built-in devices that have an option of this name on the command line."""
+    return [
+        device
+        for device, entry in DEVICES.items()
+        if name in {each.name for each in fields(entry.on_command_line)}
+    ]
+
+
+def check_device_options(given: Iterable[str], devices: Sequence[str]) -> None:
+    """Checks that given options belong to devices that are there.
+
+    Args:
+        given: Names of the options.
+        devices: Names of the devices.
+
+    Raises:
+        InputError: An option is of another device; the error names that device.
+    """
+    known = {
+        each.name
+        for device in devices
+        for each in fields(named_device(device).entry.on_command_line)
+    }
+    for name in given:
+        if name not in known:
+            raise other_device_option(name, devices)
+
+
+def other_device_option(name: str, devices: Sequence[str]) -> InputError:
+    """The error for an option that no device that is there has.
+
+    Args:
+        name: Name of the option.
+        devices: Names of the devices that are there.
+    """
+    others = devices_with_option(name)
+    return InputError(
+        "this is an option of another device",
+        where="--" + name.replace("_", "-"),
+        got=f"--device {' and '.join(devices)}",
+        expected=f"--device {' or '.join(others)}" if others else None,
+    )
+
+
+def given_device_options(options: Any) -> dict[str, Any]:
+    """Values of the options of built-in devices among those of a command, but for its defaults.
+
+    Args:
+        options: Object of a dataclass that inherits options of devices.
+    """
+    names = {f.name for entry in DEVICES.values() for f in fields(entry.on_command_line)}
+    return {
+        each.name: getattr(options, each.name)
+        for each in fields(options)
+        if each.name in names and getattr(options, each.name) != each.default
+    }
 
 
 def unknown_device(device: str, option: str = "--device") -> InputError:

@@ -9,7 +9,7 @@ from dataclasses import dataclass, field, fields, replace
 from difflib import get_close_matches
 from inspect import signature
 from pathlib import Path
-from typing import Any, get_type_hints
+from typing import Any, cast, get_type_hints
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,9 +20,13 @@ from models.json_input import checked
 from models.surface import Surface
 from sandbox.devices.device import Device, PlayedOptions
 from sandbox.devices.own_device import adapted
-from sandbox.devices.registry import DeviceSettings
+from sandbox.devices.registry import (
+    DeviceSettings,
+    devices_with_option,
+    find_device,
+    other_device_option,
+)
 from sandbox.library.trajectories import Trajectories, TrajectoryView
-from sandbox.options.scene_options import SceneOptions, scene_settings
 from sandbox.recording.recording import load_recording
 from sandbox.session.messages import Snapshot
 from sandbox.session.session import Session
@@ -33,6 +37,7 @@ from sandbox.trial.live_run import RealTime
 from sandbox.trial.open_devices import DeviceMaker, device_makers, is_live
 from sandbox.trial.replay import Verification, replay
 from sandbox.trial.settings import recorded_users
+from sandbox.trial.trial_options import TrialOptions, trial_settings
 from tasks.registry import TASKS
 from tasks.score import Score
 from tasks.task import Task
@@ -111,7 +116,7 @@ def run_trial(
         GraphicsError: A film or pictures are requested and OpenGL is missing.
     """
     named = device if isinstance(device, str) else "simulated"
-    chosen = scene_settings(_scene_options(task=_place(task), seed=seed, device=named, **options))
+    chosen = trial_settings(_trial_options(named, task=_place(task), seed=seed, **options))
     if isinstance(device, str):
         makers, live = device_makers(chosen), is_live(chosen)
     else:
@@ -170,7 +175,7 @@ def replay_recording(
 
 
 def _opens(device: OpenDevice) -> DeviceMaker:
-    return lambda task, surface: adapted(device(surface), "device")
+    return lambda task, surface: cast(Device, adapted(device(surface), "device"))
 
 
 class _Views:
@@ -229,16 +234,25 @@ class _Views:
         self.pace.wait(snapshot.time)
 
 
-def _scene_options(**values: Any) -> SceneOptions:
+def _trial_options(device: str, **values: Any) -> TrialOptions:
     """Options of `sandbox run`, by name.
+
+    Args:
+        device: The device, whose options there may be among the values.
+        values: Values by name.
 
     Raises:
         InputError: A name is not an option, or a value is of another type.
     """
-    types = get_type_hints(SceneOptions)
-    known = {f.name for f in fields(SceneOptions)} - {"given"}
+    named = find_device(device)
+    of_device = get_type_hints(named.entry.on_command_line) if named else {}
+    types = {**get_type_hints(TrialOptions), **of_device}
+    common = {f.name for f in fields(TrialOptions)} - {"given", "device_options"}
+    known = common | {*of_device}
     unknown = sorted(set(values) - known)
     if unknown:
+        if any(devices_with_option(name) for name in unknown):
+            raise other_device_option(unknown[0], [device])
         own = {*signature(run_trial).parameters} - {"options"}
         near = [get_close_matches(name, known | own, 1) for name in unknown]
         raise InputError(
@@ -249,7 +263,9 @@ def _scene_options(**values: Any) -> SceneOptions:
             remedy=f"Did you mean {', '.join(n[0] for n in near)}?" if all(near) else None,
         )
     typed = {name: _of_type(name, values[name], types[name]) for name in values}
-    return SceneOptions(**typed, given=frozenset(values))
+    given = {name: typed.pop(name) for name in [*typed] if name not in common}
+    options = TrialOptions(device=device, device_options=given, given=frozenset(typed))
+    return replace(options, **typed)
 
 
 def _of_type(name: str, value: Any, kind: Any) -> Any:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any, TypeVar
@@ -10,19 +11,57 @@ from rich.console import Console
 from rich.text import Text
 
 from models.errors import InputError
-from sandbox.devices.registry import is_in_air
-from sandbox.options.leap_calibration import uses_touch_profile
-from sandbox.options.profiles import (
-    find_profile,
-    load_profile,
-    profile_path,
-    save_profile,
-)
-from sandbox.options.scene_options import SceneOptions
+from sandbox.devices.registry import LIVE_LEAP, is_in_air
 from sandbox.session.own_layouts import learned_layouts
 from sandbox.session.session import Session
+from sandbox.trial.profiles import (
+    chosen_calibration,
+    find_profile,
+    load_profile,
+    own_calibration_path,
+    profile_path,
+    save_profile,
+    uses_touch_profile,
+)
+from sandbox.trial.trial_options import TrialOptions
 
-Options = TypeVar("Options", bound=SceneOptions)
+Options = TypeVar("Options", bound=TrialOptions)
+
+
+def with_measured_hand(options: Options, console: Console, ask: bool | None = None) -> Options:
+    """Options with the calibration of the player's hand over a Leap.
+
+    A saved calibration is used. Otherwise the player is asked to hold the hand open. Ctrl-C skips
+    this, and an average hand is assumed.
+
+    Args:
+        options: Options of `sandbox play`.
+        console: Console for instructions.
+        ask: True if a person can be asked; None: if this is a terminal.
+    """
+    if (
+        options.device != LIVE_LEAP
+        or options.profile == "none"
+        or chosen_calibration(options) is not None
+    ):
+        return options
+    # Only players with a Leap need these.
+    from encoders.paalm.calibration_file import read_calibration
+    from sandbox.devices.leap import DEFAULT_ADDRESS
+    from sandbox.devices.leap.guided_calibration import measure_and_save
+
+    side = options.hand or "right"
+    path = own_calibration_path()
+    given = options.device_options
+    calibrated = replace(options, device_options={**given, "calibration": path})
+    if path.exists() and side in read_calibration(path):
+        console.print(f"calibration of your {side} hand: {path}", soft_wrap=True)
+        return calibrated
+    if ask is None:
+        ask = sys.stdin.isatty() and console.is_terminal
+    if ask and measure_and_save(given.get("leap", DEFAULT_ADDRESS), side, path, console):
+        return calibrated
+    return options
 
 
 def with_usable_profile(options: Options, console: Console) -> Options:
@@ -31,7 +70,7 @@ def with_usable_profile(options: Options, console: Console) -> Options:
     Raises:
         InputError: There is no such file, or it is a calibration over a Leap.
     """
-    if not uses_touch_profile(options, is_in_air(options.device)):
+    if not uses_touch_profile(options):
         return options
     name = str(options.profile)
     try:
@@ -81,7 +120,7 @@ class Learner:
     console: Console
 
     @classmethod
-    def of(cls, options: SceneOptions, console: Console) -> Learner:
+    def of(cls, options: TrialOptions, console: Console) -> Learner:
         """The learner of the options' profile.
 
         Raises:

@@ -15,8 +15,6 @@ from models.errors import InputError
 from models.message import Message
 from sandbox.devices.registry import LIVE_HEADSET as LIVE
 from sandbox.devices.webxr.webxr import HeadsetDevice
-from sandbox.options.page_options import PageOptions
-from sandbox.options.scene_options import SceneOptions, scene_settings
 from sandbox.play.own_profile import Learner
 from sandbox.play.pages import (
     SIMULATED_USER,
@@ -29,6 +27,7 @@ from sandbox.play.pages import (
 from sandbox.play.play import Play
 from sandbox.play.reports import judge_latency, print_latency, report_end
 from sandbox.server.absences import Absences
+from sandbox.server.page_options import PageOptions
 from sandbox.server.protocol.protocol import LIFT_STRIP_PX, Pause
 from sandbox.server.protocol.rectangle import common, rectangle, scaled
 from sandbox.server.screen_too_small import explain_refusal
@@ -42,6 +41,7 @@ from sandbox.trial.live_run import TICK, LiveRun
 from sandbox.trial.open_devices import device_makers, is_live, with_first
 from sandbox.trial.result import TrialResult
 from sandbox.trial.settings import Settings
+from sandbox.trial.trial_options import TrialOptions, trial_settings
 
 OTHER_PAGE_PATIENCE = 2.0
 """s after which the player on one of two pages is told that the other page is not open."""
@@ -205,7 +205,7 @@ class PagePlay(Play):
 
 
 def play_on_page(
-    options: SceneOptions,
+    options: TrialOptions,
     page: PageOptions,
     console: Console,
     limit: float | None = None,
@@ -217,7 +217,7 @@ def play_on_page(
     `learner` see `Play`.
     """
     hands = [options.device, options.second_device].count("web")
-    settings = scene_settings(options)
+    settings = trial_settings(options)
     sides = [hand.side for hand in settings.hands]
     names = sides if len(set(sides)) == len(sides) else ["first", "second"]
     headset = options.device == LIVE

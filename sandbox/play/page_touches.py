@@ -10,9 +10,8 @@ from rich.console import Console
 from models.errors import InputError, SurfaceTooSmallError
 from models.frames import TouchFrame
 from models.surface import Surface, parse_surface
+from sandbox.cli.common.touch_options import TouchOptions
 from sandbox.devices.device import Device
-from sandbox.options.scene_options import SceneOptions, scene_settings
-from sandbox.options.touch_devices import TouchOptions
 from sandbox.play.pages import open_page, show_address
 from sandbox.server.page_server import PageServer
 from sandbox.server.protocol.describe import describe_scene
@@ -21,6 +20,7 @@ from sandbox.server.web import WebDevice
 from sandbox.trial.assembly import build
 from sandbox.trial.events import EventLog
 from sandbox.trial.open_devices import device_makers
+from sandbox.trial.trial_options import TrialOptions, trial_settings
 
 _PERIOD = 1.0 / 30.0
 """s between two frames sent to the page, so that it sees that the program is running."""
@@ -42,7 +42,7 @@ class PageTouches(Device):
     def __init__(self, server: PageServer, surface: Surface | None) -> None:
         self._server = server
         self.address = server.url
-        chosen = scene_settings(SceneOptions(device="web"))
+        chosen = trial_settings(TrialOptions(device="web"))
         screen = server.screen
         assert screen is not None
         settings = chosen.changed(**rectangle(screen))

@@ -13,13 +13,12 @@ from encoders.webcam.landmark_reconstructor import LandmarkReconstructor
 from models.errors import DeviceError, InputError
 from models.message import Message
 from sandbox.devices.device import DeviceWrapper
-from sandbox.options.page_options import PageOptions
-from sandbox.options.profiles import default_path
 from sandbox.recording.versions import versions
 from sandbox.server.connections.address import LOOPBACK
 from sandbox.server.connections.invitation import code, hints
 from sandbox.server.connections.kept_token import kept_token
 from sandbox.server.page_device import PageDevice
+from sandbox.server.page_options import PageOptions
 from sandbox.server.page_server import PageServer, tls_context
 from sandbox.server.protocol.describe import describe_scene, summary
 from sandbox.server.protocol.protocol import StudyView, TaskName
@@ -27,6 +26,7 @@ from sandbox.server.protocol.skins import pack_skin
 from sandbox.server.static import HEADSET, StaticFiles
 from sandbox.session.session import Session
 from sandbox.trial.events import EventLog
+from sandbox.trial.profiles import default_path
 from tasks.registry import TASKS, find_task, hands_of
 
 SIMULATED_USER = Message("simulated_user", "simulated user")

@@ -9,7 +9,6 @@ from pathlib import Path
 from rich.console import Console
 
 from models.person import HANDS
-from sandbox.options.scene_options import SceneOptions, scene_settings
 from sandbox.play.own_profile import Learner
 from sandbox.play.reports import NoticePrinter
 from sandbox.server.page_server import PageServer
@@ -20,6 +19,7 @@ from sandbox.trial.driver import View
 from sandbox.trial.events import EventLog, NoticeEvents
 from sandbox.trial.latency import Timing
 from sandbox.trial.settings import Settings
+from sandbox.trial.trial_options import TrialOptions, trial_settings
 from tasks.registry import TASKS, find_task
 
 
@@ -98,7 +98,7 @@ class Play:
         requests: What the player requests, on a page or in the window.
     """
 
-    options: SceneOptions
+    options: TrialOptions
     servers: tuple[PageServer, ...]
     events: EventLog
     console: Console
@@ -112,7 +112,7 @@ class Play:
     @property
     def first_settings(self) -> Settings:
         """Settings of the options, before any request."""
-        return scene_settings(replace(self.options, record=None))
+        return trial_settings(replace(self.options, record=None))
 
     @property
     def record(self) -> Path | None:

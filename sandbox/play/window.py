@@ -14,8 +14,6 @@ from models.surface import Surface
 from sandbox.devices.device import Device
 from sandbox.devices.wrappers.first_touch import FirstTouch
 from sandbox.devices.wrappers.merged import MergedDevice
-from sandbox.options.page_options import PageOptions
-from sandbox.options.scene_options import SceneOptions, scene_settings
 from sandbox.play.own_profile import Learner
 from sandbox.play.pages import (
     SIMULATED_USER,
@@ -29,6 +27,7 @@ from sandbox.play.pages import (
 from sandbox.play.play import Play
 from sandbox.play.reports import address_line, judge_latency, print_latency, report_end
 from sandbox.server.page_device import PageDevice
+from sandbox.server.page_options import PageOptions
 from sandbox.server.protocol.describe import summary
 from sandbox.server.protocol.protocol import Pause
 from sandbox.server.screen_too_small import CANNOT_BEGIN
@@ -44,6 +43,7 @@ from sandbox.trial.live_run import LiveRun
 from sandbox.trial.open_devices import DeviceMaker, DeviceMakers, device_makers, is_live, with_first
 from sandbox.trial.result import TrialResult
 from sandbox.trial.settings import Settings
+from sandbox.trial.trial_options import TrialOptions, trial_settings
 from sandbox.views.window.window import SIZE, Window
 from tasks.score import Status
 from tasks.task import Task
@@ -293,7 +293,7 @@ class _Turns:
 
 
 def play_in_window(
-    options: SceneOptions,
+    options: TrialOptions,
     page: PageOptions,
     limit: float | None,
     console: Console,
@@ -312,7 +312,7 @@ def play_in_window(
     events = EventLog(options.events)
     try:
         mouse, second = options.device == "mouse", options.second_device == "web"
-        task = scene_settings(options).task
+        task = trial_settings(options).task
         server = open_page_beside_window(page, mouse or second, events, console, task)
         share = server is not None and mouse and not second
         lan = page.tablet or page.lan is not None

@@ -17,11 +17,10 @@ from typing import Any
 from encoders.regression.model_registry import MODELS
 from models.errors import InputError
 from models.plugins import failure
-from sandbox.options.scene_options import SceneOptions, scene_settings
-from sandbox.options.second_hand import SecondOptions
 from sandbox.recording.versions import STATES, versions
 from sandbox.trial.assembly import digests, drawn
 from sandbox.trial.settings import Settings, encoded
+from sandbox.trial.trial_options import SecondOptions, TrialOptions, trial_settings
 from tasks.registry import TASKS, claim_name, find_task, is_built_in, task_names
 from tasks.task import Task
 
@@ -29,6 +28,19 @@ ALL = "all"
 """Stands for every task of the registry."""
 MOST_SEEDS = 100_000
 """Beyond this a range of seeds is a slip of the finger."""
+
+
+_OF_ONE_TRIAL = {
+    "task",
+    "seed",
+    "device",
+    "device_options",
+    "record",
+    "events",
+    "dump",
+    "given",
+}
+"""Options of a trial that do not hold for all trials of a run."""
 
 
 @dataclass(frozen=True)
@@ -82,8 +94,9 @@ class RegressionPlan:
     record_all: bool = False
 
     def __post_init__(self) -> None:
-        unknown = set(self.scene) - {f.name for f in fields(SceneOptions)} | (
-            set(self.scene) & {"task", "seed", "device", "record", "events", "dump", "given"}
+        unknown = set(self.scene) - {f.name for f in fields(TrialOptions)} | (
+            set(self.scene)
+            & {"task", "seed", "device", "device_options", "record", "events", "dump", "given"}
         )
         if unknown:
             raise InputError("no such option of a trial", got=", ".join(sorted(unknown)))
@@ -123,8 +136,8 @@ class RegressionPlan:
             place, own_task = _place(task)
             with registered(own_task):
                 made.append(
-                    scene_settings(
-                        SceneOptions(task=place, given=frozenset(self.scene), **self.scene)
+                    trial_settings(
+                        TrialOptions(task=place, given=frozenset(self.scene), **self.scene)
                     )
                 )
         return tuple(made)
@@ -183,7 +196,7 @@ class RegressionPlan:
         configuration = self.configuration()
         models, settings = configuration["digests"], configuration["settings"]
         # Whoever names a default gives nothing else than who does not.
-        plain = SceneOptions()
+        plain = TrialOptions()
         given = {k: value for k, value in self.scene.items() if value != getattr(plain, k)}
         if given.get(ENCODER, settings["pipeline"]["encoder"]) not in MODELS:
             given[ENCODER] = f"of one's own, {models['encoder']}"
@@ -250,7 +263,7 @@ def options(scene: Mapping[str, Any]) -> Iterator[str]:
         if isinstance(value, bool):
             if value:
                 yield flag
-            elif getattr(SceneOptions, name) is True:
+            elif getattr(TrialOptions, name) is True:
                 yield "--no-" + flag.removeprefix("--")
         elif isinstance(value, tuple | list):
             for each in value:

@@ -13,12 +13,12 @@ from typing import Any
 
 from models.errors import InputError
 from models.message import counted
-from sandbox.options.variations import Kind, find_kind, parse_value
 from sandbox.regress import statistics
 from sandbox.regress.execute import Trial, is_own_fault
 from sandbox.regress.plan import RegressionPlan, registered
 from sandbox.regress.report import Crashes, TaskResult
 from sandbox.trial.assembly import drawn
+from sandbox.trial.variations import Kind, find_kind, parse_value
 
 SCHEMA = 1
 """Version of the report's JSON."""

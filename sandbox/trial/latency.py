@@ -176,7 +176,7 @@ class TimedDevice(DeviceWrapper):
 
     def poll(self, now: float) -> Sequence[TouchFrame]:
         """The device's frames, unchanged."""
-        frames = self.device.poll(now)
+        frames = super().poll(now)
         if frames and self._origin is not None:
             self._timing.taken_in(frames, self._origin)
         return frames

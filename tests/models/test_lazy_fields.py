@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from models.lazy_fields import LazyFields
-from sandbox.options.scene_options import SceneOptions, scene_settings
 from sandbox.trial.assembly import build
 from sandbox.trial.open_devices import device_makers
+from sandbox.trial.trial_options import TrialOptions, trial_settings
 
 
 @dataclass(frozen=True)
@@ -54,7 +54,7 @@ def test_a_field_that_the_function_does_not_return_is_an_attribute_error() -> No
 
 
 def test_a_snapshot_shows_its_own_moment_whenever_it_is_looked_at() -> None:
-    chosen = scene_settings(SceneOptions(seed=1))
+    chosen = trial_settings(TrialOptions(seed=1))
     session = build(chosen, device_makers(chosen))
     show = session.rigs[0].device.show
     while not session.solid(0):

@@ -21,7 +21,6 @@ from sandbox.devices.files.paired_capture import arrivals, first_line_with_host,
 from sandbox.devices.files.touch_files import open_file
 from sandbox.devices.files.touch_log_file import read_touch_log
 from sandbox.devices.tuio.touch_capture import read_capture
-from sandbox.options.profiles import load_profile
 from sandbox.regress.baseline import Baseline, Kept, KeptTask, load_baseline
 from sandbox.regress.plan import Origin
 from sandbox.study.record.chain import chained
@@ -30,6 +29,7 @@ from sandbox.study.record.journal import read_journal
 from sandbox.study.record.state import SessionState
 from sandbox.study.share.privacy_records import PersonMasking, anonymous_line
 from sandbox.study.tables.measures_file import read_measures
+from sandbox.trial.profiles import load_profile
 from tests.support.json_values import VALUES, damaged
 
 

@@ -21,8 +21,8 @@ from models.hand import Hand
 from models.scene import CONTROL_PERIOD, Scene, SceneSpec
 from models.skeleton import ADULT
 from models.surface import Surface
-from sandbox.options.scene_options import SceneOptions, scene_settings
 from sandbox.trial.assembly import load_encoder, make_labeller, reconstructor_settings
+from sandbox.trial.trial_options import TrialOptions, trial_settings
 from tasks.clutter.books import EDGE, Books
 from tasks.simulated_user.grasp import grasp_across
 from tasks.simulated_user.hand import Hand as PersonsHand
@@ -41,7 +41,7 @@ def palm(method: str, turned: float, person: int) -> Array:
     """
     surface = place_surface(Surface(), Books)
     options = {"labels": "device", **METHODS[method]}
-    settings = scene_settings(SceneOptions(task="box-to-goal", seed=1, **options))
+    settings = trial_settings(TrialOptions(task="box-to-goal", seed=1, **options))
     model = load_encoder(settings.pipeline.encoder)
     labeller = make_labeller(settings, model)
     hand = TouchReconstructor(model, labeller, ADULT, surface, reconstructor_settings(settings))

@@ -19,8 +19,6 @@ from models.surface import Surface, enclosing
 from sandbox.cli.main import main
 from sandbox.devices.hand_input import HandInput
 from sandbox.devices.simulated.simulated import SimulatedDevice
-from sandbox.options.scene_options import SceneOptions, scene_settings
-from sandbox.options.second_hand import with_second_names
 from sandbox.recording.recording import Recording, load_recording
 from sandbox.regress.plan import RegressionPlan
 from sandbox.session.session import Session
@@ -30,6 +28,7 @@ from sandbox.trial.open_devices import device_makers
 from sandbox.trial.replay import replay
 from sandbox.trial.result import TrialResult
 from sandbox.trial.settings import HandSettings, Settings, decoded, encoded
+from sandbox.trial.trial_options import TrialOptions, trial_settings, with_second_names
 from tasks.carry_together import BORDER, SEAM, SLOPE_TOLERANCE, CarryTogether
 from tasks.guarded import draw_task
 from tasks.sensing import Sensing
@@ -43,7 +42,7 @@ BOTH = Surface(15.52, 5.82).centred_at((0.0, 0.0, 0.0))
 
 
 def carry(seed: int, **options: Any) -> TrialResult:
-    chosen = scene_settings(SceneOptions(task=TASK, seed=seed, **options))
+    chosen = trial_settings(TrialOptions(task=TASK, seed=seed, **options))
     return run_trial(chosen)
 
 
@@ -66,7 +65,7 @@ def test_the_recording_of_two_hands_replays_to_the_bit_and_plays_as_two_devices(
     session, found = replay(recording)
     assert found.exact and found.complete and session.scorer.score.held
     assert len(session.rigs) == 2
-    again = scene_settings(SceneOptions(device=str(recording.path)))
+    again = trial_settings(TrialOptions(device=str(recording.path)))
     result = run_trial(again)
     assert result.state_hash == recording.end["result"]["state_hash"]
 
@@ -91,7 +90,7 @@ def test_settings_of_two_hands_are_read_back_as_they_were_and_damaged_ones_are_r
 
 def test_one_skilled_hand_alone_only_tips_the_tray() -> None:
     """One skilled user who waits for nobody, and one who does nothing."""
-    chosen = scene_settings(SceneOptions(task=TASK, seed=0, second_user="idle"))
+    chosen = trial_settings(TrialOptions(task=TASK, seed=0, second_user="idle"))
     session = build(chosen, device_makers(chosen))
     devices: list[Any] = [rig.device for rig in session.rigs]
     user, idle = (device.user for device in devices)
@@ -115,7 +114,7 @@ def test_the_mirrored_scene_has_the_same_trial_with_the_sides_swapped() -> None:
     swapped = replace(settings, hands=RIGHT_AND_LEFT[::-1])
 
     def places(chosen: Settings) -> tuple[list[Array], Session]:
-        session = build(chosen, device_makers(scene_settings(SceneOptions(task=TASK))))
+        session = build(chosen, device_makers(trial_settings(TrialOptions(task=TASK))))
         return [
             r.reconstructor.surface.to_world(r.reconstructor.surface.size / 2)[0]
             for r in session.rigs
@@ -143,7 +142,7 @@ def test_two_hands_on_one_large_surface_carry_the_tray() -> None:
 @pytest.fixture(scope="module")
 def still() -> Session:
     """A session that nobody plays."""
-    chosen = scene_settings(SceneOptions(task=TASK, seed=3, user="idle", second_user="idle"))
+    chosen = trial_settings(TrialOptions(task=TASK, seed=3, user="idle", second_user="idle"))
     return build(chosen, device_makers(chosen))
 
 
@@ -223,7 +222,7 @@ def test_a_tray_s_clearance_is_that_of_its_boxes() -> None:
 
 @pytest.mark.parametrize("vary", ["size=0.9,mass=0.7,start=10", "latency=60,noise=1"])
 def test_varied_trials_run(vary: str) -> None:
-    chosen = scene_settings(SceneOptions(task=TASK, seed=1, vary=vary))
+    chosen = trial_settings(TrialOptions(task=TASK, seed=1, vary=vary))
     session = build(chosen, device_makers(chosen))
     for _ in range(80):
         snapshot = session.advance()
@@ -264,7 +263,7 @@ def test_invalid_options_for_a_second_hand_are_refused() -> None:
         ({"task": TASK, "second_hand_size": 7.0}, "the hand size is out of range"),
     ):
         with pytest.raises(InputError, match=what):
-            chosen = scene_settings(SceneOptions(**options))
+            chosen = trial_settings(TrialOptions(**options))
             build(chosen, device_makers(chosen))
     with pytest.raises(InputError, match="needs two hands"):
         build(Settings(task=TASK), device_makers(Settings()))
@@ -274,7 +273,7 @@ def test_invalid_options_for_a_second_hand_are_refused() -> None:
 
 
 def test_two_people_with_a_screen_each_share_a_task_for_one_hand() -> None:
-    chosen = scene_settings(SceneOptions(seed=4, second_device="simulated", second_turn=180))
+    chosen = trial_settings(TrialOptions(seed=4, second_device="simulated", second_turn=180))
     session = build(chosen, device_makers(chosen))
     first, second = (rig.reconstructor.surface for rig in session.rigs)
     assert first is second and session.scene.spec.hands[0].name != session.scene.spec.hands[1].name

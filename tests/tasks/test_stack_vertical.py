@@ -16,13 +16,13 @@ from models.hand import Hand
 from models.rotations import exp, matrix_to_quaternion
 from models.scene import Scene, SceneSpec
 from models.surface import Surface
-from sandbox.options.scene_options import SceneOptions, scene_settings
 from sandbox.recording.recording import load_recording
 from sandbox.session.respawn import AWAY
 from sandbox.trial.assembly import build
 from sandbox.trial.driver import run_trial
 from sandbox.trial.open_devices import device_makers
 from sandbox.trial.replay import replay
+from sandbox.trial.trial_options import TrialOptions, trial_settings
 from tasks.sensing import Sensing
 from tasks.stack import EDGE, MASS, UPRIGHT_GAP, UPRIGHT_SIDE, StackVertical
 from tasks.task import Measure, place_surface
@@ -177,8 +177,8 @@ def test_a_box_that_fingers_still_meet_is_left_at_its_depth(deeper: float) -> No
 def test_the_simulated_user_stacks_with_one_hand_and_replay_shows_it_to_the_bit(
     tmp_path: Path, seed: int, hand: Literal["right", "left"], fingers: int
 ) -> None:
-    options = SceneOptions(task="stack-vertical", seed=seed, hand=hand, fingers=fingers)
-    planned = scene_settings(options)
+    options = TrialOptions(task="stack-vertical", seed=seed, hand=hand, fingers=fingers)
+    planned = trial_settings(options)
     file = tmp_path / "trial.jsonl"
     result = run_trial(planned, record=file)
     assert result.success, result.reason
@@ -189,7 +189,7 @@ def test_the_simulated_user_stacks_with_one_hand_and_replay_shows_it_to_the_bit(
 
 @pytest.mark.parametrize("user", ["idle", "random"])
 def test_a_user_who_does_nothing_does_not_stack(user: Literal["idle", "random"]) -> None:
-    planned = scene_settings(SceneOptions(task="stack-vertical", seed=1, user=user))
+    planned = trial_settings(TrialOptions(task="stack-vertical", seed=1, user=user))
     session = build(planned, device_makers(planned))
     device = session.rigs[0].device
     for _ in range(400):

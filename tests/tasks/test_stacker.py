@@ -13,9 +13,9 @@ from hypothesis import strategies as st
 from models.arithmetic.arrays import Array
 from models.objects import Box
 from models.surface import Surface
-from sandbox.options.scene_options import SceneOptions, scene_settings
 from sandbox.trial.driver import run_trial
 from sandbox.trial.result import TrialResult
+from sandbox.trial.trial_options import TrialOptions, trial_settings
 from tasks.simulated_user.control_users import IdleLiftUser, RandomLiftUser, Slider
 from tasks.simulated_user.grasp import Surroundings, roomiest_grasp
 from tasks.simulated_user.hand import Hand
@@ -28,7 +28,7 @@ HAND = Hand.draw(USER, 0)
 
 
 def trial(**options: Any) -> TrialResult:
-    chosen = scene_settings(SceneOptions(**options))
+    chosen = trial_settings(TrialOptions(**options))
     return run_trial(chosen)
 
 

@@ -16,10 +16,10 @@ from models.arithmetic.arrays import Array
 from models.frames import TouchFrame
 from models.surface import Surface
 from sandbox.devices.device import Device, DeviceWrapper
-from sandbox.options.scene_options import SceneOptions, scene_settings
 from sandbox.trial.driver import open_trial
 from sandbox.trial.open_devices import DeviceMaker, device_makers
 from sandbox.trial.settings import Settings
+from sandbox.trial.trial_options import TrialOptions, trial_settings
 from tasks.registry import TASKS
 from tasks.simulated_user.grasp import grasp_across
 from tasks.simulated_user.hand import NARROWEST, Hand
@@ -134,7 +134,7 @@ def played(
     task: str, seed: int, fingers: int, seconds: float = 5.0, **options: Any
 ) -> list[Watched]:
     """The first seconds of a trial."""
-    chosen = scene_settings(SceneOptions(task=task, seed=seed, fingers=fingers, **options))
+    chosen = trial_settings(TrialOptions(task=task, seed=seed, fingers=fingers, **options))
     opened: list[Watched] = []
 
     def watched(make: DeviceMaker) -> DeviceMaker:

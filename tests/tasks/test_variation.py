@@ -26,8 +26,6 @@ from sandbox.devices.wrappers.degraded import (
     DegradedDevice,
 )
 from sandbox.devices.wrappers.drop_outs import LENGTH
-from sandbox.options.scene_options import SceneOptions, scene_settings
-from sandbox.options.variations import KINDS, parse_variation
 from sandbox.recording.recording import load_recording
 from sandbox.session.messages import Snapshot
 from sandbox.session.session import Session
@@ -36,6 +34,8 @@ from sandbox.trial.driver import View, run_trial
 from sandbox.trial.open_devices import device_makers
 from sandbox.trial.replay import replay
 from sandbox.trial.settings import Settings, decoded, encoded, recorded_settings
+from sandbox.trial.trial_options import TrialOptions, trial_settings
+from sandbox.trial.variations import KINDS, parse_variation
 from tasks.box_to_goal import BoxToGoal
 from tasks.stack import Stack, StackThree
 from tasks.task import Task, place, place_surface
@@ -102,7 +102,7 @@ def test_a_neutral_variation_gives_the_very_same_trial(seed: int) -> None:
 
 def test_a_run_with_a_neutral_variation_has_the_hash_of_one_without() -> None:
     def run(text: str) -> tuple[str, dict[str, Any]]:
-        chosen = scene_settings(SceneOptions(seed=2, vary=text))
+        chosen = trial_settings(TrialOptions(seed=2, vary=text))
         session = build(chosen, device_makers(chosen))
         for _ in range(40):
             session.advance()
@@ -197,7 +197,7 @@ def test_an_object_with_a_fixed_size_is_refused() -> None:
 
 def test_friction_times_k_is_every_sliding_friction_times_k_and_no_other() -> None:
     def model(text: str) -> mujoco.MjModel:
-        chosen = scene_settings(SceneOptions(vary=text))
+        chosen = trial_settings(TrialOptions(vary=text))
         return build(chosen, device_makers(chosen)).scene.model
 
     plain, slippery = model(""), model("friction=0.25")
@@ -208,7 +208,7 @@ def test_friction_times_k_is_every_sliding_friction_times_k_and_no_other() -> No
 
 def test_a_box_on_a_slippery_table_slides_at_a_slope_at_which_it_else_stays() -> None:
     def slid(friction: float) -> float:
-        chosen = scene_settings(SceneOptions(user="idle", seed=1, vary=f"friction={friction}"))
+        chosen = trial_settings(TrialOptions(user="idle", seed=1, vary=f"friction={friction}"))
         session = build(chosen, device_makers(chosen))
         # Friction is 0.5 against the table: it holds at a slope of 0.3 and not at 0.3 if halved.
         session.scene.model.opt.gravity[:] = [0.3 * 9.81, 0.0, -9.81]
@@ -331,7 +331,7 @@ def test_a_touch_that_came_back_is_cancelled_under_the_id_it_came_back_with() ->
 
 def test_a_touch_that_came_back_has_its_true_finger_and_an_id_that_nobody_else_has() -> None:
     # The screen of the simulated user drops touches of its own, too.
-    chosen = scene_settings(SceneOptions(seed=1, drop_outs=2.0, vary="dropped=3"))
+    chosen = trial_settings(TrialOptions(seed=1, drop_outs=2.0, vary="dropped=3"))
     seen: set[int] = set()
     truth: dict[int, int] = {}
 
@@ -359,7 +359,7 @@ def test_a_varied_run_replays_to_the_bit_and_is_marked_in_recording_and_result(
     tmp_path: Path,
 ) -> None:
     text = "size=0.9,mass=2,friction=0.8,start=10,noise=0.5,dropped=1,ghosts=1,latency=30"
-    chosen = scene_settings(SceneOptions(seed=6, vary=text + ",hand-size=1.05"))
+    chosen = trial_settings(TrialOptions(seed=6, vary=text + ",hand-size=1.05"))
     path = tmp_path / "varied.jsonl"
     result = run_trial(chosen, record=path)
     recording = load_recording(path)

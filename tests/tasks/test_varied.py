@@ -13,12 +13,12 @@ from models.mechanisms.mechanism import Mechanism, Part
 from models.objects import Box
 from models.surface import Surface
 from sandbox.cli.main import main
-from sandbox.options.scene_options import SceneOptions, scene_settings
 from sandbox.study.design.reading import DesignError
 from sandbox.study.run.players import RunningAttempt, TrialRequest
 from sandbox.trial.assembly import build, drawn
 from sandbox.trial.driver import open_trial
 from sandbox.trial.open_devices import device_makers
+from sandbox.trial.trial_options import TrialOptions, trial_settings
 from tasks.mechanisms.close_case import HEIGHT
 from tasks.task import Goal, Task
 from tasks.variation import Variation, vary
@@ -46,7 +46,7 @@ expected_s = 15
 
 def varied(task: str, vary: str, seed: int = 1) -> Task:
     """A trial of a task as `--vary` makes it."""
-    return drawn(scene_settings(SceneOptions(task=task, seed=seed, vary=vary)))[0]
+    return drawn(trial_settings(TrialOptions(task=task, seed=seed, vary=vary)))[0]
 
 
 @pytest.mark.parametrize(
@@ -85,8 +85,8 @@ def test_a_case_of_another_size_lies_on_the_table(size: float) -> None:
     assert case.position[2] == pytest.approx(size * HEIGHT / 2)
     assert case.lowest == pytest.approx(0.0, abs=1e-9) == cap.lowest
     # Nothing falls or is thrown when the trial begins.
-    chosen = scene_settings(
-        SceneOptions(task="close-case", user="idle", seed=1, vary=f"size={size}")
+    chosen = trial_settings(
+        TrialOptions(task="close-case", user="idle", seed=1, vary=f"size={size}")
     )
     session = build(chosen, device_makers(chosen))
     for _ in range(20):
@@ -200,8 +200,8 @@ def test_a_shifted_start_is_no_nearer_to_the_goal(task: str, seed: int) -> None:
 def test_before_an_upright_surface_no_start_is_shifted_to_where_nobody_grips(seed: int) -> None:
     # Both seeds started over a side, where boxes were put back every half second.
     try:
-        chosen = scene_settings(
-            SceneOptions(task="stack-vertical", seed=seed, user="idle", vary="start=30")
+        chosen = trial_settings(
+            TrialOptions(task="stack-vertical", seed=seed, user="idle", vary="start=30")
         )
         session = build(chosen, device_makers(chosen))
     except InputError as error:
@@ -263,7 +263,7 @@ def test_a_design_is_refused_for_any_of_many_seeds_and_a_participant_is_never_st
     text = TASKS.replace("[]", '["stack", "box-to-goal"]').format(vary="size=1.3")
     with pytest.raises(DesignError, match=r"stack, seed 10, varied.*overlap at the start"):
         design(text)
-    chosen = scene_settings(SceneOptions(task="stack", seed=10, vary="size=1.3", user="idle"))
+    chosen = trial_settings(TrialOptions(task="stack", seed=10, vary="size=1.3", user="idle"))
     with pytest.raises(InputError, match="overlap"), open_trial(chosen):
         pass
     request = TrialRequest(

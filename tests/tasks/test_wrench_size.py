@@ -16,10 +16,10 @@ from models.arithmetic.arrays import Array
 from models.objects import BOLT_LIFT, JAW, Wrench, bolt_place
 from models.rotations import exp
 from sandbox.devices.simulated.air_user.holds import hold_of, pinch_motion
-from sandbox.options.scene_options import SceneOptions, scene_settings
 from sandbox.recording.recording import load_recording
 from sandbox.trial.driver import run_trial
 from sandbox.trial.replay import replay
+from sandbox.trial.trial_options import TrialOptions, trial_settings
 from tasks.simulated_user.hand import Hand
 from tasks.simulated_user.handling import handling_of
 from tasks.task import Goal
@@ -221,7 +221,7 @@ def test_a_hand_in_the_air_closes_on_the_handle_that_is_there_and_turns_it_about
 def test_the_simulated_user_does_it_with_another_wrench_and_it_replays_to_the_bit(
     task: str, size: float, more: dict[str, Any], tmp_path: Path
 ) -> None:
-    chosen = scene_settings(SceneOptions(task=task, seed=1, vary=f"size={size}", **more))
+    chosen = trial_settings(TrialOptions(task=task, seed=1, vary=f"size={size}", **more))
     path = tmp_path / "varied.jsonl"
     result = run_trial(chosen, record=path)
     assert result.success, result.reason

@@ -13,9 +13,9 @@ from models.objects import HANDLE, HANDLE_WIDTH, JAW, Wrench, bolt_place
 from models.person import Person
 from models.rotations import exp
 from models.surface import Surface
-from sandbox.options.scene_options import SceneOptions, scene_settings
 from sandbox.trial.driver import run_trial
 from sandbox.trial.result import TrialResult
+from sandbox.trial.trial_options import TrialOptions, trial_settings
 from tasks import registry
 from tasks.simulated_user.grasp import within_comfort
 from tasks.simulated_user.hand import Hand
@@ -157,7 +157,7 @@ def test_from_every_seat_the_jaws_are_where_they_are_drawn(
 
 
 def play(task: str, seed: int, **options: Any) -> TrialResult:
-    chosen = scene_settings(SceneOptions(task=task, seed=seed, **options))
+    chosen = trial_settings(TrialOptions(task=task, seed=seed, **options))
     return run_trial(chosen)
 
 

@@ -30,10 +30,10 @@ from sandbox.devices.device import Device, HandDevice
 from sandbox.devices.evdev.evdev_device import EvdevDevice
 from sandbox.devices.evdev.evdev_touch import Axis, Slots
 from sandbox.devices.webxr.webxr import HeadsetDevice
-from sandbox.options.scene_options import SceneOptions, scene_settings
 from sandbox.server.protocol.protocol import PageHands, PageScreen, PageTouches, decode
 from sandbox.server.web import WebDevice
 from sandbox.trial.driver import run_trial as play_settings
+from sandbox.trial.trial_options import TrialOptions, trial_settings
 from tasks.task import Task
 from tools.gate.rows import Observed, outcome
 
@@ -56,7 +56,7 @@ def play(name: str) -> Observed:
         opened = Page if name == "page" else touch_screen
         return outcome(run_trial(task, seed, opened, trajectories=False).result)
     if name == "headset":
-        chosen = scene_settings(SceneOptions(task=task, seed=seed, device="webxr-simulated"))
+        chosen = trial_settings(TrialOptions(task=task, seed=seed, device="webxr-simulated"))
         return outcome(play_settings(chosen, (_headset,)).as_json())
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / f"{name}.jsonl"

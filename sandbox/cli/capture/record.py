@@ -20,8 +20,8 @@ from encoders.captures.paired.guide import Guide
 from models.errors import InputError, RecordingError, unknown_name
 from models.frames import HandFrame, TouchFrame
 from sandbox.cli.capture.live_naming import LiveNaming
-from sandbox.cli.common.command_line import parse
-from sandbox.cli.common.touch_opening import open_touches_or_page
+from sandbox.cli.common.command_line import parse, picked
+from sandbox.cli.common.touch_options import LiveTouchOptions, TouchOptions, open_touches_or_page
 from sandbox.devices.device import Device, HandDevice, LandmarkDevice, Sees
 from sandbox.devices.files.paired_capture import (
     ABOUT,
@@ -37,7 +37,7 @@ from sandbox.devices.leap.leap_fake import FAKE
 from sandbox.devices.leap.leap_file import read_leap
 from sandbox.devices.registry import LIVE_LEAP as LIVE
 from sandbox.devices.registry import LIVE_WEBCAM as CAMERA
-from sandbox.devices.registry import kind_of
+from sandbox.devices.registry import kind_of, named_device
 from sandbox.devices.webcam import webcam_choice
 from sandbox.devices.webcam.installed import installed_engine
 from sandbox.devices.webcam.landmark_file import (
@@ -47,10 +47,7 @@ from sandbox.devices.webcam.landmark_file import (
 )
 from sandbox.devices.webcam.landmarks_json import message_of
 from sandbox.devices.webcam.webcam import WebcamDevice
-from sandbox.options.names import check_device_name
-from sandbox.options.page_options import PageOptions
-from sandbox.options.picked import picked
-from sandbox.options.touch_devices import LiveTouchOptions, TouchOptions
+from sandbox.server.page_options import PageOptions
 
 Hands = HandDevice | LandmarkDevice
 """What sees the hand."""
@@ -134,7 +131,7 @@ class RecordOptions(PageOptions, LiveTouchOptions):
 def main(argv: list[str]) -> int:
     """Runs `sandbox capture record ...`."""
     options = parse(RecordOptions, "sandbox capture record", argv)
-    check_device_name(options.touches, "--touches")
+    named_device(options.touches, "--touches")
     for name, value in (("--seconds", options.seconds), ("--each", options.each)):
         if not value > 0.0:
             raise InputError("expected a positive time", where=name, got=value)

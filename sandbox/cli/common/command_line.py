@@ -7,22 +7,25 @@ from __future__ import annotations
 
 import inspect
 import sys
-from collections.abc import Callable, Sequence
-from dataclasses import MISSING, fields, replace
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import MISSING, fields
 from pathlib import Path
-from types import UnionType
+from types import MappingProxyType, UnionType
 from typing import (
     Annotated,
     Any,
+    ClassVar,
     NoReturn,
+    Protocol,
     TypeVar,
     Union,
+    cast,
     get_args,
     get_origin,
     get_type_hints,
 )
 
-from cyclopts import App, Argument, ArgumentCollection, CycloptsError, Parameter
+from cyclopts import App, Argument, ArgumentCollection, CycloptsError, Group, Parameter
 from cyclopts.exceptions import (
     CoercionError,
     MissingArgumentError,
@@ -33,8 +36,14 @@ from cyclopts.exceptions import (
 
 from models.errors import InputError, unknown_name
 from sandbox.cli.common.printing import HelpShown, print_no_more
-from sandbox.options.headings import COMMON, COMMON_SETTINGS, OF_SETTINGS
-from sandbox.options.picked import DataclassInstance
+from sandbox.trial.headings import COMMON, COMMON_SETTINGS, OF_SETTINGS, device_heading
+
+
+class DataclassInstance(Protocol):
+    """An object of any dataclass."""
+
+    __dataclass_fields__: ClassVar[dict[str, Any]]
+
 
 T = TypeVar("T", bound=DataclassInstance)
 
@@ -56,28 +65,43 @@ _DEFAULTS = Parameter(negative=(), show_default=_shown, allow_repeating=True)
 """Flags have no `--no-...` unless they name one. Of an option given twice, the last counts."""
 
 
-def flat(options: type[T]) -> type[T]:
+DEVICES = "sandbox.devices."
+"""Beginning of the modules of devices, which are named by their devices."""
+
+_NONE: Mapping[type[Any], str] = MappingProxyType({})
+
+
+def flat(options: type[T], of_devices: Mapping[type[Any], str] = _NONE) -> type[T]:
     """Decorator of a dataclass of options: they are named by its fields alone.
 
     It resolves the types of the fields, each in the module of its own class. The library looks for
     them in the module of the last class, which lacks those of inherited fields.
+
+    Args:
+        options: The dataclass.
+        of_devices: Classes of options of devices, with the headings of their options.
     """
+    headings = {base: heading for kind, heading in of_devices.items() for base in kind.__mro__}
     hints = get_type_hints(options, include_extras=True)
     own = inspect.get_annotations(options)
     for name in hints:
         # The first class in order of inheritance decides: it may be shorter to type there.
         owner = next(kind for kind in options.__mro__ if name in inspect.get_annotations(kind))
         if owner.__name__ in OF_SETTINGS:
-            own[name] = hints[name] = Annotated[hints[name], _of_setting(owner, name)]
+            heading = COMMON if name in COMMON_SETTINGS else OF_SETTINGS[owner.__name__]
+        elif owner in headings or owner.__module__.startswith(DEVICES):
+            heading = device_heading(headings.get(owner, owner.__module__.rpartition(".")[2]))
+        else:
+            continue
+        own[name] = hints[name] = Annotated[hints[name], _of_setting(owner, name, heading)]
     init: Any = options.__init__
     init.__annotations__.update(hints)
     options.__annotations__ = own
     return FLAT(options)
 
 
-def _of_setting(group: type[Any], name: str) -> Parameter:
-    """How a field of a group of settings is an option."""
-    heading = COMMON if name in COMMON_SETTINGS else OF_SETTINGS[group.__name__]
+def _of_setting(group: type[Any], name: str, heading: Group) -> Parameter:
+    """How a field of a group of settings, or of a device's options, is an option."""
     # What is on by default can only be switched off.
     negative = f"--no-{name.replace('_', '-')}" if getattr(group, name) is True else ()
     is_text = get_type_hints(group)[name] is str
@@ -92,10 +116,24 @@ def _of_setting(group: type[Any], name: str) -> Parameter:
     )
 
 
+def picked(kind: type[T], options: DataclassInstance, **changes: Any) -> T:
+    """Returns options with the values of those of other options that have the same names.
+
+    Args:
+        kind: Class to make.
+        options: The other options.
+        changes: Values that are not theirs.
+    """
+    given = {field.name: getattr(options, field.name) for field in fields(options)}
+    names = {field.name for field in fields(kind)}
+    return kind(**{name: value for name, value in given.items() if name in names} | changes)
+
+
 def parse(options: type[T], prog: str, argv: Sequence[str]) -> T:
     """Parses the options of a command.
 
-    Options repeated for a second hand are accepted (see `second_hand`).
+    Options repeated for a second hand are accepted (see `with_second_names`). A class with a field
+    `device_options` takes the options of the devices that the command line names.
 
     Args:
         options: Dataclass of the options.
@@ -106,12 +144,20 @@ def parse(options: type[T], prog: str, argv: Sequence[str]) -> T:
         InputError: The options are invalid.
         HelpShown: Help was printed.
     """
-    if "second_device" in (field.name for field in fields(options)):
+    names = {field.name for field in fields(options)}
+    if "second_device" in names:
         # This import loads scenes, which is slow; other commands do not need it.
-        from sandbox.options.second_hand import with_second_names
+        from sandbox.trial.trial_options import with_second_names
 
         argv = with_second_names(argv)
+    of_devices: dict[type[Any], str] = {}
+    if "device_options" in names:
+        from sandbox.cli.common.device_options import named_options, with_options
 
+        of_devices = named_options(options, argv)
+        extended = with_options(options, of_devices)
+    else:
+        extended = options
     given: set[str] = set()
 
     def collect(app: App, commands: tuple[str, ...], arguments: ArgumentCollection) -> None:
@@ -120,16 +166,28 @@ def parse(options: type[T], prog: str, argv: Sequence[str]) -> T:
     def parsed(given: Any) -> Any:
         return given
 
-    parsed.__annotations__ = {"given": flat(options)}
+    parsed.__annotations__ = {"given": flat(extended, of_devices)}
     if all(f.default is not MISSING or f.default_factory is not MISSING for f in fields(options)):
-        parsed.__defaults__ = (options(),)
+        parsed.__defaults__ = (extended(),)
     app = application(prog, options.__doc__ or "")
     app.default(parsed)
     app.config = (_check_whole_numbers, collect)
-    result: T = run(app, argv)
-    if "given" in (field.name for field in fields(options)):
-        result = replace(result, given=frozenset(given))
-    return result
+    try:
+        result = run(app, argv, of_devices.values())
+    except HelpShown:
+        if "device_options" in names:
+            from sandbox.cli.common.device_options import show_other_devices
+
+            show_other_devices(of_devices.values())
+        raise
+    more: dict[str, Any] = {}
+    if "given" in names:
+        more["given"] = frozenset(given & names)
+    if "device_options" in names:
+        more["device_options"] = {name: getattr(result, name) for name in given - names}
+    if not more:
+        return cast(T, result)
+    return picked(options, result, **more)
 
 
 def application(name: str, about: str, *functions: Callable[..., int]) -> App:
@@ -157,8 +215,13 @@ def application(name: str, about: str, *functions: Callable[..., int]) -> App:
     return app
 
 
-def run(app: App, argv: Sequence[str]) -> Any:
+def run(app: App, argv: Sequence[str], devices: Iterable[str] = ()) -> Any:
     """Parses a command line and runs it; returns what its function returns.
+
+    Args:
+        app: The command.
+        argv: Words behind it.
+        devices: Headings of devices that the help shows.
 
     Raises:
         InputError: The command line is invalid.
@@ -176,7 +239,7 @@ def run(app: App, argv: Sequence[str]) -> Any:
         _, apps, _ = app.parse_commands(bound.arguments["tokens"])
         options = apps[-1].assemble_argument_collection() if apps[-1].default_command else ()
         defaults = [str(argument.field_info.default) for argument in options]
-        app.help_formatter = HelpLayout([*argv, *defaults])
+        app.help_formatter = HelpLayout([*argv, *defaults, *devices])
         try:
             command(*bound.args, **bound.kwargs)
             sys.stdout.flush()
@@ -264,6 +327,16 @@ def _refuse(error: CycloptsError, prog: str, argv: Sequence[str]) -> NoReturn:
 def _no_option(word: str, known: ArgumentCollection, help_line: str) -> InputError:
     """The error of an option that there is not, with the nearest one."""
     word = word.partition("=")[0]
+    if "--device" in (name for argument in known for name in argument.names):
+        from sandbox.devices.registry import devices_with_option
+
+        if devices := devices_with_option(word.removeprefix("--").replace("-", "_")):
+            return InputError(
+                "this is an option of another device",
+                where=word,
+                expected=f"--device {' or '.join(devices)}",
+                remedy=help_line.replace("--help", f"--device {devices[0]} --help"),
+            )
     names = [name for argument in known if argument.parse for name in argument.names]
     near = unknown_name("no such option", word, names)
     return near if near.remedy else InputError(near.what, got=word, remedy=help_line)

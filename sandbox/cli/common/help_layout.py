@@ -8,7 +8,7 @@ from cyclopts.help import HelpPanel
 from cyclopts.help.formatters import DefaultFormatter
 from rich.console import Console, ConsoleOptions
 
-from sandbox.options.headings import OF_DEVICES
+from sandbox.trial.headings import device_heading
 
 
 class HelpLayout(DefaultFormatter):
@@ -21,13 +21,14 @@ class HelpLayout(DefaultFormatter):
 
     def __init__(self, named: Iterable[str]) -> None:
         super().__init__()
-        words = {word.rpartition("=")[2].partition(":")[0].partition("-")[0] for word in named}
-        self._hidden = {group.name: d for d, group in OF_DEVICES.items() if d not in words}
+        words = [word.rpartition("=")[2].partition(":")[0] for word in named]
+        self._named = {*words, *(word.partition("-")[0] for word in words)}
 
     def __call__(self, console: Console, options: ConsoleOptions, panel: HelpPanel) -> None:
         """Shows the options of one heading, or where they are shown."""
-        device = self._hidden.get(str(panel.title))
-        if device is None:
+        title = str(panel.title)
+        device = title.removeprefix(str(device_heading("").name))
+        if device == title or device in self._named:
             super().__call__(console, options, panel)
         else:
-            console.print(f"{panel.title}: `--device {device} --help` shows its options")
+            console.print(f"{title}: `--device {device} --help` shows its options")

@@ -22,20 +22,19 @@ from models.errors import InputError
 from models.person import Person, PersonFrame
 from models.scene import CONTROL_PERIOD
 from models.surface import Surface
-from sandbox.cli.common.command_line import flat
+from sandbox.cli.common.command_line import flat, picked
 from sandbox.cli.common.json_out import check_output, refuse_replacing
+from sandbox.cli.common.touch_options import LiveTouchOptions
 from sandbox.devices.device import Device
 from sandbox.devices.files.touch_files import first_line
-from sandbox.devices.registry import is_in_air
+from sandbox.devices.registry import given_device_options, is_in_air
 from sandbox.devices.simulated.spreads import SimulatedSpreads
-from sandbox.options.picked import picked
-from sandbox.options.profiles import Profile, default_path, save_profile
-from sandbox.options.scene_options import SceneOptions, scene_settings
-from sandbox.options.touch_devices import LiveTouchOptions
 from sandbox.recording.recording import is_recording
 from sandbox.session.own_layouts import Layouts, kept_layouts
 from sandbox.trial.open_devices import device_makers, is_live
+from sandbox.trial.profiles import Profile, default_path, save_profile
 from sandbox.trial.settings import Settings
+from sandbox.trial.trial_options import TrialOptions, trial_settings
 from tasks.registry import find_task
 
 _ASKED = {
@@ -114,7 +113,16 @@ def measure(options: MeasureOptions = MeasureOptions()) -> int:
     console = Console()
     simulated = options.device == "simulated"
     # The others are about the simulated person, or come after the measurement.
-    chosen = scene_settings(picked(SceneOptions, options, hand_size=None, seed=None, rest=None))
+    chosen = trial_settings(
+        picked(
+            TrialOptions,
+            options,
+            hand_size=None,
+            seed=None,
+            rest=None,
+            device_options=given_device_options(options),
+        )
+    )
     settings = chosen
     if settings.in_air or len(device_makers(chosen)) != 1:
         raise InputError(

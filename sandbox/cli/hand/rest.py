@@ -20,18 +20,17 @@ from models.person import Person
 from models.pose import RateLimit, mirrored
 from models.scene import CONTROL_PERIOD
 from models.skeleton import ADULT
-from sandbox.cli.common.command_line import flat
+from sandbox.cli.common.command_line import flat, picked
 from sandbox.cli.common.json_out import check_output, refuse_replacing
 from sandbox.devices.device import AnyDevice, LatestFrame
 from sandbox.devices.leap import LeapCommandOptions
 from sandbox.devices.registry import LIVE_HEADSET as HEADSET
-from sandbox.devices.registry import built_in
+from sandbox.devices.registry import built_in, given_device_options
 from sandbox.devices.webcam import BeforeCameraOptions
-from sandbox.options.picked import picked
-from sandbox.options.scene_options import SceneOptions, scene_settings
 from sandbox.trial.live_run import RealTime
 from sandbox.trial.open_devices import device_makers, is_live
 from sandbox.trial.settings import Settings
+from sandbox.trial.trial_options import TrialOptions, trial_settings
 from tasks.registry import find_task
 
 
@@ -132,7 +131,9 @@ def _plan(options: RestOptions) -> Settings:
             where=f"--device {options.device}",
             expected="leap, webcam, or a recording of hands",
         )
-    chosen = scene_settings(picked(SceneOptions, options))
+    chosen = trial_settings(
+        picked(TrialOptions, options, device_options=given_device_options(options))
+    )
     if chosen.hands[0].in_air is None:
         raise InputError(
             "this recording has touches, and no hand that was seen",

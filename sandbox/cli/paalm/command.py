@@ -25,11 +25,11 @@ from sandbox.cli.common.command_line import application, run
 from sandbox.cli.common.json_out import refuse_replacing
 from sandbox.cli.paalm.views import check_picture, show_pictures
 from sandbox.devices.leap import DEFAULT_ADDRESS
+from sandbox.devices.leap.guided_calibration import save_calibrations
 from sandbox.devices.leap.leap import LeapDevice, LeapFileDevice
 from sandbox.devices.leap.leap_file import doubt_of_side, read_leap
 from sandbox.devices.leap.leap_truth import GENERATOR
-from sandbox.options.leap_calibration import own_calibration_path, save_calibrations
-from sandbox.options.profiles import DEFAULT
+from sandbox.trial.profiles import DEFAULT, own_calibration_path
 
 SCHEMA = 1
 HEADER = (

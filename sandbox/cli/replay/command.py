@@ -17,8 +17,8 @@ from models.errors import InputError
 from sandbox.cli.common.command_line import FLAT, parse
 from sandbox.cli.common.films import open_film
 from sandbox.cli.replay.study import elsewhere, study_folder, verdict, verified, verify_study
-from sandbox.options.page_options import PageOptions
 from sandbox.recording.recording import Recording, load_recording
+from sandbox.server.page_options import PageOptions
 from sandbox.session.messages import Snapshot
 from sandbox.session.session import Session
 from sandbox.study.record.trial_files import find_recordings, finished_only

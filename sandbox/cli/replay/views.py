@@ -7,8 +7,8 @@ from collections.abc import Sequence
 
 from rich.console import Console
 
-from sandbox.options.page_options import PageOptions
 from sandbox.play.pages import in_air, open_page, show_address, show_session
+from sandbox.server.page_options import PageOptions
 from sandbox.session.messages import Snapshot
 from sandbox.session.session import Session
 from sandbox.trial.events import EventLog

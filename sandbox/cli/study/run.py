@@ -26,13 +26,13 @@ from sandbox.cli.study.run_options import (
     check_options,
     check_page,
     check_second_device,
-    second_touch_options,
-    touch_options,
+    second_touch_device,
+    touch_device,
 )
 from sandbox.views.display import has_display
 
 if TYPE_CHECKING:
-    from sandbox.options.page_options import PageOptions
+    from sandbox.server.page_options import PageOptions
     from sandbox.study.design.checks import Finding
     from sandbox.study.record.folder import StudyFolder
     from sandbox.study.record.session_folder import SessionFolder
@@ -240,7 +240,7 @@ def _play(
     from sandbox.study.run.runner import SessionRunner
 
     person, name = session.person, options.touches
-    touch, second = touch_options(options), second_touch_options(options)
+    touch, second = touch_device(options), second_touch_device(options)
     say, leap, repeated = sayer(console), options.leap_address, again(options, person.ppid)
     # A simulated hand in the air differs in every trial, so it is not measured.
     simulated = options.device == "simulated"
@@ -264,10 +264,10 @@ def _play(
         forms,
         controls,
         say,
-        touch.settings,
-        settings_fitter(name, page, other.device, camera),
+        touch,
+        settings_fitter(name, page, other.name, camera),
         calibrate,
-        second_device=other.settings,
+        second_device=other,
         witness=options.witness,
     )
     try:

@@ -5,17 +5,17 @@ from __future__ import annotations
 import shlex
 from dataclasses import dataclass, fields
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from cyclopts import Parameter
 
 from models.errors import InputError, StudyError, unknown_name
-from sandbox.options.page_options import PageOptions
-from sandbox.options.picked import picked
+from sandbox.cli.common.command_line import picked
+from sandbox.server.page_options import PageOptions
 from sandbox.views.display import has_display
 
 if TYPE_CHECKING:
-    from sandbox.options.touch_devices import TouchOptions
+    from sandbox.devices.registry import DeviceSettings
     from sandbox.study.design.design import Design
 
 NOT_REPEATED = (
@@ -196,7 +196,7 @@ def check_options(options: StudyRunOptions) -> None:
         )
     if options.device not in ("mouse", "simulated"):
         # Errors of a device are reported now, and not after the forms.
-        touch_options(options).settings.open(Place(guessed_surface())).close()
+        touch_device(options).open(Place(guessed_surface())).close()
 
 
 def check_leap(options: StudyRunOptions, design: Design) -> None:
@@ -290,9 +290,9 @@ def check_second_device(options: StudyRunOptions, design: Design) -> None:
             where="--second-device mouse",
             remedy="Use web, tuio, evdev or simulated",
         )
-    asked = second_touch_options(options)
+    asked = second_touch_device(options)
     if asked and name not in ("mouse", PARTNER):
-        asked.settings.open(Place(guessed_surface())).close()
+        asked.open(Place(guessed_surface())).close()
 
 
 def check_page(options: StudyRunOptions) -> None:
@@ -303,18 +303,24 @@ def check_page(options: StudyRunOptions) -> None:
         open_page(options).close()
 
 
-def touch_options(options: StudyRunOptions) -> TouchOptions:
-    """Returns the options of the touch device."""
-    from sandbox.options.touch_devices import TouchOptions
+def touch_device(options: StudyRunOptions) -> DeviceSettings:
+    """The touch device.
 
-    return picked(TouchOptions, options, device=options.touches)
+    Raises:
+        InputError: An option of another device is given.
+    """
+    return _touch_device(options, options.touches)
 
 
-def second_touch_options(options: StudyRunOptions) -> TouchOptions | None:
-    """Returns the options of the second touch device; for TUIO, its port is one higher."""
-    from sandbox.options.touch_devices import TouchOptions
-
+def second_touch_device(options: StudyRunOptions) -> DeviceSettings | None:
+    """The touch device of the second hand; for TUIO, its port is one higher."""
     if options.second_device is None:
         return None
     port = options.port + 1 if options.port and options.device == "tuio" else options.port
-    return picked(TouchOptions, options, device=options.second_device, port=port)
+    return _touch_device(options, options.second_device, port=port)
+
+
+def _touch_device(options: StudyRunOptions, name: str, **changes: Any) -> DeviceSettings:
+    from sandbox.cli.common.touch_options import TouchOptions
+
+    return picked(TouchOptions, options, device=name, **changes).settings

@@ -10,7 +10,7 @@ from typing import Any
 from models.errors import DeviceError, RecordingError
 from models.json_input import decoded_record
 from models.surface import Surface, parse_surface
-from sandbox.devices.device import AnyDevice
+from sandbox.devices.device import Device
 from sandbox.devices.files import read_once
 from sandbox.devices.files.frame_file import FramesDevice, read_frame_file
 from sandbox.devices.registry import unknown_device
@@ -25,7 +25,7 @@ _LONGEST_LINE = 1_000_000
 class Opened:
     """An open device and its surface."""
 
-    device: AnyDevice
+    device: Device
     surface: Surface
 
 

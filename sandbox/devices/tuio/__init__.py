@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Literal
 
 from sandbox.devices.device import DeviceEntry, DeviceKind, Place
@@ -75,9 +75,19 @@ def open_tuio(
     )
 
 
+def _on_next_ports(options: TuioOptions) -> TuioOptions:
+    """A second sender comes to the next ports; a free one stays free."""
+    return replace(
+        options,
+        port=options.port and options.port + 1,
+        websocket_port=options.websocket_port and options.websocket_port + 1,
+    )
+
+
 DEVICE = DeviceEntry(
     "touch surfaces and tablet apps that send TUIO 1.1 or 2.0",
     open_tuio,
     TuioOptions,
     DeviceKind(guessed_size=True),
+    for_second=_on_next_ports,
 )

@@ -108,7 +108,7 @@ class DegradedDevice(DeviceWrapper):
 
     def poll(self, now: float) -> Sequence[TouchFrame]:
         """Frames that have arrived by now."""
-        frames = [self._noise.degrade(replace(f, time=now)) for f in self.device.poll(now)]
+        frames = [self._noise.degrade(replace(f, time=now)) for f in super().poll(now)]
         if not frames and self._goes_on and not self.device.finished:
             frames = [replace(self._last, time=now, cancelled=frozenset())]
         for frame in frames:

@@ -26,7 +26,7 @@ class FirstTouch(DeviceWrapper):
     def came(self) -> bool:
         """True after the first touch. Until then it polls the device, so the session must not."""
         if not self._came and not self.device.finished:
-            frames = list(self.device.poll(0.0))
+            frames = list(super().poll(0.0))
             touched = [n for n, frame in enumerate(frames) if frame.contacts]
             if touched:
                 self._kept = frames[touched[0] :]
@@ -36,4 +36,4 @@ class FirstTouch(DeviceWrapper):
     def poll(self, now: float) -> Sequence[TouchFrame]:
         """The device's frames, from that of the first touch on."""
         kept, self._kept, self._came = self._kept, [], True
-        return [*kept, *self.device.poll(now)]
+        return [*kept, *super().poll(now)]

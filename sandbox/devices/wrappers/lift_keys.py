@@ -56,7 +56,7 @@ class LiftKeys(DeviceWrapper):
         if self._leader is not None:
             self._lift = self._leader._lift
         over = self.device.finished
-        frames = [replace(frame, lift=self._lift) for frame in self.device.poll(now)]
+        frames = [replace(frame, lift=self._lift) for frame in super().poll(now)]
         if not frames and self._lift != before and not over:
             frames = [replace(self._last, lift=self._lift, cancelled=frozenset())]
         if frames:

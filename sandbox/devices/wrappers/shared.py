@@ -170,7 +170,7 @@ class MergedUsers(Device):
     name: str
     lift = True
     wants_snapshots = True
-    clock_origin = None
+    clock_origin: float | None = None
     parts: tuple[AnyDevice, ...]
 
     def __init__(self, devices: Sequence[AnyDevice]) -> None:

@@ -85,19 +85,22 @@ def run_settings(
     """
     from sandbox.devices.hand_input import HandInput
     from sandbox.devices.webcam import webcam_choice
-    from sandbox.options.scene_options import SceneOptions, scene_settings
+    from sandbox.trial.trial_options import TrialOptions, trial_settings
 
     given = dict(values)
     if "impulse" in given:
         given["impulse"] = str(given["impulse"])
     # The real devices are opened later; here only hands in the air need other settings.
     devices = (given.get("device", "touch"), given.get("second_device", given.get("device")))
-    before_camera = HandInput(camera=webcam_choice(given.get("webcam", "")).camera)
+    before_camera = HandInput(camera=webcam_choice(given.pop("webcam", "")).camera)
+    place = given.pop("leap_at", None)
+    if place is not None and "leap" in devices:
+        given["device_options"] = {"leap_at": place}
     given["device"] = _SIMULATED[devices[0]]
     if "second_device" in given:
         given["second_device"] = _SIMULATED[given["second_device"]]
-    options = SceneOptions(seed=seed, hand=_hand(hand), given=frozenset(given), **given)
-    settings = scene_settings(options, base)
+    options = TrialOptions(seed=seed, hand=_hand(hand), given=frozenset(given), **given)
+    settings = trial_settings(options, base)
     hands = tuple(
         replace(
             hand,

@@ -50,7 +50,6 @@ COMPUTES = (
     "sandbox/devices/webcam",
     "sandbox/devices/webxr",
     "sandbox/devices/wrappers",
-    "sandbox/options",
     "sandbox/play",
     "sandbox/recording",
     "sandbox/session",

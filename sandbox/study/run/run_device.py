@@ -10,11 +10,10 @@ from models.surface import Surface
 from sandbox.devices.device import Device, Place, Sees
 from sandbox.devices.leap import DEFAULT_ADDRESS
 from sandbox.devices.leap.leap import open_leap
-from sandbox.devices.registry import kind_of, named_device
+from sandbox.devices.registry import DeviceSettings, kind_of, named_device
 from sandbox.devices.simulated import NEXT_PERSON
 from sandbox.devices.webcam import webcam_choice
 from sandbox.devices.wrappers.degraded import DegradedDevice
-from sandbox.options.touch_devices import TouchOptions
 from sandbox.study.design.conditions import PARTNER
 from sandbox.study.design.plan import TrialStep
 from sandbox.study.record.folder import Participant
@@ -35,17 +34,17 @@ SLACK = 0.02
 
 
 def person_devices(
-    options: TouchOptions,
+    device: DeviceSettings,
     person: Participant,
     page: StudyPage | None = None,
     leap: str = DEFAULT_ADDRESS,
-    second: TouchOptions | None = None,
+    second: DeviceSettings | None = None,
     camera: SessionCamera | None = None,
 ) -> OpenDevices:
     """Returns a function that opens the devices of a trial.
 
     Args:
-        options: Device `mouse`, `web`, `tuio`, `evdev`, `evdev:NODE` or `simulated`.
+        device: Device `mouse`, `web`, `tuio`, `evdev`, `evdev:NODE` or `simulated`.
         person: The participant, who touches, or moves a hand over a Leap or before a camera if the
             design says so.
         page: Page of device `web`; the second hand's is beside it.
@@ -53,16 +52,18 @@ def person_devices(
         second: Device of a second hand; None if no trial needs one.
         camera: The session's camera; None if no trial needs one.
     """
-    if options.device == "simulated":
+    if device.name == "simulated":
         return simulated_devices(person)
 
-    def opens(asked: TouchOptions, trial: TrialStep, settings: Settings, hand: int) -> DeviceMaker:
-        name = asked.device
+    def opens(
+        asked: DeviceSettings, trial: TrialStep, settings: Settings, hand: int
+    ) -> DeviceMaker:
+        name = asked.name
         if name == PARTNER:
             return simulated_hand(UserConfiguration(), settings, hand, trial.seed)
 
         def make(task: Task, surface: Surface) -> Device:
-            device: Device
+            opened: Device
             in_air = settings.hands[hand].in_air
             if in_air is not None and in_air.camera is not None:
                 assert camera is not None
@@ -72,33 +73,33 @@ def person_devices(
                 # touch of the page.
                 return cast(Device, open_leap(leap))
             if page is not None and name == "web":
-                device = page_device(page.pages[hand], surface)
+                opened = page_device(page.pages[hand], surface)
             else:
                 place = Place(surface, person=settings.hands[hand].person)
-                device = cast(Device, asked.settings.open(place))
+                opened = cast(Device, asked.open(place))
             if settings.variation.degrades_touches:
                 noise = trial.seed + hand * NEXT_PERSON
-                return DegradedDevice(device, settings.variation, surface, noise)
-            return device
+                return DegradedDevice(opened, settings.variation, surface, noise)
+            return opened
 
         return make
 
     def of_trial(trial: TrialStep, settings: Settings) -> DeviceMakers:
-        first = opens(options, trial, settings, 0)
+        first = opens(device, trial, settings, 0)
         # Keys of the window lift the hands whose devices have no lift control.
-        keys = "mouse" in (options.device, second.device if second else "")
+        keys = "mouse" in (device.name, second.name if second else "")
         if len(settings.hands) == 1:
             return with_lift((first,), keys)
         if settings.surface.shared:
             return with_lift(shared_makers(first, settings, Sees.TOUCHES), keys)
         if trial.values.get("second_device") == PARTNER:
-            asked = TouchOptions(device=PARTNER)
+            asked = DeviceSettings(PARTNER)
         elif before_cameras(settings) == (True, True):
             return shared_makers(first, settings, Sees.CAMERA)
         elif settings.in_air and not any(before_cameras(settings)):
             return shared_makers(first, settings, Sees.LEAP)
         elif second is not None or settings.hands[1].in_air is not None:
-            asked = second or options
+            asked = second or device
         else:
             raise StudyError(
                 "the trial is for two hands, but only one device is given",

@@ -9,13 +9,11 @@ from rich.console import Console
 from encoders.paalm.calibration_file import is_calibration, read_calibration
 from models.errors import DeviceError
 from sandbox.cli.play import PlayOptions
+from sandbox.devices.leap.guided_calibration import measure_and_save
 from sandbox.devices.leap.leap_fake import FakeLeapd
 from sandbox.devices.leap.leap_write import leap_message
-from sandbox.options.leap_calibration import (
-    measure_and_save,
-    own_calibration_path,
-    with_measured_hand,
-)
+from sandbox.play.own_profile import with_measured_hand
+from sandbox.trial.profiles import own_calibration_path
 from tests.support.leap_hands import take
 
 
@@ -46,7 +44,10 @@ def test_a_hand_is_measured_kept_and_taken_the_next_time() -> None:
     options = with_measured_hand(
         PlayOptions(device="leap"), Console(file=said, width=500), ask=False
     )
-    assert options.calibration == own_calibration_path() and "your right hand" in said.getvalue()
+    assert (
+        options.device_options == {"calibration": own_calibration_path()}
+        and "your right hand" in said.getvalue()
+    )
     # Of the other hand nothing is known.
     other = PlayOptions(device="leap", hand="left")
     assert with_measured_hand(other, Console(file=StringIO()), ask=False) == other

@@ -4,11 +4,11 @@ import inspect
 
 from encoders.regression.model_registry import DEFAULT_MODEL, MODELS
 from sandbox.cli.regress import RegressOptions
-from sandbox.options.scene_options import SceneOptions
 from sandbox.trial.settings import Settings
+from sandbox.trial.trial_options import TrialOptions
 
 
 def test_all_defaults_are_the_one_default() -> None:
     assert DEFAULT_MODEL in MODELS
-    assert {SceneOptions().encoder, Settings().pipeline.encoder} == {DEFAULT_MODEL}
+    assert {TrialOptions().encoder, Settings().pipeline.encoder} == {DEFAULT_MODEL}
     assert inspect.signature(RegressOptions).parameters["encoder"].default == DEFAULT_MODEL

@@ -22,10 +22,10 @@ from sandbox.cli.hand.command import main
 from sandbox.cli.play import PlayOptions
 from sandbox.devices.files.frame_file import frame_record, header_record
 from sandbox.devices.simulated.spreads import SimulatedSpreads
-from sandbox.options.profiles import Profile, default_path, find_profile, load_profile, save_profile
-from sandbox.options.scene_options import SceneOptions, scene_settings
 from sandbox.trial.driver import open_trial, run_trial
+from sandbox.trial.profiles import Profile, default_path, find_profile, load_profile, save_profile
 from sandbox.trial.settings import HandSettings, Settings
+from sandbox.trial.trial_options import TrialOptions, trial_settings
 
 LAYOUT = np.array([(0.03, 0.09), (0.06, 0.05), (0.08, 0.04), (0.10, 0.05), (0.12, 0.07)])
 
@@ -104,14 +104,14 @@ def test_playing_with_ones_own_fingers_uses_ones_own_profile(
     for other in ("mouse", "simulated", str(default_path())):
         assert PlayOptions(device=other).with_own_profile().profile is None
     assert PlayOptions(device="tuio", profile="none").with_own_profile().profile == "none"
-    assert scene_settings(SceneOptions(profile="default")).hands[0].person == Person("left", 0.9)
-    assert scene_settings(SceneOptions(profile="none")).hands[0].person == Person()
+    assert trial_settings(TrialOptions(profile="default")).hands[0].person == Person("left", 0.9)
+    assert trial_settings(TrialOptions(profile="none")).hands[0].person == Person()
 
 
 def test_what_is_asked_for_on_the_command_line_goes_before_the_profile(tmp_path: Path) -> None:
     path = tmp_path / "p.json"
     save_profile(Profile(Person("left", 0.9, 180), (0.8, 1.0), "tuio", False), path)
-    settings = scene_settings(SceneOptions(profile=str(path), hand_size=1.05))
+    settings = trial_settings(TrialOptions(profile=str(path), hand_size=1.05))
     assert settings.hands[0].person == Person("left", 1.05, 180)
 
 
@@ -180,7 +180,7 @@ def test_a_file_of_touches_on_a_guessed_size_measures_no_hand(
 def test_a_file_of_touches_on_a_guessed_size_plays_as_such(guessed: bool, tmp_path: Path) -> None:
     surface = Surface(9.0, 6.0, calibrated=not guessed)
     touches = touches_of_spreads(tmp_path / "touches.jsonl", surface)
-    settings = scene_settings(SceneOptions(device=str(touches)))
+    settings = trial_settings(TrialOptions(device=str(touches)))
     assert settings.surface.size_in == (9.0, 6.0)
     assert settings.surface.calibrated is not guessed
 
@@ -326,7 +326,7 @@ def test_a_profile_that_is_not_there_is_one_clear_error(tmp_path: Path) -> None:
 def test_a_recording_of_two_hands_or_of_one_in_the_air_is_no_rest_of_five_fingers(
     task: str, device: str, tmp_path: Path
 ) -> None:
-    chosen = scene_settings(SceneOptions(task=task, device=device))
+    chosen = trial_settings(TrialOptions(task=task, device=device))
     recorded = tmp_path / "run.jsonl"
     with open_trial(chosen, record=recorded) as trial:
         trial.session.advance()

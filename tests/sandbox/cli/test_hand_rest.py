@@ -22,7 +22,7 @@ from sandbox.cli.main import main
 from sandbox.devices.leap.leap_write import leap_message
 from sandbox.devices.webcam.landmark_file import header_record
 from sandbox.devices.webcam.landmarks_json import message_of
-from sandbox.options.scene_options import SceneOptions, scene_settings
+from sandbox.trial.trial_options import TrialOptions, trial_settings
 from tests.encoders.person.resting_hand import resting
 from tests.encoders.webcam.seen_hands import film, mirror
 
@@ -93,7 +93,7 @@ def test_a_second_of_seeing_the_hand_is_a_rest_posture(device: str, tmp_path: Pa
     assert abs(height) < 0.025
     bent = np.abs(pose[JOINTS] - true[JOINTS])[6:]
     assert np.degrees(np.median(bent)) < 8.0
-    assert scene_settings(SceneOptions(device="simulated", rest=out)).hands[0].rest == (look,)
+    assert trial_settings(TrialOptions(device="simulated", rest=out)).hands[0].rest == (look,)
 
 
 def test_a_left_hand_is_kept_as_one(tmp_path: Path) -> None:

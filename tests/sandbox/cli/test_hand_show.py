@@ -11,8 +11,8 @@ import pytest
 from models.errors import InputError
 from models.person import Person
 from sandbox.cli.hand.command import main
-from sandbox.options.profiles import Profile, load_profile, save_profile
-from sandbox.options.scene_options import SceneOptions, scene_settings
+from sandbox.trial.profiles import Profile, load_profile, save_profile
+from sandbox.trial.trial_options import TrialOptions, trial_settings
 
 LAYOUT = ((0.0, 0.0), (0.035, -0.042), (0.06, -0.055), (0.083, -0.048), (0.104, -0.026))
 MIRRORED = tuple((-x, y) for x, y in LAYOUT)
@@ -32,7 +32,7 @@ def with_value(path: Path, **values: Any) -> None:
 
 def test_layouts_of_a_profile_are_used_where_names_are_those_of_the_population(path: Path) -> None:
     def layouts(**options: Any) -> object:
-        return scene_settings(SceneOptions(profile=str(path), **options)).hands[0].layouts
+        return trial_settings(TrialOptions(profile=str(path), **options)).hands[0].layouts
 
     assert layouts(labels="population") == (LAYOUT,)
     assert layouts(labels="paper") == ()

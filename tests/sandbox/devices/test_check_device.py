@@ -46,11 +46,11 @@ from sandbox.devices.wrappers.degraded import DegradedDevice
 from sandbox.devices.wrappers.lift_keys import LiftKeys
 from sandbox.devices.wrappers.merged import MergedDevice
 from sandbox.devices.wrappers.shared import SharedDevice, Split, SplitByPlace
-from sandbox.options.variations import parse_variation
 from sandbox.recording.recorded_device import RecordedDevice
 from sandbox.recording.recording import load_recording
 from sandbox.server.protocol.protocol import PageHands, PageScreen, PageTouches
 from sandbox.server.web import WebDevice
+from sandbox.trial.variations import parse_variation
 from tasks.guarded import draw_task
 from tasks.registry import find_task
 from tasks.task import place_surface

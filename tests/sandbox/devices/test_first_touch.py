@@ -13,10 +13,10 @@ from sandbox.devices.check_device import check_device
 from sandbox.devices.mouse.mouse import MouseDevice
 from sandbox.devices.tuio.tuio import TuioDevice
 from sandbox.devices.wrappers.first_touch import FirstTouch
-from sandbox.options.scene_options import SceneOptions, scene_settings
 from sandbox.play.window import _from_first_touch, _waiting
 from sandbox.trial.assembly import build
 from sandbox.trial.open_devices import device_makers
+from sandbox.trial.trial_options import TrialOptions, trial_settings
 from tests.support.processes import PATIENCE, Sender
 from tests.support.scripted import Played
 from tests.support.tuio_packets import frame
@@ -81,7 +81,7 @@ def test_a_mouse_that_is_waited_for_keeps_to_the_rules_for_devices() -> None:
 def test_time_begins_where_touches_come_late_or_two_hands_share_the_surface(
     more: dict[str, Any],
 ) -> None:
-    chosen = scene_settings(SceneOptions(device="tuio", port=0, **more))
+    chosen = trial_settings(TrialOptions(device="tuio", device_options={"port": 0}, **more))
     session = build(chosen, device_makers(chosen, _from_first_touch))
     tuio = session.first_rig.device.find(TuioDevice)
     assert tuio is not None

@@ -26,7 +26,6 @@ from sandbox.cli.main import main
 from sandbox.export.sources import HAND_JOINTS, commanded_poses, open_source
 from sandbox.export.targets import FORMATS, Exporter, ExportSettings
 from sandbox.export.view import MotionView, simulated_poses
-from sandbox.options.scene_options import SceneOptions, scene_settings
 from sandbox.recording.recording import RecordingWriter
 from sandbox.session.messages import Snapshot
 from sandbox.session.session import Session
@@ -34,6 +33,7 @@ from sandbox.trial.assembly import build
 from sandbox.trial.driver import View, run_trial
 from sandbox.trial.open_devices import device_makers
 from sandbox.trial.settings import encoded
+from sandbox.trial.trial_options import TrialOptions, trial_settings
 from tests.support.motion_poses import moving
 
 BOTH: dict[Literal["simulated", "commanded"], Any] = {
@@ -48,7 +48,7 @@ def session(
 ) -> tuple[Path, dict[str, list[Keys]], dict[float, Array]]:
     """A recorded trial; BVHs that views wrote meanwhile; and the keys somebody else collected."""
     folder = tmp_path_factory.mktemp("session")
-    chosen = scene_settings(SceneOptions(seed=3, fingers=3))
+    chosen = trial_settings(TrialOptions(seed=3, fingers=3))
     sampler = {of: Sampler((Armature(ADULT),), 60.0) for of in BOTH}
     keys: dict[str, list[Keys]] = {of: [] for of in BOTH}
     open_views, tips = [], {}
@@ -77,7 +77,7 @@ def session(
 def two_hands(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, list[Array]]:
     """A recording of two hands whose poses are known, and the poses."""
     path = tmp_path_factory.mktemp("two") / "two.jsonl"
-    settings = encoded(scene_settings(SceneOptions(task="carry-together", seed=1)))
+    settings = encoded(trial_settings(TrialOptions(task="carry-together", seed=1)))
     assert [hand["side"] for hand in settings["hands"]] == ["right", "left"]
     q = [moving(ADULT, 200, seed, rate=62.5) for seed in (1, 2)]
     writer = RecordingWriter(path, {"settings": settings})
@@ -167,7 +167,7 @@ def test_two_hands_go_into_two_files_or_one(
 
 
 def test_hands_come_before_objects_in_a_scene() -> None:
-    chosen = scene_settings(SceneOptions(seed=0))
+    chosen = trial_settings(TrialOptions(seed=0))
     scene = build(chosen, device_makers(chosen)).scene
     assert scene.qpos_slice(0) == slice(0, HAND_JOINTS)
 
@@ -272,7 +272,7 @@ def test_what_cannot_be_exported_is_refused_in_one_line(
     run = str(folder / "run.jsonl")
     (tmp_path / "notes.txt").write_text("no recording")
     (tmp_path / "zip.npz").write_bytes(b"PK\3\4 no capture")
-    settings = encoded(scene_settings(SceneOptions(seed=1)))
+    settings = encoded(trial_settings(TrialOptions(seed=1)))
     header = {"kind": "header", "schema": 2, "settings": settings}
     (tmp_path / "empty.jsonl").write_text(json.dumps(header) + "\n")
     (tmp_path / "other.jsonl").write_text(json.dumps({**header, "schema": 99}) + "\n")
@@ -310,7 +310,7 @@ def test_what_cannot_be_exported_is_refused_in_one_line(
 def test_a_session_that_is_stopped_keeps_its_motion_and_a_broken_one_leaves_none(
     tmp_path: Path,
 ) -> None:
-    chosen = scene_settings(SceneOptions(seed=3))
+    chosen = trial_settings(TrialOptions(seed=3))
     for error, kept in ((KeyboardInterrupt, True), (ValueError, False)):
         path = tmp_path / f"{error.__name__}.bvh"
         session = build(chosen, device_makers(chosen))
@@ -335,7 +335,7 @@ def test_a_recording_with_a_line_twice_is_written_up_to_it_and_names_the_line(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     path = tmp_path / "run.jsonl"
-    chosen = scene_settings(SceneOptions(seed=3))
+    chosen = trial_settings(TrialOptions(seed=3))
     run_trial(chosen, record=path)
     lines = path.read_bytes().splitlines(keepends=True)
     twice = next(i for i, line in enumerate(lines) if b'"kind":"track"' in line)
@@ -349,7 +349,7 @@ def test_steps_that_are_none_are_damage(
     steps: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     path = tmp_path / "run.jsonl"
-    chosen = scene_settings(SceneOptions(seed=3))
+    chosen = trial_settings(TrialOptions(seed=3))
     run_trial(chosen, record=path)
     lines = path.read_bytes().splitlines(keepends=True)
     at = [i for i, line in enumerate(lines) if b'"kind":"track"' in line][1]

@@ -6,14 +6,14 @@ from pathlib import Path
 
 from rich.console import Console
 
-from sandbox.options.page_options import PageOptions
-from sandbox.options.scene_options import SceneOptions
 from sandbox.play.page import PagePlay
 from sandbox.play.pages import open_page
 from sandbox.play.play import PlayerRequests
+from sandbox.server.page_options import PageOptions
 from sandbox.server.protocol.protocol import PlayerRequest
 from sandbox.trial.events import EventLog
 from sandbox.trial.settings import Settings
+from sandbox.trial.trial_options import TrialOptions
 from tests.sandbox.play.played_page import played
 from tests.support.page_client import Page
 
@@ -36,7 +36,7 @@ def test_another_task_is_chosen_and_then_the_players_own_again(tmp_path: Path) -
     own = own_task(tmp_path)
     server = open_page(PageOptions(), task=own)
     play = PagePlay(
-        SceneOptions(task=own, device="web"), (server,), EventLog(None), Console(quiet=True)
+        TrialOptions(task=own, device="web"), (server,), EventLog(None), Console(quiet=True)
     )
     try:
         with played(play, server), Page(server.url) as page:

@@ -9,17 +9,17 @@ from rich.console import Console
 
 from models.errors import InputError
 from models.surface import PRESETS
-from sandbox.options.page_options import PageOptions
-from sandbox.options.scene_options import SceneOptions
 from sandbox.play.page import PagePlay
 from sandbox.play.pages import open_page
 from sandbox.server import audience
+from sandbox.server.page_options import PageOptions
 from sandbox.server.page_server import PageServer
 from sandbox.server.screen_too_small import explain_refusal, fitting
 from sandbox.server.web import WebDevice
 from sandbox.trial.assembly import build
 from sandbox.trial.events import EventLog
 from sandbox.trial.settings import Settings
+from sandbox.trial.trial_options import TrialOptions
 from tasks.registry import TASKS, hands_of
 from tests.sandbox.play.played_page import played
 from tests.support.page_client import SCREEN, Page
@@ -59,7 +59,7 @@ def test_a_screen_that_stands_is_told_to_be_turned_where_that_helps() -> None:
 @pytest.fixture
 def server() -> Iterator[PageServer]:
     server = open_page(PageOptions())
-    play = PagePlay(SceneOptions(device="web"), (server,), EventLog(None), Console(quiet=True))
+    play = PagePlay(TrialOptions(device="web"), (server,), EventLog(None), Console(quiet=True))
     with played(play, server):
         yield server
     server.close()

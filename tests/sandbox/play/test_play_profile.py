@@ -15,13 +15,13 @@ from models.errors import InputError
 from models.person import Person
 from sandbox.cli.play import PlayOptions
 from sandbox.cli.play import main as play
-from sandbox.options.page_options import PageOptions
-from sandbox.options.profiles import Profile, load_profile, save_profile
-from sandbox.options.scene_options import scene_settings
 from sandbox.play.own_profile import Learner, with_usable_profile
 from sandbox.play.page import PagePlay
 from sandbox.play.pages import open_page
+from sandbox.server.page_options import PageOptions
 from sandbox.trial.events import EventLog
+from sandbox.trial.profiles import Profile, load_profile, save_profile
+from sandbox.trial.trial_options import trial_settings
 from tests.sandbox.play.played_page import played
 from tests.support.page_client import Page
 
@@ -66,18 +66,18 @@ def test_a_profile_that_cannot_be_used_is_one_line_and_play_goes_on_without_it(
     path.write_text(json.dumps({**json.loads(path.read_text()), **values}))
     chosen, said = usable(path)
     assert says in said and len(said.splitlines()) == 1
-    (hand,) = scene_settings(chosen).hands
+    (hand,) = trial_settings(chosen).hands
     assert hand.layouts == () and hand.person == person
     # Runs and comparisons do not go on with other settings than those that were asked for.
     with pytest.raises(InputError, match=says):
-        scene_settings(options(path))
+        trial_settings(options(path))
 
 
 def test_a_profile_cut_short_is_one_line_and_play_goes_on_without_it(path: Path) -> None:
     path.write_bytes(path.read_bytes()[:60])
     chosen, said = usable(path)
     assert len(said.splitlines()) == 1 and str(path) in said
-    assert scene_settings(chosen).hands[0].person == Person()
+    assert trial_settings(chosen).hands[0].person == Person()
 
 
 def test_layouts_of_the_other_hand_are_left_out_and_one_line_says_so(path: Path) -> None:
@@ -85,10 +85,10 @@ def test_layouts_of_the_other_hand_are_left_out_and_one_line_says_so(path: Path)
     save_profile(profile, path)
     chosen, said = usable(path, hand="left")
     assert "right hand" in said and len(said.splitlines()) == 1
-    (hand,) = scene_settings(chosen).hands
+    (hand,) = trial_settings(chosen).hands
     assert hand.person == Person("left", 0.9) and hand.layouts == ()
     assert usable(path) == (options(path), "")
-    assert scene_settings(options(path)).hands[0].layouts == (LAYOUT,)
+    assert trial_settings(options(path)).hands[0].layouts == (LAYOUT,)
 
 
 def test_a_profile_that_is_not_there_is_an_error(tmp_path: Path) -> None:
@@ -126,7 +126,7 @@ def test_play_leaves_a_profile_as_it_is_unless_it_is_asked_to_learn(path: Path) 
     assert path.read_bytes() == before
     touched_with_five(path, learns=True)
     (layout,) = load_profile(path).layouts
-    assert scene_settings(options(path)).hands[0].layouts == (layout,)
+    assert trial_settings(options(path)).hands[0].layouts == (layout,)
     for (x, y), (wanted_x, wanted_y) in zip(layout, LAYOUT, strict=True):
         assert x - layout[0][0] == pytest.approx(wanted_x, abs=2e-4)
         assert y - layout[0][1] == pytest.approx(wanted_y, abs=2e-4)

@@ -12,11 +12,10 @@ from rich.console import Console
 
 from models.errors import InputError, StudyError
 from models.surface import METRES_PER_INCH, Surface
-from sandbox.options.page_options import PageOptions
-from sandbox.options.scene_options import SceneOptions
 from sandbox.play.page import PagePlay
 from sandbox.play.pages import open_page
 from sandbox.recording.recording import load_recording
+from sandbox.server.page_options import PageOptions
 from sandbox.server.protocol.protocol import LIFT_STRIP_PX, PageScreen, PageTouches
 from sandbox.server.protocol.rectangle import LARGEST, LEAST, rectangle, scaled
 from sandbox.server.screen_too_small import fitting
@@ -25,6 +24,7 @@ from sandbox.study.run.page_player import settings_for_screen
 from sandbox.study.run.study_page import StudyPage
 from sandbox.trial.events import EventLog
 from sandbox.trial.settings import Settings, decoded, encoded
+from sandbox.trial.trial_options import TrialOptions
 from tasks.registry import TASKS, hands_of
 from tests.sandbox.play.played_page import played
 from tests.support.page_client import Page
@@ -108,7 +108,7 @@ def test_the_result_on_a_phone_does_not_count_and_says_so(
         "fit": fit,
     }
     server, told = open_page(PageOptions()), tmp_path / "events.jsonl"
-    options, events = SceneOptions(device="web", record=tmp_path / "trial.jsonl"), EventLog(told)
+    options, events = TrialOptions(device="web", record=tmp_path / "trial.jsonl"), EventLog(told)
     play = PagePlay(options, (server,), events, Console(quiet=True))
     try:
         with played(play, server), Page(server.url, "one", screen=screen) as page:

@@ -10,23 +10,23 @@ import pytest
 from rich.console import Console
 
 from models.surface import METRES_PER_INCH
-from sandbox.options.page_options import PageOptions
-from sandbox.options.scene_options import SceneOptions, scene_settings
 from sandbox.play.page import PagePlay
 from sandbox.play.pages import open_page, show_session, touched_pages
+from sandbox.server.page_options import PageOptions
 from sandbox.server.page_server import PageServer
 from sandbox.server.protocol.protocol import LIFT_STRIP_PX, PageScreen, PageTouches
 from sandbox.server.protocol.rectangle import common, rectangle
 from sandbox.trial.assembly import build
 from sandbox.trial.events import EventLog
 from sandbox.trial.open_devices import device_makers
+from sandbox.trial.trial_options import TrialOptions, trial_settings
 from tests.sandbox.play.played_page import played
 from tests.sandbox.server.test_page_server import wait_for
 from tests.support.page_client import SCREEN, Page
 
 TASK, SEED = "carry-together", 3
 SMALL = {**SCREEN, "width_px": 980.0, "calibrated": False}
-OPTIONS = SceneOptions(task=TASK, seed=SEED, device="web", second_device="web")
+OPTIONS = TrialOptions(task=TASK, seed=SEED, device="web", second_device="web")
 
 
 @pytest.fixture
@@ -117,14 +117,14 @@ def test_the_only_page_of_two_hands_asks_for_the_hand_that_it_touches(
 @pytest.mark.slow
 def test_two_tablets_carry_a_tray_together(servers: tuple[PageServer, PageServer]) -> None:
     size = common([rectangle(PageScreen(**SCREEN))] * 2)
-    chosen = scene_settings(OPTIONS)
+    chosen = trial_settings(OPTIONS)
     session = build(chosen.changed(**size), device_makers(chosen))
     pages, touched = [], touched_pages(session)
     assert [hand for hand, _ in touched] == [0, 1]
     for server, (hand, device) in zip(servers, touched, strict=True):
         show_session(server, session, "right", "", device, hand)
         pages.append(Page(server.url))
-    simulated = scene_settings(SceneOptions(task=TASK, seed=SEED, device="simulated"))
+    simulated = trial_settings(TrialOptions(task=TASK, seed=SEED, device="simulated"))
     users = [
         maker(session.task, rig.reconstructor.surface)
         for maker, rig in zip(device_makers(simulated), session.rigs, strict=True)
@@ -153,7 +153,7 @@ def test_two_tablets_carry_a_tray_together(servers: tuple[PageServer, PageServer
 def test_time_begins_with_whichever_hand_touches_first() -> None:
     from sandbox.play.window import _from_first_touch, _waiting
 
-    chosen = scene_settings(replace(OPTIONS, device="mouse"))
+    chosen = trial_settings(replace(OPTIONS, device="mouse"))
     session = build(chosen, device_makers(chosen, _from_first_touch))
     ((hand, page),) = touched_pages(session)
     assert hand == 1

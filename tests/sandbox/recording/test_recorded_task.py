@@ -15,11 +15,11 @@ from models.plugins import files_of, place_of
 from models.surface import Surface
 from sandbox import replay_recording
 from sandbox.cli.main import main
-from sandbox.options.scene_options import SceneOptions, scene_settings
 from sandbox.recording.recorded_task import task_change, task_files, task_origin
 from sandbox.recording.recording import load_recording
 from sandbox.trial.driver import run_trial, trial_header
 from sandbox.trial.settings import Settings
+from sandbox.trial.trial_options import TrialOptions, trial_settings
 from tasks.registry import find_task
 
 SURFACE = Surface()
@@ -266,7 +266,7 @@ def test_of_two_files_with_one_name_elsewhere_either_is_missed(
 @pytest.fixture(scope="module")
 def cut(tmp_path_factory: pytest.TempPathFactory) -> bytes:
     """A recording that breaks off."""
-    chosen = scene_settings(SceneOptions(seed=3))
+    chosen = trial_settings(TrialOptions(seed=3))
     path = tmp_path_factory.mktemp("whole") / "run.jsonl"
     run_trial(chosen, record=path)
     return b"".join(path.read_bytes().splitlines(keepends=True)[:40])

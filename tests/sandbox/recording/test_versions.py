@@ -14,7 +14,6 @@ import pytest
 from models.errors import RecordingError
 from sandbox.cli.main import main
 from sandbox.export.sources import open_source
-from sandbox.options.scene_options import SceneOptions, scene_settings
 from sandbox.recording.recording import load_recording
 from sandbox.recording.versions import STATES, OtherStatesError, commit, made_with, states_of
 from sandbox.study.record.stored_sessions import session_path
@@ -22,6 +21,7 @@ from sandbox.study.run.simulate import run_simulated
 from sandbox.trial.driver import run_trial
 from sandbox.trial.replay import replay
 from sandbox.trial.settings import recorded_settings
+from sandbox.trial.trial_options import TrialOptions, trial_settings
 from tests.support.study_files import TRIALS, open_study
 
 MADE_WITH = "made with states 1 (hand-sandbox 0.2.0, commit abc1234)"
@@ -30,7 +30,7 @@ MADE_WITH = "made with states 1 (hand-sandbox 0.2.0, commit abc1234)"
 @pytest.fixture(scope="module")
 def recorded(tmp_path_factory: pytest.TempPathFactory) -> Path:
     path = tmp_path_factory.mktemp("run") / "run.jsonl"
-    chosen = scene_settings(SceneOptions(seed=11, fingers=3))
+    chosen = trial_settings(TrialOptions(seed=11, fingers=3))
     run_trial(chosen, record=path)
     return path
 

@@ -19,7 +19,6 @@ from encoders.regression.model_registry import DEFAULT_MODEL
 from models.errors import InputError
 from sandbox.cli.common.command_line import parse
 from sandbox.cli.main import main
-from sandbox.options.scene_options import SceneOptions, scene_settings
 from sandbox.recording.recording import load_recording
 from sandbox.recording.versions import DECISIVE
 from sandbox.regress.execute import CRASHED, Executor, Processes, Serial, run_job
@@ -32,6 +31,7 @@ from sandbox.regress.plan import (
     registered,
 )
 from sandbox.trial.driver import run_trial
+from sandbox.trial.trial_options import TrialOptions, trial_settings
 from tasks.registry import TASKS
 from tests.support.regress_tasks import Quick, Raising, Stopping, Worse
 
@@ -67,7 +67,7 @@ def quick_run(*words: str | Path, seeds: str = "0:9") -> int:
 
 
 def test_a_trial_is_that_of_the_run_command_to_the_bit() -> None:
-    chosen = scene_settings(SceneOptions(task="box-to-goal", seed=4, fingers=5))
+    chosen = trial_settings(TrialOptions(task="box-to-goal", seed=4, fingers=5))
     alone = run_trial(chosen)
     trial = run_job(TrialJob(chosen))
     fingerprint, parts = trial.pop("fingerprint"), trial.pop("depends_on")
@@ -284,8 +284,8 @@ scenes = st.fixed_dictionaries(
 
 @given(scenes)
 def test_a_scene_in_words_is_read_back_as_it_was(scene: dict[str, Any]) -> None:
-    found = parse(SceneOptions, "test", ["box-to-goal", *options(scene)])
-    assert replace(found, given=frozenset()) == SceneOptions(**{"task": "box-to-goal", **scene})
+    found = parse(TrialOptions, "test", ["box-to-goal", *options(scene)])
+    assert replace(found, given=frozenset()) == TrialOptions(**{"task": "box-to-goal", **scene})
     # A flag that is off by default cannot be given as off.
     assert found.given - {"task"} == {name for name in scene if name != "bare" or scene[name]}
 

@@ -15,12 +15,12 @@ from models.surface import Surface
 from sandbox.cli.main import main
 from sandbox.cli.regress import main as regress_main
 from sandbox.figures.variation import draw, save_plot
-from sandbox.options.variations import KINDS
 from sandbox.regress.baseline import Baseline, KeptTask
 from sandbox.regress.execute import Serial
 from sandbox.regress.plan import RegressionPlan, registered
 from sandbox.regress.sweep import Runner, Sweep, check_possible, parse_wanted, sweep, varied
 from sandbox.regress.trials_file import TrialsFile
+from sandbox.trial.variations import KINDS
 from tasks.box_to_goal import BoxToGoal
 from tasks.sensing import Sensing
 from tasks.stack import Stack

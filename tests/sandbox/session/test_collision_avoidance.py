@@ -17,13 +17,13 @@ from models.objects import Box
 from models.one_pose import OnePose
 from models.scene import Scene, SceneSpec
 from models.skeleton import ADULT
-from sandbox.options.scene_options import SceneOptions, scene_settings
 from sandbox.recording.recording import load_recording
 from sandbox.session.collision_avoidance import REACH, HandDistances
 from sandbox.session.session import Session
 from sandbox.trial.driver import run_trial
 from sandbox.trial.replay import replay, settings_of
 from sandbox.trial.settings import Settings
+from sandbox.trial.trial_options import TrialOptions, trial_settings
 from tests.support.scripted import box_xy, run, scripted
 from tests.support.simulation import put
 
@@ -234,7 +234,7 @@ def test_the_two_parts_of_a_last_link_are_the_whole_of_it() -> None:
 
 def test_a_trial_of_a_solid_hand_replays_to_the_bit(tmp_path: Path) -> None:
     recording = tmp_path / "trial.jsonl"
-    chosen = scene_settings(SceneOptions(task="box-to-goal", seed=2, solid="hand"))
+    chosen = trial_settings(TrialOptions(task="box-to-goal", seed=2, solid="hand"))
     result = run_trial(chosen, record=recording)
     assert result.success
     loaded = load_recording(recording)

@@ -13,7 +13,6 @@ import pytest
 from models.errors import DivergenceError
 from sandbox.cli import run as run_command
 from sandbox.cli.replay import command as replay_command
-from sandbox.options.scene_options import SceneOptions, scene_settings
 from sandbox.recording.recording import load_recording
 from sandbox.regress.execute import run_job
 from sandbox.regress.plan import TrialJob
@@ -22,13 +21,14 @@ from sandbox.trial.driver import DUMPED_STATES, run_trial
 from sandbox.trial.replay import replay
 from sandbox.trial.result import TrialResult
 from sandbox.trial.settings import Settings
+from sandbox.trial.trial_options import TrialOptions, trial_settings
 from tests.support.scripted import run, scripted
 
 ABSURD = f"{Path(__file__).parent / 'absurd_task.py'}:Absurd"
 
 
 def diverge(record: Path | None = None, dump: Path | None = None) -> TrialResult:
-    chosen = scene_settings(SceneOptions(task=ABSURD, seed=7))
+    chosen = trial_settings(TrialOptions(task=ABSURD, seed=7))
     return run_trial(chosen, record=record, dump=dump)
 
 

@@ -28,13 +28,13 @@ from models.scene import Scene, SceneSpec
 from models.skeleton import ADULT
 from models.surface import Surface
 from sandbox.devices.mouse.mouse import MouseDevice
-from sandbox.options.scene_options import SceneOptions, scene_settings
 from sandbox.recording.recording import load_recording
 from sandbox.trial.assembly import build
 from sandbox.trial.driver import run_trial
 from sandbox.trial.replay import replay
 from sandbox.trial.result import TrialResult
 from sandbox.trial.settings import HandSettings, Settings
+from sandbox.trial.trial_options import TrialOptions, trial_settings
 from tasks.simulated_user.hand import Hand as UserHand
 from tasks.simulated_user.handling import OutlineHandling
 from tasks.simulated_user.view import Seat
@@ -51,7 +51,7 @@ places = st.tuples(st.floats(0.0, 1.0), st.floats(0.0, 1.0))
 
 
 def trial(record: Path | None = None, **options: Any) -> TrialResult:
-    chosen = scene_settings(SceneOptions(**options))
+    chosen = trial_settings(TrialOptions(**options))
     return run_trial(chosen, record=record)
 
 
@@ -233,7 +233,7 @@ def test_a_left_handed_recording_as_a_device_keeps_its_hand_unless_asked_otherwi
 ) -> None:
     result, path = left_run
     assert trial(device=str(path)).state_hash == result.state_hash
-    assert scene_settings(SceneOptions(device=str(path), hand="right")).hands[0].side == "right"
+    assert trial_settings(TrialOptions(device=str(path), hand="right")).hands[0].side == "right"
 
 
 def test_the_keys_of_the_mouse_put_down_a_left_hand_and_a_turned_one() -> None:

@@ -13,14 +13,14 @@ from pathlib import Path
 
 import pytest
 
-from sandbox.options.scene_options import SceneOptions, scene_settings
 from sandbox.session.session import Session
 from sandbox.trial.driver import View, run_trial
 from sandbox.trial.open_devices import device_makers
+from sandbox.trial.trial_options import TrialOptions, trial_settings
 from tasks.registry import find_task, task_names
 
 
-def left_over(options: SceneOptions, record: Path | None = None) -> list[str]:
+def left_over(options: TrialOptions, record: Path | None = None) -> list[str]:
     """What is still there of a trial that has ended, by the names of the classes."""
     seen: list[weakref.ref[object]] = []
 
@@ -30,7 +30,7 @@ def left_over(options: SceneOptions, record: Path | None = None) -> list[str]:
         seen.extend(weakref.ref(part) for part in parts)
         return ()
 
-    chosen = scene_settings(options)
+    chosen = trial_settings(options)
     gc.collect()
     gc.disable()
     try:
@@ -48,12 +48,12 @@ def test_nothing_is_left_of_a_trial_that_has_ended(
     task: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(find_task(task), "time_limit", 2.0)
-    assert left_over(SceneOptions(task=task, seed=3)) == []
+    assert left_over(TrialOptions(task=task, seed=3)) == []
 
 
 @pytest.mark.parametrize("device", ["leap-simulated", "simulated"])
 def test_nothing_is_left_of_a_recorded_trial_nor_of_one_by_hands_in_the_air(
     device: str, tmp_path: Path
 ) -> None:
-    options = SceneOptions(task="box-to-goal", seed=4, device=device)
+    options = TrialOptions(task="box-to-goal", seed=4, device=device)
     assert left_over(options, tmp_path / "trial.jsonl") == []

@@ -9,11 +9,11 @@ import numpy as np
 
 from models.hand import Hand, SceneHand
 from models.scene import Scene, SceneSpec
-from sandbox.options.scene_options import SceneOptions, scene_settings
 from sandbox.server.protocol.skins import pack_skin
 from sandbox.session.session import Session
 from sandbox.trial.assembly import build
 from sandbox.trial.open_devices import device_makers
+from sandbox.trial.trial_options import TrialOptions, trial_settings
 from sandbox.views.hand_look import skinned_model
 from tests.sandbox.session.pin_hand import PinHand
 from tests.support.simulation import no_warning, random_pose
@@ -21,7 +21,7 @@ from tests.support.simulation import no_warning, random_pose
 
 def other_session(seed: int) -> Session:
     """A session of box-to-goal by the simulated user, played by the hand of pins."""
-    chosen = scene_settings(SceneOptions(task="box-to-goal", seed=seed))
+    chosen = trial_settings(TrialOptions(task="box-to-goal", seed=seed))
     ours = build(chosen, device_makers(chosen))
     return Session(ours.task, [replace(rig, hand=PinHand()) for rig in ours.rigs])
 

@@ -13,7 +13,6 @@ import pytest
 from models.frames import Contact, TouchFrame
 from models.kinematics import Kinematics
 from sandbox.devices.wrappers.drop_outs import DropOuts
-from sandbox.options.scene_options import SceneOptions, scene_settings
 from sandbox.recording.recording import load_recording
 from sandbox.session.session import STATE, Rig, Session
 from sandbox.trial.assembly import build
@@ -21,11 +20,12 @@ from sandbox.trial.driver import Trial, run_trial
 from sandbox.trial.replay import replay
 from sandbox.trial.result import TrialResult
 from sandbox.trial.settings import Settings, recorded_settings
+from sandbox.trial.trial_options import TrialOptions, trial_settings
 from tests.support.scripted import Script
 
 
 def trial(record: Path | None = None, **options: Any) -> TrialResult:
-    chosen = scene_settings(SceneOptions(**options))
+    chosen = trial_settings(TrialOptions(**options))
     return run_trial(chosen, record=record)
 
 
@@ -101,7 +101,7 @@ def test_a_device_that_fails_to_close_keeps_no_other_one_open() -> None:
             raise OSError("the cable is out")
 
     both = (lambda task, surface: Closes(lambda now: []),) * 2
-    chosen = scene_settings(SceneOptions(task="carry-together"))
+    chosen = trial_settings(TrialOptions(task="carry-together"))
     session = build(chosen, both)
     with pytest.raises(OSError, match="the cable is out"):
         session.close()

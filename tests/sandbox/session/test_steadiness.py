@@ -9,12 +9,12 @@ import pytest
 
 from models.pose import JOINTS
 from models.skeleton import ADULT
-from sandbox.options.scene_options import SceneOptions, scene_settings
 from sandbox.session import collision_avoidance
 from sandbox.session.messages import Snapshot
 from sandbox.session.session import Session
 from sandbox.trial.driver import run_trial
 from sandbox.trial.open_devices import device_makers
+from sandbox.trial.trial_options import TrialOptions, trial_settings
 from tests.support.corrections import Changes
 
 View = Callable[[Snapshot], None]
@@ -22,7 +22,7 @@ View = Callable[[Snapshot], None]
 
 def between_books(seed: int, views: Callable[[Session], Sequence[View]]) -> bool:
     """Plays `books`, where the encoder's pose is inside of a book; tells whether it succeeded."""
-    chosen = scene_settings(SceneOptions(task="books", seed=seed, solid="hand"))
+    chosen = trial_settings(TrialOptions(task="books", seed=seed, solid="hand"))
     return run_trial(chosen, device_makers(chosen), views).success
 
 

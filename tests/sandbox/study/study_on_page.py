@@ -13,7 +13,6 @@ from typing import Any
 from models.surface import METRES_PER_INCH
 from sandbox.devices.registry import DeviceSettings
 from sandbox.devices.simulated.simulated import SimulatedDevice
-from sandbox.options.touch_devices import TouchOptions
 from sandbox.server.page_server import PageServer
 from sandbox.session.messages import Snapshot
 from sandbox.session.session import Session
@@ -176,7 +175,7 @@ class OnPage:
         self._thread.join(20.0)
 
     def _run(self) -> None:
-        touch = TouchOptions(device="web")
+        touch = DeviceSettings.of("web")
         two = self.page.beside is not None
         try:
             with SessionFolder(self.study, self.person) as session:

@@ -13,7 +13,6 @@ import pytest
 
 from sandbox.cli.main import main
 from sandbox.devices.registry import DeviceSettings
-from sandbox.options.touch_devices import TouchOptions
 from sandbox.recording.recording import load_recording
 from sandbox.study.record.folder import PILOT, StudyFolder
 from sandbox.study.record.session_folder import SessionFolder
@@ -67,16 +66,16 @@ def test_touches_over_tuio_are_played_and_inches_are_a_guess_unless_the_design_t
     text = SHORT.replace("[settings]\n", f"[settings]\n{size}")
     study = StudyFolder(tmp_path, design(text), PILOT)
     person = study.add(hand="right", hand_size=1.0, language="en")
-    options = TouchOptions(device="tuio", port=free_port())
-    with SessionFolder(study, person) as session, somebody_touches(options.port):
+    device = DeviceSettings.of("tuio", {"port": free_port()})
+    with SessionFolder(study, person) as session, somebody_touches(device.options.port):
         runner = SessionRunner(
             session,
             HeadlessPlayer(paced=True),
-            person_devices(options, person),
+            person_devices(device, person),
             SimulatedForms(1),
             Controls(),
             lambda text: None,
-            DeviceSettings.of("tuio"),
+            device,
             settings_fitter("tuio"),
         )
         assert runner.run() is SessionOutcome.COMPLETE

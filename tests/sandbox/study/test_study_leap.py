@@ -13,7 +13,6 @@ from models.errors import DeviceError
 from sandbox.devices.leap.leap_fake import FakeLeapd
 from sandbox.devices.leap.leap_write import leap_message
 from sandbox.devices.registry import DeviceSettings
-from sandbox.options.touch_devices import TouchOptions
 from sandbox.recording.recording import load_recording
 from sandbox.study.design.plan import CalibrationStep, TrialStep, session_plan
 from sandbox.study.record.folder import PILOT, Participant, StudyFolder
@@ -68,7 +67,7 @@ def study(tmp_path_factory: pytest.TempPathFactory) -> StudyFolder:
             runner = SessionRunner(
                 session,
                 HeadlessPlayer(),
-                person_devices(TouchOptions(device="mouse"), person, leap=server.address),
+                person_devices(DeviceSettings.of("mouse"), person, leap=server.address),
                 forms,
                 Controls(),
                 lambda text: None,

@@ -14,7 +14,6 @@ from models.errors import InputError, StudyError
 from sandbox.cli.main import main
 from sandbox.cli.study.run_options import StudyRunOptions, check_second_device
 from sandbox.devices.registry import DeviceSettings
-from sandbox.options.touch_devices import TouchOptions
 from sandbox.recording.recording import load_recording
 from sandbox.study.design.conditions import run_settings
 from sandbox.study.design.plan import TrialStep, in_the_air
@@ -119,7 +118,7 @@ def test_a_pilot_is_run_with_a_device_for_each_hand(tmp_path: Path) -> None:
     text = PAIRS.replace("time_limit_s = 4.0", "time_limit_s = 0.5")
     study = open_study(tmp_path, text)
     person = study.add(hand="left", hand_size=1.1, language="en")
-    touch, second = (TouchOptions(device=device) for device in ("mouse", "simulated"))
+    touch, second = (DeviceSettings.of(device) for device in ("mouse", "simulated"))
     with SessionFolder(study, person, 1) as session:
         outcome = SessionRunner(
             session,
@@ -166,7 +165,7 @@ def test_a_design_decides_whether_a_second_touch_device_is_needed(
 ) -> None:
     trial, settings = step(**values)
     assert needs_second_device(trial.values, settings) is needed
-    devices = person_devices(TouchOptions(device="mouse"), Participant("TEST", 1, "left", 1.0))
+    devices = person_devices(DeviceSettings.of("mouse"), Participant("TEST", 1, "left", 1.0))
     if needed:
         with pytest.raises(StudyError, match="two hands"):
             devices(trial, settings)

@@ -12,7 +12,6 @@ import pytest
 from PIL import Image
 
 from models.errors import InputError, RecordingError
-from sandbox.options.scene_options import SceneOptions, scene_settings
 from sandbox.recording.recording import load_recording
 from sandbox.session.messages import Snapshot
 from sandbox.session.session import Session
@@ -20,6 +19,7 @@ from sandbox.trial.driver import View, open_trial, run_trial
 from sandbox.trial.live_run import LiveRun
 from sandbox.trial.open_devices import device_makers
 from sandbox.trial.replay import replay
+from sandbox.trial.trial_options import TrialOptions, trial_settings
 from sandbox.views.errors import FilmError
 from sandbox.views.film_files import _Mp4, open_film
 from tests.support.processes import until
@@ -39,7 +39,7 @@ def full_disk() -> Iterator[None]:
 
 
 def test_a_trial_ends_soon_after_its_recording_cannot_go_on(tmp_path: Path) -> None:
-    chosen, path = scene_settings(SceneOptions(seed=3)), tmp_path / "run.jsonl"
+    chosen, path = trial_settings(TrialOptions(seed=3)), tmp_path / "run.jsonl"
     seen: list[float] = []
 
     def watch(snapshot: Snapshot) -> None:
@@ -55,7 +55,7 @@ def test_a_trial_ends_soon_after_its_recording_cannot_go_on(tmp_path: Path) -> N
 
 
 def test_a_person_who_plays_is_told_while_playing(tmp_path: Path) -> None:
-    chosen = scene_settings(SceneOptions(seed=3))
+    chosen = trial_settings(TrialOptions(seed=3))
     with (
         full_disk(),
         pytest.raises(RecordingError, match="incomplete"),
@@ -90,7 +90,7 @@ def test_a_film_of_which_ffmpeg_wrote_a_part_is_refused_and_the_old_one_stays(
 
 
 def test_a_trial_that_cannot_begin_leaves_no_recording(tmp_path: Path) -> None:
-    chosen, path = scene_settings(SceneOptions(seed=3)), tmp_path / "run.jsonl"
+    chosen, path = trial_settings(TrialOptions(seed=3)), tmp_path / "run.jsonl"
 
     def no_views(session: Session) -> list[View]:
         raise InputError("no such format of films")

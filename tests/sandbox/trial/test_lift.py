@@ -19,13 +19,13 @@ from models.frames import Contact, TouchFrame
 from models.kinematics import Kinematics
 from sandbox.devices.device import Device
 from sandbox.devices.wrappers.lift_keys import SPEED, LiftKeys
-from sandbox.options.scene_options import SceneOptions, scene_settings
 from sandbox.recording.recording import RecordingWriter, load_recording
 from sandbox.trial.assembly import build
 from sandbox.trial.driver import run_trial
 from sandbox.trial.lift import with_lift
 from sandbox.trial.replay import replay
 from sandbox.trial.settings import HandSettings, Settings
+from sandbox.trial.trial_options import TrialOptions, trial_settings
 from tasks.box_to_goal import BoxToGoal
 from tasks.stack import Stack
 
@@ -220,7 +220,7 @@ def test_a_task_that_needs_a_lift_control_gets_one_or_says_so(keys: bool) -> Non
 
 def test_a_run_with_lift_replays_to_the_bit(tmp_path: Path) -> None:
     path = tmp_path / "stack.jsonl"
-    chosen = scene_settings(SceneOptions(task="stack", seed=3))
+    chosen = trial_settings(TrialOptions(task="stack", seed=3))
     result = run_trial(chosen, record=path)
     recording = load_recording(path)
     inputs: Any = recording.inputs[0]

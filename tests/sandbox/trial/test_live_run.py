@@ -15,7 +15,6 @@ from models.frames import TouchFrame
 from models.surface import Surface
 from sandbox.devices.device import Device
 from sandbox.devices.tuio.tuio import TuioDevice
-from sandbox.options.scene_options import SceneOptions, scene_settings
 from sandbox.server.page_server import PageServer
 from sandbox.server.protocol.protocol import PageScreen, PageTouches, Pause
 from sandbox.server.web import WebDevice
@@ -25,6 +24,7 @@ from sandbox.trial.driver import Trial
 from sandbox.trial.live_run import JITTER, ROOM, LiveRun, clear_of
 from sandbox.trial.open_devices import device_makers
 from sandbox.trial.settings import Settings
+from sandbox.trial.trial_options import TrialOptions, trial_settings
 from tests.support.page_client import SCREEN
 from tests.support.processes import until
 
@@ -147,14 +147,14 @@ def test_a_picture_lingers_after_the_end_but_not_after_a_failure() -> None:
 
 
 def test_a_frame_of_any_hand_wakes_the_run() -> None:
-    options = SceneOptions(task="carry-together", device="tuio", port=0, second_device="web")
-    chosen = scene_settings(options)
+    port = {"port": 0}
+    chosen = trial_settings(
+        TrialOptions(task="carry-together", device="tuio", second_device="web", device_options=port)
+    )
     session = build(chosen, device_makers(chosen))
     LiveRun(Trial(session))
-    tuio, web = (
-        rig.device.find(kind)
-        for rig, kind in zip(session.rigs, (TuioDevice, WebDevice), strict=True)
-    )
+    first, second = (rig.device for rig in session.rigs)
+    tuio, web = first.find(TuioDevice), second.find(WebDevice)
     assert tuio is not None and web is not None
     assert not tuio.frame_ready.is_set()
     web.push(PageTouches(1, 0.0, [(1, 300.0, 300.0, 20.0, 20.0)]), PageScreen(**SCREEN))

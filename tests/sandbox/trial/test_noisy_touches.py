@@ -6,12 +6,12 @@ from pathlib import Path
 
 import pytest
 
-from sandbox.options.scene_options import SceneOptions, scene_settings
 from sandbox.recording.recording import load_recording
 from sandbox.session.session import Session
 from sandbox.trial.driver import run_trial
 from sandbox.trial.open_devices import device_makers
 from sandbox.trial.replay import replay
+from sandbox.trial.trial_options import TrialOptions, trial_settings
 from tests.support.waits import Waits
 
 
@@ -23,8 +23,8 @@ def waits(noise: float, record: Path | None = None) -> list[float]:
         watched.append(Waits(session))
         return watched
 
-    chosen = scene_settings(
-        SceneOptions(seed=5, fingers=3, vary=f"noise={noise:g}" if noise else "")
+    chosen = trial_settings(
+        TrialOptions(seed=5, fingers=3, vary=f"noise={noise:g}" if noise else "")
     )
     result = run_trial(chosen, device_makers(chosen), watch, record=record)
     assert result.success, result.reason

@@ -15,7 +15,6 @@ from hypothesis.extra import numpy as hnp
 from models.arithmetic.arrays import Array
 from models.errors import RecordingError
 from sandbox.cli.replay import command
-from sandbox.options.scene_options import SceneOptions, scene_settings
 from sandbox.recording.recording import (
     GRAIN,
     PoseTrack,
@@ -28,6 +27,7 @@ from sandbox.trial.driver import open_trial, run_trial
 from sandbox.trial.open_devices import device_makers
 from sandbox.trial.replay import Verification, is_same_outcome, replay
 from sandbox.trial.result import TrialResult
+from sandbox.trial.trial_options import TrialOptions, trial_settings
 from tasks.score import Score, Status
 
 
@@ -37,7 +37,7 @@ def recorded(
 ) -> tuple[dict[int, Snapshot], TrialResult, Path]:
     """A trial's snapshots by step, its result and its recording."""
     path = tmp_path_factory.mktemp("run") / "run.jsonl"
-    chosen = scene_settings(SceneOptions(seed=11, fingers=3))
+    chosen = trial_settings(TrialOptions(seed=11, fingers=3))
     seen: dict[int, Snapshot] = {}
     result = run_trial(
         chosen,
@@ -137,7 +137,7 @@ def test_a_trial_that_was_left_is_called_broken_off_by_its_replay(
     recorded: tuple[dict[int, Snapshot], TrialResult, Path], capsys: pytest.CaptureFixture[str]
 ) -> None:
     path = recorded[2].with_name("left.jsonl")
-    chosen = scene_settings(SceneOptions(seed=11, fingers=3))
+    chosen = trial_settings(TrialOptions(seed=11, fingers=3))
     with open_trial(chosen, record=path) as trial:
         for _ in range(60):
             trial.step()

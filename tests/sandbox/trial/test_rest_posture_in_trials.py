@@ -11,8 +11,8 @@ from encoders.person.rest_posture import Looks, looks_of, save_rest
 from models.errors import InputError
 from models.person import Person
 from sandbox.cli.main import main
-from sandbox.options.profiles import Profile, load_profile, save_profile
-from sandbox.options.scene_options import SceneOptions, scene_settings
+from sandbox.trial.profiles import Profile, load_profile, save_profile
+from sandbox.trial.trial_options import TrialOptions, trial_settings
 
 
 @pytest.fixture(scope="module")
@@ -35,7 +35,7 @@ def test_a_profile_keeps_a_rest_posture_for_the_encoder_of_any_person(
     assert load_profile(path) == profile and "3 looks" in profile.line
 
     def used(**options: Any) -> Looks:
-        return scene_settings(SceneOptions(profile=str(path), **options)).hands[0].rest
+        return trial_settings(TrialOptions(profile=str(path), **options)).hands[0].rest
 
     assert used(encoder="population") == looks
     assert used() == looks

@@ -6,10 +6,10 @@ import pytest
 
 from sandbox.devices.simulated.simulated import SimulatedDevice
 from sandbox.devices.tuio.touch_capture import CaptureDevice, CapturedPacket, TouchCapture
-from sandbox.options.scene_options import SceneOptions, scene_settings
 from sandbox.trial.assembly import build
 from sandbox.trial.open_devices import device_makers
 from sandbox.trial.settings import Settings
+from sandbox.trial.trial_options import TrialOptions, trial_settings
 from tests.support.tuio_packets import alv, bundle, frm, ptr
 
 PLACES = ((0.35, 0.65), (0.42, 0.4), (0.5, 0.36), (0.58, 0.38))
@@ -44,7 +44,7 @@ def test_the_names_that_a_device_gives_are_those_of_the_hand(fingers: tuple[int,
 def test_with_labels_of_the_device_the_simulated_user_s_touches_have_their_true_fingers(
     encoder: str,
 ) -> None:
-    chosen = scene_settings(SceneOptions(encoder=encoder, labels="device"))
+    chosen = trial_settings(TrialOptions(encoder=encoder, labels="device"))
     session = build(chosen, device_makers(chosen))
     device = session.rigs[0].device
     assert isinstance(device, SimulatedDevice)

@@ -8,11 +8,11 @@ from dataclasses import replace
 import pytest
 
 from models.surface import Surface
-from sandbox.options.scene_options import SceneOptions, scene_settings
 from sandbox.session.messages import STRONGEST, TOLD, Snapshot
 from sandbox.session.session import Session
 from sandbox.trial.driver import open_trial
 from sandbox.trial.open_devices import device_makers
+from sandbox.trial.trial_options import TrialOptions, trial_settings
 from sandbox.views.cameras import camera_above
 from sandbox.views.drawing import Drawing
 from sandbox.views.lens import Lens
@@ -61,7 +61,7 @@ def test_a_stronger_grip_has_a_longer_arc() -> None:
 
 def test_a_hand_without_more_force_closes_the_arc() -> None:
     # The simulated user carries the box with a weak hand.
-    chosen = scene_settings(SceneOptions(task="box-to-goal", seed=4, fingers=3, impulse="safe"))
+    chosen = trial_settings(TrialOptions(task="box-to-goal", seed=4, fingers=3, impulse="safe"))
     sessions: list[Session] = []
     full: list[Snapshot] = []
 

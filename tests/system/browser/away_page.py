@@ -13,14 +13,14 @@ from typing import Any
 from rich.console import Console
 
 from models.frames import TouchFrame
-from sandbox.options.page_options import PageOptions
-from sandbox.options.scene_options import SceneOptions
 from sandbox.play.page import PagePlay
 from sandbox.play.pages import open_page
 from sandbox.recording.recording import load_recording
+from sandbox.server.page_options import PageOptions
 from sandbox.server.page_server import PageServer
 from sandbox.trial.events import EventLog
 from sandbox.trial.replay import replay
+from sandbox.trial.trial_options import TrialOptions
 from tests.sandbox.play.played_page import played
 from tests.sandbox.server.test_page_server import wait_for
 from tests.support.chromium import Browser, Tab
@@ -210,7 +210,7 @@ def playing(
     server = open_page(PageOptions())
     server.access = replace(server.access, names=(ADDRESS,))
     network = Network(server.access.port)
-    options = SceneOptions(task=task, device="web", record=folder / "trial.jsonl")
+    options = TrialOptions(task=task, device="web", record=folder / "trial.jsonl")
     events = EventLog(folder / "events.jsonl")
     play = PagePlay(options, (server,), events, Console(quiet=True))
     url = server.url.replace("127.0.0.1", ADDRESS)

@@ -24,7 +24,6 @@ from sandbox.cli.main import main
 from sandbox.devices.device import Device, HandDevice
 from sandbox.devices.simulated.headset_user import SimulatedHeadset
 from sandbox.devices.webxr.webxr import HeadsetDevice
-from sandbox.options.scene_options import SceneOptions, scene_settings
 from sandbox.play.pages import show_session
 from sandbox.server.page_server import PageServer
 from sandbox.server.static import HEADSET, StaticFiles
@@ -33,6 +32,7 @@ from sandbox.session.session import Session
 from sandbox.trial.assembly import build
 from sandbox.trial.driver import View, run_trial
 from sandbox.trial.open_devices import device_makers
+from sandbox.trial.trial_options import TrialOptions, trial_settings
 from sandbox.words.words import words_in
 from tasks.task import Task
 from tasks.user import UserConfiguration
@@ -143,7 +143,7 @@ def test_the_simulated_person_does_a_task_through_the_page(
     tab = worn(browser, server.url)
     tab.resize(**SIZE)
     device = HeadsetDevice()
-    settings = scene_settings(SceneOptions(task=name, device="webxr-simulated"))
+    settings = trial_settings(TrialOptions(task=name, device="webxr-simulated"))
 
     def make(task: Task, surface: Surface) -> Device:
         person = SimulatedHeadset(task, UserConfiguration(), settings.seed)
@@ -167,7 +167,7 @@ def test_the_simulated_person_does_a_task_through_the_page(
 @pytest.fixture
 def room(browser: Browser, server: PageServer) -> Iterator[Room]:
     """A person in VR before a table."""
-    chosen = scene_settings(SceneOptions(device="webxr"))
+    chosen = trial_settings(TrialOptions(device="webxr"))
     session = build(chosen, device_makers(chosen))
     device = session.first_rig.device.find(HeadsetDevice)
     assert device is not None

@@ -12,13 +12,13 @@ from pathlib import Path
 import pytest
 from rich.console import Console
 
-from sandbox.options.page_options import PageOptions
-from sandbox.options.scene_options import SceneOptions
 from sandbox.play.page import PagePlay
 from sandbox.play.pages import open_page
+from sandbox.server.page_options import PageOptions
 from sandbox.server.page_server import PageServer
 from sandbox.server.protocol.protocol import StudyView
 from sandbox.trial.events import EventLog
+from sandbox.trial.trial_options import TrialOptions
 from sandbox.words.words import words_in
 from tests.sandbox.play.played_page import played
 from tests.sandbox.server.staged_page import READY
@@ -44,7 +44,7 @@ def browser(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Browser]:
 def server(tmp_path: Path) -> Iterator[PageServer]:
     server = open_page(PageOptions())
     events = EventLog(tmp_path / "events.jsonl")
-    play = PagePlay(SceneOptions(device="web"), (server,), events, Console(quiet=True))
+    play = PagePlay(TrialOptions(device="web"), (server,), events, Console(quiet=True))
     with played(play, server):
         yield server
     server.close()

@@ -12,7 +12,6 @@ import numpy as np
 import pytest
 
 from models.surface import METRES_PER_INCH
-from sandbox.options.scene_options import SceneOptions, scene_settings
 from sandbox.play.pages import show_session, touched_pages
 from sandbox.server.page_server import PageServer
 from sandbox.server.protocol.protocol import PageScreen
@@ -20,6 +19,7 @@ from sandbox.server.protocol.rectangle import rectangle
 from sandbox.session.messages import Snapshot
 from sandbox.trial.assembly import build
 from sandbox.trial.open_devices import device_makers
+from sandbox.trial.trial_options import TrialOptions, trial_settings
 from tests.sandbox.server.test_page_server import wait_for
 from tests.support.chromium import BINARY, Browser
 from tests.support.page_client import Page
@@ -62,7 +62,7 @@ def carried(
         drawn: Returns once the page has drawn a first picture.
         seen: Is called as long as the tray is in its place.
     """
-    chosen = scene_settings(SceneOptions(task=TASK, seed=SEED, device="web", one_surface=True))
+    chosen = trial_settings(TrialOptions(task=TASK, seed=SEED, device="web", one_surface=True))
     settings = chosen.changed(**rectangle(SCREEN, 2))
     session = build(settings, device_makers(chosen))
     ((whose, device),) = touched_pages(session)
@@ -98,8 +98,8 @@ def carried(
 
 def _users(task: Any, surface: Any) -> Any:
     """Both users, as one device that touches the whole surface."""
-    options = SceneOptions(task=TASK, seed=SEED, one_surface=True, surface=f"{SIZE[0]}x{SIZE[1]}in")
-    first: Any = device_makers(scene_settings(options))[0](task, surface)
+    options = TrialOptions(task=TASK, seed=SEED, one_surface=True, surface=f"{SIZE[0]}x{SIZE[1]}in")
+    first: Any = device_makers(trial_settings(options))[0](task, surface)
     return first._surface.device
 
 

@@ -14,10 +14,10 @@ import pytest
 from models.arithmetic.arrays import Array
 from models.pose import JOINTS, ROOT_POSITION
 from sandbox import run_trial
-from sandbox.options.scene_options import SceneOptions, scene_settings
 from sandbox.stream.motion import follow
 from sandbox.trial.assembly import build
 from sandbox.trial.open_devices import device_makers
+from sandbox.trial.trial_options import TrialOptions, trial_settings
 from tests.system.lerobot.environment import ROOT, run_with_lerobot
 
 pytestmark = pytest.mark.full
@@ -89,7 +89,7 @@ def recording(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 def commanded(recording: Path) -> Array:
     """(n, 48) poses that the recording's touches ask for."""
-    chosen = scene_settings(SceneOptions(device=str(recording)))
+    chosen = trial_settings(TrialOptions(device=str(recording)))
     session = build(chosen, device_makers(chosen))
     poses: list[Array] = []
     hands = [(rig.device, rig.reconstructor) for rig in session.rigs]

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from sandbox.options.profiles import load_profile
+from sandbox.trial.profiles import load_profile
 
 
 def command(*arguments: str, home: Path) -> subprocess.CompletedProcess:

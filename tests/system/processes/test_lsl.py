@@ -29,15 +29,15 @@ from sandbox.lsl import (
     tell,
     touch_sample,
 )
-from sandbox.options.scene_options import SceneOptions, scene_settings
 from sandbox.recording.recording import Recording, load_recording
 from sandbox.session.messages import Snapshot
 from sandbox.study.run.simulate import run_simulated
 from sandbox.trial.driver import run_trial
 from sandbox.trial.replay import replay
+from sandbox.trial.trial_options import TrialOptions, trial_settings
 from tests.support.study_files import TRIALS, open_study
 
-SCENE = SceneOptions(task="tests/support/regress_tasks.py:Quick", seed=4, encoder="linear")
+SCENE = TrialOptions(task="tests/support/regress_tasks.py:Quick", seed=4, encoder="linear")
 HERE = "[multicast]\nResolveScope = machine\n[lab]\nKnownPeers = {127.0.0.1}\n"
 """Streams are looked for on this machine alone; the network's other ends are not ours."""
 
@@ -69,7 +69,7 @@ def heard(
     )
     try:
         assert outlets.wait_for_consumers(60.0)
-        chosen = scene_settings(SCENE)
+        chosen = trial_settings(SCENE)
         with forwarding_to(outlets):
             tell("break", {"least_s": 3})
             run_trial(chosen, record=folder / "trial.jsonl")
@@ -142,7 +142,7 @@ def test_a_stream_says_what_its_channels_are(heard: Heard) -> None:
 
 
 def test_listening_changes_no_state_of_a_trial(heard: Heard, tmp_path: Path) -> None:
-    chosen = scene_settings(SCENE)
+    chosen = trial_settings(SCENE)
     result = run_trial(chosen)
     assert heard[1].end is not None and heard[1].end["hash"] == result.state_hash
 

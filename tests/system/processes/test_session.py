@@ -12,16 +12,16 @@ from typing import Any
 
 import pytest
 
-from sandbox.options.scene_options import SceneOptions, scene_settings
 from sandbox.recording.recording import load_recording
 from sandbox.trial.driver import run_trial
 from sandbox.trial.replay import replay
 from sandbox.trial.result import TrialResult
+from sandbox.trial.trial_options import TrialOptions, trial_settings
 from tests.support.processes import program, until
 
 
 def trial(record: Path | None = None, **options: Any) -> TrialResult:
-    chosen = scene_settings(SceneOptions(**options))
+    chosen = trial_settings(TrialOptions(**options))
     return run_trial(chosen, record=record)
 
 

@@ -19,7 +19,6 @@ from models.one_pose import OnePose
 from models.scene import Scene, SceneSpec
 from models.skeleton import ADULT
 from models.surface import Surface
-from sandbox.options.scene_options import SceneOptions, scene_settings
 from sandbox.recording.recording import load_recording
 from sandbox.session.messages import Snapshot
 from sandbox.session.session import Session
@@ -27,6 +26,7 @@ from sandbox.trial.assembly import build
 from sandbox.trial.driver import run_trial
 from sandbox.trial.open_devices import device_makers
 from sandbox.trial.replay import replay
+from sandbox.trial.trial_options import TrialOptions, trial_settings
 from tasks.guarded import draw_task
 from tasks.mechanisms import chords
 from tasks.mechanisms.chords import (
@@ -161,8 +161,8 @@ def test_a_left_hand_s_thumb_has_the_rightmost_key() -> None:
 
 @pytest.mark.parametrize("task", ["chords", "single-keys"])
 def test_two_people_may_play_at_one_row_of_keys(task: str) -> None:
-    two = SceneOptions(task=task, seed=6_002, second_device="simulated")
-    chosen = scene_settings(two)
+    two = TrialOptions(task=task, seed=6_002, second_device="simulated")
+    chosen = trial_settings(two)
     session = build(chosen, device_makers(chosen))
     for _ in range(40):
         session.advance()
@@ -172,7 +172,7 @@ def test_two_people_may_play_at_one_row_of_keys(task: str) -> None:
 def played(
     seed: int, solid: Literal["fingertips", "hand"] = "fingertips", **options: object
 ) -> bool:
-    chosen = scene_settings(SceneOptions(task="chords", seed=seed, solid=solid, **options))  # type: ignore[arg-type]
+    chosen = trial_settings(TrialOptions(task="chords", seed=seed, solid=solid, **options))  # type: ignore[arg-type]
     return run_trial(chosen).success
 
 
@@ -198,7 +198,7 @@ def test_who_does_nothing_presses_nothing() -> None:
 
 def test_a_chord_replays_to_the_bit(tmp_path: Path) -> None:
     path = tmp_path / "chord.jsonl"
-    chosen = scene_settings(SceneOptions(task="chords", seed=6_002, solid="hand"))
+    chosen = trial_settings(TrialOptions(task="chords", seed=6_002, solid="hand"))
     run_trial(chosen, record=path)
     assert replay(load_recording(path))[1].exact
 
@@ -216,7 +216,7 @@ def test_every_asked_key_is_held_by_a_finger_alone_when_the_chord_is_done() -> N
 
         return (look,)
 
-    chosen = scene_settings(SceneOptions(task="chords", seed=6_002))
+    chosen = trial_settings(TrialOptions(task="chords", seed=6_002))
     assert run_trial(chosen, device_makers(chosen), watch).success
     assert held and all(f == {("right", int(n[-1]))} for at in held for n, f in at.items())
 

@@ -14,9 +14,9 @@ from models.errors import SurfaceTooSmallError
 from models.hand import Hand
 from models.scene import Scene, SceneSpec
 from models.surface import Surface
-from sandbox.options.scene_options import SceneOptions, scene_settings
 from sandbox.trial.driver import open_trial, run_trial
 from sandbox.trial.result import TrialResult
+from sandbox.trial.trial_options import TrialOptions, trial_settings
 from tasks.mechanisms.close_case import BORDER, CAP, CASE, GRIP, HELD, SEAM, TRAVEL, CloseCase
 from tasks.sensing import Sensing
 from tasks.task import Measure
@@ -27,7 +27,7 @@ AWAY = np.concatenate([[0.0, 0.0, 0.30], np.zeros(45)])
 
 
 def played(seed: int, **options: Any) -> TrialResult:
-    chosen = scene_settings(SceneOptions(task="close-case", seed=seed, **options))
+    chosen = trial_settings(TrialOptions(task="close-case", seed=seed, **options))
     return run_trial(chosen)
 
 
@@ -103,7 +103,7 @@ def test_two_who_have_swapped_hands_close_it_too() -> None:
 )
 def test_one_simulated_user_alone_does_not_in_twice_the_time(alone: dict[str, Any]) -> None:
     two_need = 6.0
-    chosen = scene_settings(SceneOptions(task="close-case", seed=6400, **alone))
+    chosen = trial_settings(TrialOptions(task="close-case", seed=6400, **alone))
     with open_trial(chosen) as trial:
         trial.run(stop=lambda: trial.session.time > 2.0 * two_need)
         score = trial.session.scorer.score

@@ -15,8 +15,8 @@ from models.errors import SurfaceTooSmallError
 from models.hand import Hand as SceneHand
 from models.scene import Scene, SceneSpec
 from models.surface import Surface
-from sandbox.options.scene_options import SceneOptions, scene_settings
 from sandbox.trial.driver import run_trial
+from sandbox.trial.trial_options import TrialOptions, trial_settings
 from tasks.guarded import draw_task
 from tasks.mechanisms.dial import (
     BORDER,
@@ -156,13 +156,13 @@ def test_a_small_surface_is_refused() -> None:
 
 @pytest.mark.parametrize("options", [{"solid": "fingertips"}, {"solid": "hand"}])
 def test_the_simulated_user_turns_the_dial_with_several_grasps(options: dict[str, Any]) -> None:
-    chosen = scene_settings(SceneOptions(task="dial", seed=6_000, **options))
+    chosen = trial_settings(TrialOptions(task="dial", seed=6_000, **options))
     done = run_trial(chosen)
     assert done.success and done.final
 
 
 def test_who_does_nothing_turns_nothing() -> None:
-    chosen = scene_settings(SceneOptions(task="dial", seed=6_000, user="idle"))
+    chosen = trial_settings(TrialOptions(task="dial", seed=6_000, user="idle"))
     assert run_trial(chosen).progress == 0.0
 
 

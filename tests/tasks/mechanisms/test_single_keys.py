@@ -13,11 +13,11 @@ from hypothesis import strategies as st
 from models.hand import Hand
 from models.scene import Scene, SceneSpec
 from models.surface import Surface
-from sandbox.options.scene_options import SceneOptions, scene_settings
 from sandbox.recording.recording import load_recording
 from sandbox.trial.driver import run_trial
 from sandbox.trial.replay import replay
 from sandbox.trial.result import TrialResult
+from sandbox.trial.trial_options import TrialOptions, trial_settings
 from tasks.guarded import draw_task
 from tasks.mechanisms.chords import KEYS, key_name
 from tasks.mechanisms.single_keys import SingleKeys
@@ -31,7 +31,7 @@ seeds = st.integers(0, 2**63 - 1)
 def played(
     seed: int, solid: Literal["fingertips", "hand"] = "hand", **options: object
 ) -> TrialResult:
-    chosen = scene_settings(SceneOptions(task="single-keys", seed=seed, solid=solid, **options))  # type: ignore[arg-type]
+    chosen = trial_settings(TrialOptions(task="single-keys", seed=seed, solid=solid, **options))  # type: ignore[arg-type]
     return run_trial(chosen)
 
 
@@ -87,6 +87,6 @@ def test_who_does_nothing_gets_nothing() -> None:
 
 def test_a_single_key_replays_to_the_bit(tmp_path: Path) -> None:
     path = tmp_path / "key.jsonl"
-    chosen = scene_settings(SceneOptions(task="single-keys", seed=6_003))
+    chosen = trial_settings(TrialOptions(task="single-keys", seed=6_003))
     run_trial(chosen, record=path)
     assert replay(load_recording(path))[1].exact

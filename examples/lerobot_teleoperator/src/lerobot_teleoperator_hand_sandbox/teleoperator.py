@@ -7,12 +7,12 @@ from lerobot.utils.errors import DeviceAlreadyConnectedError, DeviceNotConnected
 from rich.console import Console
 
 from models.errors import InputError
-from sandbox.options.scene_options import SceneOptions, scene_settings
-from sandbox.options.touch_devices import TouchOptions
+from sandbox.cli.common.touch_options import TouchOptions
 from sandbox.play.page_touches import open_page_touches
 from sandbox.stream.live_hand import LiveHand
 from sandbox.trial.assembly import build
 from sandbox.trial.open_devices import device_makers
+from sandbox.trial.trial_options import TrialOptions, trial_settings
 
 from .actions import HandActions
 from .config_hand_sandbox import HandSandboxConfig
@@ -75,7 +75,7 @@ class HandSandbox(Teleoperator):
             raise DeviceAlreadyConnectedError(f"{self} is connected already")
         page = self.config.device in PAGES
         device = "web" if page else self.config.device
-        chosen = scene_settings(SceneOptions(task=self.config.task, device=device))
+        chosen = trial_settings(TrialOptions(task=self.config.task, device=device))
         settings, makers = chosen, device_makers(chosen)
         if page:
             asked = TouchOptions(device="web", tablet=PAGES[self.config.device])

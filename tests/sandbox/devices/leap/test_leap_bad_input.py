@@ -9,7 +9,7 @@ import pytest
 
 from sandbox.cli.main import main
 from sandbox.devices.leap.leap_truth import write_take
-from sandbox.options.scene_options import SceneOptions, scene_settings
+from sandbox.trial.trial_options import TrialOptions, trial_settings
 from tests.support.leap_hands import take
 
 Frames = list[dict[str, Any]]
@@ -167,7 +167,7 @@ def test_a_profile_may_be_a_measured_hand_and_is_refused_for_touches(
     paalm = ["paalm", "calibrate", str(path), "--hands", "right", "--frames", "40"]
     assert main([*paalm, "--out", str(hand)]) == 0
     named, as_profile = (
-        scene_settings(SceneOptions(device="leap", **{how: value})).hands[0].in_air  # type: ignore[arg-type]
+        trial_settings(TrialOptions(device="leap", **{how: value})).hands[0].in_air  # type: ignore[arg-type]
         for how, value in (("calibration", hand), ("profile", str(hand)))
     )
     assert named is not None and named == as_profile and named.calibration is not None

@@ -21,7 +21,6 @@ from sandbox.devices.registry import kind_of
 from sandbox.devices.simulated.leap_disturbance import LeapDisturbance, parse_simulated
 from sandbox.devices.simulated.leap_user import SimulatedLeap
 from sandbox.devices.wrappers.shared import SharedDevice
-from sandbox.options.scene_options import SceneOptions, scene_settings
 from sandbox.play.pages import show_session
 from sandbox.recording.recorded_device import RecordedDevice
 from sandbox.recording.recording import load_recording
@@ -35,6 +34,7 @@ from sandbox.trial.driver import run_trial
 from sandbox.trial.open_devices import device_makers
 from sandbox.trial.replay import replay
 from sandbox.trial.settings import Settings
+from sandbox.trial.trial_options import TrialOptions, trial_settings
 from tasks.user import UserConfiguration
 from tests.support.leap_hands import take
 from tests.support.page_client import Page
@@ -68,7 +68,7 @@ def test_a_hand_over_the_other_hides_both() -> None:
 
 
 def chosen(task: str, **options: Any) -> Settings:
-    return scene_settings(replace(SceneOptions(task=task), **options))
+    return trial_settings(replace(TrialOptions(task=task), **options))
 
 
 @pytest.mark.slow

@@ -16,8 +16,8 @@ from models.surface import METRES_PER_INCH, Surface
 from sandbox.cli.touches.views import what_to_check
 from sandbox.devices.tuio import Transport
 from sandbox.devices.tuio.tuio import TuioDevice
-from sandbox.options.scene_options import SceneOptions, scene_settings
 from sandbox.trial.open_devices import device_makers
+from sandbox.trial.trial_options import TrialOptions, trial_settings
 from tasks.registry import find_task
 from tests.support.processes import PATIENCE, Sender, until
 from tests.support.tuio_packets import MALFORMED, blobs, frame
@@ -218,9 +218,9 @@ def test_two_hands_have_ports_one_after_the_other(transport: Transport) -> None:
     with socket.socket() as taken:
         taken.bind(("127.0.0.1", 0))
         port = taken.getsockname()[1]
-    options = SceneOptions(device="tuio", second_device="tuio")
+    options = TrialOptions(device="tuio", second_device="tuio")
     ports = {"tuio_transport": transport, "port": port, "websocket_port": port}
-    chosen = scene_settings(replace(options, **ports))
+    chosen = trial_settings(replace(options, **ports))
     task = find_task("box-to-goal").draw(0, Surface())
     devices = [make(task, Surface()) for make in device_makers(chosen)]
     try:

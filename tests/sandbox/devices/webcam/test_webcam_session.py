@@ -18,9 +18,9 @@ from sandbox.devices.webcam import webcam_choice
 from sandbox.devices.webcam.landmark_file import header_record
 from sandbox.devices.webcam.landmarks_json import message_of
 from sandbox.export.sources import open_source
-from sandbox.options.scene_options import SceneOptions, scene_settings
 from sandbox.recording.recording import load_recording
 from sandbox.trial.settings import recorded_settings
+from sandbox.trial.trial_options import TrialOptions, trial_settings
 from tests.encoders.webcam.seen_hands import film, held_up, mirror, seen
 
 CAMERA = Camera(70.0, (0.0, 0.45, 0.12))
@@ -64,8 +64,8 @@ def test_the_recording_keeps_the_camera_and_not_the_poses(tmp_path: Path) -> Non
 
 def test_two_hands_before_one_camera_are_each_their_own_side(tmp_path: Path) -> None:
     file = hand_file(tmp_path / "hands.jsonl", both=True)
-    chosen = scene_settings(
-        SceneOptions(device=str(file), task="carry-together", second_device=str(file))
+    chosen = trial_settings(
+        TrialOptions(device=str(file), task="carry-together", second_device=str(file))
     )
     assert [hand.side for hand in chosen.hands] == ["right", "left"]
     assert all(hand.in_air and hand.in_air.camera for hand in chosen.hands)
@@ -86,8 +86,8 @@ def test_two_hands_carry_together_and_replay_to_the_bit(
 def test_two_right_hands_before_one_camera_are_refused(tmp_path: Path) -> None:
     file = str(hand_file(tmp_path / "hands.jsonl", both=True))
     with pytest.raises(InputError, match="a right and a left hand"):
-        scene_settings(
-            SceneOptions(device=file, second_device=file, hand="right", second_hand="right")
+        trial_settings(
+            TrialOptions(device=file, second_device=file, hand="right", second_hand="right")
         )
 
 
@@ -129,7 +129,7 @@ def test_the_option_says_what_the_camera_is() -> None:
 def test_touches_alone_can_be_degraded(tmp_path: Path) -> None:
     file = str(hand_file(tmp_path / "hand.jsonl"))
     with pytest.raises(InputError, match="in the air"):
-        scene_settings(SceneOptions(device=file, vary="noise=0.001"))
+        trial_settings(TrialOptions(device=file, vary="noise=0.001"))
 
 
 def test_a_camera_that_falls_silent_sees_no_hand() -> None:

@@ -18,7 +18,6 @@ from models.errors import FrameError
 from models.frames import HandFrame
 from sandbox.devices.webxr.joints import held_hand, seen_hand
 from sandbox.devices.webxr.webxr import HeadsetDevice
-from sandbox.options.scene_options import SceneOptions, scene_settings
 from sandbox.play.pages import show_session, touched_pages
 from sandbox.server.page_server import PageServer
 from sandbox.server.protocol.protocol import (
@@ -31,6 +30,7 @@ from sandbox.server.protocol.protocol import (
 from sandbox.server.static import HEADSET, StaticFiles
 from sandbox.trial.assembly import build
 from sandbox.trial.open_devices import device_makers
+from sandbox.trial.trial_options import TrialOptions, trial_settings
 from tests.encoders.headset.joint_hands import joints, points, seen
 
 SCREEN = {"px_per_in": 110.0, "width_px": 800.0, "height_px": 600.0, "calibrated": False}
@@ -70,7 +70,7 @@ class Headset:
 @pytest.fixture
 def headset() -> Iterator[Headset]:
     server = PageServer(files=StaticFiles(index=HEADSET))
-    chosen = scene_settings(SceneOptions(device="webxr"))
+    chosen = trial_settings(TrialOptions(device="webxr"))
     session = build(chosen, device_makers(chosen))
     ((own, device),) = touched_pages(session)
     assert isinstance(device, HeadsetDevice)
@@ -205,7 +205,7 @@ def test_the_address_shows_the_headset_s_page_and_needs_its_token(headset: Heads
 
 
 def test_a_touch_device_takes_no_hands() -> None:
-    chosen = scene_settings(SceneOptions(device="web"))
+    chosen = trial_settings(TrialOptions(device="web"))
     session = build(chosen, device_makers(chosen))
     ((_, device),) = touched_pages(session)
     assert not device.hear(PageHands(1, 0.0, []), PageScreen(110.0, 800.0, 600.0, False))

@@ -11,13 +11,13 @@ from models.errors import InputError
 from models.frames import HandFrame
 from sandbox.cli.main import main
 from sandbox.devices.webxr.webxr import HeadsetDevice
-from sandbox.options.scene_options import SceneOptions, scene_settings
 from sandbox.recording.recording import load_recording
 from sandbox.server.protocol.protocol import PageHands, PageScreen
 from sandbox.trial.assembly import build
 from sandbox.trial.driver import run_trial
 from sandbox.trial.open_devices import device_makers
 from sandbox.trial.settings import recorded_settings
+from sandbox.trial.trial_options import TrialOptions, trial_settings
 
 
 def test_a_trial_in_a_simulated_headset_is_recorded_and_replays_to_the_bit(
@@ -39,13 +39,13 @@ def test_a_trial_in_a_simulated_headset_is_recorded_and_replays_to_the_bit(
 
 @pytest.mark.parametrize(("task", "hand"), [("box-to-goal", "left"), ("stack", "right")])
 def test_the_simulated_person_succeeds(task: str, hand: Literal["left", "right"]) -> None:
-    chosen = scene_settings(SceneOptions(task=task, device="webxr-simulated", hand=hand))
+    chosen = trial_settings(TrialOptions(task=task, device="webxr-simulated", hand=hand))
     result = run_trial(chosen)
     assert result.success, result.reason
 
 
 def test_two_hands_in_one_headset_see_the_same_frames() -> None:
-    chosen = scene_settings(SceneOptions(device="webxr", task="carry-together"))
+    chosen = trial_settings(TrialOptions(device="webxr", task="carry-together"))
     assert [hand.side for hand in chosen.hands] == ["right", "left"]
     assert all(hand.in_air and hand.in_air.joints for hand in chosen.hands)
     session = build(chosen, device_makers(chosen))
@@ -59,19 +59,19 @@ def test_two_hands_in_one_headset_see_the_same_frames() -> None:
 
 def test_two_right_hands_in_one_headset_are_refused() -> None:
     with pytest.raises(InputError, match="a right and a left hand"):
-        scene_settings(
-            SceneOptions(device="webxr", second_device="webxr", hand="right", second_hand="right")
+        trial_settings(
+            TrialOptions(device="webxr", second_device="webxr", hand="right", second_hand="right")
         )
 
 
 def test_a_headset_is_the_first_device() -> None:
     with pytest.raises(InputError, match="comes first"):
-        scene_settings(SceneOptions(device="tuio", second_device="webxr"))
+        trial_settings(TrialOptions(device="tuio", second_device="webxr"))
 
 
 def test_touches_alone_can_be_degraded() -> None:
     with pytest.raises(InputError, match="in the air"):
-        scene_settings(SceneOptions(device="webxr", vary="noise=0.001"))
+        trial_settings(TrialOptions(device="webxr", vary="noise=0.001"))
 
 
 @pytest.mark.parametrize("view", ["window", "none"])

@@ -92,7 +92,7 @@ def program(tmp_path_factory: pytest.TempPathFactory) -> Path:
         ("models/mechanisms/mechanism.py", True),
         ("sandbox/recording/recording.py", True),
         ("sandbox/devices/tuio/tuio.py", True),
-        ("sandbox/options/profiles.py", True),
+        ("sandbox/trial/profiles.py", True),
         ("sandbox/study/run/runner.py", True),
         ("sandbox/study/measures/measures.py", True),
         ("sandbox/study/tables/frames.py", True),

@@ -5,7 +5,6 @@ from __future__ import annotations
 from pathlib import Path
 
 from sandbox.devices.registry import DeviceSettings
-from sandbox.options.touch_devices import TouchOptions
 from sandbox.study.record.folder import PILOT, StudyFolder
 from sandbox.study.record.session_folder import SessionFolder
 from sandbox.study.record.stored_sessions import session_path
@@ -58,7 +57,7 @@ class CameraSession:
             SessionFolder(self.study, person) as session,
             SessionCamera(engine, ("right",), False, self.say) as camera,
         ):
-            mouse = TouchOptions(device="mouse")
+            mouse = DeviceSettings.of("mouse")
             self.outcome = SessionRunner(
                 session,
                 HeadlessPlayer(paced=True),

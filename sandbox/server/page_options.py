@@ -7,7 +7,7 @@ from typing import Annotated
 
 from cyclopts import Parameter
 
-from sandbox.options.headings import COMMON, PAGE
+from sandbox.trial.headings import COMMON, PAGE
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -2,19 +2,26 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any, cast
 
 from cyclopts import Parameter
+from rich.console import Console
 
 from models.surface import parse_surface
-from sandbox.devices.device import Place
+from sandbox.devices.device import Device, Place
 from sandbox.devices.evdev import EvdevOptions
-from sandbox.devices.registry import DeviceSettings, find_device, unknown_device
+from sandbox.devices.registry import (
+    DeviceSettings,
+    check_device_options,
+    find_device,
+    given_device_options,
+    unknown_device,
+)
 from sandbox.devices.tuio import STALE_AFTER, TuioOptions, open_tuio
-from sandbox.options.headings import COMMON, TUIO
-from sandbox.options.page_options import PageOptions
+from sandbox.server.page_options import PageOptions
+from sandbox.trial.headings import COMMON, device_heading
 
 if TYPE_CHECKING:
     from sandbox.devices.files.touch_files import Opened
@@ -42,13 +49,19 @@ class TouchOptions(PageOptions, LiveTouchOptions):
     ipad-mini). TUIO does not transmit the size, so without this option inches are a guess. A
     browser page is measured on the page, and most touch screens report their size."""
 
-    stale_after: Annotated[float, Parameter(group=TUIO)] = STALE_AFTER
+    stale_after: Annotated[float, Parameter(group=device_heading("tuio"))] = STALE_AFTER
     """Seconds without a packet after which the touches of a TUIO sender are lifted."""
 
     @property
     def settings(self) -> DeviceSettings:
-        """The device and its options."""
-        return DeviceSettings.of(self.device, asdict(self))
+        """The device and its options.
+
+        Raises:
+            InputError: An option of another device is given.
+        """
+        given = given_device_options(self)
+        check_device_options(given, [self.device])
+        return DeviceSettings.of(self.device, given)
 
     @property
     def is_page(self) -> bool:
@@ -75,4 +88,16 @@ def open_touches(options: TouchOptions, tap: Tap | None = None) -> Opened:
     if options.device == "tuio":
         place = Place(size)
         return Opened(open_tuio(settings.options, place, tap, options.stale_after), size)
-    return Opened(settings.open(Place(size)), size)
+    return Opened(cast(Device, settings.open(Place(size))), size)
+
+
+def open_touches_or_page(options: TouchOptions, seconds: float, tap: Any = None) -> Opened | None:
+    """Opens the device; returns None if nobody opened the page in time."""
+    if not options.is_page:
+        return open_touches(options, tap)
+    # These imports load the whole program, which only the page needs.
+    from sandbox.devices.files.touch_files import Opened
+    from sandbox.play.page_touches import open_page_touches
+
+    page = open_page_touches(options, Console(stderr=True), seconds)
+    return None if page is None else Opened(page, page.surface)

@@ -1,6 +1,7 @@
 """Profiles of persons: side, size, seat and layouts of five fingers, in a file.
 
-`sandbox hand measure` measures them, and `sandbox play --learn` adds layouts.
+`sandbox hand measure` measures them, and `sandbox play --learn` adds layouts. A hand over a Leap
+has a calibration instead, by `sandbox paalm calibrate`, which --profile may name, too.
 
 A profile is for people who play. Measurements and comparisons ignore it unless --profile is given.
 A recording holds the values themselves, so that it replays without a profile.
@@ -14,6 +15,7 @@ import sys
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from msgspec import Struct
 
@@ -21,9 +23,13 @@ from encoders.person.rest_posture import Look, Looks, check_looks
 from models.errors import EncoderError, InputError
 from models.json_input import check_layout, decoded, read_bytes
 from models.person import Person
+from sandbox.devices.registry import is_in_air
 from sandbox.session.own_layouts import Layouts, known_layouts
 from sandbox.system.files import home
 from sandbox.trial.settings import HandSettings
+
+if TYPE_CHECKING:
+    from sandbox.trial.trial_options import TrialOptions
 
 SCHEMA = 1
 """Version of the file's layout."""
@@ -211,3 +217,65 @@ def _layouts(given: Sequence[Sequence[tuple[float, float]]], person: Person, whe
             remedy=FORGET,
         ) from None
     return layouts
+
+
+def own_calibration_path() -> Path:
+    """Returns the file of this user's hands over a Leap, beside the profile of touches."""
+    return default_path().with_name("hands.json")
+
+
+def chosen_calibration(options: TrialOptions) -> Path | None:
+    """Returns the calibration file named by --calibration or --profile; None if there is none.
+
+    Args:
+        options: Options of a trial.
+
+    Raises:
+        InputError: The options name two files.
+    """
+    named, given = options.profile, options.device_options.get("calibration")
+    path: Path | None = None
+    if named == DEFAULT:
+        path = own_calibration_path() if own_calibration_path().exists() else None
+    elif named not in (None, "none") and _is_calibration(str(named)):
+        path = Path(str(named))
+        if given is not None:
+            raise InputError(
+                "two calibrations are given",
+                where="--profile",
+                got=f"--calibration and --profile {named}",
+                expected="one of --calibration and --profile",
+            )
+    return given or path
+
+
+def _is_calibration(name: str) -> bool:
+    """True if a profile's name is the file of a calibration over a Leap."""
+    from encoders.paalm.calibration_file import is_calibration
+
+    return is_calibration(Path(name))
+
+
+def uses_touch_profile(options: TrialOptions) -> bool:
+    """True if --profile names a profile by `sandbox hand measure`, and the device is for touches.
+
+    Raises:
+        InputError: The profile is a calibration over a Leap, and the device is for touches.
+    """
+    if options.profile in (None, "none"):
+        return False
+    in_air = is_in_air(options.device)
+    if options.profile == DEFAULT:
+        # Over a Leap the measured hand counts; the seat at a tablet has no meaning there.
+        return not in_air or (not own_calibration_path().exists() and default_path().exists())
+    if not _is_calibration(str(options.profile)):
+        return True
+    if not in_air:
+        raise InputError(
+            "this profile is a calibration over a Leap",
+            where=f"--profile {options.profile}",
+            got=f"--device {options.device}",
+            expected="--device leap",
+            remedy="`sandbox hand measure` measures a hand that touches",
+        )
+    return False

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import cache
+
 from cyclopts import Group
 
 COMMON = Group.create_ordered("Common options")
@@ -12,23 +14,18 @@ PHYSICS = Group.create_ordered("Physics and robots")
 SIMULATED = Group.create_ordered("Simulated user, and harder trials")
 SECOND = Group.create_ordered("Second hand")
 PAGE = Group.create_ordered("Page")
-TUIO = Group.create_ordered("Device tuio")
-EVDEV = Group.create_ordered("Device evdev")
-LEAP = Group.create_ordered("Device leap, and its recordings")
-WEBCAM = Group.create_ordered("Device webcam")
+
+
+@cache
+def device_heading(device: str) -> Group:
+    """The heading of the options of a device, by its name."""
+    return Group.create_ordered(f"Device {device}")
+
 
 OF_SETTINGS = {
     "PipelineSettings": RECONSTRUCTION,
     "PhysicsSettings": PHYSICS,
-    "TuioOptions": TUIO,
-    "EvdevOptions": EVDEV,
-    "LeapOptions": LEAP,
-    "OverLeapOptions": LEAP,
-    "BeforeCameraOptions": WEBCAM,
 }
-"""Class of settings, or of a device's options -> heading of the options that its fields are."""
+"""Class of settings -> heading of the options that its fields are."""
 COMMON_SETTINGS = ("encoder",)
 """Fields of these classes that most people need."""
-
-OF_DEVICES = {"tuio": TUIO, "evdev": EVDEV, "leap": LEAP, "webcam": WEBCAM}
-"""Device -> heading of the options that only it needs. `--help` has them if the device is named."""

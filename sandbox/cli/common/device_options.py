@@ -1,0 +1,98 @@
+"""Options of the devices that a command line names, among those of its command."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, fields
+from typing import Any, TypeVar, cast
+
+from rich.console import Console
+
+from models.errors import DeviceError
+from sandbox.devices.registry import DEVICES, find_device
+from sandbox.trial.headings import device_heading
+
+T = TypeVar("T")
+
+_NAMING = ("--device", "--second-device")
+"""Options whose values are devices."""
+
+
+def named_options(options: type[Any], argv: Sequence[str]) -> dict[type[Any], str]:
+    """Classes of the options of the devices that a command line names, with their headings.
+
+    Args:
+        options: Dataclass of the command's options; its default device counts, too.
+        argv: Words of the command line.
+
+    Raises:
+        DeviceError: The code of somebody's own device cannot be used.
+    """
+    devices = []
+    for word, after in zip(argv, [*argv[1:], ""], strict=True):
+        option, equals, value = word.partition("=")
+        if option in _NAMING:
+            devices.append(value if equals else after)
+    found: dict[type[Any], str] = {}
+    for device in devices or [options.device]:
+        # What is no device is refused with all else that the command names.
+        if (named := find_device(device)) is None:
+            continue
+        shown = named.entry.on_command_line
+        if fields(shown):
+            found.setdefault(shown, _heading(shown, device))
+    return found
+
+
+def with_options(options: type[T], of_devices: Mapping[type[Any], str]) -> type[T]:
+    """The command's class of options, with those of devices.
+
+    Args:
+        options: Dataclass of the command's options.
+        of_devices: Classes of the options of devices, with their headings.
+
+    Raises:
+        DeviceError: An option of a device has the name of another option.
+    """
+    if not of_devices:
+        return options
+    own = {each.name for each in fields(cast(Any, options))}
+    for kind, heading in of_devices.items():
+        if both := own & {each.name for each in fields(kind)}:
+            raise DeviceError(
+                "an option of the device has the name of another option",
+                where=heading,
+                got=", ".join("--" + name.replace("_", "-") for name in sorted(both)),
+                remedy="Give it another name",
+            )
+    # A class goes without those that it inherits from.
+    bases = [
+        kind
+        for kind in of_devices
+        if not any(issubclass(other, kind) and other is not kind for other in of_devices)
+    ]
+    about = {"__doc__": options.__doc__, "__module__": options.__module__}
+    extended = type(options.__name__, (*bases, options), about)
+    return cast(type[T], dataclass(frozen=True, kw_only=True)(extended))
+
+
+def show_other_devices(shown: Iterable[str]) -> None:
+    """Prints where the options of devices are shown that the command line does not name.
+
+    Args:
+        shown: Headings of the devices whose options were shown.
+    """
+    others: dict[str, str] = {}
+    for device, entry in DEVICES.items():
+        if fields(entry.on_command_line):
+            others.setdefault(_heading(entry.on_command_line, device), device)
+    for heading, device in others.items():
+        if heading not in shown:
+            title = device_heading(heading).name
+            Console().print(f"{title}: `--device {device} --help` shows its options")
+
+
+def _heading(options: type[Any], device: str) -> str:
+    """The device that a heading names: that of a folder of ours, or somebody's own."""
+    folder, _, last = options.__module__.rpartition(".")
+    return last if folder == "sandbox.devices" else device
