@@ -17,8 +17,8 @@ from typing import TypeVar
 
 import numpy as np
 
-from encoders.regression.collapsed import FLAGS
 from encoders.regression.model_registry import pca_ik_model
+from encoders.regression.polynomial import FLAGS
 from models.arithmetic.arrays import Array
 
 Job = TypeVar("Job")

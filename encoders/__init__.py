@@ -16,14 +16,8 @@ if TYPE_CHECKING:
     from encoders.paalm.paalm import Paalm
     from encoders.regression.pca_ik import PcaIkEncoder
     from encoders.regression.polynomial import CubicEncoder, LinearEncoder, QuadraticEncoder
-    from encoders.regression.trained import (
-        TrainedModel,
-        builtin,
-        builtin_capture,
-        load_model,
-        save_model,
-        train,
-    )
+    from encoders.regression.train import save_model, train
+    from encoders.regression.trained import TrainedModel, builtin, builtin_capture, load_model
     from encoders.store import load_capture, save_capture
 else:
     __getattr__ = lazy_names(
@@ -44,8 +38,8 @@ else:
             "load_capture": "encoders.store",
             "load_model": "encoders.regression.trained",
             "save_capture": "encoders.store",
-            "save_model": "encoders.regression.trained",
-            "train": "encoders.regression.trained",
+            "save_model": "encoders.regression.train",
+            "train": "encoders.regression.train",
         },
     )
 

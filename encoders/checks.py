@@ -23,8 +23,8 @@ from encoders.regression.registry import (
     origin_of,
     source_digest,
 )
-from encoders.regression.stored_encoder import check_repeatable, predicted
-from encoders.regression.trained import TrainedModel, builtin_capture, train_encoder
+from encoders.regression.train import check_repeatable, predicted, train_encoder
+from encoders.regression.trained import TrainedModel, builtin_capture
 from models.errors import EncoderError
 
 EVERY = 40

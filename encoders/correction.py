@@ -277,3 +277,8 @@ def _solved(S: Array, r: Array) -> Array:
         raise EncoderError(
             "the guess's covariance cannot be used", expected="a positive definite matrix"
         ) from trouble
+
+
+def tip_targets(xy: Array) -> Array:
+    """Fingertip positions (..., 3) m for touches (..., 2) m; 3-D surface frame."""
+    return np.stack([xy[..., 0], -xy[..., 1], np.full(xy.shape[:-1], PAD_HEIGHT)], axis=-1)

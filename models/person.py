@@ -74,6 +74,25 @@ class Person:
         return sized.mirrored() if self.left else sized
 
 
+@dataclass(frozen=True)
+class Look:
+    """Touches and pose of a person's hand at one moment; JSON values only.
+
+    Both are in the 3-D surface frame of the screen's lower edge, of the person's own size, as of a
+    right hand. `encoders.person.rest_posture` uses them.
+
+    Attributes:
+        touches: Place (x right, y down) m of each finger, thumb first; None while it is lifted.
+        pose: The 48 numbers of `models.pose`, m and rad.
+    """
+
+    touches: tuple[tuple[float, float] | None, ...]
+    pose: tuple[float, ...]
+
+
+Looks = tuple[Look, ...]
+
+
 class PersonFrame:
     """Transforms between a screen and the frame in which every hand is the trained right hand.
 

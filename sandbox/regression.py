@@ -17,7 +17,8 @@ from typing import Any
 import pytest
 
 from encoders.regression.model_registry import DEFAULT_MODEL
-from encoders.regression.trained import TrainedModel, save_model
+from encoders.regression.train import save_model
+from encoders.regression.trained import TrainedModel
 from models.errors import InputError
 from models.message import counted
 from sandbox.regress import statistics

@@ -18,10 +18,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from encoders.capture import Capture
+from encoders.correction import tip_targets
 from encoders.input_vector import contact_vectors
-from encoders.regression.bone_fit import tip_targets
-from encoders.regression.person_correction import DISTRUSTS, PersonCorrection
-from encoders.regression.trained import POPULATION, TrainedModel, rounded
+from encoders.regression.person_correction import DISTRUSTS
+from encoders.regression.train import rounded
+from encoders.regression.trained import POPULATION, PersonCorrection, TrainedModel
 from encoders.regression.yaw_normalised import YawNormalisedEncoder, turned_root, yaw_of
 from encoders.validation import bounded_errors, error_product
 from models.arithmetic.arrays import Array

@@ -23,19 +23,10 @@ from encoders.encoder import Encoder
 from encoders.input_vector import contact_vectors
 from encoders.regression.bone_fit import fitted_skeleton
 from encoders.regression.model_registry import cache_folder, keep_model
-from encoders.regression.person_correction import (
-    PersonCorrection,
-    blocked_variance,
-    train_correction,
-)
+from encoders.regression.person_correction import blocked_variance, train_correction
 from encoders.regression.polynomial import PolynomialEncoder
-from encoders.regression.trained import (
-    TrainedModel,
-    blocked_predictions,
-    load_model,
-    origin,
-    rounded,
-)
+from encoders.regression.train import blocked_predictions, origin, rounded
+from encoders.regression.trained import PersonCorrection, TrainedModel, load_model
 from encoders.regression.yaw_normalised import YawNormalisedEncoder
 from encoders.smoothing import PoseFilter, rigid_motion
 from encoders.validation import error_product, robust_covariance

@@ -6,9 +6,10 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
+from typing import Self
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from encoders.capture import Capture
 from encoders.encoder import Encoder
@@ -17,14 +18,13 @@ from encoders.evaluation.person_model import CANDIDATES, PersonEstimate, person_
 from encoders.labels.belief import builtin_population_belief
 from encoders.labels.labelling import Labeller
 from encoders.labels.paper import PaperLabels
-from encoders.regression.mean import MeanEncoder
 from encoders.regression.registry import (
     ENCODER_PLUGINS,
     ENCODERS,
     find_encoder,
     is_external,
 )
-from encoders.regression.stored_encoder import predicted
+from encoders.regression.train import predicted
 from encoders.regression.trained import TrainedModel, load_model
 from models.arithmetic.arrays import Array
 from models.errors import EncoderError, InputError, unknown_name
@@ -161,3 +161,22 @@ def check_names(names: tuple[str, ...]) -> None:
             where="--encoders",
             got=", ".join(twice) or None,
         )
+
+
+class MeanEncoder(Encoder):
+    """Predicts the mean training pose for any touches.
+
+    Attributes:
+        mean_: (n,) mean of the outputs.
+    """
+
+    mean_: Array
+
+    def fit(self, U: ArrayLike, Q: ArrayLike) -> Self:
+        """Learns the mean of outputs (T, n)."""
+        self.mean_ = np.asarray(Q, float).mean(axis=0)
+        return self
+
+    def predict(self, U: ArrayLike) -> Array:
+        """The mean (T, n) for inputs (T, width), or (n,) for one input."""
+        return np.broadcast_to(self.mean_, (*np.shape(U)[:-1], len(self.mean_))).copy()

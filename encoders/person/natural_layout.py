@@ -15,17 +15,19 @@ from collections.abc import Iterable, Sequence
 from functools import reduce
 from math import atan2, fsum, sqrt
 from operator import add
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from encoders.capture import Capture
 from encoders.labels.labelling import hypotheses
 from models.arithmetic import functions
 from models.arithmetic.arrays import Array
 from models.arithmetic.products import matrix_vector, squared_lengths
 from models.errors import CaptureError
+
+if TYPE_CHECKING:
+    from encoders.capture import Capture
 
 Complex = NDArray[np.complex128]
 

@@ -15,7 +15,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any, Self
 
@@ -24,9 +24,9 @@ from msgspec import Struct
 from numpy.typing import ArrayLike, NDArray
 
 from encoders.capture import Capture
+from encoders.correction import tip_targets
 from encoders.encoder import Encoder
 from encoders.input_vector import contact_vectors
-from encoders.regression.bone_fit import tip_targets
 from encoders.regression.trained import TrainedModel
 from encoders.regression.yaw_normalised import turned_root, yaw_of
 from encoders.store import load_capture
@@ -36,6 +36,7 @@ from models.errors import EncoderError, InputError
 from models.frames import FINGERS
 from models.json_input import check_layout, decoded, read_bytes
 from models.kinematics import Kinematics
+from models.person import Look, Looks
 from models.pose import JOINTS, POSE_SIZE, ROOT_POSITION, mirrored, relative_pose
 from models.skeleton import ADULT
 
@@ -62,24 +63,6 @@ DIGITS = 5
 
 _WHAT = "the rest posture cannot be used"
 _REMEDY = "docs/strangers.md says how a rest posture is made"
-
-Place = tuple[float, float]
-
-
-@dataclass(frozen=True)
-class Look:
-    """Touches and pose of one moment; JSON values only.
-
-    Attributes:
-        touches: Place (x right, y down) m of each finger, thumb first; None while it is lifted.
-        pose: The 48 numbers of `models.pose`.
-    """
-
-    touches: tuple[Place | None, ...]
-    pose: tuple[float, ...]
-
-
-Looks = tuple[Look, ...]
 
 
 class _RestFile(Struct, forbid_unknown_fields=True):

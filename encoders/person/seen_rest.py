@@ -13,12 +13,13 @@ from collections import deque
 import numpy as np
 
 from encoders.correction import PAD_HEIGHT
-from encoders.person.rest_posture import DIGITS, Look
+from encoders.person.rest_posture import DIGITS
 from models.arithmetic.arrays import Array
 from models.arithmetic.products import squared_lengths
 from models.errors import EncoderError
 from models.frames import FINGERS
 from models.kinematics import Kinematics
+from models.person import Look
 from models.pose import ROOT_POSITION, ROOT_ROTATION
 from models.rotations import unwrap_near
 from models.skeleton import Skeleton

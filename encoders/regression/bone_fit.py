@@ -13,7 +13,7 @@ from dataclasses import replace
 import numpy as np
 
 from encoders.capture import Capture
-from encoders.correction import PAD_HEIGHT
+from encoders.correction import tip_targets
 from models.arithmetic.arrays import Array
 from models.frames import FINGERS
 from models.kinematics import Kinematics
@@ -32,11 +32,6 @@ measured with errors."""
 _INDEPENDENT = 200
 """Maximum number of touches of one finger that count as independent; the frames of a take are
 nearly equal."""
-
-
-def tip_targets(xy: Array) -> Array:
-    """Fingertip positions (..., 3) m for touches (..., 2) m; 3-D surface frame."""
-    return np.stack([xy[..., 0], -xy[..., 1], np.full(xy.shape[:-1], PAD_HEIGHT)], axis=-1)
 
 
 def tip_misses(kinematics: Kinematics, capture: Capture) -> Array:

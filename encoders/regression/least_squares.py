@@ -4,18 +4,17 @@ Frames come in blocks. Each block of terms and outputs [X Q] is stacked below th
 previous blocks, and a QR decomposition reduces both to one triangle. The triangle contains
 everything that a fit needs, and its condition number is that of X, not the square of it as with
 X'X: up to rounding, the solution is that of the whole matrix. Frames of one finger set are reduced
-together, in the few monomials of that set (`encoders.regression.collapsed`), and the triangles of
+together, in the few monomials of that set (`encoders.regression.polynomial`), and the triangles of
 all sets are stacked at the end.
 """
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from encoders.regression.collapsed import SETS, collapse, set_code, set_codes
+from encoders.regression.polynomial import SETS, collapse, set_code, set_codes
 from models.arithmetic.arrays import Array
 
 RCOND = 1e-10
@@ -26,15 +25,8 @@ _ROWS = 4096
 """Number of frames reduced at once; larger blocks exceed the processor's caches, smaller ones
 repeat work."""
 
-# SciPy is imported where something is fitted: a program that only predicts starts without it.
-
-
-def is_ridge(value: object) -> bool:
-    """True for a value that can be a penalty: a finite number that is not negative."""
-    if not isinstance(value, int | float | np.number) or isinstance(value, bool):
-        return False
-    # Whole numbers of JSON may be larger than any float.
-    return bool(0 <= value <= sys.float_info.max)
+# This module and SciPy are imported where something is fitted: a program that only predicts starts
+# without them.
 
 
 class LeastSquares:
@@ -47,7 +39,7 @@ class LeastSquares:
     Attributes:
         frames: Number of frames so far.
         codes: Codes of the finger sets of all contact vectors so far
-            (`encoders.regression.collapsed`).
+            (`encoders.regression.polynomial`).
         others: True if some inputs were not contact vectors.
         least, greatest: (width,) least and greatest value of each input.
     """

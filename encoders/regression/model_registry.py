@@ -35,8 +35,6 @@ from encoders.regression.trained import (
     builtin,
     builtin_capture,
     load_model,
-    save_model,
-    train_encoder,
 )
 from models.errors import EncoderError, unknown_name
 
@@ -164,6 +162,8 @@ def _trained(kind: type[Encoder], tell: Callable[[str], None]) -> TrainedModel:
             return load_model(kept, builtin_capture())
         except EncoderError as error:
             tell(f"a kept model cannot be used: {error}")
+    from encoders.regression.train import train_encoder
+
     tell(f"training {kind.__qualname__} on the built-in capture of a simulated subject")
     began = perf_counter()
     model = train_encoder(builtin_capture(), kind.__qualname__, kind)
@@ -200,6 +200,8 @@ def keep_model(model: TrainedModel, path: Path) -> str:
     Returns:
         The rest of a message: where it is, or why it could not be written.
     """
+    from encoders.regression.train import save_model
+
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
         with NamedTemporaryFile(dir=path.parent, suffix=".npz", delete=False) as file:

@@ -1,35 +1,24 @@
-"""Corrects estimates of a *person's* pose by the touches.
+"""Trains the correction of estimates of a *person's* pose by the touches.
 
-`encoders.correction` makes the tips of our own hand meet the touches exactly. Here the pose of the
-person's hand is estimated. The person has other bones, so the accuracy of a touch as a measurement
-of the pose depends on how well those bones are known. Therefore bones are first fitted to the
-person's capture (`encoders.regression.bone_fit`), and the weight of the touches is chosen by
-validation blocked by trial, on skeletons that were perturbed before their bones were fitted.
+`encoders.regression.trained.PersonCorrection` weighs the touches by how well the person's bones are
+known. Therefore bones are first fitted to the person's capture (`encoders.regression.bone_fit`),
+and the weight of the touches is chosen by validation blocked by trial, on skeletons that were
+perturbed before their bones were fitted.
 """
 
 from __future__ import annotations
-
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from encoders.capture import Capture
-from encoders.regression.bone_fit import (
-    fitted_skeleton,
-    perturbed_skeleton,
-    tip_misses,
-    tip_targets,
-)
+from encoders.regression.bone_fit import fitted_skeleton, perturbed_skeleton, tip_misses
+from encoders.regression.trained import PersonCorrection
 from encoders.validation import error_product, trial_folds
 from models.arithmetic.arrays import Array
-from models.frames import FINGERS
 from models.kinematics import Kinematics
-from models.pose import POSE_SIZE, absolute_pose, within_limits
+from models.pose import absolute_pose
 from models.skeleton import Skeleton
-
-STEPS = 3
-"""Number of Gauss-Newton steps, after which tips are as exact as the touches' variance requires."""
 
 DISTRUSTS = (1.0, 2.0, 4.0, 8.0, 16.0, 32.0, 64.0, 128.0)
 """Candidate factors on the tips' variance for validation."""
@@ -42,52 +31,6 @@ FOLDS = 5
 JUDGED_FRAMES = 1500
 """Number of held-out frames, evenly spaced, on which a factor is evaluated; neighbouring frames are
 nearly equal."""
-
-_LIFTED_VARIANCE = 1e6
-"""m2, variance of fingertips that do not touch, whose position is unknown."""
-
-
-@dataclass(frozen=True)
-class PersonCorrection:
-    """Kalman-like update of predicted poses by the touches.
-
-    Attributes:
-        skeleton: The person's skeleton as far as it is known.
-        covariance: (48, 48) covariance of prediction errors on unseen trials, m and rad.
-        tip_variance: (3,) m2, variance of touches about the skeleton's fingertips, times
-            `distrust`.
-        distrust: Factor chosen by validation; 1 if the touches' variance needs no increase.
-    """
-
-    skeleton: Skeleton
-    covariance: Array
-    tip_variance: Array
-    distrust: float = 1.0
-
-    def correct(self, q: Array, xy: Array) -> Array:
-        """Most likely poses (T, 48), given predicted poses and touches.
-
-        Args:
-            q: (T, 48) predictions, 3-D surface frame.
-            xy: (T, 5, 2) m on the surface by label, NaN where lifted.
-        """
-        kinematics = Kinematics(self.skeleton)
-        down = np.repeat(~np.isnan(xy[..., 0]), 3, axis=1)
-        targets = np.nan_to_num(tip_targets(xy)).reshape(len(q), -1)
-        noise = np.where(down, np.tile(self.tip_variance, len(FINGERS)), _LIFTED_VARIANCE)
-        rows = np.arange(down.shape[1])
-        out = q
-        for _ in range(STEPS):
-            tips, J = kinematics.tips_and_jacobian(out)
-            J = J.reshape(len(q), -1, POSE_SIZE) * down[..., None]
-            off = (targets - tips.reshape(len(q), -1)) * down
-            off = off + (J @ (out - q)[..., None])[..., 0]
-            spread = J @ self.covariance
-            S = spread @ np.swapaxes(J, 1, 2)
-            S[:, rows, rows] += noise
-            gain = np.linalg.solve(S, off[..., None])
-            out = q + (np.swapaxes(spread, 1, 2) @ gain)[..., 0]
-        return within_limits(out, self.skeleton)
 
 
 def train_correction(

@@ -1,46 +1,45 @@
 """Trained models: an encoder with the covariance of its errors and its training data.
 
-The built-in models are trained on a capture of the *simulated* subject, not on people.
+A model is read from its file here; `encoders.regression.train` trains and writes it. The built-in
+models are trained on a capture of the *simulated* subject, not on people.
 """
 
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import cache, cached_property
 from hashlib import blake2b
 from importlib.resources import files
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from encoders.capture import Capture
+from encoders.correction import tip_targets
 from encoders.encoder import Encoder
 from encoders.input_vector import CONTACT_VECTOR_SIZE
-from encoders.npz import read_npz, write_npz
-from encoders.regression.least_squares import is_ridge, ridge_path
-from encoders.regression.person_correction import PersonCorrection
-from encoders.regression.polynomial import PolynomialEncoder
-from encoders.regression.registry import ENCODER_PLUGINS, ENCODERS, origin_of
-from encoders.regression.stored_encoder import (
-    EXTERNAL,
-    MODEL_ARRAYS,
-    as_restored,
-    class_of_origin,
-    header_fields,
-    predicted,
-    restored,
+from encoders.npz import read_npz
+from encoders.regression.polynomial import is_ridge
+from encoders.regression.registry import (
+    ENCODER_PLUGINS,
+    ENCODERS,
+    builtin_name,
+    find_encoder,
+    source_digest,
 )
-from encoders.store import load_capture
-from encoders.validation import FOLDS, error_product, robust_covariance, trial_folds
 from models.arithmetic.arrays import Array
 from models.errors import EncoderError
-from models.plugins import place_of
-from models.pose import BALL_JOINTS, POSE_SIZE
+from models.frames import FINGERS
+from models.kinematics import Kinematics
+from models.plugins import how_to_get, place_of
+from models.pose import BALL_JOINTS, POSE_SIZE, within_limits
 from models.skeleton import ADULT, Skeleton
+
+if TYPE_CHECKING:
+    from encoders.capture import Capture
 
 SCHEMA = 2
 """Version of the file's layout."""
@@ -49,9 +48,6 @@ CAPTURED = frozenset(("time", "trial", "ids", "xy", "q"))
 """Arrays of a capture, which is easily taken for the model that is trained from it."""
 
 _REMEDY = "`sandbox train --out FILE` makes a valid one"
-
-RIDGES = (1e-4, 3e-4, 1e-3, 3e-3, 1e-2, 3e-2, 1e-1, 3e-1, 1.0, 3.0)
-"""Candidate penalties for validation."""
 
 POLYNOMIALS: dict[str, tuple[int, float | None]] = {
     "paper": (2, 0.0),
@@ -66,6 +62,27 @@ BUILTIN = tuple(POLYNOMIALS)
 
 POPULATION = "population"
 """Name of the built-in model for any person; `python -m training population` makes it."""
+
+EXTERNAL = "outside"
+"""Kind of external encoders in a header."""
+
+MODEL_ARRAYS = (
+    "header",
+    "covariance",
+    "personal",
+    "training_u",
+    "training_pose",
+    "anchors",
+    "lengths",
+    "tip_variance",
+)
+"""Names of the arrays in a model's file that do not belong to its encoder."""
+
+_STEPS = 3
+"""Number of Gauss-Newton steps, after which tips are as exact as the touches' variance requires."""
+
+_LIFTED_VARIANCE = 1e6
+"""m2, variance of fingertips that do not touch, whose position is unknown."""
 
 
 @dataclass(frozen=True)
@@ -104,7 +121,7 @@ class TrainedModel:
         arrays = [self.residual_covariance, self.training_u, self.training_pose]
         if self.correction is not None:
             variance = self.correction.tip_variance
-            arrays += [_anchors(self.correction), _lengths(self.correction), variance]
+            arrays += [self.correction.anchors, self.correction.lengths, variance]
         if self.personal_covariance is not None:
             arrays.append(self.personal_covariance)
         for array in arrays:
@@ -114,209 +131,62 @@ class TrainedModel:
         return hash_.hexdigest()
 
 
-def train(capture: Capture, name: str, degree: int, ridge: float | None) -> TrainedModel:
-    """Trains a polynomial encoder on a capture.
+@dataclass(frozen=True)
+class PersonCorrection:
+    """Kalman-like update of predicted poses by the touches.
 
-    Args:
-        capture: Labelled contacts and poses.
-        name: Name of the model.
-        degree: 1, 2 or 3.
-        ridge: Penalty; 0 is least squares, None chooses from `RIDGES` by cross-validation blocked
-            by trial. (Random frames would leak, since neighbouring frames are nearly equal.)
+    `encoders.correction` makes the tips of our own hand meet the touches exactly. Here the pose of
+    the person's hand is estimated. The person has other bones, so the accuracy of a touch as a
+    measurement of the pose depends on how well those bones are known
+    (`encoders.regression.person_correction`).
 
-    Raises:
-        EncoderError: Degree or ridge is invalid, or the capture has only one trial.
+    Attributes:
+        skeleton: The person's skeleton as far as it is known.
+        covariance: (48, 48) covariance of prediction errors on unseen trials, m and rad.
+        tip_variance: (3,) m2, variance of touches about the skeleton's fingertips, times
+            `distrust`.
+        distrust: Factor chosen by validation; 1 if the touches' variance needs no increase.
     """
-    U, Q = capture.u, capture.relative
-    if ridge is None:
-        candidates = _blocked_residuals(capture, degree, RIDGES)
-        best = int(np.argmin([error_product(Q - e, Q) for e in candidates]))
-        ridge, residuals = RIDGES[best], candidates[best]
-    else:
-        residuals = _blocked_residuals(capture, degree, [ridge])[0]
-    meta = origin(capture) | {"degree": degree, "ridge": ridge}
-    encoder = PolynomialEncoder(degree, ridge).fit(U, Q)
-    return rounded(TrainedModel(name, encoder, robust_covariance(residuals), U, Q, meta))
 
+    skeleton: Skeleton
+    covariance: Array
+    tip_variance: Array
+    distrust: float = 1.0
 
-def train_encoder(
-    capture: Capture,
-    name: str,
-    make: Callable[[], Encoder],
-    progress: Callable[[float], None] | None = None,
-) -> TrainedModel:
-    """Trains any encoder on a capture.
+    @property
+    def anchors(self) -> Array:
+        """Anchors (14, 3) m of the skeleton's bones."""
+        return np.array([bone.anchor for bone in self.skeleton.bones])
 
-    Args:
-        capture: Labelled contacts and poses.
-        name: Name of the model.
-        make: Creates an untrained encoder.
-        progress: Called with the share done, 0 to 1.
+    @property
+    def lengths(self) -> Array:
+        """Lengths (14,) m of the skeleton's bones."""
+        return np.array([bone.length for bone in self.skeleton.bones])
 
-    Raises:
-        EncoderError: The encoder cannot learn, predict or be stored, or the capture has only one
-            trial.
-    """
-    U, Q = capture.u, capture.relative
-    residuals = Q - blocked_predictions(make, capture, progress=progress)
-    with ENCODER_PLUGINS.guarded(name, "the encoder cannot learn"):
-        # Copies: a fit that subtracts means in place must not change the capture for others.
-        encoder = _itself(make().fit(U.copy("K"), Q.copy("K")), name)
-    predicted(encoder, U[:1])
-    covariance = robust_covariance(residuals)
-    return rounded(TrainedModel(name, encoder, covariance, U, Q, origin(capture)))
+    def correct(self, q: Array, xy: Array) -> Array:
+        """Most likely poses (T, 48), given predicted poses and touches.
 
-
-def blocked_predictions(
-    make: Callable[[], Encoder],
-    capture: Capture,
-    folds: int = FOLDS,
-    progress: Callable[[float], None] | None = None,
-) -> Array:
-    """Relative poses (T, 48) predicted by encoders that were not trained on their trial.
-
-    Args:
-        make: Creates an untrained encoder.
-        capture: Labelled contacts and poses.
-        folds: Number of folds of the cross-validation.
-        progress: Called with the share done, 0 to 1.
-
-    Raises:
-        EncoderError: The encoder cannot learn or predict, or the capture has only one trial.
-    """
-    U, Q = capture.u, capture.relative
-    poses = np.empty((len(U), POSE_SIZE))
-    fold = trial_folds(capture.trial, folds)
-    for k in np.unique(fold):
-        out = fold == k
-        with ENCODER_PLUGINS.guarded("fit", "the encoder cannot learn"):
-            encoder = _itself(make().fit(U[~out], Q[~out]), "fit")
-        poses[out] = predicted(encoder, U[out])
-        if progress:
-            progress((k + 1) / (folds + 1))
-    return poses
-
-
-def _itself(fitted: Encoder | None, where: str) -> Encoder:
-    """What `fit` returned.
-
-    Raises:
-        EncoderError: It is nothing.
-    """
-    if fitted is None:
-        raise EncoderError(
-            "`fit` did not return the encoder", where=where, remedy="End it with `return self`"
-        )
-    return fitted
-
-
-def origin(capture: Capture) -> dict[str, Any]:
-    """Fields of a model's `meta` that describe its training capture."""
-    return {"simulated": bool(capture.meta.get("simulated", False)), "capture": capture.meta}
-
-
-def _blocked_residuals(capture: Capture, degree: int, ridges: Sequence[float]) -> Array:
-    """Prediction errors (len(ridges), T, 48) of encoders that were not trained on the frame's
-    trial."""
-    U, Q = capture.u, capture.relative
-    fold = trial_folds(capture.trial)
-    residuals = np.empty((len(ridges), *Q.shape))
-    for k in np.unique(fold):
-        out = fold == k
-        encoder = PolynomialEncoder(degree, ridges[0]).fit(U[~out], Q[~out])
-        coefs = [encoder.coef_]
-        if len(ridges) > 1:
-            coefs = list(ridge_path(encoder.terms(U[~out]), Q[~out], ridges))
-        X = encoder.terms(U[out])
-        for i, coef in enumerate(coefs):
-            residuals[i, out] = Q[out] - X @ coef
-    return residuals
-
-
-def single(array: Array) -> Array:
-    """Values rounded to single precision."""
-    return np.asarray(array, np.float32).astype(float)
-
-
-def rounded(model: TrainedModel) -> TrainedModel:
-    """The model as restored from a file, so that a saved model predicts the same bits."""
-    training_u, training_pose = single(model.training_u), single(model.training_pose)
-    covariance = single(model.residual_covariance)
-    correction = model.correction
-    if correction is not None:
-        correction = replace(
-            correction,
-            skeleton=_skeleton(single(_anchors(correction)), single(_lengths(correction))),
-            covariance=covariance,
-            tip_variance=single(correction.tip_variance),
-        )
-    return replace(
-        model,
-        encoder=as_restored(model.encoder, training_u, training_pose),
-        residual_covariance=covariance,
-        training_u=training_u,
-        training_pose=training_pose,
-        meta=json.loads(json.dumps(model.meta)),
-        correction=correction,
-        personal_covariance=(
-            None if model.personal_covariance is None else single(model.personal_covariance)
-        ),
-    )
-
-
-def _anchors(correction: PersonCorrection) -> Array:
-    return np.array([bone.anchor for bone in correction.skeleton.bones])
-
-
-def _lengths(correction: PersonCorrection) -> Array:
-    return np.array([bone.length for bone in correction.skeleton.bones])
-
-
-def _skeleton(anchors: Array, lengths: Array) -> Skeleton:
-    """The built-in skeleton with other joint anchors (14, 3) and lengths (14,), m."""
-    bones = tuple(
-        replace(bone, anchor=(float(a[0]), float(a[1]), float(a[2])), length=float(length))
-        for bone, a, length in zip(ADULT.bones, anchors, lengths, strict=True)
-    )
-    return replace(ADULT, name=f"{ADULT.name}, fitted", bones=bones)
-
-
-def save_model(model: TrainedModel, path: Path | str, training: bool = True) -> None:
-    """Writes a model as npz without pickle: a JSON header, and arrays.
-
-    Arrays of the model are in single precision, those of an external encoder as it returns them.
-
-    Args:
-        model: The model.
-        path: The file.
-        training: True writes the training data as well. Built-in models leave it out, since the
-            package contains the built-in capture.
-
-    Raises:
-        EncoderError: The encoder cannot be stored.
-    """
-    header = {
-        "schema": SCHEMA,
-        "name": model.name,
-        "meta": model.meta,
-        **header_fields(model.encoder),
-    }
-    if header["kind"] == EXTERNAL:
-        header["from"] = origin_of(type(model.encoder))
-    arrays = {"covariance": single(model.residual_covariance)}
-    if training:
-        arrays |= {"training_u": model.training_u, "training_pose": model.training_pose}
-    if model.correction is not None:
-        header["distrust"] = model.correction.distrust
-        arrays |= {
-            "anchors": _anchors(model.correction),
-            "lengths": _lengths(model.correction),
-            "tip_variance": model.correction.tip_variance,
-        }
-    if model.personal_covariance is not None:
-        arrays["personal"] = model.personal_covariance
-    ours = {name: array.astype(np.float32) for name, array in arrays.items()}
-    write_npz(Path(path), header, model.encoder.arrays() | ours)
+        Args:
+            q: (T, 48) predictions, 3-D surface frame.
+            xy: (T, 5, 2) m on the surface by label, NaN where lifted.
+        """
+        kinematics = Kinematics(self.skeleton)
+        down = np.repeat(~np.isnan(xy[..., 0]), 3, axis=1)
+        targets = np.nan_to_num(tip_targets(xy)).reshape(len(q), -1)
+        noise = np.where(down, np.tile(self.tip_variance, len(FINGERS)), _LIFTED_VARIANCE)
+        rows = np.arange(down.shape[1])
+        out = q
+        for _ in range(_STEPS):
+            tips, J = kinematics.tips_and_jacobian(out)
+            J = J.reshape(len(q), -1, POSE_SIZE) * down[..., None]
+            off = (targets - tips.reshape(len(q), -1)) * down
+            off = off + (J @ (out - q)[..., None])[..., 0]
+            spread = J @ self.covariance
+            S = spread @ np.swapaxes(J, 1, 2)
+            S[:, rows, rows] += noise
+            gain = np.linalg.solve(S, off[..., None])
+            out = q + (np.swapaxes(spread, 1, 2) @ gain)[..., 0]
+        return within_limits(out, self.skeleton)
 
 
 def load_model(path: Path | str, capture: Capture | None = None) -> TrainedModel:
@@ -375,7 +245,7 @@ def load_model(path: Path | str, capture: Capture | None = None) -> TrainedModel
         ) from error
     correction = None
     if distrust is not None:
-        bones = _skeleton(arrays["anchors"], arrays["lengths"])
+        bones = skeleton_of(arrays["anchors"], arrays["lengths"])
         correction = PersonCorrection(
             bones, arrays["covariance"], arrays["tip_variance"], float(distrust)
         )
@@ -409,7 +279,7 @@ def _stored_encoder(
     source, stored = header.get("from"), header.get("configuration")
     if not isinstance(source, dict) or not isinstance(stored, dict):
         raise EncoderError("the header is damaged", where="from, configuration")
-    encoder = restored(class_of_origin(source), stored, learned, U, Q)
+    encoder = restored(_class_of_origin(source), stored, learned, U, Q)
     if encoder.digest() != header.get("encoder"):
         raise EncoderError(
             "the encoder is not as it was stored: the file is damaged, or the class has changed",
@@ -417,6 +287,66 @@ def _stored_encoder(
             remedy="`sandbox train --encoder` trains it again",
         )
     return encoder
+
+
+def restored(
+    kind: type[Encoder],
+    options: Mapping[str, Any],
+    arrays: Mapping[str, NDArray[Any]],
+    U: Array,
+    Q: Array,
+) -> Encoder:
+    """Restores a stored encoder.
+
+    Args:
+        kind: Class of the encoder.
+        options: Its configuration.
+        arrays: Its learned arrays.
+        U: (T, 15) training frames in single precision.
+        Q: (T, 48) likewise.
+
+    Raises:
+        EncoderError: It cannot be restored.
+    """
+    with ENCODER_PLUGINS.guarded(kind.__qualname__, "the encoder does not take its own options"):
+        encoder = kind(**options)
+    with ENCODER_PLUGINS.guarded(
+        kind.__qualname__, "the encoder cannot be restored from its arrays"
+    ):
+        complete: Encoder = encoder.restore(arrays, U.copy("K"), Q.copy("K"))
+    return complete
+
+
+def _class_of_origin(source: Mapping[str, Any]) -> type[Encoder]:
+    """Loads the class of an origin in a header (`encoders.regression.registry.origin`).
+
+    Raises:
+        EncoderError: The class does not exist on this machine.
+    """
+    place = place_of(source)
+    try:
+        return find_encoder(place)
+    except EncoderError as error:
+        raise EncoderError(
+            "its encoder is not on this machine",
+            got=str(error),
+            expected=place,
+            remedy=how_to_get(source),
+        ) from error
+
+
+def header_fields(encoder: Encoder) -> dict[str, Any]:
+    """Header fields of an encoder, as JSON values; with its arrays they define it completely."""
+    ours = builtin_name(encoder)
+    if ours is not None:
+        return {"kind": ours, **encoder.configuration()}
+    return {
+        "kind": EXTERNAL,
+        "class": type(encoder).__qualname__,
+        "source": source_digest(type(encoder)),
+        "configuration": encoder.configuration(),
+        "encoder": encoder.digest(),
+    }
 
 
 def _array(raw: Mapping[str, NDArray[Any]], name: str, where: str) -> Array:
@@ -456,9 +386,25 @@ def _check(arrays: Mapping[str, Array], where: str) -> None:
             raise EncoderError("values must be above 0", where=f"{where}: {name}")
 
 
+def single(array: Array) -> Array:
+    """Values rounded to single precision."""
+    return np.asarray(array, np.float32).astype(float)
+
+
+def skeleton_of(anchors: Array, lengths: Array) -> Skeleton:
+    """The built-in skeleton with other joint anchors (14, 3) and lengths (14,), m."""
+    bones = tuple(
+        replace(bone, anchor=(float(a[0]), float(a[1]), float(a[2])), length=float(length))
+        for bone, a, length in zip(ADULT.bones, anchors, lengths, strict=True)
+    )
+    return replace(ADULT, name=f"{ADULT.name}, fitted", bones=bones)
+
+
 @cache
 def builtin_capture() -> Capture:
     """Capture of the simulated subject, on which all built-in models are trained."""
+    from encoders.store import load_capture
+
     return load_capture(builtin_folder() / "capture.npz")
 
 

@@ -23,11 +23,12 @@ from numpy.typing import ArrayLike, NDArray
 
 from encoders.encoder import Encoder
 from encoders.input_vector import CONTACT_VECTOR_SIZE, LIFTED
-from encoders.regression.collapsed import FLAGS, collapse
-from encoders.regression.least_squares import is_ridge
 from encoders.regression.polynomial import (
+    FLAGS,
     PolynomialEncoder,
     QuadraticEncoder,
+    collapse,
+    is_ridge,
     stored_coefficients,
 )
 from models.arithmetic import functions

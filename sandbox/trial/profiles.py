@@ -19,10 +19,10 @@ from typing import TYPE_CHECKING
 
 from msgspec import Struct
 
-from encoders.person.rest_posture import Look, Looks, check_looks
+from encoders.person.rest_posture import check_looks
 from models.errors import EncoderError, InputError
 from models.json_input import check_layout, decoded, read_bytes
-from models.person import Person
+from models.person import Look, Looks, Person
 from sandbox.devices.registry import is_in_air
 from sandbox.session.own_layouts import Layouts, known_layouts
 from sandbox.system.files import home

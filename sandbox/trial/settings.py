@@ -17,13 +17,12 @@ from typing import Annotated, Any, Literal, Union, get_args, get_origin, get_typ
 
 import msgspec
 
-from encoders.person.rest_posture import Looks
 from encoders.regression.model_registry import DEFAULT_MODEL
 from encoders.regression.registry import find_encoder
 from models.errors import InputError, RecordingError
 from models.hand import IMPULSE_PROFILES
 from models.json_input import in_plain_words
-from models.person import HANDS, Person
+from models.person import HANDS, Looks, Person
 from models.plugins import how_to_get, place_of
 from models.surface import PRESETS, Surface
 from sandbox.devices.hand_input import HandInput

@@ -27,12 +27,8 @@ from encoders.regression.registry import (
     origin,
     source_digest,
 )
-from encoders.regression.trained import (
-    builtin_capture,
-    load_model,
-    save_model,
-    train_encoder,
-)
+from encoders.regression.train import save_model, train_encoder
+from encoders.regression.trained import builtin_capture, load_model
 from encoders.store import save_capture
 from models.arithmetic.arrays import Array
 from models.errors import EncoderError, RecordingError

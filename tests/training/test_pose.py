@@ -11,13 +11,8 @@ from encoders.capture import Capture
 from encoders.evaluation.errors import pose_errors
 from encoders.input_vector import contact_vectors
 from encoders.regression.model_registry import MODELS, find_model
-from encoders.regression.trained import (
-    TrainedModel,
-    builtin,
-    builtin_folder,
-    load_model,
-    save_model,
-)
+from encoders.regression.train import save_model
+from encoders.regression.trained import TrainedModel, builtin, builtin_folder, load_model
 from models.errors import EncoderError
 from models.pose import ROOT_POSITION, relative_pose
 from training.population import Population, simulate_population

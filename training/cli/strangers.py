@@ -17,9 +17,10 @@ from encoders.capture import Capture
 from encoders.evaluation.report import plain
 from encoders.evaluation.subjects import TRAINING_DAY
 from encoders.labels.belief import BeliefLabels, builtin_population_belief
-from encoders.person.rest_posture import MOST, Looks, knowing_rest, looks_of
+from encoders.person.rest_posture import MOST, knowing_rest, looks_of
 from encoders.regression.trained import POPULATION, TrainedModel, builtin
 from models.errors import InputError
+from models.person import Looks
 from sandbox.cli.common.command_line import parse
 from sandbox.cli.common.json_out import check_output, refuse_replacing, write_json
 from training.names import train_names

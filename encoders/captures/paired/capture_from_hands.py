@@ -28,9 +28,8 @@ from encoders.captures.conversion.touch_log import ContactTrack, TouchLog, valid
 from encoders.captures.paired.hand_track import HandTrack, hand_track
 from encoders.captures.paired.labels import label_by_fingertips
 from encoders.captures.paired.registration import DevicePose, first_guess, register
-from encoders.correction import FingertipCorrection
+from encoders.correction import FingertipCorrection, tip_targets
 from encoders.paalm.calibration import HandCalibration
-from encoders.regression.bone_fit import tip_targets
 from models.arithmetic.arrays import Array
 from models.errors import CaptureError
 from models.frames import HandFrame

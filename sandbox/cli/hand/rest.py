@@ -11,12 +11,12 @@ from cyclopts import Parameter
 from rich.console import Console
 from rich.text import Text
 
-from encoders.person.rest_posture import MOST, Looks, check_looks, save_rest
+from encoders.person.rest_posture import MOST, check_looks, save_rest
 from encoders.person.seen_rest import SeenRest
 from encoders.reconstruction.arrival import Phase
 from encoders.reconstruction.reconstructor import AirReconstructor
 from models.errors import EncoderError, InputError
-from models.person import Person
+from models.person import Looks, Person
 from models.pose import RateLimit, mirrored
 from models.scene import CONTROL_PERIOD
 from models.skeleton import ADULT

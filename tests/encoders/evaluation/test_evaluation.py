@@ -27,7 +27,8 @@ from encoders.labels.belief import builtin_population_belief
 from encoders.labels.labelling import Labelling
 from encoders.labels.paper import PaperLabels
 from encoders.regression.polynomial import LinearEncoder
-from encoders.regression.trained import TrainedModel, builtin, builtin_capture, save_model
+from encoders.regression.train import save_model
+from encoders.regression.trained import TrainedModel, builtin, builtin_capture
 from models.arithmetic.arrays import Array
 from models.errors import EncoderError
 from models.kinematics import Kinematics

@@ -19,12 +19,8 @@ from encoders.evaluation.person_model import (
     person_model,
     train_person,
 )
-from encoders.regression.trained import (
-    TrainedModel,
-    blocked_predictions,
-    builtin_capture,
-    builtin_folder,
-)
+from encoders.regression.train import blocked_predictions
+from encoders.regression.trained import TrainedModel, builtin_capture, builtin_folder
 from encoders.smoothing import PoseFilter
 from encoders.validation import FOLDS, error_product, robust_covariance, trial_folds
 from models.arithmetic.arrays import Array

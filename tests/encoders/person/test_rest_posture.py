@@ -12,7 +12,6 @@ import pytest
 from encoders.capture import Capture
 from encoders.person.rest_posture import (
     MOST,
-    Look,
     check_looks,
     knowing_rest,
     load_rest,
@@ -22,6 +21,7 @@ from encoders.person.rest_posture import (
 from encoders.regression.trained import TrainedModel, builtin
 from encoders.store import save_capture
 from models.errors import EncoderError, InputError
+from models.person import Look
 from models.pose import absolute_pose
 from training.population import simulate_population
 from training.pose import at_trained_size

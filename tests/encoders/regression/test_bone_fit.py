@@ -10,13 +10,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from encoders.capture import Capture
-from encoders.correction import PAD_HEIGHT
+from encoders.correction import PAD_HEIGHT, tip_targets
 from encoders.regression.bone_fit import (
     KNUCKLE_SPREAD,
     fitted_skeleton,
     perturbed_skeleton,
     tip_misses,
-    tip_targets,
 )
 from encoders.regression.trained import builtin_capture
 from models.kinematics import Kinematics

@@ -13,13 +13,13 @@ from scipy.linalg import lstsq
 
 from encoders.captures.subject.script import SETS
 from encoders.input_vector import contact_vectors
+from encoders.regression.least_squares import ridge_path
 from encoders.regression.polynomial import (
     CubicEncoder,
     LinearEncoder,
     PolynomialEncoder,
     QuadraticEncoder,
     monomials,
-    ridge_path,
 )
 from models.errors import EncoderError
 

@@ -8,8 +8,13 @@ import numpy as np
 import pytest
 
 from encoders.input_vector import contact_vectors
-from encoders.regression.collapsed import SETS, collapse
-from encoders.regression.polynomial import LinearEncoder, PolynomialEncoder, QuadraticEncoder
+from encoders.regression.polynomial import (
+    SETS,
+    LinearEncoder,
+    PolynomialEncoder,
+    QuadraticEncoder,
+    collapse,
+)
 from models.errors import EncoderError
 
 DEGREES = pytest.mark.parametrize("degree", (1, 2, 3))

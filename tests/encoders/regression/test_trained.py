@@ -15,19 +15,16 @@ from hypothesis import strategies as st
 from encoders.capture import Capture
 from encoders.evaluation.person_model import train_person
 from encoders.regression.bone_fit import perturbed_skeleton
-from encoders.regression.person_correction import PersonCorrection
 from encoders.regression.polynomial import PolynomialEncoder, QuadraticEncoder
+from encoders.regression.train import RIDGES, rounded, save_model, train
 from encoders.regression.trained import (
     BUILTIN,
-    RIDGES,
+    PersonCorrection,
     TrainedModel,
     builtin,
     builtin_capture,
     builtin_folder,
     load_model,
-    rounded,
-    save_model,
-    train,
 )
 from encoders.regression.yaw_normalised import YawNormalisedEncoder
 from encoders.store import save_capture

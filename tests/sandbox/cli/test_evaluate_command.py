@@ -14,7 +14,8 @@ from PIL import Image
 
 from encoders.capture import Capture
 from encoders.evaluation import training
-from encoders.regression.trained import TrainedModel, builtin_capture, save_model, train
+from encoders.regression.train import save_model, train
+from encoders.regression.trained import TrainedModel, builtin_capture
 from encoders.store import load_capture, save_capture
 from sandbox.cli.evaluate.data import capture_files
 from sandbox.cli.main import main

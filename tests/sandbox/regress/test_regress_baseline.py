@@ -22,7 +22,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from encoders.regression.model_registry import find_model
-from encoders.regression.trained import save_model
+from encoders.regression.train import save_model
 from models.errors import InputError
 from sandbox.cli.main import main
 from sandbox.regress.baseline import Baseline, load_baseline, update

@@ -7,9 +7,9 @@ from typing import Any
 import pytest
 
 from encoders.captures.subject import FROZEN, SEED, simulate
-from encoders.person.rest_posture import Looks, looks_of, save_rest
+from encoders.person.rest_posture import looks_of, save_rest
 from models.errors import InputError
-from models.person import Person
+from models.person import Looks, Person
 from sandbox.cli.main import main
 from sandbox.trial.profiles import Profile, load_profile, save_profile
 from sandbox.trial.trial_options import TrialOptions, trial_settings
