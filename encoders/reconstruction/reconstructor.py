@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
-from typing import Protocol, TypeVar
+from typing import Protocol, TypeGuard, TypeVar
 
 from encoders.reconstruction.arrival import Phase
 from models.arithmetic.arrays import Array
@@ -123,11 +123,11 @@ class FrameReconstructor(Protocol[Frame_contra]):
 class Reconstructor(FrameReconstructor[TouchFrame], Protocol):
     """Reconstructs a hand from its touches."""
 
-    def lead(self, offsets: Array | None) -> None:
-        """Sets how far fingertips are led off their touches, from the next step on.
+    def set_tip_offsets(self, offsets: Array | None) -> None:
+        """Sets the offsets from touches to fingertips, from the next step on.
 
         Args:
-            offsets: (5, 2) m along the surface, y down; None leads no finger.
+            offsets: (5, 2) m along the surface, y down; None sets all to 0.
         """
         ...
 
@@ -140,6 +140,11 @@ LandmarkFrameReconstructor = FrameReconstructor[LandmarkFrame]
 
 AirReconstructor = HandFrameReconstructor | LandmarkFrameReconstructor
 """Reconstructs a hand in the air."""
+
+
+def takes_touches(reconstructor: Reconstructor | AirReconstructor) -> TypeGuard[Reconstructor]:
+    """True for a reconstructor of touches, False for one of a hand in the air."""
+    return isinstance(reconstructor.empty, TouchFrame)
 
 
 ReconstructorMaker = Callable[[Surface], Reconstructor]
@@ -184,9 +189,10 @@ class PersonalReconstructor:
         """Number of ignored or repaired contacts, by reason."""
         return self.trained.counts
 
-    def lead(self, offsets: Array | None) -> None:
-        """Sets how far fingertips are led off their touches on the person's screen."""
-        self.trained.lead(None if offsets is None else self.frame.inward_steps(offsets))
+    def set_tip_offsets(self, offsets: Array | None) -> None:
+        """Sets the offsets from touches to fingertips on the person's screen."""
+        inward = None if offsets is None else self.frame.inward_steps(offsets)
+        self.trained.set_tip_offsets(inward)
 
     def reset(self) -> None:
         """Returns to the initial state: a hand without contacts that hovers over the middle of the

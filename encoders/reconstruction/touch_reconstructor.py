@@ -134,18 +134,18 @@ class TouchReconstructor:
         """The pose last commanded (48,), in the world; a simulation starts its hand there."""
         return surface_to_world(self._commanded, self.surface)
 
-    def lead(self, offsets: Array | None) -> None:
-        """Sets how far fingertips are led off their touches, from the next step on.
+    def set_tip_offsets(self, offsets: Array | None) -> None:
+        """Sets the offsets from touches to fingertips, from the next step on.
 
         Args:
-            offsets: (5, 2) m along the surface, y down; None leads no finger.
+            offsets: (5, 2) m along the surface, y down; None sets all to 0.
         """
         self._offsets: Array | None = offsets
 
     def reset(self) -> None:
         """Returns to the initial state: a hand without contacts that hovers over the middle of the
         surface."""
-        self.lead(None)
+        self.set_tip_offsets(None)
         self._tracker.reset()
         self._arrival.reset()
         self._recent.reset()

@@ -210,8 +210,8 @@ class _PoseFollower:
         self._commanded = self._touched.commanded
         self._time: float | None = None
 
-    def lead(self, offsets: Array | None) -> None:
-        self._touched.lead(offsets)
+    def set_tip_offsets(self, offsets: Array | None) -> None:
+        self._touched.set_tip_offsets(offsets)
 
     def step(self, frame: TouchFrame) -> Reconstruction:
         dt = 0.0 if self._time is None else frame.time - self._time

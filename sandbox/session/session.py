@@ -7,7 +7,7 @@ bit, because nothing here reads a clock.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass, replace
 from hashlib import blake2b
@@ -19,7 +19,12 @@ import numpy as np
 
 from encoders.person.yaw_range import YawMonitor
 from encoders.reconstruction.arrival import Phase
-from encoders.reconstruction.reconstructor import AirReconstructor, Reconstruction, Reconstructor
+from encoders.reconstruction.reconstructor import (
+    AirReconstructor,
+    Reconstruction,
+    Reconstructor,
+    takes_touches,
+)
 from models.arithmetic.arrays import Array
 from models.arithmetic.products import squared_lengths
 from models.errors import DivergenceError
@@ -64,8 +69,6 @@ class Rig:
         hand: The simulated hand that follows the poses.
         yaw: Warns about hands that are turned too far, and changes no pose; None does not watch.
         rules: Collision gating of this hand; None uses the session's rules.
-        lead: Leads fingertips off their touches, by (5, 2) m (see `Reconstructor.lead`); None for
-            a hand that no touches drive.
     """
 
     device: AnyDevice
@@ -73,7 +76,6 @@ class Rig:
     hand: SceneHand
     yaw: YawMonitor | None = None
     rules: CollisionGatingRules | None = None
-    lead: Callable[[Array | None], None] | None = None
 
 
 class Recorder(Protocol):
@@ -136,15 +138,19 @@ class Session:
         self.scene.model.geom_friction[:, 0] *= friction
         self.data = mujoco.MjData(self.scene.model)
         surfaces = [rig.reconstructor.surface for rig in rigs]
+        # Reconstructors of the hands that touches drive; None for hands in the air.
+        self._touched = [
+            rig.reconstructor if takes_touches(rig.reconstructor) else None for rig in rigs
+        ]
         parts, self._avoidance = self._whole_hands(all_over, surfaces)
         self._gates = [
             CollisionGate(self.scene, i, own, part)
             for i, (own, part) in enumerate(zip(gating, parts, strict=True))
         ]
         self._tip_offsets = [
-            TipOffsets(self.scene, i, surface, gate) if rig.lead and own.lead else None
-            for i, (rig, own, surface, gate) in enumerate(
-                zip(rigs, gating, surfaces, self._gates, strict=True)
+            TipOffsets(self.scene, i, surface, gate) if touched and own.lead else None
+            for i, (touched, own, surface, gate) in enumerate(
+                zip(self._touched, gating, surfaces, self._gates, strict=True)
             )
         ]
         self._hands = [(s.tips, on) for s, on in zip(self._gates, surfaces, strict=True)]
@@ -243,7 +249,7 @@ class Session:
                 parts[i] = SolidLinks(self.scene, i, distances)
                 skeleton = rig.hand.skeleton
                 # A hand in the air is where it is seen; only touches leave open where the rest is.
-                if rig.lead and skeleton:
+                if self._touched[i] and skeleton:
                     avoidance[i] = CollisionAvoidance(self.scene, i, skeleton, surface, distances)
         return parts, avoidance
 
@@ -435,12 +441,12 @@ class Session:
         if follower.missed is not None and reconstruction.fingers:
             self._followed += 1
             self._missed += bool(follower.missed)
-        tip_offsets = self._tip_offsets[i]
+        tip_offsets, touched = self._tip_offsets[i], self._touched[i]
         ghost = self._contact.ghost
         releases = tip_offsets.releases(self.data, reconstruction, ghost) if tip_offsets else False
         self._gates[i].update(self.data, reconstruction, ghost or releases)
-        if tip_offsets and rig.lead:
-            rig.lead(tip_offsets.step(self.data, reconstruction))
+        if tip_offsets and touched:
+            touched.set_tip_offsets(tip_offsets.step(self.data, reconstruction))
         return reconstruction
 
     def _latest(self, i: int) -> Any:

@@ -18,7 +18,6 @@ from encoders.reconstruction.reconstructor import AirReconstructor, Reconstructo
 from encoders.reconstruction.touch_reconstructor import ReconstructorSettings, TouchReconstructor
 from encoders.regression.model_registry import find_model
 from encoders.regression.trained import TrainedModel
-from models.arithmetic.arrays import Array
 from models.errors import CaptureError, InputError
 from models.hand import Hand, SceneHand, finger_armature, is_gentle
 from models.pose import GENTLE, RateLimit
@@ -214,12 +213,10 @@ def build(
     check_count(makers, settings)
     model = load_encoder(settings.pipeline.encoder)
     reconstructors: list[Reconstructor | AirReconstructor] = []
-    leads: list[Callable[[Array | None], None] | None] = []
     for hand, surface in zip(settings.hands, surfaces, strict=True):
         if hand.in_air is not None:
             rate = reconstructor_settings(settings).rate
             reconstructors.append(hand.in_air.any_reconstructor(hand.person, surface, rate))
-            leads.append(None)
             continue
 
         labeller = make_labeller(settings, model, hand)
@@ -244,9 +241,7 @@ def build(
             )
 
         own = personal(hand.person, surface, trained_hand)
-        touched = wrap_reconstructor(own) if wrap_reconstructor else own
-        reconstructors.append(touched)
-        leads.append(touched.lead)
+        reconstructors.append(wrap_reconstructor(own) if wrap_reconstructor else own)
     rules = CollisionGatingRules(
         settings.pipeline.ghost_until_clear,
         settings.pipeline.distal_only,
@@ -259,19 +254,18 @@ def build(
     friction = settings.variation.friction
     rigs: list[Rig] = []
     try:
-        for hand, make, surface, reconstructor, lead, model_hand in zip(
+        for hand, make, surface, reconstructor, model_hand in zip(
             settings.hands,
             makers,
             surfaces,
             reconstructors,
-            leads,
             _hands(settings, task_type),
             strict=True,
         ):
             yaw = None if hand.in_air else _yaw_watch(model)
             own_rules = air_rules if hand.in_air else None
             device = make(task, surface)
-            rigs.append(Rig(device, reconstructor, model_hand, yaw, own_rules, lead))
+            rigs.append(Rig(device, reconstructor, model_hand, yaw, own_rules))
         session = Session(
             task,
             rigs,
