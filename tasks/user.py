@@ -5,6 +5,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass
+from functools import cached_property
 from math import atan2, cos, radians
 from typing import Any, Protocol
 
@@ -13,7 +14,6 @@ import numpy as np
 from models.arithmetic.arrays import Array
 from models.errors import InputError
 from models.frames import TouchFrame
-from models.lazy_fields import LazyFields
 from models.objects import SceneObject
 from models.surface import Surface
 from tasks.task import Goal
@@ -119,7 +119,7 @@ class SeenObject:
 
 
 @dataclass(frozen=True)
-class Sight(LazyFields):
+class Sight:
     """Content of the screen at one moment.
 
     Attributes:
@@ -137,6 +137,50 @@ class Sight(LazyFields):
     objects: Mapping[str, SeenObject]
     goals: tuple[Goal, ...]
     done: bool
+
+
+class LateSight(Sight):
+    """A sight that is computed at the first look: users get sixty a second, and act on four."""
+
+    compute: Callable[[], Sight]
+
+    @classmethod
+    def of(cls, time: float, compute: Callable[[], Sight]) -> LateSight:
+        """Creates a sight of a time in s.
+
+        Args:
+            time: Simulated time, s.
+            compute: Returns the sight. It must hold nothing that changes, and no user: a user that
+                stores its sights would keep itself alive.
+        """
+        late = cls.__new__(cls)
+        object.__setattr__(late, "time", time)
+        object.__setattr__(late, "compute", compute)
+        return late
+
+    @cached_property
+    def _known(self) -> Sight:
+        return self.compute()
+
+    @cached_property
+    def tips(self) -> Mapping[int, Array]:
+        return self._known.tips
+
+    @cached_property
+    def solid(self) -> bool:
+        return self._known.solid
+
+    @cached_property
+    def objects(self) -> Mapping[str, SeenObject]:
+        return self._known.objects
+
+    @cached_property
+    def goals(self) -> tuple[Goal, ...]:
+        return self._known.goals
+
+    @cached_property
+    def done(self) -> bool:
+        return self._known.done
 
 
 class User(Protocol):

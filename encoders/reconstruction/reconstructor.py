@@ -11,38 +11,33 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
-from typing import Protocol, TypeGuard, TypeVar
+from typing import NamedTuple, Protocol, TypeGuard, TypeVar
 
 from encoders.reconstruction.arrival import Phase
 from models.arithmetic.arrays import Array
 from models.frames import Contact, Frame, HandFrame, LandmarkFrame, TouchFrame
-from models.lazy_fields import LazyFields
 from models.person import Person, PersonFrame
 from models.pose import surface_to_world
 from models.surface import Surface
 
 
-@dataclass(frozen=True)
-class ReconstructedContact:
-    """A contact with its label and state.
-
-    Attributes:
-        id: The device's id.
-        xy: (2,) m on the surface, smoothed.
-        label: Its finger; None while unlabelled or ignored.
-        state: `active`, `lost` (living on for a moment), `palm` or `ignored`.
-        probability: Probability of the label, 0 to 1; 1 without one, and for the device's own.
-    """
+class ReconstructedContact(NamedTuple):
+    """A contact with its label and state."""
 
     id: int
-    xy: Array
+    """The device's id."""
+    xy: tuple[float, float]
+    """m on the surface, smoothed."""
     label: int | None
+    """Its finger; None while unlabelled or ignored."""
     state: str
+    """`active`, `lost` (living on for a moment), `palm` or `ignored`."""
     probability: float = 1.0
+    """Probability of the label, 0 to 1; 1 without one, and for the device's own."""
 
 
 @dataclass(frozen=True)
-class Reconstruction(LazyFields):
+class Reconstruction:
     """The reconstructed hand at one moment.
 
     Attributes:
@@ -72,12 +67,6 @@ class Reconstruction(LazyFields):
     def down(self) -> bool:
         """True if the hand is at its place, so that its fingers may touch objects."""
         return self.phase is Phase.DOWN
-
-    def with_pose(self, q: Array) -> Reconstruction:
-        """The same with another commanded pose (48,); fields that nobody asked for stay so."""
-        other = Reconstruction.__new__(Reconstruction)
-        other.__dict__.update(self.__dict__, q=q)
-        return other
 
 
 Frame_contra = TypeVar("Frame_contra", TouchFrame, HandFrame, LandmarkFrame, contravariant=True)
@@ -207,7 +196,7 @@ class PersonalReconstructor:
             encoder got it.
         """
         reconstruction = self.trained.step(self._inward(frame))
-        contacts = tuple(replace(c, xy=self.frame.outwards(c.xy)) for c in reconstruction.contacts)
+        contacts = tuple(c._replace(xy=self._place_outward(c.xy)) for c in reconstruction.contacts)
         size = self.frame.person.hand_size
         return replace(
             reconstruction,

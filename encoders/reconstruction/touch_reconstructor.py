@@ -6,10 +6,9 @@ arrival -> rate limit -> commanded pose. Session, evaluation and replay all use 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from math import sqrt
-from typing import Any
 
 import numpy as np
 
@@ -204,14 +203,14 @@ class TouchReconstructor:
         if not tracks:
             self._filter.reset()
             self.labeller.reset()
-        return Reconstruction.deferred(
-            self._contacts(),
+        return Reconstruction(
             q=surface_to_world(self._commanded, self.surface),
             phase=self._arrival.phase,
             fingers=frozenset(self._labels.values()),
             u=u,
             probability=self._labelling.probability,
             tip_error=self._tip_error,
+            contacts=self._contacts(),
             touches={self._labels[i]: place for i, place in named.items()},
             tip_height=PAD_HEIGHT + self._lift.height,
         )
@@ -358,33 +357,24 @@ class TouchReconstructor:
         x, y = rest[:2].tolist()
         return sqrt(x * x + y * y) + TURN_LENGTH * float(np.maximum.reduce(rest[3:]))
 
-    def _contacts(self) -> Callable[[], dict[str, Any]]:
-        """Function that returns all contacts on the surface now; it is called only on demand."""
-        tracks, ignored = self._tracker.tracks.items(), self._tracker.ignored
-        palms = self._tracker.palms
-        labels, labelling = self._labels, self._labelling
-        seen = [(i, t.device_id, t.place, t.active) for i, t in tracks]
-
-        def contacts() -> dict[str, Any]:
-            tracked = [
-                ReconstructedContact(
-                    device_id,
-                    np.array(place),
-                    labels.get(i),
-                    "active" if active else "lost",
-                    labelling.chance(i) if i in labels else 1.0,
-                )
-                for i, device_id, place, active in seen
-            ]
-            others = [
-                ReconstructedContact(
-                    c.id, np.array([c.x, c.y]), None, "palm" if c.id in palms else "ignored"
-                )
-                for c in ignored
-            ]
-            return {"contacts": (*tracked, *others)}
-
-        return contacts
+    def _contacts(self) -> tuple[ReconstructedContact, ...]:
+        """All contacts on the surface now."""
+        labels, palms = self._labels, self._tracker.palms
+        tracked = [
+            ReconstructedContact(
+                t.device_id,
+                t.place,
+                labels.get(i),
+                "active" if t.active else "lost",
+                self._labelling.chance(i) if i in labels else 1.0,
+            )
+            for i, t in self._tracker.tracks.items()
+        ]
+        ignored = [
+            ReconstructedContact(c.id, (c.x, c.y), None, "palm" if c.id in palms else "ignored")
+            for c in self._tracker.ignored
+        ]
+        return (*tracked, *ignored)
 
 
 def _carried(q: Array, right: float, down: float) -> Array:

@@ -133,7 +133,7 @@ def _rendered(moments: Sequence[Moment], poses: Sequence[Array]) -> list[list[An
     from models.pose import surface_to_world
     from models.scene import Scene, SceneSpec
     from models.surface import Surface
-    from sandbox.session.messages import ContactView, HandView, Snapshot
+    from sandbox.session.messages import ContactView, DrawnScene, HandView, Snapshot
     from sandbox.views.drawing import Drawing
     from sandbox.views.graphics import offscreen_context, render_context
     from sandbox.views.renderer import SAMPLES, SHADOW_SIZE, SLICES, STACKS
@@ -183,7 +183,7 @@ def _rendered(moments: Sequence[Moment], poses: Sequence[Array]) -> list[list[An
                 hand = HandView(q, tips, frozenset(down.tolist()), "down", contacts)
                 qpos = np.zeros(scene.model.nq)
                 qpos[scene.qpos_slice(0)] = scene.pose_to_qpos(0, q)
-                pictures.append(picture(Snapshot(0.0, 0, qpos, (hand,), {}, (), Score())))
+                pictures.append(picture(Snapshot(0.0, 0, qpos, DrawnScene((hand,)), Score())))
             rows.append(pictures)
     return rows
 

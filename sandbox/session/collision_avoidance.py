@@ -18,6 +18,7 @@ is clear of objects: a part that became solid inside an object would throw it.
 from __future__ import annotations
 
 import copy
+from dataclasses import replace
 from math import expm1
 from typing import NamedTuple
 
@@ -157,7 +158,7 @@ class CollisionAvoidance:
             return reconstruction
         q = reconstruction.q + self.offset
         q[JOINTS] = np.minimum(np.maximum(q[JOINTS], self._low), self._high)
-        return reconstruction.with_pose(q)
+        return replace(reconstruction, q=q)
 
     def _towards(self, wanted: Array | None) -> Array | None:
         """The next correction on the way to the wanted one; None is none."""

@@ -7,10 +7,10 @@ lost, are in `sandbox.trial.events`.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
+from typing import Protocol
 
 from models.arithmetic.arrays import Array
-from models.lazy_fields import LazyFields
 from sandbox.session.contact_forces import HandLoad, KeptLoads
 from tasks.score import Score
 from tasks.task import Goal
@@ -81,17 +81,43 @@ class ObjectView:
     rotation: Array
 
 
+class SceneView(Protocol):
+    """What is drawn of a scene at one moment.
+
+    Attributes:
+        hands: One view per hand of the scene.
+        objects: Views of the objects by name.
+        goals: Goals of the task, placed in the world.
+    """
+
+    @property
+    def hands(self) -> tuple[HandView, ...]: ...
+
+    @property
+    def objects(self) -> Mapping[str, ObjectView]: ...
+
+    @property
+    def goals(self) -> tuple[Goal, ...]: ...
+
+
 @dataclass(frozen=True)
-class Snapshot(LazyFields):
+class DrawnScene:
+    """A `SceneView` that is known as a whole."""
+
+    hands: tuple[HandView, ...] = ()
+    objects: Mapping[str, ObjectView] = field(default_factory=dict)
+    goals: tuple[Goal, ...] = ()
+
+
+@dataclass(frozen=True)
+class Snapshot:
     """One moment of a session.
 
     Attributes:
         time: s of simulated time since the trial's start.
         step: Physics steps since the trial's start.
         qpos: All joint positions of the scene's model, for a view with its own MjData.
-        hands: One view per hand of the scene.
-        objects: Views of the objects by name.
-        goals: Goals of the task, placed in the world.
+        scene: Hands, objects and goals; a session's are computed at the first look.
         score: Score so far.
         notices: Messages for the person.
         contact: Contact mode: `hard`, `soft` or `none`.
@@ -101,13 +127,30 @@ class Snapshot(LazyFields):
     time: float
     step: int
     qpos: Array
-    hands: tuple[HandView, ...]
-    objects: Mapping[str, ObjectView]
-    goals: tuple[Goal, ...]
+    scene: SceneView
     score: Score
     notices: tuple[str, ...] = ()
     contact: str = "hard"
     kept_loads: KeptLoads | None = None
+
+    @property
+    def hands(self) -> tuple[HandView, ...]:
+        """One view per hand of the scene."""
+        return self.scene.hands
+
+    @property
+    def objects(self) -> Mapping[str, ObjectView]:
+        """Views of the objects by name."""
+        return self.scene.objects
+
+    @property
+    def goals(self) -> tuple[Goal, ...]:
+        """Goals of the task, placed in the world."""
+        return self.scene.goals
+
+    def with_hands(self, *hands: HandView) -> Snapshot:
+        """The same moment with other views of the hands."""
+        return replace(self, scene=DrawnScene(hands, self.objects, self.goals))
 
     @property
     def loads(self) -> tuple[HandLoad, ...]:

@@ -7,9 +7,10 @@ bit, because nothing here reads a clock.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass, replace
+from functools import cached_property
 from hashlib import blake2b
 from math import isfinite
 from typing import TYPE_CHECKING, Any, Protocol
@@ -31,7 +32,7 @@ from models.errors import DivergenceError
 from models.frames import Frame, TouchFrame
 from models.hand import SceneHand
 from models.message import Message
-from models.scene import Scene, StillPoses
+from models.scene import BodyPoses, Scene, StillPoses
 from models.surface import Surface, enclosing
 from sandbox.devices.device import AnyDevice, LatestFrame
 from sandbox.session.collision_gating import CollisionGate, CollisionGatingRules
@@ -43,7 +44,7 @@ from sandbox.session.tip_offsets import TipOffsets
 from tasks.guarded import build_scene, measure
 from tasks.score import Scorer, Status
 from tasks.sensing import Sensing
-from tasks.task import Task, place
+from tasks.task import Goal, Task, place
 
 if TYPE_CHECKING:
     from sandbox.session.collision_avoidance import CollisionAvoidance, SolidLinks
@@ -325,39 +326,23 @@ class Session:
         return snapshot
 
     def snapshot(self) -> Snapshot:
-        """Snapshot for views; most of its fields are computed only on access."""
-        poses = StillPoses(self.data.xpos.copy(), self.data.xmat.copy())
-        # The closure must not hold the session: devices keep snapshots, and a reference cycle would
-        # keep MuJoCo's memory after the trial.
-        scene, task, hands = self.scene, self.task, self._hands
-        reconstructions = tuple(self.reconstructions)
-        fingers = [(gate.solid, gate.inside) for gate in self._gates]
-
-        def compute() -> dict[str, Any]:
-            objects = {
-                thing.name: ObjectView(*scene.object_pose(poses, thing.name))
-                for thing in task.objects
-            }
-            return {
-                "hands": tuple(
-                    _hand_view(reconstruction, solid, inside, tips(poses), surface)
-                    for reconstruction, (solid, inside), (tips, surface) in zip(
-                        reconstructions, fingers, hands, strict=True
-                    )
-                ),
-                "objects": objects,
-                "goals": place(task.goals, objects),
-            }
-
-        return Snapshot.deferred(
-            compute,
-            time=self.time,
-            step=self.step,
-            qpos=self.data.qpos.copy(),
-            score=self.scorer.score,
-            notices=tuple(self._notices()),
-            contact=self.contact,
-            kept_loads=self._loads.keep(self.data) if any(g.fingers for g in self._gates) else None,
+        """Snapshot for views; hands, objects and goals are computed at the first look."""
+        return Snapshot(
+            self.time,
+            self.step,
+            self.data.qpos.copy(),
+            _SceneNow(
+                self.scene,
+                self.task,
+                StillPoses(self.data.xpos.copy(), self.data.xmat.copy()),
+                self._hands,
+                self.reconstructions,
+                [(gate.solid, gate.inside) for gate in self._gates],
+            ),
+            self.scorer.score,
+            tuple(self._notices()),
+            self.contact,
+            self._loads.keep(self.data) if any(g.fingers for g in self._gates) else None,
         )
 
     def close(self) -> None:
@@ -482,6 +467,54 @@ class Session:
             got=wrong,
             remedy="A smaller impulse limit, or a smaller time step, helps",
         )
+
+
+class _SceneNow:
+    """The scene of a snapshot, computed at the first look: a view may drop most snapshots.
+
+    It must not hold the session: devices keep snapshots, and a reference cycle would keep MuJoCo's
+    memory after the trial. What it holds does not change, so any thread may look, at any time.
+
+    Args:
+        scene: The scene.
+        task: The drawn trial.
+        poses: Poses of all bodies.
+        hands: Function of each hand's fingertips (5, 3) m in the poses, and its touch surface.
+        reconstructions: Of each hand; the list is never modified.
+        fingers: Of each hand the fingers that are solid, and those that are inside an object.
+    """
+
+    def __init__(
+        self,
+        scene: Scene,
+        task: Task,
+        poses: StillPoses,
+        hands: Sequence[tuple[Callable[[BodyPoses], Array], Surface]],
+        reconstructions: Sequence[Reconstruction],
+        fingers: Sequence[tuple[frozenset[int], frozenset[int]]],
+    ) -> None:
+        self._scene, self._task, self._poses = scene, task, poses
+        self._hands, self._reconstructions, self._fingers = hands, reconstructions, fingers
+
+    @cached_property
+    def hands(self) -> tuple[HandView, ...]:
+        return tuple(
+            _hand_view(reconstruction, solid, inside, tips(self._poses), surface)
+            for reconstruction, (solid, inside), (tips, surface) in zip(
+                self._reconstructions, self._fingers, self._hands, strict=True
+            )
+        )
+
+    @cached_property
+    def objects(self) -> dict[str, ObjectView]:
+        return {
+            thing.name: ObjectView(*self._scene.object_pose(self._poses, thing.name))
+            for thing in self._task.objects
+        }
+
+    @cached_property
+    def goals(self) -> tuple[Goal, ...]:
+        return place(self._task.goals, self.objects)
 
 
 def _hand_view(

@@ -15,6 +15,7 @@ from __future__ import annotations
 
 from collections import deque
 from dataclasses import replace
+from functools import partial
 from math import atan2, cos, sin
 
 import numpy as np
@@ -25,7 +26,7 @@ from models.frames import TouchFrame
 from models.objects import Wrench
 from models.person import Person, PersonFrame
 from models.surface import Surface
-from tasks.user import Sight, User
+from tasks.user import LateSight, Sight, User
 
 
 class Eye:
@@ -103,10 +104,7 @@ class FrontUser:
 
     def look(self, sight: Sight) -> None:
         """Shows the user the current content of the screen."""
-        view = (
-            self._view
-        )  # Without references to this user: a user that stores its sights would keep itself alive.
-        self.user.look(Sight.deferred(lambda: vars(view.sight(sight)), time=sight.time))
+        self.user.look(LateSight.of(sight.time, partial(self._view.sight, sight)))
 
     def touch(self, now: float) -> TouchFrame:
         """Current touches, in the surface's own frame in any orientation."""
@@ -213,10 +211,7 @@ class SeatedUser:
 
     def look(self, sight: Sight) -> None:
         """Shows the user the current content of the screen."""
-        seat = (
-            self._seat
-        )  # Without references to this user: a user that stores its sights would keep itself alive.
-        self.user.look(Sight.deferred(lambda: vars(seat.sight(sight)), time=sight.time))
+        self.user.look(LateSight.of(sight.time, partial(self._seat.sight, sight)))
 
     def touch(self, now: float) -> TouchFrame:
         """Current touches on the real screen."""

@@ -70,7 +70,7 @@ def viewed() -> Viewed:
 def with_contacts(snapshot: Snapshot, *contacts: ContactView) -> Snapshot:
     """The same moment with other contacts, and a hand that is not in their way."""
     hand = replace(snapshot.hands[0], contacts=contacts, solid=frozenset())
-    return replace(snapshot, hands=(hand,))
+    return snapshot.with_hands(hand)
 
 
 def model_bytes(model: mujoco.MjModel) -> bytes:

@@ -175,7 +175,7 @@ def in_play(browser: Browser, code: str, size: str) -> Iterator[tuple[str, Tab]]
         held = with_fingers(session, snapshot)
         server.publish(held, feedback=[GRIP])
         yield settled("grip", tab)
-        server.publish(replace(held, hands=(replace(held.hands[0], inside=frozenset({1})),)))
+        server.publish(held.with_hands(replace(held.hands[0], inside=frozenset({1}))))
         yield settled("inside", tab)
         server.publish(replace(snapshot, notices=(STUCK,)))
         tab.wait("!document.querySelector('.toast').hidden")
@@ -233,7 +233,7 @@ def with_fingers(session: Session, snapshot: Snapshot) -> Snapshot:
         ids = [c.id for frame in device.poll() for c in frame.contacts][-2:]
     hand = snapshot.hands[0]
     contacts = tuple(ContactView(i, hand.tips[k], k, "active") for k, i in enumerate(sorted(ids)))
-    return replace(snapshot, hands=(replace(hand, contacts=contacts, solid=frozenset({0, 1})),))
+    return snapshot.with_hands(replace(hand, contacts=contacts, solid=frozenset({0, 1})))
 
 
 def refusal(settings: Settings) -> list[str]:

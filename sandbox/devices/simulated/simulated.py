@@ -22,7 +22,7 @@ from sandbox.session.messages import Snapshot
 from tasks.registry import hands_of
 from tasks.simulated_user.view import FrontUser, FrontView, Seat, SeatedUser
 from tasks.task import Task
-from tasks.user import FingersKnown, SeenObject, Sight, User, UserConfiguration
+from tasks.user import FingersKnown, LateSight, SeenObject, Sight, User, UserConfiguration
 
 _USERS: Registry[Callable[..., User]] = Registry(
     {
@@ -139,14 +139,12 @@ class SimulatedDevice(Device):
 
     def show(self, snapshot: Snapshot) -> None:
         """Shows the snapshot to the user."""
-        # The closure must not hold the device, which holds its user: that would be a cycle.
         sight = partial(_sight, snapshot, self._hand, self._shapes, self._screen.own_id)
         if self._screen.loses:
             # The mapping of ids changes with drop-outs, so it is applied now.
             self._seated.look(sight())
             return
-        # Computed only on access: the user acts four times a second, but gets sixty snapshots.
-        self._seated.look(Sight.deferred(lambda: vars(sight()), time=snapshot.time))
+        self._seated.look(LateSight.of(snapshot.time, sight))
 
     def poll(self, now: float) -> Sequence[TouchFrame]:
         """The user's touches now."""

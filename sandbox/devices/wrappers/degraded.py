@@ -147,7 +147,7 @@ class DegradedDevice(DeviceWrapper):
             )
             for hand in snapshot.hands
         )
-        self.device.show(replace(snapshot, hands=hands))
+        self.device.show(snapshot.with_hands(*hands))
 
     @property
     def finished(self) -> bool:

@@ -235,7 +235,7 @@ class MergedTouches(MergedUsers):
                 )
                 for hand in snapshot.hands
             )
-            device.show(replace(snapshot, hands=hands))
+            device.show(snapshot.with_hands(*hands))
 
 
 def _id(own: int, device: int) -> int:

@@ -19,7 +19,7 @@ from models.scene import Scene, SceneSpec
 from models.skeleton import ADULT
 from models.surface import Surface
 from sandbox.devices.device import Closeable
-from sandbox.session.messages import HandView, Snapshot
+from sandbox.session.messages import DrawnScene, HandView, Snapshot
 from sandbox.views import palette
 from sandbox.views.graphics import GLContext
 from sandbox.views.lens import Lens
@@ -134,7 +134,7 @@ class PaalmPicture(Closeable):
             solid = frozenset(range(len(FINGERS))) if seen else frozenset[int]()
             views.append(HandView(pose, tips, solid, "down", ()))
         self._camera.lookat[:] = np.mean(palms, axis=0)
-        snapshot = Snapshot(time, 0, self._qpos.copy(), tuple(views), {}, (), Score())
+        snapshot = Snapshot(time, 0, self._qpos.copy(), DrawnScene(tuple(views)), Score())
         picture, lens = self._renderer.plain(snapshot)
         pen = ImageDraw.Draw(picture)
         for side, view in zip(self.sides, views, strict=True):

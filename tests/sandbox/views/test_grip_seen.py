@@ -95,6 +95,6 @@ def test_fingers_inside_a_thing_are_told_beside_each_in_the_same_short_line() ->
     silent = replace(snapshot, kept_loads=None)
     _, names = drawn(session, silent)
     hands = (replace(silent.hands[0], inside=frozenset({0, 1})),)
-    _, told = drawn(session, replace(silent, hands=hands))
+    _, told = drawn(session, silent.with_hands(*hands))
     assert len(told) == len(names) == 2
     assert len(set(told)) == 1 and told[0] > max(names)

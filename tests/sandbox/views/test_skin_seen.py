@@ -66,7 +66,7 @@ def test_the_physics_is_the_same_to_the_bit_with_and_without_a_skin() -> None:
 
 def _solid(v: Viewed, target: Array) -> Snapshot:
     hand = replace(v.solid.hands[0], contacts=(), target=target)
-    return replace(v.solid, hands=(hand,))
+    return v.solid.with_hands(hand)
 
 
 def _posed(v: Viewed, q: Array) -> Snapshot:
@@ -88,7 +88,7 @@ def test_a_hand_that_is_held_back_has_an_outline_beside_it_where_it_should_be(v:
     with Renderer(v.scene, v.surface, (480, 270), camera=window_camera(v.surface)) as renderer:
         posed = _posed(v, _target(v))
         there = np.asarray(renderer.frame(posed), int)
-        held_back = replace(posed, hands=(replace(posed.hands[0], target=moved),))
+        held_back = posed.with_hands(replace(posed.hands[0], target=moved))
         held = np.asarray(renderer.frame(held_back), int)
         gone = np.asarray(renderer.frame(_posed(v, _target(v) + np.eye(48)[0])), int)
     line = (held != there).any(axis=-1)
@@ -107,7 +107,7 @@ def test_only_what_is_more_than_4_mm_away_is_outlined(v: Viewed, by: float, show
     solid = _posed(v, _target(v))
     there = _target(v).copy()
     there[0] += by
-    solid = replace(solid, hands=(replace(solid.hands[0], target=there),))
+    solid = solid.with_hands(replace(solid.hands[0], target=there))
     drawing.update(solid, window_camera(v.surface))
     away, here = drawing.held_back(solid)
     assert bool(away) is bool(here) is shown
@@ -115,7 +115,7 @@ def test_only_what_is_more_than_4_mm_away_is_outlined(v: Viewed, by: float, show
         # A hand that is off as a whole is outlined as a whole.
         shift = np.broadcast_to([by, 0.0, 0.0], here[0].shape)
         np.testing.assert_allclose(away[0] - here[0], shift, atol=1e-6)
-    ghost = replace(solid, hands=(replace(solid.hands[0], solid=frozenset()),))
+    ghost = solid.with_hands(replace(solid.hands[0], solid=frozenset()))
     assert drawing.held_back(ghost) == ([], [])
 
 
@@ -123,7 +123,7 @@ def test_nails_have_the_colours_of_the_fingers_that_touch(v: Viewed) -> None:
     drawing = Drawing(v.scene, v.surface)
     contact = ContactView(1, np.zeros(3), 1, "active")
     hand = replace(v.solid.hands[0], contacts=(contact,))
-    drawing.update(replace(v.solid, hands=(hand,)), window_camera(v.surface))
+    drawing.update(v.solid.with_hands(hand), window_camera(v.surface))
     numbers = drawing.looks[0].parts
     colours = {
         g.objid: tuple(g.rgba[:3])

@@ -67,7 +67,7 @@ def like(picture: Picture, colour: palette.Colour) -> NDArray[np.bool_]:
 
 
 def test_a_ghost_is_seen_through_and_a_solid_hand_is_not(v: Viewed, renderer: Renderer) -> None:
-    solid = replace(v.ghost, hands=(replace(v.ghost.hands[0], solid=frozenset({0, 1})),))
+    solid = v.ghost.with_hands(replace(v.ghost.hands[0], solid=frozenset({0, 1})))
     ghost, opaque = look(renderer, v.ghost), look(renderer, solid)
     region = changed(ghost[BELOW], opaque[BELOW])
     assert region.sum() > 2000
@@ -78,12 +78,12 @@ def test_a_ghost_is_mixed_half_and_half_with_what_is_behind_it(
     v: Viewed, renderer: Renderer
 ) -> None:
     hand = replace(v.ghost.hands[0], contacts=())
-    ghost = look(renderer, replace(v.ghost, hands=(hand,)))
-    opaque = look(renderer, replace(v.ghost, hands=(replace(hand, solid=frozenset({0})),)))
+    ghost = look(renderer, v.ghost.with_hands(hand))
+    opaque = look(renderer, v.ghost.with_hands(replace(hand, solid=frozenset({0}))))
     # Far below the table a hand is not seen, and all else is as it was.
     qpos = v.ghost.qpos.copy()
     qpos[v.scene.qpos_slice(0)][2] = -2.0
-    nothing = look(renderer, replace(v.ghost, hands=(hand,), qpos=qpos))
+    nothing = look(renderer, replace(v.ghost.with_hands(hand), qpos=qpos))
     assert np.abs(ghost - (opaque + nothing) / 2)[BELOW].max() <= 1.0
 
 
@@ -91,7 +91,7 @@ def test_only_hands_that_are_to_be_hidden_are_left_out(v: Viewed) -> None:
     drawing = Drawing(v.scene, v.surface)
     camera = window_camera(v.surface)
     ghost = with_contacts(v.ghost)
-    solid = replace(ghost, hands=(replace(ghost.hands[0], solid=frozenset({0})),))
+    solid = ghost.with_hands(replace(ghost.hands[0], solid=frozenset({0})))
 
     def geoms(snapshot: Snapshot, hidden: Hidden | None) -> int:
         drawing.update(snapshot, camera, hidden)

@@ -135,7 +135,7 @@ def test_a_finger_that_is_not_sure_has_a_dashed_ring_and_a_question_mark(
     for probability, name in ((0.5, "index?"), (0.95, "index")):
         contact = ContactView(1, snapshot.hands[0].tips[1], 1, "active", probability)
         hand = replace(snapshot.hands[0], contacts=(contact,))
-        stage.server.publish(replace(snapshot, hands=(hand,)))
+        stage.server.publish(snapshot.with_hands(hand))
         tab.wait(f"window.written[{name!r}] !== undefined")
         assert tab.evaluate(f"window.written[{name!r}] > 0") == name.endswith("?")
         (tmp_path / f"{probability}.png").write_bytes(tab.picture())
@@ -155,7 +155,7 @@ def test_a_finger_says_what_its_grip_has_stored_and_when_there_is_no_more_force(
     snapshot = stage.session.advance()
     hand = snapshot.hands[0]
     contact = ContactView(finger.id, hand.tips[1], 1, "active")
-    snapshot = replace(snapshot, hands=(replace(hand, contacts=(contact,)),))
+    snapshot = snapshot.with_hands(replace(hand, contacts=(contact,)))
     for grip, words in (
         (HandFeedback((0.0, 2.0, 0.0, 0.0, 0.0)), "index"),
         (HandFeedback((0.0, 14.0, 0.0, 0.0, 0.0), stored=(0.0, 12.6, 0.0, 0.0, 0.0)), "index 13 N"),

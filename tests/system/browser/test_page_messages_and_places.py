@@ -137,7 +137,7 @@ def with_fingers(snapshot: Snapshot, ids: list[int], inside: set[int]) -> Snapsh
     )
     notices = (STUCK,) if inside else ()
     hand = replace(hand, contacts=contacts, inside=frozenset(inside))
-    return replace(snapshot, hands=(hand,), notices=notices)
+    return replace(snapshot.with_hands(hand), notices=notices)
 
 
 def test_what_a_finger_has_to_do_is_said_beside_it_and_nowhere_else(
@@ -172,7 +172,7 @@ def test_doubt_about_fingers_is_told_right_above_or_below_them(stage: Stage, tab
         last = frames(stage, lambda found: len(found[-1:] and found[-1].contacts) == 2)[-1]
         hand = snapshot.hands[0]
         contacts = tuple(ContactView(c.id, hand.tips[0], None, "active") for c in last.contacts)
-        doubtful = replace(snapshot, hands=(replace(hand, contacts=contacts),))
+        doubtful = snapshot.with_hands(replace(hand, contacts=contacts))
 
         def told(doubtful: Snapshot = doubtful) -> bool:
             stage.server.publish(doubtful)

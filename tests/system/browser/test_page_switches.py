@@ -74,7 +74,7 @@ def grips_and_succeeds(stage: Stage, tab: Tab) -> list[int]:
     snapshot = stage.session.advance()
     hand = snapshot.hands[0]
     contacts = tuple(ContactView(i, hand.tips[i], i, "active") for i in (0, 1))
-    snapshot = replace(snapshot, hands=(replace(hand, contacts=contacts),))
+    snapshot = snapshot.with_hands(replace(hand, contacts=contacts))
     held = replace(snapshot, score=replace(snapshot.score, held=True))
     # It trembles, and is one grip; the second is another one.
     for grip in (0.0, 5.0, 0.5, 5.0, 0.0, 5.0, 5.0):

@@ -120,7 +120,7 @@ def _as_the_users_know_it(
         )
         for hand in snapshot.hands
     )
-    return replace(snapshot, hands=hands)
+    return snapshot.with_hands(*hands)
 
 
 class SocketHands:

@@ -1,0 +1,42 @@
+"""A sight is computed at the first look, and once."""
+
+from dataclasses import fields, replace
+
+import numpy as np
+import pytest
+
+from tasks.user import LateSight, Sight
+
+
+def sight() -> Sight:
+    return Sight(1.5, {3: np.arange(3.0)}, True, {}, (), False)
+
+
+def test_a_sight_that_nobody_looks_at_is_never_computed() -> None:
+    def compute() -> Sight:
+        raise AssertionError("somebody looked")
+
+    late = LateSight.of(1.5, compute)
+    assert late.time == 1.5
+    with pytest.raises(AssertionError, match="somebody looked"):
+        _ = late.tips
+
+
+def test_a_late_sight_shows_the_same_and_is_computed_once() -> None:
+    computed = []
+
+    def compute() -> Sight:
+        computed.append(sight())
+        return computed[-1]
+
+    late = LateSight.of(1.5, compute)
+    for field in fields(Sight):
+        assert getattr(late, field.name) == getattr(sight(), field.name) or field.name == "tips"
+    assert late.tips is late.tips and late.tips is computed[0].tips
+    assert len(computed) == 1
+
+
+def test_a_changed_sight_keeps_the_rest() -> None:
+    tips = {1: np.ones(3)}
+    changed = replace(LateSight.of(1.5, sight), tips=tips)
+    assert changed.tips is tips and changed.solid and changed.time == 1.5
