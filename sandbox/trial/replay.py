@@ -30,7 +30,7 @@ from sandbox.recording.recorded_device import RecordedDevice
 from sandbox.recording.recorded_task import recorded_task, task_change
 from sandbox.recording.recording import Recording
 from sandbox.recording.versions import check_states, decisive_differences
-from sandbox.session.messages import ObjectView, Snapshot
+from sandbox.session.messages import DrawnScene, ObjectView, Snapshot
 from sandbox.session.session import Session
 from sandbox.trial.assembly import build, digests
 from sandbox.trial.driver import Trial, ViewMaker, no_views
@@ -253,9 +253,7 @@ class RecordedPoses:
         return replace(
             snapshot,
             qpos=data.qpos.copy(),
-            hands=hands,
-            objects=objects,
-            goals=place(self._session.task.goals, objects),
+            scene=DrawnScene(hands, objects, place(self._session.task.goals, objects)),
             score=snapshot.score if scored else self._score(snapshot.step),
         )
 

@@ -20,7 +20,7 @@ from models.frames import FINGERS
 from models.hand import Hand
 from models.scene import SceneSpec, scene_xml
 from models.surface import Surface
-from sandbox.session.messages import SURE, ContactView, Snapshot
+from sandbox.session.messages import SURE, ContactView, DrawnScene, Snapshot
 from sandbox.views import palette
 from sandbox.views.cameras import camera_above, film_camera, window_camera
 from sandbox.views.drawing import RING_SIDES, Drawing, Hidden
@@ -181,7 +181,9 @@ def test_a_contact_is_drawn_where_the_lens_says(
     place = v.surface.to_world(np.array(share) * v.surface.size)
     qpos = v.ghost.qpos.copy()
     qpos[int(v.scene.model.joint("box").qposadr[0]) + 2] = -1.0
-    empty = with_contacts(replace(v.ghost, goals=(), qpos=qpos))
+    empty = with_contacts(
+        replace(v.ghost, scene=DrawnScene(v.ghost.hands, v.ghost.objects), qpos=qpos)
+    )
     marked = with_contacts(empty, ContactView(1, place, None, "active"))
     with Renderer(
         v.scene, v.surface, SIZE, camera=cameras[choose], rings_on_table=False
