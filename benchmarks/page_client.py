@@ -19,8 +19,8 @@ from websockets.client import ClientProtocol
 from websockets.frames import Frame, Opcode
 from websockets.uri import parse_uri
 
-from sandbox.server.protocol.frames import KIND
-from sandbox.server.protocol.protocol import PROTOCOL
+from sandbox.server.frames import KIND
+from sandbox.server.protocol import PROTOCOL
 
 PX_PER_IN = 132.0
 SCREEN = {"px_per_in": PX_PER_IN, "width_px": 1024, "height_px": 768, "calibrated": True}

@@ -28,8 +28,8 @@ import numpy as np
 
 from benchmarks.page_client import PX_PER_IN, measure
 from models.surface import Surface
+from sandbox.server.frames import describe_scene
 from sandbox.server.page_server import PageServer
-from sandbox.server.protocol.describe import describe_scene
 from sandbox.server.web import WebDevice
 from sandbox.session.messages import Snapshot
 from sandbox.trial.assembly import build

@@ -1,6 +1,6 @@
 """Writes the protocol's types for the page: `python -m tools.page_types`.
 
-A test holds the file and `sandbox.server.protocol.protocol` equal, so the page cannot speak another
+A test holds the file and `sandbox.server.protocol` equal, so the page cannot speak another
 version than the server does.
 """
 
@@ -12,9 +12,8 @@ from typing import Any
 import msgspec.inspect as inspect
 from msgspec import Struct
 
-from sandbox.server.protocol import protocol
-from sandbox.server.protocol.frames import KIND, POSE_BYTES
-from sandbox.server.protocol.skins import SKIN_KIND
+from sandbox.server import protocol
+from sandbox.server.frames import KIND, POSE_BYTES, SKIN_KIND
 
 FILE = Path(__file__).resolve().parents[1] / "sandbox" / "views" / "page" / "src" / "protocol.ts"
 
@@ -33,7 +32,7 @@ _SIMPLE: dict[type, str] = {
 def typescript() -> str:
     """The whole file."""
     lines = [
-        "// Written by `python -m tools.page_types` from sandbox/server/protocol/protocol.py.",
+        "// Written by `python -m tools.page_types` from sandbox/server/protocol.py.",
         "",
         f"export const PROTOCOL = {protocol.PROTOCOL};",
         f"export const FRAME_KIND = {KIND};",

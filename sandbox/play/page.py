@@ -26,11 +26,10 @@ from sandbox.play.pages import (
 )
 from sandbox.play.play import Play
 from sandbox.play.reports import judge_latency, print_latency, report_end
-from sandbox.server.absences import Absences
+from sandbox.server.auto_pause import AutoPause
 from sandbox.server.page_options import PageOptions
-from sandbox.server.protocol.protocol import LIFT_STRIP_PX, Pause
-from sandbox.server.protocol.rectangle import common, rectangle, scaled
-from sandbox.server.screen_too_small import explain_refusal
+from sandbox.server.protocol import LIFT_STRIP_PX, Pause
+from sandbox.server.screen import common, explain_refusal, rectangle, scaled
 from sandbox.session.session import Session
 from sandbox.system.ending import ending_as_by_ctrl_c
 from sandbox.trial.driver import Trial, open_trial
@@ -131,14 +130,14 @@ class PagePlay(Play):
         """Plays until the trial is over or a new one is requested; adds its result to `ended`."""
         session = trial.session
         touched = [device for _, device in touched_pages(session)]
-        absences = Absences(list(zip(self.servers, touched, strict=False)))
+        auto_pause = AutoPause(list(zip(self.servers, touched, strict=False)))
         self.requests.hands = self._show(session, chosen)
 
         def turn() -> Pause | None:
             self._take_requests()
             if self.requests.again:
                 return None
-            pause = absences.check(session.time, session.scorer.score.held)
+            pause = auto_pause.check(session.time, session.scorer.score.held)
             if pause == "away":
                 # A menu that was open on a page that was left is open no more.
                 self.requests.paused = False
@@ -149,7 +148,7 @@ class PagePlay(Play):
         def end() -> None:
             latency = self.servers[0].latency.as_json()
             counts = _counts(chosen)
-            absent = absences.listed() or None
+            absent = auto_pause.listed() or None
             self._report_hand_size(session, chosen)
             ended.append(trial.end(latency=latency, absences=absent, **counts))
             if self.learner is not None:

@@ -14,16 +14,14 @@ from models.errors import DeviceError, InputError
 from models.message import Message
 from sandbox.devices.device import DeviceWrapper
 from sandbox.recording.versions import versions
-from sandbox.server.connections.address import LOOPBACK
-from sandbox.server.connections.invitation import code, hints
-from sandbox.server.connections.kept_token import kept_token
-from sandbox.server.page_device import PageDevice
+from sandbox.server.access import kept_token
+from sandbox.server.address import LOOPBACK, code, hints
+from sandbox.server.frames import describe_scene, pack_skin, summary
 from sandbox.server.page_options import PageOptions
 from sandbox.server.page_server import PageServer, tls_context
-from sandbox.server.protocol.describe import describe_scene, summary
-from sandbox.server.protocol.protocol import StudyView, TaskName
-from sandbox.server.protocol.skins import pack_skin
+from sandbox.server.protocol import StudyView, TaskName
 from sandbox.server.static import HEADSET, StaticFiles
+from sandbox.server.web import PageDevice
 from sandbox.session.session import Session
 from sandbox.trial.events import EventLog
 from sandbox.trial.profiles import default_path

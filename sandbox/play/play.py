@@ -12,7 +12,7 @@ from models.person import HANDS
 from sandbox.play.own_profile import Learner
 from sandbox.play.reports import NoticePrinter
 from sandbox.server.page_server import PageServer
-from sandbox.server.protocol.protocol import PlayerRequest
+from sandbox.server.protocol import PlayerRequest
 from sandbox.session.messages import Snapshot
 from sandbox.session.session import Session
 from sandbox.trial.driver import View

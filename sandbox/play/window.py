@@ -26,12 +26,11 @@ from sandbox.play.pages import (
 )
 from sandbox.play.play import Play
 from sandbox.play.reports import address_line, judge_latency, print_latency, report_end
-from sandbox.server.page_device import PageDevice
+from sandbox.server.frames import summary
 from sandbox.server.page_options import PageOptions
-from sandbox.server.protocol.describe import summary
-from sandbox.server.protocol.protocol import Pause
-from sandbox.server.screen_too_small import CANNOT_BEGIN
-from sandbox.server.web import WebDevice
+from sandbox.server.protocol import Pause
+from sandbox.server.screen import CANNOT_BEGIN
+from sandbox.server.web import PageDevice, WebDevice
 from sandbox.session.messages import Snapshot
 from sandbox.session.session import Session
 from sandbox.system.ending import ending_as_by_ctrl_c

@@ -34,11 +34,7 @@ class PageOptions:
     @property
     def page_host(self) -> str:
         """Address on which the page is served."""
-        from sandbox.server.connections.address import (
-            LOOPBACK,
-            checked_address,
-            local_network_address,
-        )
+        from sandbox.server.address import LOOPBACK, checked_address, local_network_address
 
         if self.lan:
             return checked_address(self.lan)

@@ -21,15 +21,10 @@ from websockets.http11 import Request, Response
 
 from models.errors import DeviceError, InputError
 from models.scene import Scene as SimulatedScene
-from sandbox.server.audience import GREETING, MOST_CLIENTS, Audience
-from sandbox.server.connections.access import Access
-from sandbox.server.connections.connection_limits import ConnectionLimits, limited_connection
-from sandbox.server.connections.counters import Counters
-from sandbox.server.page_device import PageDevice
-from sandbox.server.protocol.contact_forces import HandFeedback, hand_feedback
-from sandbox.server.protocol.describe import BodyKinematics, state_of, told
-from sandbox.server.protocol.frames import pack
-from sandbox.server.protocol.protocol import (
+from sandbox.server.access import Access, ConnectionLimits, Counters, limited_connection
+from sandbox.server.clients import GREETING, MOST_CLIENTS, Clients
+from sandbox.server.frames import BodyKinematics, HandFeedback, hand_feedback, pack, state_of, told
+from sandbox.server.protocol import (
     LARGEST_MESSAGE,
     ItemAnswer,
     Leave,
@@ -45,6 +40,7 @@ from sandbox.server.protocol.protocol import (
     encode,
 )
 from sandbox.server.static import StaticFiles, plain
+from sandbox.server.web import PageDevice
 from sandbox.session.messages import Snapshot
 from sandbox.session.session import Session
 from sandbox.trial.latency import LatencyLog
@@ -105,7 +101,7 @@ class PageServer:
         self._language = study.language if study else ""
         self._limits = ConnectionLimits(self.counters)
         self._files = files or StaticFiles()
-        self._audience = Audience(tasks, version, self.counters, self.latency, study, touch)
+        self._pages = Clients(tasks, version, self.counters, self.latency, study, touch)
         self._shown: _Shown | None = None
         self._scenes = 0
         self._moment: tuple[_Shown, int, Snapshot, Pause, Sequence[HandFeedback]] | None = None
@@ -138,44 +134,44 @@ class PageServer:
     @property
     def screen(self) -> PageScreen | None:
         """The player's screen; None before one came."""
-        return self._audience.screen
+        return self._pages.screen
 
     @property
     def language(self) -> str:
         """Language of the player's page, by ISO 639-1; empty before one came."""
-        return self._audience.language
+        return self._pages.language
 
     @property
     def seated(self) -> int:
         """Number of times that another page became the player's, with another screen."""
-        return self._audience.seated
+        return self._pages.seated
 
     @property
     def away(self) -> bool:
         """True if nobody can play: the player's page is closed, hidden or silent."""
-        return self._audience.away
+        return self._pages.away
 
     @property
     def clients(self) -> int:
         """Pages that are connected."""
-        return len(self._audience)
+        return len(self._pages)
 
     def wait_for_player(self, timeout: float | None) -> bool:
         """Waits for a player for at most the given seconds; returns true if one has joined."""
-        return self._audience.joined.wait(timeout)
+        return self._pages.joined.wait(timeout)
 
     @property
     def silence(self) -> float:
         """s since a player was last there: heard, and not hidden; infinite before the first."""
-        return self._audience.silence
+        return self._pages.silence
 
     def asked(self) -> list[PlayerRequest]:
         """The player's requests since the last call."""
-        return _all_of(self._audience.asked)
+        return _all_of(self._pages.asked)
 
     def filled(self) -> list[ItemAnswer | Leave]:
         """The player's inputs to a study's sheets since the last call, unchecked."""
-        return _all_of(self._audience.filled)
+        return _all_of(self._pages.filled)
 
     def show_sheet(self, sheet: Sheet, tell: bool = True) -> None:
         """Shows the player a sheet, also after a reconnection.
@@ -184,11 +180,11 @@ class PageServer:
             sheet: Sheet of a study.
             tell: False if the player's page shows it already.
         """
-        self._loop.call_soon_threadsafe(self._audience.show_sheet, sheet, tell)
+        self._loop.call_soon_threadsafe(self._pages.show_sheet, sheet, tell)
 
     def refuse(self, refusal: Refusal) -> None:
         """Sends the player the refusal of an answer."""
-        self._loop.call_soon_threadsafe(self._audience.say_to_player, encode(refusal))
+        self._loop.call_soon_threadsafe(self._pages.send_to_player, encode(refusal))
 
     def next_scene(self) -> int:
         """The number of the scene that is shown next."""
@@ -208,7 +204,7 @@ class PageServer:
             message: Message to the page.
             scene: The compiled scene, which is only read.
             device: Device for the player's touches; None for a page without touches.
-            skins: Skins of its hands, from `sandbox.server.protocol.skins`; without them, the page
+            skins: Skins of its hands, from `sandbox.server.frames`; without them, the page
                 shows bones.
             own: Index of the hand that touches this page, if others touch elsewhere; else None.
         """
@@ -222,7 +218,7 @@ class PageServer:
         Meanwhile the next page that connects may become the player's.
         """
         self._loop.call_soon_threadsafe(
-            self._audience.show_problem, encode(Trouble([told(s) for s in sentences]))
+            self._pages.show_problem, encode(Trouble([told(s) for s in sentences]))
         )
 
     def publish(
@@ -271,7 +267,7 @@ class PageServer:
     async def _serve(self, host: str, port: int) -> None:
         try:
             server = await serve(
-                self._audience.handle,  # type: ignore[arg-type]  # of the kind below
+                self._pages.handle,  # type: ignore[arg-type]  # of the kind below
                 host,
                 port,
                 process_request=self._process,
@@ -281,6 +277,8 @@ class PageServer:
                 compression=None,
                 max_size=LARGEST_MESSAGE,
                 max_queue=8,
+                # A frame is sent when the one before it has left, so that it is the newest.
+                write_limit=0,
                 open_timeout=GREETING,
                 ping_interval=5,
                 ping_timeout=5,
@@ -297,7 +295,7 @@ class PageServer:
         if self._token:
             self.access = replace(self.access, token=self._token)
         self._ready.put(self.access)
-        watch = asyncio.create_task(self._audience.watch())
+        watch = asyncio.create_task(self._pages.watch())
         await self._closing.wait()
         watch.cancel()
         server.close()
@@ -323,7 +321,7 @@ class PageServer:
         if reason:
             self.counters.add(f"wrong {reason}")
             return plain(HTTPStatus.FORBIDDEN, self._words(request)["link_invalid"])
-        full = wants_socket and len(self._audience) >= 2 * MOST_CLIENTS
+        full = wants_socket and len(self._pages) >= 2 * MOST_CLIENTS
         if full or not self._limits.authenticate(connection):
             self.counters.add("too many clients")
             return plain(HTTPStatus.SERVICE_UNAVAILABLE, self._words(request)["too_many_pages"])
@@ -340,16 +338,16 @@ class PageServer:
 
     def _open_scene(self, shown: _Shown) -> None:
         self._shown = shown
-        self._audience.open_scene(shown.message, shown.device, shown.skins)
+        self._pages.open_scene(shown.message, shown.device, shown.skins)
 
     def _spread(self) -> None:
         """Encodes the newest snapshot as a frame, and offers it to all pages."""
         self._scheduled = False
-        if self._moment is None or self._moment[0] is not self._shown or not len(self._audience):
+        if self._moment is None or self._moment[0] is not self._shown or not len(self._pages):
             return
         shown, touch, snapshot, pause, feedback = self._moment
         poses, state = shown.poses(snapshot.qpos), state_of(snapshot, pause, feedback, shown.own)
-        self._audience.show(pack(shown.message.scene, touch, snapshot.time, poses, state))
+        self._pages.show(pack(shown.message.scene, touch, snapshot.time, poses, state))
 
 
 def _all_of(waiting: queue.SimpleQueue[_T]) -> list[_T]:

@@ -1,35 +1,33 @@
-"""The web page as a touch device; converts the page's pixels to metres."""
+"""Devices whose input comes from a page, and the page of fingers or a mouse among them."""
 
 from __future__ import annotations
 
 import threading
 import time
+from abc import ABC, abstractmethod
 from collections import deque
 from collections.abc import Sequence
+from typing import Generic, TypeVar
 
 from models.frames import Contact, TouchFrame
 from models.surface import METRES_PER_INCH, Surface
 from sandbox.devices.device import Device
-from sandbox.server.page_device import PageDevice
-from sandbox.server.protocol.protocol import PageHands, PageScreen, PageTouches
+from sandbox.server.protocol import PageHands, PageScreen, PageTouches
 from sandbox.trial.latency import LatencyLog
 
 QUEUE_FRAMES = 1024
 """Largest number of frames that wait for the session, 8 s at 120 Hz; beyond it the oldest are
 dropped."""
 
+F = TypeVar("F")
 
-class WebDevice(Device, PageDevice):
-    """Our page in a browser, on this machine or a tablet: fingers, or a mouse.
 
-    The server's thread adds touches, and the session's thread removes them.
-
-    A touch outside the touch rectangle is ignored; a finger that is dragged out stays at the
-    border, as at the edge of a tablet.
+class PageDevice(ABC, Generic[F]):
+    """A device whose input comes from a page; the server's thread adds frames to its queue, and the
+    session's thread takes them.
 
     Args:
-        surface: The touch rectangle.
-        latency: Log of the time that touches waited for the session.
+        latency: Log of the time that messages waited for the session.
 
     Attributes:
         latency: The log as given; a server replaces it with its own.
@@ -37,21 +35,76 @@ class WebDevice(Device, PageDevice):
         applied: Sequence number of the newest message that the session has processed.
     """
 
+    latency: LatencyLog
+    frame_ready: threading.Event
+
+    def __init__(self, latency: LatencyLog | None = None) -> None:
+        self.latency = latency or LatencyLog()
+        self.frame_ready = threading.Event()
+        self.applied = 0
+        self._lock = threading.Lock()
+        self._frames: deque[tuple[F, int, float]] = deque(maxlen=QUEUE_FRAMES)
+
+    @property
+    @abstractmethod
+    def touched(self) -> bool:
+        """True while the person plays: a finger is down, or a hand is seen."""
+
+    @abstractmethod
+    def receive(self, message: PageTouches | PageHands, screen: PageScreen) -> bool:
+        """Takes in a message, in the server's thread; False if it is none for this device."""
+
+    @abstractmethod
+    def cancel_all(self) -> None:
+        """The page was closed or fell silent: nothing is touched or seen any more."""
+
+    def begin_page(self) -> None:
+        """A page begins to send: its messages are counted anew."""
+        with self._lock:
+            self._frames = deque(((f, 0, at) for f, _, at in self._frames), maxlen=QUEUE_FRAMES)
+            self.applied = 0
+
+    def _take(self) -> list[F]:
+        """Every frame since the last call, oldest first; in the session's thread."""
+        with self._lock:
+            self.frame_ready.clear()
+            waiting = list(self._frames)
+            self._frames.clear()
+            # Under the lock: a page that begins now must not get the number of the one before it.
+            self.applied = max([self.applied, *(seq for _, seq, _ in waiting)])
+        at = time.monotonic()
+        for _, _, arrived in waiting:
+            self.latency.take_in(arrived, at)
+        return [frame for frame, _, _ in waiting]
+
+    def _put(self, frame: F, seq: int, arrived: float) -> None:
+        """Adds a frame; the lock is held."""
+        self._frames.append((frame, seq, arrived))
+        self.frame_ready.set()
+
+
+class WebDevice(Device, PageDevice[TouchFrame]):
+    """Our page in a browser, on this machine or a tablet: fingers, or a mouse.
+
+    A touch outside the touch rectangle is ignored; a finger that is dragged out stays at the
+    border, as at the edge of a tablet.
+
+    Args:
+        surface: The touch rectangle.
+        latency: See `PageDevice`.
+    """
+
     name = "web"
     lift = True
-    frame_ready: threading.Event
     latency: LatencyLog
+    frame_ready: threading.Event
 
     def __init__(self, surface: Surface, latency: LatencyLog | None = None) -> None:
+        super().__init__(latency)
         self._size, self._scale = surface.size, surface.scale
-        self.latency = latency or LatencyLog()
-        self._lock = threading.Lock()
-        self._frames: deque[tuple[TouchFrame, int, float]] = deque(maxlen=QUEUE_FRAMES)
         self._inside: set[int] = set()
         self._present: frozenset[int] = frozenset()
         self._lift: float | None = None
-        self.frame_ready = threading.Event()
-        self.applied = 0
 
     @property
     def touched(self) -> bool:
@@ -59,7 +112,7 @@ class WebDevice(Device, PageDevice):
         with self._lock:
             return bool(self._present)
 
-    def hear(self, message: PageTouches | PageHands, screen: PageScreen) -> bool:
+    def receive(self, message: PageTouches | PageHands, screen: PageScreen) -> bool:
         """Takes in touches; called from the server's thread."""
         if not isinstance(message, PageTouches):
             return False
@@ -91,36 +144,20 @@ class WebDevice(Device, PageDevice):
             self._inside = ids
             self._lift = touches.lift if touches.lift is not None else self._lift
             gone = frozenset(touches.cancelled) & (self._present - ids)
-            self._put(tuple(contacts), gone, touches.seq)
-
-    def begin_page(self) -> None:
-        """A page begins to send: its messages are counted anew."""
-        with self._lock:
-            self._frames = deque(((f, 0, at) for f, _, at in self._frames), maxlen=QUEUE_FRAMES)
-            self.applied = 0
+            self._put_contacts(tuple(contacts), gone, touches.seq)
 
     def cancel_all(self) -> None:
         """Cancels all touches of a page that was closed or fell silent."""
         with self._lock:
             if self._present:
                 self._inside = set()
-                self._put((), self._present, self.applied)
+                self._put_contacts((), self._present, self.applied)
 
     def poll(self, now: float = 0.0) -> Sequence[TouchFrame]:
         """Every frame since the last call, oldest first; `now` is ignored."""
-        with self._lock:
-            self.frame_ready.clear()
-            waiting = list(self._frames)
-            self._frames.clear()
-        at = time.monotonic()
-        for _, seq, arrived in waiting:
-            self.applied = max(self.applied, seq)
-            self.latency.take_in(arrived, at)
-        return [frame for frame, _, _ in waiting]
+        return self._take()
 
-    def _put(self, contacts: tuple[Contact, ...], gone: frozenset[int], seq: int) -> None:
+    def _put_contacts(self, contacts: tuple[Contact, ...], gone: frozenset[int], seq: int) -> None:
         now = time.monotonic()
-        frame = TouchFrame(now, contacts, self._lift, gone, "page")
         self._present = frozenset(c.id for c in contacts)
-        self._frames.append((frame, seq, now))
-        self.frame_ready.set()
+        self._put(TouchFrame(now, contacts, self._lift, gone, "page"), seq, now)

@@ -20,7 +20,7 @@ from sandbox.trial.driver import Trial
 
 if TYPE_CHECKING:
     from sandbox.server.page_server import PageServer
-    from sandbox.server.protocol.protocol import Pause
+    from sandbox.server.protocol import Pause
     from sandbox.session.session import Rig
 
 TICK = 0.02

@@ -17,7 +17,7 @@ from encoders.labels.belief import BeliefLabels
 from models.frames import Frame
 from models.scene import Scene
 from sandbox.devices.device import LatestFrame
-from sandbox.server.protocol.protocol import PageTouches
+from sandbox.server.protocol import PageTouches
 from sandbox.server.web import WebDevice
 from tools.gate import devices, trials
 from tools.gate.__main__ import FILE

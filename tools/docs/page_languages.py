@@ -24,10 +24,9 @@ from PIL import Image
 
 from models.surface import Surface
 from sandbox.play.page import OTHER_PAGE
+from sandbox.server.frames import HandFeedback, describe_scene, pack_skin
 from sandbox.server.page_server import PageServer
-from sandbox.server.protocol.contact_forces import HandFeedback
-from sandbox.server.protocol.describe import describe_scene
-from sandbox.server.protocol.protocol import (
+from sandbox.server.protocol import (
     LIFT_STRIP_PX,
     Choice,
     ItemView,
@@ -36,9 +35,7 @@ from sandbox.server.protocol.protocol import (
     StudyView,
     TaskName,
 )
-from sandbox.server.protocol.rectangle import scaled
-from sandbox.server.protocol.skins import pack_skin
-from sandbox.server.screen_too_small import explain_refusal
+from sandbox.server.screen import explain_refusal, scaled
 from sandbox.server.web import WebDevice
 from sandbox.session.collision_gating import STUCK
 from sandbox.session.messages import ContactView, Snapshot

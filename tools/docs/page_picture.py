@@ -18,10 +18,8 @@ from PIL import Image
 
 from models.surface import METRES_PER_INCH
 from sandbox.devices.simulated.simulated import SimulatedDevice
+from sandbox.server.frames import describe_scene, hand_feedback, pack_skin
 from sandbox.server.page_server import PageServer
-from sandbox.server.protocol.contact_forces import hand_feedback
-from sandbox.server.protocol.describe import describe_scene
-from sandbox.server.protocol.skins import pack_skin
 from sandbox.server.web import WebDevice
 from sandbox.trial.assembly import build
 from sandbox.trial.settings import Settings

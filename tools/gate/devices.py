@@ -30,7 +30,7 @@ from sandbox.devices.device import Device, HandDevice
 from sandbox.devices.evdev.evdev_device import EvdevDevice
 from sandbox.devices.evdev.evdev_touch import Axis, Slots
 from sandbox.devices.webxr.webxr import HeadsetDevice
-from sandbox.server.protocol.protocol import PageHands, PageScreen, PageTouches, decode
+from sandbox.server.protocol import PageHands, PageScreen, PageTouches, decode
 from sandbox.server.web import WebDevice
 from sandbox.trial.driver import run_trial as play_settings
 from sandbox.trial.trial_options import TrialOptions, trial_settings
@@ -97,7 +97,7 @@ class Page(Device):
         for line in self._waiting.due(now):
             message = decode(line["message"])
             assert isinstance(message, PageTouches)
-            self._web.hear(message, SCREEN)
+            self._web.receive(message, SCREEN)
         return self._web.poll(now)
 
     def close(self) -> None:
@@ -123,7 +123,7 @@ class Headset(HandDevice):
         for line in self._waiting.due(now):
             message = decode(line["message"])
             assert isinstance(message, PageHands)
-            self._page.hear(message, SCREEN)
+            self._page.receive(message, SCREEN)
         return self._page.poll(now)
 
     def close(self) -> None:

@@ -6,7 +6,7 @@ import os
 import tempfile
 from pathlib import Path
 
-from sandbox.server import audience
+from sandbox.server import clients
 from sandbox.server.page_server import PageServer
 from tests.sandbox.server.staged_page import (
     HEIGHT,
@@ -34,7 +34,7 @@ def play() -> Observed:
     if not os.path.exists(BINARY):
         return {"error": "Debian's chromium is missing"}
     # A page on a busy machine may send nothing for longer than a second.
-    audience.SILENCE = PATIENCE
+    clients.SILENT_TOUCHED = PATIENCE
     server = PageServer(tasks=TASKS)
     with tempfile.TemporaryDirectory() as folder:
         browser = Browser(Path(folder))

@@ -14,7 +14,7 @@ from models.person import Person
 from sandbox.devices.simulated import NEXT_PERSON
 from sandbox.devices.simulated.leap_user import SimulatedLeap
 from sandbox.devices.webxr.joints import FINGER_JOINTS, seen_hand
-from sandbox.server.protocol.protocol import JOINTS_OF_A_HAND, SeenJoints
+from sandbox.server.protocol import JOINTS_OF_A_HAND, SeenJoints
 from tasks.task import Task
 from tasks.user import UserConfiguration
 

@@ -21,10 +21,8 @@ from websockets.http11 import Request, Response
 from models.errors import DeviceError, InputError
 from sandbox.devices.device import Closeable
 from sandbox.devices.webcam.landmarks_json import PictureMessage, picture_message
-from sandbox.server.connections.access import Access
-from sandbox.server.connections.address import LOOPBACK
-from sandbox.server.connections.connection_limits import ConnectionLimits, limited_connection
-from sandbox.server.connections.counters import Counters
+from sandbox.server.access import Access, ConnectionLimits, Counters, limited_connection
+from sandbox.server.address import LOOPBACK
 from sandbox.server.page_server import silent_logger
 from sandbox.server.static import TOKEN_PLACE, answered, plain
 

@@ -12,7 +12,7 @@ from encoders.headset.joint_points import KNUCKLES, THUMB, TIPS, WRIST
 from models.arithmetic.products import total
 from models.errors import FrameError
 from models.frames import TrackedFinger, TrackedHand, Vector
-from sandbox.server.protocol.protocol import JOINTS_OF_A_HAND, HeldController, SeenJoints
+from sandbox.server.protocol import JOINTS_OF_A_HAND, HeldController, SeenJoints
 
 Places = tuple[Vector | None, ...]
 

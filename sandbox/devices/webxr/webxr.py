@@ -13,14 +13,8 @@ from models.frames import FINGERS, HandFrame, TrackedHand
 from models.skeleton import ADULT
 from sandbox.devices.device import HandDevice
 from sandbox.devices.webxr.joints import held_hand, seen_hand
-from sandbox.server.page_device import PageDevice
-from sandbox.server.protocol.protocol import (
-    HeldController,
-    PageHands,
-    PageScreen,
-    PageTouches,
-    SeenJoints,
-)
+from sandbox.server.protocol import HeldController, PageHands, PageScreen, PageTouches, SeenJoints
+from sandbox.server.web import PageDevice
 from sandbox.trial.latency import LatencyLog
 
 KEPT = 1024
@@ -28,17 +22,15 @@ KEPT = 1024
 dropped."""
 
 
-class HeadsetDevice(HandDevice, PageDevice):
+class HeadsetDevice(HandDevice, PageDevice[HandFrame]):
     """Hands in a headset, or controllers: a page that enters VR draws the table and sends them.
 
-    The page lays the table into the room, and sends places in the world of the table. The server's
-    thread adds frames, and the session's thread removes them.
+    The page lays the table into the room, and sends places in the world of the table.
 
     Args:
-        latency: Log of the time that messages waited for the session.
+        latency: See `PageDevice`.
 
     Attributes:
-        latency: The log as given; a server replaces it with its own.
         counts: Number of hands that could not be used, by reason.
     """
 
@@ -47,12 +39,8 @@ class HeadsetDevice(HandDevice, PageDevice):
     frame_ready: threading.Event
 
     def __init__(self, latency: LatencyLog | None = None) -> None:
-        self.latency = latency or LatencyLog()
+        super().__init__(latency)
         self.counts: Counter[str] = Counter()
-        self.frame_ready = threading.Event()
-        self.applied = 0
-        self._lock = threading.Lock()
-        self._frames: deque[tuple[HandFrame, int, float]] = deque(maxlen=KEPT)
         self._seen = False
         self._sizes: deque[float] = deque(maxlen=KEPT)
 
@@ -69,7 +57,7 @@ class HeadsetDevice(HandDevice, PageDevice):
         sizes = sorted(self._sizes)
         return sizes[len(sizes) // 2] if sizes else None
 
-    def hear(self, message: PageTouches | PageHands, screen: PageScreen) -> bool:
+    def receive(self, message: PageTouches | PageHands, screen: PageScreen) -> bool:
         """Takes in hands; called from the server's thread."""
         if not isinstance(message, PageHands):
             return False
@@ -91,35 +79,20 @@ class HeadsetDevice(HandDevice, PageDevice):
             size = seen_size(hand, ADULT)
             if isinstance(told, SeenJoints) and size is not None:
                 self._sizes.append(size)
-        self._put(tuple(hands.values()), message.seq)
+        self._put_hands(tuple(hands.values()), message.seq)
         return True
-
-    def begin_page(self) -> None:
-        """A page begins to send: its messages are counted anew."""
-        with self._lock:
-            self._frames = deque(((f, 0, at) for f, _, at in self._frames), maxlen=KEPT)
-            self.applied = 0
 
     def cancel_all(self) -> None:
         """The page was closed or fell silent: no hand is seen."""
         if self.touched:
-            self._put((), self.applied)
+            self._put_hands((), self.applied)
 
     def poll(self, now: float = 0.0) -> Sequence[HandFrame]:
         """Every frame since the last call, oldest first; `now` is ignored."""
-        with self._lock:
-            self.frame_ready.clear()
-            waiting = list(self._frames)
-            self._frames.clear()
-        at = time.monotonic()
-        for _, seq, arrived in waiting:
-            self.applied = max(self.applied, seq)
-            self.latency.take_in(arrived, at)
-        return [frame for frame, _, _ in waiting]
+        return self._take()
 
-    def _put(self, hands: tuple[TrackedHand, ...], seq: int) -> None:
+    def _put_hands(self, hands: tuple[TrackedHand, ...], seq: int) -> None:
         now = time.monotonic()
         with self._lock:
             self._seen = bool(hands)
-            self._frames.append((HandFrame(now, hands, self.name), seq, now))
-        self.frame_ready.set()
+            self._put(HandFrame(now, hands, self.name), seq, now)

@@ -312,7 +312,8 @@ BUILT_IN: tuple[TrialMeasure, ...] = (
         "away_s",
         "s",
         "Time without the page",
-        "total real time without a message from the page, in gaps longer than 1 s",
+        "total real time for which the page was closed, hidden, or silent for more than 1.5 s "
+        "(1 s with a finger down)",
         better=LOW,
         tasks=PAGE,
         of_result=live_measure("away_s"),
@@ -320,8 +321,8 @@ BUILT_IN: tuple[TrialMeasure, ...] = (
     TrialMeasure(
         "away",
         "",
-        "Gaps without the page",
-        "number of gaps longer than 1 s without a message from the page",
+        "Absences of the page",
+        "number of times that the page was closed, hidden or silent for that long",
         better=LOW,
         tasks=PAGE,
         of_result=live_measure("away"),

@@ -6,7 +6,7 @@ import time
 from collections.abc import Callable
 
 from models.errors import StudyError
-from sandbox.server.protocol.protocol import Choice, ItemAnswer, ItemView, Leave
+from sandbox.server.protocol import Choice, ItemAnswer, ItemView, Leave
 from sandbox.study.design.design import Form, Item
 from sandbox.study.run.answers import Answers, Draft, check_answer
 from sandbox.study.run.forms import Poll

@@ -9,8 +9,9 @@ from functools import partial
 from models.errors import StudyError
 from models.surface import Surface
 from sandbox.play.pages import show_session
-from sandbox.server.protocol.protocol import PageScreen, Pause
-from sandbox.server.protocol.rectangle import common, rectangle
+from sandbox.server.auto_pause import AutoPause
+from sandbox.server.protocol import PageScreen, Pause
+from sandbox.server.screen import common, rectangle
 from sandbox.server.web import WebDevice
 from sandbox.session.messages import Snapshot
 from sandbox.session.session import Session
@@ -25,8 +26,6 @@ from sandbox.trial.settings import Settings
 
 AFTER = 1.2
 """s for which the end of a trial stays visible."""
-SILENCE = 1.0
-"""s without a message after which the page counts as away; it sends two messages a second."""
 
 
 class PagePlayer:
@@ -54,7 +53,7 @@ class PagePlayer:
                 live = LiveRun(trial, [page.server for page in self._shown])
 
                 def turn() -> Pause | None:
-                    pause = clock.pause(attempt, session.scorer.score.held)
+                    pause = clock.pause(attempt, session)
                     return None if attempt.broken else pause
 
                 live.play(turn)
@@ -102,33 +101,39 @@ class PagePlayer:
 class _PageClock:
     """Decides when simulated time stops, and measures how long a page was away.
 
-    Time stops before the first touch, during a pause, and while a page is gone, as the settings of
-    the page say. A page that was gone has to be touched before time goes on; after a pause, any.
+    Time stops before the first touch, during a pause, and while a page is away, as the settings of
+    the page say (`AutoPause`).
     """
 
     def __init__(self, pages: Sequence[StudyPage], options: PageSettings) -> None:
         self._pages, self._options = pages, options
+        self._auto = AutoPause(
+            [(page.server, page.device) for page in pages],
+            begun=options.starts != "touch",
+            stops=options.when_gone == "pause",
+        )
         self._shown = time.monotonic()
-        self._waiting = any(page.device for page in pages) and options.starts == "touch"
-        self._awaited: set[StudyPage] = set()
-        self._waited: float | None = None if self._waiting else 0.0
+        self._waited: float | None = 0.0 if self._auto.begun else None
         self._away = 0.0
         self._last, self._times = self._shown, 0
-        self._silent = self._paused = False
+        self._was_away = self._paused = False
         self._seats = [(page.server.seated, page.server.screen) for page in pages]
 
-    def pause(self, attempt: RunningAttempt, held: bool) -> Pause:
+    def pause(self, attempt: RunningAttempt, session: Session) -> Pause:
         """Why simulated time must stand still now; empty if it may run. May break the attempt
         off; not for a page that leaves once the goal is held."""
         for page in self._pages:
             page.check_connection()
         self._follow_pause(attempt.check_pause())
+        held = session.scorer.score.held
+        pause = self._auto.check(session.time, held, self._paused)
         now = time.monotonic()
-        away = {page for page in self._pages if page.server.away}
-        if self._waited is None and (self._paused or away):
+        if self._waited is None and (self._paused or self._auto.away):
             # Nobody sees the scene meanwhile.
             self._shown += now - self._last
-        self._add_silence(now)
+        if self._waited is None and self._auto.begun:
+            self._waited = now - self._shown
+        self._add_absence(now)
         gone = any(page.gone for page in self._pages)
         if gone and self._options.when_gone == "repeat" and self._waited is not None:
             attempt.broken = attempt.broken or "the participant's page was gone"
@@ -138,29 +143,15 @@ class _PageClock:
         ):
             # The trial began on a surface that is no longer there.
             attempt.broken = attempt.broken or "another device became the participant's page"
-        if self._options.when_gone == "pause" and not held and self._waited is not None:
-            self._awaited |= away
-        if self._paused:
-            return "menu"
-        touched = {p for p in self._pages if not p.device or p.device.touched} - away
-        self._awaited -= touched
-        if self._waiting and touched:
-            self._waiting = False
-            if self._waited is None:
-                self._waited = now - self._shown
-        if self._waited is None:
-            return "start"
-        if not (self._waiting or self._awaited):
-            return ""
-        return "away" if away else "back"
+        return pause
 
-    def _add_silence(self, now: float) -> None:
-        """Adds up the time and the gaps without a message from some page."""
-        silent = max(page.server.silence for page in self._pages)
-        was, self._silent = self._silent, silent > SILENCE
-        if self._silent:
-            # The first `SILENCE` seconds of a gap count as well.
-            self._away += now - self._last if was else silent
+    def _add_absence(self, now: float) -> None:
+        """Adds up how long some page was away, and how many times."""
+        was, self._was_away = self._was_away, bool(self._auto.away)
+        if self._was_away:
+            # The silence before a page counts as away is part of its absence.
+            silence = max(self._pages[i].server.silence for i in self._auto.away)
+            self._away += now - self._last if was else silence
             self._times += not was
         self._last = now
 
@@ -169,7 +160,6 @@ class _PageClock:
         if paused == self._paused:
             return
         self._paused = paused
-        self._waiting = self._waiting or paused
         for page in self._pages:
             if paused:
                 page.wait("paused")

@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Protocol
 
-from sandbox.server.protocol.protocol import Pause
+from sandbox.server.protocol import Pause
 from sandbox.session.messages import Snapshot
 from sandbox.session.own_layouts import learned_layouts
 from sandbox.session.session import Session

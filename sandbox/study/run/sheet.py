@@ -11,7 +11,7 @@ from itertools import groupby
 
 from models.errors import StudyError
 from models.message import counted
-from sandbox.server.protocol.describe import summary
+from sandbox.server.frames import summary
 from sandbox.study.design.conditions import WEBCAM, consent_text, run_settings
 from sandbox.study.design.design import Design, Form
 from sandbox.study.design.plan import (

@@ -8,7 +8,7 @@ from collections.abc import Callable, Sequence
 import msgspec
 
 from sandbox.server.page_server import PageServer
-from sandbox.server.protocol.protocol import (
+from sandbox.server.protocol import (
     LIFT_STRIP_PX,
     ItemAnswer,
     ItemView,
@@ -18,7 +18,7 @@ from sandbox.server.protocol.protocol import (
     Sheet,
     StudyView,
 )
-from sandbox.server.protocol.rectangle import room
+from sandbox.server.screen import room
 from sandbox.server.web import WebDevice
 from sandbox.study.design.page_settings import PageSettings
 from sandbox.study.run.players import PlayedAttempt, TrialPlayer, TrialRequest

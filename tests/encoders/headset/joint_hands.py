@@ -12,7 +12,7 @@ from models.frames import TrackedHand
 from models.pose import JOINTS, POSE_SIZE, ROOT_POSITION, ROOT_ROTATION
 from models.skeleton import ADULT, Skeleton
 from sandbox.devices.webxr.joints import seen_hand
-from sandbox.server.protocol.protocol import JOINTS_OF_A_HAND, SeenJoints
+from sandbox.server.protocol import JOINTS_OF_A_HAND, SeenJoints
 
 TWISTS = np.array(
     [

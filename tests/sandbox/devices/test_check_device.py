@@ -48,7 +48,7 @@ from sandbox.devices.wrappers.merged import MergedDevice
 from sandbox.devices.wrappers.shared import SharedDevice, Split, SplitByPlace
 from sandbox.recording.recorded_device import RecordedDevice
 from sandbox.recording.recording import load_recording
-from sandbox.server.protocol.protocol import PageHands, PageScreen, PageTouches
+from sandbox.server.protocol import PageHands, PageScreen, PageTouches
 from sandbox.server.web import WebDevice
 from sandbox.trial.variations import parse_variation
 from tasks.guarded import draw_task
@@ -118,7 +118,7 @@ def hold_keys(device: LiftKeys, step: int) -> None:
 
 
 def send_hands(device: HeadsetDevice, step: int) -> None:
-    device.hear(PageHands(step + 1, 0.0, []), SCREEN)
+    device.receive(PageHands(step + 1, 0.0, []), SCREEN)
 
 
 def capture(surface: Surface) -> CaptureDevice:

@@ -12,7 +12,7 @@ from models.surface import Surface
 from sandbox.devices.mouse.mouse import MouseDevice
 from sandbox.devices.wrappers.lift_keys import SPEED, LiftKeys
 from sandbox.devices.wrappers.merged import MergedDevice
-from sandbox.server.protocol.protocol import PageScreen, PageTouches
+from sandbox.server.protocol import PageScreen, PageTouches
 from sandbox.server.web import WebDevice
 from tests.support.scripted import Played
 

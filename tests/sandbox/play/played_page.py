@@ -8,7 +8,7 @@ from collections.abc import Iterator
 
 from sandbox.play.page import PagePlay
 from sandbox.server.page_server import PageServer
-from sandbox.server.protocol.protocol import PlayerRequest
+from sandbox.server.protocol import PlayerRequest
 
 
 @contextlib.contextmanager

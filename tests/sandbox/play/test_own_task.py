@@ -10,7 +10,7 @@ from sandbox.play.page import PagePlay
 from sandbox.play.pages import open_page
 from sandbox.play.play import PlayerRequests
 from sandbox.server.page_options import PageOptions
-from sandbox.server.protocol.protocol import PlayerRequest
+from sandbox.server.protocol import PlayerRequest
 from sandbox.trial.events import EventLog
 from sandbox.trial.settings import Settings
 from sandbox.trial.trial_options import TrialOptions

@@ -16,9 +16,8 @@ from sandbox.play.page import PagePlay
 from sandbox.play.pages import open_page
 from sandbox.recording.recording import load_recording
 from sandbox.server.page_options import PageOptions
-from sandbox.server.protocol.protocol import LIFT_STRIP_PX, PageScreen, PageTouches
-from sandbox.server.protocol.rectangle import LARGEST, LEAST, rectangle, scaled
-from sandbox.server.screen_too_small import fitting
+from sandbox.server.protocol import LIFT_STRIP_PX, PageScreen, PageTouches
+from sandbox.server.screen import LARGEST, LEAST, fitting, rectangle, scaled
 from sandbox.server.web import WebDevice
 from sandbox.study.run.page_player import settings_for_screen
 from sandbox.study.run.study_page import StudyPage

@@ -14,8 +14,8 @@ from sandbox.play.page import PagePlay
 from sandbox.play.pages import open_page, show_session, touched_pages
 from sandbox.server.page_options import PageOptions
 from sandbox.server.page_server import PageServer
-from sandbox.server.protocol.protocol import LIFT_STRIP_PX, PageScreen, PageTouches
-from sandbox.server.protocol.rectangle import common, rectangle
+from sandbox.server.protocol import LIFT_STRIP_PX, PageScreen, PageTouches
+from sandbox.server.screen import common, rectangle
 from sandbox.trial.assembly import build
 from sandbox.trial.events import EventLog
 from sandbox.trial.open_devices import device_makers
@@ -158,5 +158,5 @@ def test_time_begins_with_whichever_hand_touches_first() -> None:
     ((hand, page),) = touched_pages(session)
     assert hand == 1
     assert _waiting(session)
-    page.hear(PageTouches(1, 0.0, [(1, 300.0, 300.0, 20.0, 20.0)]), PageScreen(**SCREEN))
+    page.receive(PageTouches(1, 0.0, [(1, 300.0, 300.0, 20.0, 20.0)]), PageScreen(**SCREEN))
     assert not _waiting(session)

@@ -10,11 +10,9 @@ from urllib.parse import urlsplit
 from models.frames import TouchFrame
 from models.surface import METRES_PER_INCH
 from sandbox.devices.simulated.simulated import SimulatedDevice
+from sandbox.server.frames import describe_scene, hand_feedback, pack_skin
 from sandbox.server.page_server import PageServer
-from sandbox.server.protocol.contact_forces import hand_feedback
-from sandbox.server.protocol.describe import describe_scene
-from sandbox.server.protocol.protocol import LIFT_STRIP_PX, TaskName
-from sandbox.server.protocol.skins import pack_skin
+from sandbox.server.protocol import LIFT_STRIP_PX, TaskName
 from sandbox.server.web import WebDevice
 from sandbox.trial.assembly import build
 from sandbox.trial.settings import Settings

@@ -13,7 +13,7 @@ import pytest
 from models.errors import InputError
 from models.surface import Surface
 from sandbox.devices.check_device import check_frames
-from sandbox.server.protocol.protocol import PageScreen, PageTouches, decode
+from sandbox.server.protocol import PageScreen, PageTouches, decode
 from sandbox.server.web import WebDevice
 
 COUNTS = [5_000, pytest.param(100_000, marks=pytest.mark.full)]

@@ -11,13 +11,13 @@ from typing import Any
 import pytest
 
 from models.errors import InputError
-from sandbox.server.connections.kept_token import kept_token
+from models.surface import Surface
+from sandbox.server.access import kept_token
+from sandbox.server.frames import HandFeedback, describe_scene, pack_skin, state_of
 from sandbox.server.page_server import PageServer
-from sandbox.server.protocol.contact_forces import HandFeedback
-from sandbox.server.protocol.describe import describe_scene, state_of
-from sandbox.server.protocol.protocol import PageScreen, PageTouches
-from sandbox.server.protocol.skins import pack_skin
+from sandbox.server.protocol import PageScreen, PageTouches
 from sandbox.server.web import WebDevice
+from sandbox.trial.latency import LatencyLog
 from sandbox.trial.settings import Settings
 from tests.sandbox.server.test_page_server import Stage, opened
 from tests.sandbox.session.test_collision_gating import BESIDE_IT, INTO_THE_BOX, grip
@@ -151,3 +151,23 @@ def test_of_two_contacts_with_one_id_the_first_counts() -> None:
     device.push(_touches((1, 50, 50, 0, 0), (1, 90, 50, 0, 0)), SCREEN)
     (frame,) = device.poll()
     assert len(frame.contacts) == 1
+
+
+def test_a_page_that_begins_during_a_poll_does_not_get_the_number_of_the_one_before() -> None:
+    class Reloading(LatencyLog):
+        """A log in whose midst the server's thread hears of a reload."""
+
+        def take_in(self, arrived: float, now: float) -> None:
+            if not reloads:
+                reloads.append(True)
+                device.begin_page()
+
+    reloads: list[bool] = []
+    device = WebDevice(Surface(), Reloading())
+    for seq in (499, 500):
+        device.push(PageTouches(seq, 0.0, []), SCREEN)
+    device.poll()
+    assert device.applied == 0
+    device.push(PageTouches(1, 0.0, []), SCREEN)
+    device.poll()
+    assert device.applied == 1

@@ -18,13 +18,12 @@ from websockets.exceptions import ConnectionClosed, InvalidStatus
 
 from models.errors import DeviceError
 from models.frames import TouchFrame
-from sandbox.server import audience
-from sandbox.server.audience import GREETING, MOST_QUEUED
-from sandbox.server.connections import client
-from sandbox.server.connections.address import checked_address
+from sandbox.server import clients
+from sandbox.server.address import checked_address
+from sandbox.server.clients import GREETING, MOST_QUEUED
+from sandbox.server.frames import describe_scene
 from sandbox.server.page_server import PageServer
-from sandbox.server.protocol.describe import describe_scene
-from sandbox.server.protocol.protocol import CREDIT
+from sandbox.server.protocol import CREDIT
 from sandbox.server.web import WebDevice
 from sandbox.session.session import Session
 from sandbox.trial.assembly import build
@@ -285,7 +284,7 @@ def test_a_page_that_falls_silent_loses_its_fingers(stage: Stage) -> None:
 def test_the_second_page_looks_on_and_plays_once_the_first_ones_seat_is_free(
     stage: Stage, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(audience, "SEAT_KEPT", 0.5)
+    monkeypatch.setattr(clients, "SEAT_KEPT", 0.5)
     first, second = Page(stage.server.url, "first"), Page(stage.server.url, "second")
     assert first.until("welcome")["role"] == "player"
     assert second.until("welcome")["role"] == "spectator"
@@ -424,10 +423,10 @@ def test_a_finger_whose_lift_was_among_too_many_messages_does_not_stay_down(
     stage: Stage, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     # So that the result does not depend on how fast this machine sends.
-    monkeypatch.setattr(client, "MESSAGES_PER_SECOND", 1.0)
+    monkeypatch.setattr(clients, "MESSAGES_PER_SECOND", 1.0)
     with Page(stage.server.url) as page:
         page.until("scene")
-        for _ in range(int(client.BURST) + 50):
+        for _ in range(int(clients.BURST) + 50):
             page.touch((1, 2.0, 2.0))
         page.touch()
         assert wait_for(lambda: stage.server.counters["too many messages"] > 20)
@@ -506,7 +505,7 @@ def test_a_hidden_page_is_away_at_once_and_gives_up_its_seat_to_who_waits(
         first.say(type="presence", here=False)
         with Page(stage.server.url, "second") as second:
             assert second.until("welcome")["role"] == "spectator"
-            monkeypatch.setattr(audience, "SEAT_KEPT", 0.3)
+            monkeypatch.setattr(clients, "SEAT_KEPT", 0.3)
             assert second.until("welcome")["role"] == "player"
             assert first.until("welcome")["role"] == "spectator"
             assert not stage.server.away

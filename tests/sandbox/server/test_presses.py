@@ -22,7 +22,7 @@ from sandbox.devices.check_device import check_frames
 from sandbox.devices.mouse.mouse import GRAB_RADIUS, MouseDevice, default_hand
 from sandbox.devices.tuio.tuio import touch_frame
 from sandbox.devices.tuio.tuio_senders import Commit, Tuio
-from sandbox.server.protocol.protocol import PageScreen, PageTouches, decode
+from sandbox.server.protocol import PageScreen, PageTouches, decode
 from sandbox.server.web import WebDevice
 from tests.support.tuio_packets import alv, bundle, frame, frm, ptr
 

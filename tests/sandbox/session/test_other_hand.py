@@ -9,7 +9,7 @@ import numpy as np
 
 from models.hand import Hand, SceneHand
 from models.scene import Scene, SceneSpec
-from sandbox.server.protocol.skins import pack_skin
+from sandbox.server.frames import pack_skin
 from sandbox.session.session import Session
 from sandbox.trial.assembly import build
 from sandbox.trial.open_devices import device_makers

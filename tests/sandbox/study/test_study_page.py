@@ -15,7 +15,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from models.errors import StudyError
-from sandbox.server import audience
+from sandbox.server import clients
 from sandbox.server.page_server import PageServer
 from sandbox.study.design.design import Item
 from sandbox.study.record.folder import Participant, StudyFolder
@@ -364,7 +364,7 @@ def test_a_tablet_that_is_gone_in_mid_trial_is_told_of_and_nothing_counts_twice(
 def test_another_device_that_becomes_the_participants_page_does_not_finish_their_trial(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(audience, "SEAT_KEPT", 0.5)
+    monkeypatch.setattr(clients, "SEAT_KEPT", 0.5)
     text = SMALL.replace("time_limit_s = 20", "time_limit_s = 5")
     study = study_in(tmp_path, text.replace("practice = 1", "practice = 0"))
     with on_page(study, study.add(hand="right", hand_size=1.0, language="en")) as running:

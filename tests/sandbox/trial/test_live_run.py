@@ -16,7 +16,7 @@ from models.surface import Surface
 from sandbox.devices.device import Device
 from sandbox.devices.tuio.tuio import TuioDevice
 from sandbox.server.page_server import PageServer
-from sandbox.server.protocol.protocol import PageScreen, PageTouches, Pause
+from sandbox.server.protocol import PageScreen, PageTouches, Pause
 from sandbox.server.web import WebDevice
 from sandbox.session.messages import Snapshot
 from sandbox.trial.assembly import build

@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 
 from models.message import Message
-from sandbox.server.protocol.describe import told
+from sandbox.server.frames import told
 from sandbox.study.design.design import WORDINGS
 from sandbox.words.words import (
     GROUPS,

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from sandbox.server import audience
+from sandbox.server import clients
 from sandbox.server.page_server import PageServer
 from sandbox.words.words import words_in
 from tests.sandbox.server.test_page_server import wait_for
@@ -85,7 +85,7 @@ def test_fingers_that_rest_while_the_network_is_gone_go_on_as_the_same_contacts(
         assert seen.same_trial and seen.stood_still and seen.by_itself
     assert len(contacts(tmp_path)) == len(REST)
     gaps = results(tmp_path)[0]["absences"]
-    assert max(gap["lasted_s"] for gap in gaps) > seconds - audience.SILENCE
+    assert max(gap["lasted_s"] for gap in gaps) > seconds - clients.SILENT_TOUCHED
     assert replays(tmp_path)
 
 
@@ -110,7 +110,7 @@ def test_a_second_page_gets_the_seat_only_after_the_player_was_away_for_long(
         second.wait("document.body.innerText.includes('another page plays')")
         assert absence(page, go_back, 1.0).same_trial
         assert page.server.seated == 1
-        monkeypatch.setattr(audience, "SEAT_KEPT", 0.5)
+        monkeypatch.setattr(clients, "SEAT_KEPT", 0.5)
         page.tab.go("about:blank")
         second.wait("!document.body.innerText.includes('another page plays')")
         assert wait_for(lambda: page.scene == 2)

@@ -14,13 +14,12 @@ import pytest
 
 from models.frames import Contact
 from models.surface import METRES_PER_INCH
-from sandbox.server import audience
-from sandbox.server.audience import SILENCE
+from sandbox.server import clients
+from sandbox.server.clients import SILENT_TOUCHED
+from sandbox.server.frames import HandFeedback, describe_scene
 from sandbox.server.page_server import PageServer
-from sandbox.server.protocol.contact_forces import HandFeedback
-from sandbox.server.protocol.describe import describe_scene
-from sandbox.server.protocol.protocol import LIFT_STRIP_PX
-from sandbox.server.protocol.rectangle import rectangle
+from sandbox.server.protocol import LIFT_STRIP_PX
+from sandbox.server.screen import rectangle
 from sandbox.session.messages import ContactView
 from sandbox.words.words import words_in
 from tests.sandbox.server.staged_page import (
@@ -58,7 +57,7 @@ def browser(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Browser]:
 @pytest.fixture(autouse=True)
 def slow_page(monkeypatch: pytest.MonkeyPatch) -> None:
     """A page on a busy machine may say nothing for longer than a second, fingers down."""
-    monkeypatch.setattr(audience, "SILENCE", PATIENCE)
+    monkeypatch.setattr(clients, "SILENT_TOUCHED", PATIENCE)
 
 
 @pytest.fixture
@@ -251,14 +250,14 @@ def test_what_the_system_takes_away_is_not_lifted(stage: Stage, tab: Tab) -> Non
 def test_fingers_that_rest_are_not_taken_for_gone(
     stage: Stage, tab: Tab, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(audience, "SILENCE", SILENCE)
+    monkeypatch.setattr(clients, "SILENT_TOUCHED", SILENT_TOUCHED)
 
     def rests() -> bool:
         silences = stage.server.counters["silent page"]
         tab.touch([])
         tab.touch([(1, 100.0, 290.0)])
         assert wait_for(lambda: stage.device.touched)
-        time.sleep(1.5 * SILENCE)
+        time.sleep(1.5 * SILENT_TOUCHED)
         return stage.device.touched and stage.server.counters["silent page"] == silences
 
     tab.wait(READY)

@@ -11,14 +11,8 @@ import pytest
 
 from models.frames import TouchFrame
 from sandbox.server.page_server import PageServer
-from sandbox.server.protocol.protocol import (
-    LIFT_STRIP_PX,
-    ItemView,
-    PageScreen,
-    Sheet,
-    StudyView,
-)
-from sandbox.server.protocol.rectangle import LARGEST, rectangle
+from sandbox.server.protocol import LIFT_STRIP_PX, ItemView, PageScreen, Sheet, StudyView
+from sandbox.server.screen import LARGEST, rectangle
 from tests.sandbox.server.staged_page import READY, TASKS, frames, staged
 from tests.sandbox.server.test_page_server import Stage, wait_for
 from tests.support.chromium import BINARY, Browser, Tab

@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 
 from sandbox.server.page_server import PageServer, tls_context
-from sandbox.server.protocol.protocol import Sheet, StudyView
+from sandbox.server.protocol import Sheet, StudyView
 from sandbox.server.static import StaticFiles
 from sandbox.words.words import words_in
 from tests.sandbox.server.staged_page import HEIGHT, KNOWN, READY, TASKS, WIDTH, staged

@@ -11,7 +11,7 @@ import pytest
 
 from models.message import Message
 from sandbox.server.page_server import PageServer
-from sandbox.server.protocol.protocol import Sheet, StudyView
+from sandbox.server.protocol import Sheet, StudyView
 from sandbox.session.collision_gating import STUCK
 from sandbox.study.design.design import Design
 from sandbox.study.record.folder import PILOT, StudyFolder

@@ -16,7 +16,7 @@ from sandbox.play.page import PagePlay
 from sandbox.play.pages import open_page
 from sandbox.server.page_options import PageOptions
 from sandbox.server.page_server import PageServer
-from sandbox.server.protocol.protocol import StudyView
+from sandbox.server.protocol import StudyView
 from sandbox.trial.events import EventLog
 from sandbox.trial.trial_options import TrialOptions
 from sandbox.words.words import words_in

@@ -9,8 +9,8 @@ from pathlib import Path
 
 import pytest
 
+from sandbox.server.frames import HandFeedback
 from sandbox.server.page_server import PageServer
-from sandbox.server.protocol.contact_forces import HandFeedback
 from sandbox.session.messages import ContactView
 from sandbox.words.words import words_in
 from tests.sandbox.server.staged_page import HEIGHT, KNOWN, READY, TASKS, WIDTH, staged

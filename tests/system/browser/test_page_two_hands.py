@@ -14,8 +14,8 @@ import pytest
 from models.surface import METRES_PER_INCH
 from sandbox.play.pages import show_session, touched_pages
 from sandbox.server.page_server import PageServer
-from sandbox.server.protocol.protocol import PageScreen
-from sandbox.server.protocol.rectangle import rectangle
+from sandbox.server.protocol import PageScreen
+from sandbox.server.screen import rectangle
 from sandbox.session.messages import Snapshot
 from sandbox.trial.assembly import build
 from sandbox.trial.open_devices import device_makers

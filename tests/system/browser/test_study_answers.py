@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 from sandbox.server.page_server import PageServer
-from sandbox.server.protocol.protocol import ItemAnswer, ItemView, Sheet, StudyView
+from sandbox.server.protocol import ItemAnswer, ItemView, Sheet, StudyView
 from sandbox.study.record.journal import read_journal
 from sandbox.words.words import words_in
 from tests.sandbox.server.test_page_server import wait_for

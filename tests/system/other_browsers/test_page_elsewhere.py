@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from sandbox.server import audience
+from sandbox.server import clients
 from sandbox.server.page_server import PageServer
 from sandbox.words.words import words_in
 from tests.sandbox.server.staged_page import (
@@ -50,7 +50,7 @@ def display() -> Iterator[None]:
 @pytest.fixture(autouse=True)
 def slow_page(monkeypatch: pytest.MonkeyPatch) -> None:
     """A page on a busy machine may say nothing for longer than a second, fingers down."""
-    monkeypatch.setattr(audience, "SILENCE", PATIENCE)
+    monkeypatch.setattr(clients, "SILENT_TOUCHED", PATIENCE)
 
 
 @pytest.fixture

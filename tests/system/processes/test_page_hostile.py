@@ -5,6 +5,7 @@ A thousand strangers come in a second, ten thousand in ten with `--full`.
 
 from __future__ import annotations
 
+import asyncio
 import contextlib
 import gc
 import os
@@ -22,15 +23,15 @@ from urllib.parse import urlsplit
 import pytest
 from websockets.exceptions import InvalidStatus
 
-from sandbox.server.connections.client import MOST_WAITING, Client
-from sandbox.server.connections.connection_limits import (
+from sandbox.server.access import (
     MOST_AUTHENTICATED,
     MOST_UNAUTHENTICATED,
     ConnectionLimits,
+    Counters,
 )
-from sandbox.server.connections.counters import Counters
+from sandbox.server.clients import MOST_WAITING, Client
 from sandbox.server.page_server import PageServer
-from sandbox.server.protocol.protocol import CREDIT
+from sandbox.server.protocol import CREDIT
 from sandbox.trial.driver import Trial
 from sandbox.trial.live_run import LiveRun
 from tests.sandbox.server.test_page_server import Stage, opened, wait_for
@@ -201,44 +202,65 @@ def test_pages_that_do_not_read_cost_the_others_nothing(stage: Stage, live: Live
 
 
 class Wire:
-    """As much of a connection as a client needs: it takes everything at once, or nothing."""
+    """As much of a connection as a client needs: it takes everything at once."""
 
-    def __init__(self, free: bool = False) -> None:
-        self.free, self.aborted = free, 0
+    def __init__(self) -> None:
+        self.aborted = 0
         self.sent: list[bytes] = []
         self.transport = self
 
-    def send_now(self, message: bytes, text: bool) -> None:
+    async def send(self, message: bytes, text: bool) -> None:
         self.sent.append(bytes(message))
 
     def abort(self) -> None:
         self.aborted += 1
 
 
+async def written(client: Client) -> None:
+    """Lets the client's sender send whatever it may send now."""
+    with contextlib.suppress(TimeoutError):
+        await asyncio.wait_for(client.write(), 0.01)
+
+
 def test_what_waits_for_a_page_that_does_not_read_is_bounded() -> None:
     counters, wire = Counters(), Wire()
     client = Client(wire, counters, time.monotonic)  # type: ignore[arg-type]
     for _ in range(3 * MOST_WAITING):
-        client.say(b"echo")
+        client.send(b"echo")
     assert len(client._waiting) == MOST_WAITING
     assert wire.aborted == 1
     assert counters.as_dict() == {"page that does not read": 1}
 
 
 def test_frames_that_were_never_sent_cannot_be_acknowledged() -> None:
-    wire = Wire(free=True)
+    wire = Wire()
     client = Client(wire, Counters(), time.monotonic)  # type: ignore[arg-type]
-    for _ in range(3 * CREDIT):
-        client.offer(bytearray(64))
-        assert [client.got(number) for number in (-1, 0, CREDIT + 1, 10**9)] == [None] * 4
+
+    async def offer() -> None:
+        for _ in range(3 * CREDIT):
+            client.offer(bytearray(64))
+            await written(client)
+            assert [client.got(number) for number in (-1, 0, CREDIT + 1, 10**9)] == [None] * 4
+
+    asyncio.run(offer())
     assert len(wire.sent) == client.stale == CREDIT
 
 
+def test_of_frames_that_wait_a_page_gets_the_newest() -> None:
+    wire = Wire()
+    client = Client(wire, Counters(), time.monotonic)  # type: ignore[arg-type]
+    for k in range(5):
+        client.offer(bytearray([0] * 15 + [k]))
+    asyncio.run(written(client))
+    assert [frame[-1] for frame in wire.sent] == [4]
+
+
 def test_a_skin_that_a_page_has_is_not_sent_again() -> None:
-    wire = Wire(free=True)
+    wire = Wire()
     client = Client(wire, Counters(), time.monotonic)  # type: ignore[arg-type]
     for skins in ([b"right"], [b"right", b"left"], [b"right", b"left"], [b"", b"left"], [b"right"]):
-        client.dress(skins)
+        client.send_skins(skins)
+    asyncio.run(written(client))
     assert wire.sent == [b"right", b"left", b"right"]
 
 

@@ -22,7 +22,7 @@ const ASKED_EVERY = 3;
 /** Unsent bytes above which moves are held back: the network has stalled. */
 const MOST_WAITING = 16384;
 
-/** Close codes, as in sandbox/server/audience.py. */
+/** Close codes, as in sandbox/server/clients.py. */
 const WRONG_VERSION = 4001;
 const ENDS: Record<number, Key> = {
   4001: "other_version",

@@ -1,4 +1,4 @@
-// Written by `python -m tools.page_types` from sandbox/server/protocol/protocol.py.
+// Written by `python -m tools.page_types` from sandbox/server/protocol.py.
 
 export const PROTOCOL = 4;
 export const FRAME_KIND = 1;

@@ -20,13 +20,7 @@ from sandbox.devices.webxr.joints import held_hand, seen_hand
 from sandbox.devices.webxr.webxr import HeadsetDevice
 from sandbox.play.pages import show_session, touched_pages
 from sandbox.server.page_server import PageServer
-from sandbox.server.protocol.protocol import (
-    PROTOCOL,
-    HeldController,
-    PageHands,
-    PageScreen,
-    SeenJoints,
-)
+from sandbox.server.protocol import PROTOCOL, HeldController, PageHands, PageScreen, SeenJoints
 from sandbox.server.static import HEADSET, StaticFiles
 from sandbox.trial.assembly import build
 from sandbox.trial.open_devices import device_makers
@@ -208,7 +202,7 @@ def test_a_touch_device_takes_no_hands() -> None:
     chosen = trial_settings(TrialOptions(device="web"))
     session = build(chosen, device_makers(chosen))
     ((_, device),) = touched_pages(session)
-    assert not device.hear(PageHands(1, 0.0, []), PageScreen(110.0, 800.0, 600.0, False))
+    assert not device.receive(PageHands(1, 0.0, []), PageScreen(110.0, 800.0, 600.0, False))
 
 
 def test_a_hand_whose_knuckles_are_unknown_is_none() -> None:

@@ -12,7 +12,7 @@ from models.frames import HandFrame
 from sandbox.cli.main import main
 from sandbox.devices.webxr.webxr import HeadsetDevice
 from sandbox.recording.recording import load_recording
-from sandbox.server.protocol.protocol import PageHands, PageScreen
+from sandbox.server.protocol import PageHands, PageScreen
 from sandbox.trial.assembly import build
 from sandbox.trial.driver import run_trial
 from sandbox.trial.open_devices import device_makers

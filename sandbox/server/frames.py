@@ -1,19 +1,63 @@
-"""Conversion of scenes and snapshots to messages for the page."""
+"""What a page is sent of a session: its scene, the skins of its hands, and 60 frames a second.
+
+A frame is binary, little-endian: a header of 32 bytes, one pose of seven float32 per body (position
+in m, quaternion w, x, y, z), and the rest (score, contacts, goals) as JSON of `protocol.State`.
+
+    offset  type     content
+    0       uint8    PROTOCOL
+    1       uint8    KIND, 1
+    2       uint16   number of bodies
+    4       uint32   number of the scene
+    8       uint32   number of the frame, from 1
+    12      uint32   low half of the newest touch message's seq that took effect in it
+    16      float64  s, simulated time
+    24      uint32   length of the JSON, bytes
+    28      uint32   0
+
+A skin is sent once per hand before the frames that move it: a header of 16 bytes, 15 names and
+frames of bones, and arrays over n vertices and m triangles, each beginning at a multiple of four
+bytes.
+
+    offset  type     content
+    0       uint8    PROTOCOL
+    1       uint8    SKIN_KIND, 2
+    2       uint16   length of the JSON, bytes
+    4       uint32   n
+    8       uint32   m
+    12      uint32   0
+    16      JSON     names of the bodies that carry it, palm first
+            float32  15 x 7: their poses in the bind pose of the vertices, as in a frame
+            float32  n x 3: vertices, m
+            uint8    n x 4: indices of the bones that carry a vertex
+            uint8    n x 4: weights of these bones, of 255
+            uint8    n x 4: colour, sRGB, and 255
+            uint16   m x 3: triangles, counterclockwise from outside
+"""
 
 from __future__ import annotations
 
+import json
+import struct
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
+from models.frames import FINGERS
+from models.hand import SceneHand
 from models.message import Message
+from models.pose import POSE_SIZE
+from models.rotations import matrix_to_quaternion
 from models.scene import Scene as SimulatedScene
+from models.skeleton import Skeleton
+from models.skin.colours import CUFF, NAIL, SLEEVE, tone_colours
+from models.skin.skin import BONES, Skin, frames
 from models.surface import Surface
-from sandbox.server.protocol.contact_forces import HandFeedback
-from sandbox.server.protocol.protocol import (
+from sandbox.server.protocol import (
+    PROTOCOL,
     ContactState,
     Geom,
     GoalState,
@@ -23,9 +67,45 @@ from sandbox.server.protocol.protocol import (
     State,
     SurfaceView,
     Told,
+    encode,
 )
 from sandbox.session.messages import ContactView, HandView, Snapshot
+from sandbox.session.session import Session
 from tasks.task import Task
+
+NOTHING = (0.0,) * len(FINGERS)
+
+
+@dataclass(frozen=True)
+class HandFeedback:
+    """Contact forces, grip and label probability of one hand.
+
+    Attributes:
+        forces: N, force of each finger's links on objects, thumb first.
+        probability: Probability of the labels, 0 to 1.
+        stored: N, force that the grip stores in each finger (`FingerLoad.stored`).
+        full: Labels of the fingers that touch objects while a servo of their own or of the palm
+            gives all the force that it may.
+    """
+
+    forces: tuple[float, ...] = NOTHING
+    probability: float = 1.0
+    stored: tuple[float, ...] = NOTHING
+    full: frozenset[int] = frozenset()
+
+
+def hand_feedback(session: Session) -> list[HandFeedback]:
+    """Current contact forces, grips and label probabilities of all hands of a session."""
+    return [
+        HandFeedback(
+            tuple(finger.force for finger in load.fingers),
+            reconstruction.probability,
+            tuple(finger.stored for finger in load.fingers),
+            load.full,
+        )
+        for load, reconstruction in zip(session.loads(), session.reconstructions, strict=True)
+    ]
+
 
 _KINDS: dict[Any, Any] = {
     mujoco.mjtGeom.mjGEOM_PLANE: "plane",
@@ -227,3 +307,69 @@ def _part(scene: SimulatedScene, root: str, things: set[str]) -> Any:
 def _floats(values: object) -> Any:
     """A tuple of all values, rounded for the message."""
     return tuple(round(v, 7) for v in np.asarray(values, float).ravel().tolist())
+
+
+KIND = 1
+_FRAME_HEADER = struct.Struct("<BBHIIIdII")
+POSE_BYTES = 7 * 4
+
+
+def pack(
+    scene: int, touch: int, time: float, poses: NDArray[np.float32], state: State
+) -> bytearray:
+    """Encodes a frame without its number, which each connection sets by `number_frame`."""
+    tail = encode(state)
+    head = _FRAME_HEADER.pack(
+        PROTOCOL, KIND, len(poses), scene, 0, touch & 0xFFFFFFFF, time, len(tail), 0
+    )
+    return bytearray(head + np.ascontiguousarray(poses, "<f4").tobytes() + tail)
+
+
+def number_frame(frame: bytearray, number: int) -> bytes:
+    """Sets the number of an encoded frame."""
+    struct.pack_into("<I", frame, 8, number & 0xFFFFFFFF)
+    return bytes(frame)
+
+
+SKIN_KIND = 2
+_SKIN_HEADER = struct.Struct("<BBHIII")
+_FLAT = {"nail": NAIL, "cuff": CUFF, "sleeve": SLEEVE}
+
+
+def pack_skin(hand: SceneHand) -> bytes:
+    """Encodes the skin of a hand; empty if it has no skeleton, or other bones than the skin."""
+    skeleton = hand.skeleton
+    if skeleton is None or len(skeleton.bones) != BONES - 1:
+        return b""
+    names = [hand.palm, *(link.body for link in hand.links)]
+    return _packed(skeleton, tuple(names))
+
+
+def _packed(skeleton: Skeleton, names: tuple[str, ...]) -> bytes:
+    skin = Skin.builtin().fitted(skeleton)
+    places, turns = frames(skeleton, np.zeros(POSE_SIZE))
+    bind = np.concatenate([places, matrix_to_quaternion(turns)], axis=1)
+    text = json.dumps(names).encode()
+    head = _SKIN_HEADER.pack(PROTOCOL, SKIN_KIND, len(text), len(skin.rest), len(skin.triangles), 0)
+    parts = (
+        head,
+        text,
+        bind.astype("<f4").tobytes(),
+        skin.rest.astype("<f4").tobytes(),
+        skin.bones.tobytes(),
+        skin.weights.tobytes(),
+        _colours(skin).tobytes(),
+        skin.triangles.astype("<u2").tobytes(),
+    )
+    return b"".join(part + b"\0" * (-len(part) % 4) for part in parts)
+
+
+def _colours(skin: Skin) -> NDArray[np.uint8]:
+    """(n, 4) sRGB colours of the vertices, and 255."""
+    colours = np.ones((len(skin.rest), 4))
+    for part in skin.parts:
+        flat = _FLAT.get(part.name.partition("_")[0])
+        colours[part.vertices, :3] = (
+            tone_colours(skin.tone[part.vertices]) if flat is None else flat
+        )
+    return np.round(255 * colours).astype(np.uint8)

@@ -1,26 +1,27 @@
 """The connected pages of a session, a player and spectators: roles, messages and frames.
 
-Everything runs in the server's thread unless stated otherwise.
+Every page has a credit of frames, a limit of messages, and one task that sends. Everything runs in
+the server's thread unless stated otherwise.
 """
 
 from __future__ import annotations
 
 import asyncio
-import functools
+import contextlib
 import queue
 import threading
 import time
-from collections.abc import Sequence
+from collections import deque
+from collections.abc import Callable, Sequence
 from typing import TypeVar
 
+from websockets.asyncio.server import ServerConnection
 from websockets.exceptions import ConnectionClosed
 
 from models.errors import InputError
-from sandbox.server.connections.client import Client
-from sandbox.server.connections.counters import Counters
-from sandbox.server.connections.page_connection import PageConnection
-from sandbox.server.page_device import PageDevice
-from sandbox.server.protocol.protocol import (
+from sandbox.server.access import Allowance, Counters
+from sandbox.server.frames import number_frame
+from sandbox.server.protocol import (
     CREDIT,
     PROTOCOL,
     Beat,
@@ -42,20 +43,29 @@ from sandbox.server.protocol.protocol import (
     TaskName,
     Up,
     Welcome,
+    decode,
     encode,
 )
+from sandbox.server.web import PageDevice
 from sandbox.trial.latency import LatencyLog
 
+MESSAGES_PER_SECOND, BURST = 240.0, 1200.0
+"""Rate limit; touches at 120 Hz, acknowledgements at 60 Hz and beats are 185 messages a second.
+When a network stalls, a page goes on for 4 s before it gives up its socket; all that it has said
+then comes at once."""
+PATIENCE, FORGIVEN = 240.0, 1.0
+"""Number of refused messages after which the connection is closed, and how many of them are
+forgiven in a second."""
+MOST_WAITING = 512
+"""Number of messages that wait for a page that does not read, echoes of minutes; then the
+connection is aborted."""
 MOST_CLIENTS = 8
-SILENCE = 1.0
-"""s without a message after which a page's touches are cancelled; a page with a finger down sends
-ten messages a second."""
-QUIET = 1.5
-"""s without a message after which a page without a finger counts as away; it sends two messages a
-second."""
+SILENT_TOUCHED, SILENT = 1.0, 1.5
+"""s without a message after which a page counts as away: with a finger down, when it sends ten
+messages a second, and without, when it sends two."""
 SEAT_KEPT = 60.0
 """s for which the seat of a player who is away is kept against other pages."""
-Heard = TypeVar("Heard")
+Queued = TypeVar("Queued")
 MOST_QUEUED = 256
 """Number of requests, or of answers to questions, that wait to be read; more than a person gives
 before somebody reads them."""
@@ -66,7 +76,157 @@ WRONG_VERSION, TOO_MANY, REPLACED, NONSENSE = 4001, 4002, 4003, 4004
 """Close codes, which the page explains to the person."""
 
 
-class Audience:
+class Client:
+    """A connected page, its message credit and its position in the stream of frames.
+
+    Args:
+        connection: The open connection.
+        counters: Counters of refusals.
+        clock: Monotonic clock, s.
+
+    Attributes:
+        hello: The page's hello message; None before it.
+        screen: Current size of its screen.
+        player: True if its touches are used.
+        last_message: s, time of its last message.
+        visible: False while the page says that it is hidden or turned away.
+        menu: True while its player has a menu open.
+        missed: True if its last message was refused unread, as too many came.
+        silenced: True if its touches were cancelled, as it fell silent with a finger down.
+    """
+
+    def __init__(
+        self, connection: ServerConnection, counters: Counters, clock: Callable[[], float]
+    ) -> None:
+        self.connection = connection
+        self.hello: Hello | None = None
+        self.screen: PageScreen | None = None
+        self.player = False
+        self.last_message = clock()
+        self.visible, self.missed, self.menu, self.silenced = True, False, False, False
+        self._hidden = self.last_message
+        self._clock = clock
+        self._counters = counters
+        self._allowance = Allowance(MESSAGES_PER_SECOND, BURST, self.last_message)
+        self._patience = Allowance(FORGIVEN, PATIENCE, self.last_message)
+        self._waiting: deque[tuple[bytes, bool]] = deque()
+        self._skins: tuple[bytes, ...] = ()
+        self._newest: bytearray | None = None
+        self._aborted = False
+        self._sent = self._acknowledged = 0
+        self._due = asyncio.Event()
+        self._parting: asyncio.Task[None] | None = None
+        self.sent_at: dict[int, float] = {}
+
+    @property
+    def stale(self) -> int:
+        """Number of sent frames that are not acknowledged."""
+        return self._sent - self._acknowledged
+
+    @property
+    def seen(self) -> float:
+        """s, time at which its person was last able to play."""
+        return self.last_message if self.visible else self._hidden
+
+    def set_visible(self, visible: bool) -> None:
+        """Takes in whether the page can be played now."""
+        if self.visible and not visible:
+            self._hidden = self._clock()
+        self.visible = visible
+
+    def send(self, message: bytes, text: bool = True) -> None:
+        """Queues a JSON message, or bytes; all are sent, in order, before any later frame."""
+        if len(self._waiting) < MOST_WAITING:
+            self._waiting.append((message, text))
+            self._due.set()
+        elif not self._aborted:
+            self._aborted = True
+            self._counters.add("page that does not read")
+            self.connection.transport.abort()
+
+    def send_skins(self, skins: Sequence[bytes]) -> None:
+        """Queues the hands' skins that the page does not have already."""
+        for skin in skins:
+            if skin and skin not in self._skins:
+                self.send(skin, text=False)
+        self._skins = tuple(skins)
+
+    def offer(self, frame: bytearray | None) -> None:
+        """Queues the newest frame, in place of an older one that has not been sent."""
+        self._newest = frame
+        self._due.set()
+
+    def got(self, number: int) -> float | None:
+        """Returns the credit of a frame and of those before it.
+
+        Returns:
+            s since the frame was sent; None if unknown or acknowledged before.
+        """
+        if not self._acknowledged < number <= self._sent:
+            return None
+        self._acknowledged = number
+        at = self.sent_at.get(number)
+        self.sent_at = {n: t for n, t in self.sent_at.items() if n > number}
+        self._due.set()
+        return None if at is None else self._clock() - at
+
+    @property
+    def closing(self) -> bool:
+        """True once we have closed the connection."""
+        return self._parting is not None
+
+    def close(self, code: int, reason: str) -> None:
+        """Starts to close the connection, without waiting for the end."""
+        if self._parting is None:
+            self._parting = asyncio.create_task(self.connection.close(code, reason))
+
+    async def write(self) -> None:
+        """Sends waiting messages until cancelled; a page that does not read delays only itself."""
+        with contextlib.suppress(ConnectionClosed):
+            while True:
+                await self._due.wait()
+                self._due.clear()
+                while following := self._following():
+                    message, text = following
+                    await self.connection.send(message, text=text)
+
+    def _following(self) -> tuple[bytes, bool] | None:
+        """The next message to send, and whether it is text; None if there is none now."""
+        if self._waiting:
+            return self._waiting.popleft()
+        if self._newest is None or self.stale >= CREDIT:
+            return None
+        frame, self._newest = self._newest, None
+        self._sent += 1
+        self.sent_at[self._sent] = self._clock()
+        return number_frame(frame, self._sent), False
+
+    def read(self, message: str | bytes) -> Up | None:
+        """Checks a message; returns None if it is refused.
+
+        Raises:
+            InputError: Too many messages were refused, so the sender is not one of our pages.
+        """
+        self.last_message, self.silenced = self._clock(), False
+        reason, up = "", None
+        self.missed = not self._allowance.take(self.last_message)
+        if self.missed:
+            reason = "too many messages"
+        elif isinstance(message, bytes):
+            reason = "binary message"
+        else:
+            try:
+                up = decode(message)
+            except InputError:
+                reason = "malformed message"
+        if reason:
+            self._counters.add(reason)
+            if not self._patience.take(self.last_message):
+                raise InputError("the client sent too many invalid messages", got=reason)
+        return up
+
+
+class Clients:
     """The connected pages of a session.
 
     Args:
@@ -107,7 +267,7 @@ class Audience:
         self._study = study
         self._sheet: Sheet | None = None
         self._trouble: bytes | None = None
-        self._heard = float("-inf")
+        self._last_present = float("-inf")
         self._left = float("-inf")
         self.joined = threading.Event()
         self.asked: queue.SimpleQueue[PlayerRequest] = queue.SimpleQueue()
@@ -133,41 +293,45 @@ class Audience:
         for client in self._clients:
             client.offer(None)
             if client.hello:
-                client.say(encode(scene))
-                client.dress(skins)
+                client.send(encode(scene))
+                client.send_skins(skins)
 
     def show_problem(self, text: bytes) -> None:
         """Sends a problem that prevents a scene to all pages, and to those that connect later."""
         self._trouble, self._frame = text, None
         for client in self._clients:
             if client.hello:
-                client.say(text)
+                client.send(text)
 
     @property
     def silence(self) -> float:
         """s since a player was last there; infinite before the first. From any thread."""
         seen = [c.seen for c in tuple(self._clients) if c.player]
-        return time.monotonic() - max(seen, default=self._heard)
+        return time.monotonic() - max(seen, default=self._last_present)
 
     @property
     def away(self) -> bool:
         """True if no player's page can be played: closed, hidden or silent. From any thread."""
-        device = self._device
-        limit = SILENCE if device and device.touched else QUIET
-        players = [c for c in tuple(self._clients) if c.player]
-        return not any(c.here and time.monotonic() - c.heard <= limit for c in players)
+        now = time.monotonic()
+        return all(self._is_away(c, now) for c in tuple(self._clients) if c.player)
+
+    def _is_away(self, client: Client, now: float) -> bool:
+        """The one rule of when a page cannot be played: it is hidden, or silent for too long."""
+        touched = client.silenced or (self._device is not None and self._device.touched)
+        limit = SILENT_TOUCHED if touched else SILENT
+        return not client.visible or now - client.last_message > limit
 
     def show_sheet(self, sheet: Sheet, tell: bool) -> None:
         """Stores the sheet for a page that reconnects, and sends it to the player if `tell`."""
         self._sheet = sheet
         if tell:
-            self.say_to_player(encode(sheet))
+            self.send_to_player(encode(sheet))
 
-    def say_to_player(self, text: bytes) -> None:
+    def send_to_player(self, text: bytes) -> None:
         """Sends a message to the player alone; viewers do not get it."""
         for client in self._clients:
             if client.player:
-                client.say(text)
+                client.send(text)
 
     def show(self, frame: bytearray) -> None:
         """Sends the newest frame to all pages."""
@@ -176,7 +340,7 @@ class Audience:
             if client.hello:
                 client.offer(frame)
 
-    async def handle(self, connection: PageConnection) -> None:
+    async def handle(self, connection: ServerConnection) -> None:
         """Handles the connection of a page from its first message to its end."""
         client = Client(connection, self._counters, time.monotonic)
         self._clients.append(client)
@@ -197,26 +361,26 @@ class Audience:
                 await connection.close(TOO_MANY, "too many pages are open")
                 return
             self._greet(client, first)
-            connection.hear = functools.partial(self._hear, client)
             async for message in connection:
-                self._hear(client, message)
+                self._receive(client, message)
+                # A page that sends without a break must not keep its own sender waiting.
+                await asyncio.sleep(0)
         except TimeoutError:
             self._counters.add("no hello")
         except ConnectionClosed:
-            if not client.parted:
+            if not client.closing:
                 self._counters.add("lost connection")
         finally:
-            connection.hear = None
             writing.cancel()
             self._clients.remove(client)
             self._leave(client)
 
-    def _hear(self, client: Client, message: str | bytes) -> None:
+    def _receive(self, client: Client, message: str | bytes) -> None:
         """Processes a message of a page."""
         try:
             up = client.read(message)
         except InputError:
-            client.part(NONSENSE, "too many messages were refused")
+            client.close(NONSENSE, "too many messages were refused")
         else:
             if up is not None:
                 self._take(client, up)
@@ -232,7 +396,7 @@ class Audience:
             # The same page has reconnected before the loss of its old socket was noticed.
             # Its end is not waited for: a dead socket takes a second to close.
             self._leave(other)
-            other.part(REPLACED, "the page is open elsewhere")
+            other.close(REPLACED, "the page is open elsewhere")
         if hello.role == "player" and (player := self._player()) and self._trouble:
             # The player's screen is too small; the new page may have enough room.
             player.player = False
@@ -272,7 +436,7 @@ class Audience:
 
     def _welcome(self, client: Client) -> None:
         role = "player" if client.player else "spectator"
-        client.say(
+        client.send(
             encode(
                 Welcome(
                     PROTOCOL,
@@ -286,13 +450,13 @@ class Audience:
             )
         )
         if client.player and self._sheet:
-            client.say(encode(self._sheet))
+            client.send(encode(self._sheet))
         if self._scene:
-            client.say(encode(self._scene))
-            client.dress(self._skins)
+            client.send(encode(self._scene))
+            client.send_skins(self._skins)
             client.offer(self._frame)
         if self._trouble:
-            client.say(self._trouble)
+            client.send(self._trouble)
 
     def _leave(self, client: Client) -> None:
         if not client.player:
@@ -302,7 +466,7 @@ class Audience:
             # It is open no more. A page that comes back with it open says so again.
             client.menu = False
             self._keep(self.asked, PlayerRequest("resume"))
-        self._heard = client.seen
+        self._last_present = client.seen
         self._left = time.monotonic()
         if self._device:
             self._device.cancel_all()
@@ -338,7 +502,7 @@ class Audience:
                 if after is not None:
                     self._latency.add("acknowledged", 1000.0 * after)
             case Beat():
-                client.say(encode(Echo(up.t)))
+                client.send(encode(Echo(up.t)))
                 if up.round_trip_ms is not None:
                     self._latency.add("round_trip", up.round_trip_ms)
             case Resized():
@@ -346,9 +510,9 @@ class Audience:
                 if client.player:
                     self.screen = up.screen
             case Presence():
-                client.appear(up.here)
+                client.set_visible(up.here)
             case PageTouches() | PageHands() if client.player and client.screen:
-                if self._device and not self._device.hear(up, client.screen):
+                if self._device and not self._device.receive(up, client.screen):
                     self._counters.add("another device's message")
             case Drawn() if client.player:
                 self._latency.add("drawn", up.after_ms)
@@ -363,7 +527,7 @@ class Audience:
             case _:
                 self._counters.add("not the player")
 
-    def _keep(self, waiting: queue.SimpleQueue[Heard], up: Heard) -> None:
+    def _keep(self, waiting: queue.SimpleQueue[Queued], up: Queued) -> None:
         """Queues what another thread reads, which may not be reading now."""
         if waiting.qsize() < MOST_QUEUED:
             waiting.put(up)
@@ -377,9 +541,10 @@ class Audience:
             await asyncio.sleep(0.1)
             self._give_up_seat(time.monotonic())
             self._fill_seat()
-            device = self._device
+            device, now = self._device, time.monotonic()
             for client in self._clients:
-                silent = time.monotonic() - client.heard > SILENCE
+                silent = now - client.last_message > SILENT_TOUCHED
                 if client.player and silent and device and device.touched:
                     self._counters.add("silent page")
+                    client.silenced = True
                     device.cancel_all()

@@ -1,7 +1,7 @@
 """Messages between server and page. The page's TypeScript types are generated from this file.
 
 From the page: JSON texts, one message each, tagged by `type`. To the page: JSON texts for events,
-and binary frames for motion (see `sandbox.server.protocol.frames`). Every message is checked whole
+and binary frames for motion (see `sandbox.server.frames`). Every message is checked whole
 against the types here; an invalid one is refused, counted, and changes nothing.
 """
 

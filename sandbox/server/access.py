@@ -1,0 +1,308 @@
+"""Who may connect to a page's server: who has its token, origin and host name, and not too often.
+
+Any page in any browser of this machine can reach the server's address (on a tablet's network: any
+device). So every request has to carry the token from the link or QR code. A foreign `Host` means
+DNS rebinding, a foreign `Origin` a foreign page.
+
+A tablet tries to reconnect as long as its page is open, and a restarted program has the same
+address if the port is fixed. So the token of a fixed port is stored in a file that only this user
+can read; delete it to get another token at the next start.
+
+A connection that has not sent the token yet is unauthenticated. A few of them are allowed; when one
+more comes, the oldest is closed: our page sends its token within milliseconds, an attacker who only
+occupies connections never does. Authenticated connections have their own limit. An address that
+connects too often is rejected before its request is read, since reading takes a millisecond.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import hmac
+import os
+import re
+import secrets
+import threading
+import time
+from collections import Counter
+from dataclasses import dataclass, field
+from pathlib import Path
+from urllib.parse import parse_qs, urlsplit
+
+from websockets.asyncio.server import ServerConnection
+
+from models.errors import InputError
+
+TOKEN_BYTES = 16
+TOKEN_NAME = "token"
+TOKENLESS = ("/", "/?role=spectator")
+"""The only requests that are answered without a token: the addresses that the page leaves in the
+address bar. They get a page that knows nothing but how to find the token in its own tab."""
+
+
+@dataclass(frozen=True)
+class Access:
+    """Access rules of one server.
+
+    Attributes:
+        host: IP address that the server is bound to.
+        port: Its port.
+        secure: True if it uses TLS.
+        token: Token that a request must contain.
+        names: Further host names of the machine.
+    """
+
+    host: str
+    port: int
+    secure: bool = False
+    token: str = field(default_factory=lambda: secrets.token_urlsafe(TOKEN_BYTES))
+    names: tuple[str, ...] = ()
+
+    @property
+    def hosts(self) -> frozenset[str]:
+        """Accepted values of the `Host` header."""
+        names = {self.host, *self.names}
+        if self.host in ("127.0.0.1", "::1"):
+            names.add("localhost")
+        usual = 443 if self.secure else 80
+        # An IPv6 address is in brackets; the scheme's default port may be left out.
+        plain = {f"[{n}]" if ":" in n else n for n in names}
+        return frozenset(
+            {f"{n}:{self.port}" for n in plain} | (plain if self.port == usual else set())
+        )
+
+    @property
+    def url(self) -> str:
+        """The link that opens the page, with the token."""
+        scheme = "https" if self.secure else "http"
+        host = f"[{self.host}]" if ":" in self.host else self.host
+        return f"{scheme}://{host}:{self.port}/?{TOKEN_NAME}={self.token}"
+
+    def refusal(self, path: str, host: str | None, origin: str | None, socket: bool) -> str:
+        """Reason for refusing a request, in one word; empty if it is accepted.
+
+        Args:
+            path: The request's target, with its query.
+            host: The `Host` header.
+            origin: The `Origin` header; required only for a WebSocket.
+            socket: True if the request asks for a WebSocket.
+        """
+        if host not in self.hosts:
+            return "host"
+        scheme = "https" if self.secure else "http"
+        if origin is not None and origin not in {f"{scheme}://{h}" for h in self.hosts}:
+            return "origin"
+        if socket and origin is None:
+            return "origin"
+        return "" if self.knows_token(path) else "token"
+
+    def asks_to_return(self, path: str, socket: bool) -> bool:
+        """True if a request without a token may get the page that finds back by itself."""
+        return not socket and path in TOKENLESS
+
+    def knows_token(self, path: str) -> bool:
+        """True if a request's target contains the token."""
+        try:
+            given = parse_qs(urlsplit(path).query, max_num_fields=8).get(TOKEN_NAME, [""])
+        except ValueError:
+            return False
+        return len(given) == 1 and hmac.compare_digest(given[0].encode(), self.token.encode())
+
+
+_TOKEN = re.compile(r"[A-Za-z0-9_-]{20,64}")
+
+
+def kept_token(path: Path) -> str:
+    """The token in a file, which is made if it does not exist.
+
+    Raises:
+        InputError: The file does not hold a token, can be read by others, or cannot be written.
+    """
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        fresh = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600)
+    except FileExistsError:
+        return _read(path)
+    except OSError as error:
+        raise _not_stored(path, error) from None
+    token = secrets.token_urlsafe(TOKEN_BYTES)
+    try:
+        with os.fdopen(fresh, "w", encoding="ascii") as file:
+            file.write(token + "\n")
+    except OSError as error:
+        path.unlink(missing_ok=True)
+        raise _not_stored(path, error) from None
+    return token
+
+
+def _not_stored(path: Path, error: OSError) -> InputError:
+    return InputError(
+        "the page's token cannot be stored",
+        where=str(path),
+        got=error.strerror,
+        remedy="Leave --page-port out: then every start has a new token",
+    )
+
+
+def _read(path: Path) -> str:
+    remedy = "Delete the file: the next start makes another one"
+    try:
+        text, mode = path.read_text(encoding="ascii").strip(), path.stat().st_mode
+    except (OSError, UnicodeDecodeError) as error:
+        reason = error.strerror if isinstance(error, OSError) else "it is not text"
+        raise InputError(
+            "the page's token cannot be read", where=str(path), got=reason, remedy=remedy
+        ) from None
+    if os.name == "posix" and mode & 0o077:
+        raise InputError("other users can read the page's token", where=str(path), remedy=remedy)
+    if not _TOKEN.fullmatch(text):
+        raise InputError("the file does not hold a token", where=str(path), remedy=remedy)
+    return text
+
+
+class Counters:
+    """Counts by reason; safe from all threads."""
+
+    def __init__(self) -> None:
+        self._lock = threading.Lock()
+        self._counts: Counter[str] = Counter()
+
+    def add(self, reason: str, n: int = 1) -> None:
+        """Adds to the count of a reason."""
+        with self._lock:
+            self._counts[reason] += n
+
+    def __getitem__(self, reason: str) -> int:
+        with self._lock:
+            return self._counts[reason]
+
+    def as_dict(self) -> dict[str, int]:
+        """A copy, most frequent first."""
+        with self._lock:
+            return dict(self._counts.most_common())
+
+
+class Allowance:
+    """A token bucket.
+
+    Args:
+        rate: Long-term limit, per second.
+        burst: Number allowed at once.
+        now: s, time at the start.
+    """
+
+    def __init__(self, rate: float, burst: float, now: float) -> None:
+        self._rate, self._burst = rate, burst
+        self._left, self._at = burst, now
+
+    def take(self, now: float) -> bool:
+        """True if one more is allowed at a time in seconds."""
+        self._left = min(self._burst, self._left + (now - self._at) * self._rate)
+        self._at = now
+        if self._left < 1.0:
+            return False
+        self._left -= 1.0
+        return True
+
+
+MOST_UNAUTHENTICATED = 64
+"""Largest number of unauthenticated connections; at 1000 new ones a second each has 64 ms."""
+MOST_AUTHENTICATED = 32
+"""Largest number of authenticated connections: sockets of pages, and requests for files."""
+
+ARRIVALS_PER_SECOND, ARRIVALS_AT_ONCE = 50.0, 150.0
+"""Rate limit of connections from one address; loading a page needs five."""
+MOST_ADDRESSES = 256
+"""Number of addresses whose connections are counted; the oldest is forgotten first."""
+
+
+class ConnectionLimits:
+    """Tracks and limits connections; runs in the server's thread.
+
+    Args:
+        counters: Counters of rejected connections.
+    """
+
+    def __init__(self, counters: Counters) -> None:
+        self._counters = counters
+        self._arrivals: dict[str, Allowance] = {}
+        # In order of arrival; True once its request was judged, and so counted.
+        self._unauthenticated: dict[ServerConnection, bool] = {}
+        self._authenticated: set[ServerConnection] = set()
+
+    def __len__(self) -> int:
+        return len(self._unauthenticated) + len(self._authenticated)
+
+    def accepts(self, address: str, now: float) -> bool:
+        """True if a new connection from an address, at a time in s, is accepted for reading."""
+        allowance = self._arrivals.get(address)
+        if allowance is None:
+            if len(self._arrivals) >= MOST_ADDRESSES:
+                del self._arrivals[next(iter(self._arrivals))]
+            allowance = Allowance(ARRIVALS_PER_SECOND, ARRIVALS_AT_ONCE, now)
+            self._arrivals[address] = allowance
+        if allowance.take(now):
+            return True
+        self._counters.add("too many connections")
+        return False
+
+    def add(self, connection: ServerConnection) -> None:
+        """Adds a new, unauthenticated connection; closes the oldest if there are too many."""
+        self._unauthenticated[connection] = False
+        if len(self._unauthenticated) > MOST_UNAUTHENTICATED:
+            oldest = next(iter(self._unauthenticated))
+            if not self._unauthenticated.pop(oldest):
+                # Counted here, and not again when the connection ends.
+                self._counters.add("pushed out by others")
+            oldest.transport.abort()
+
+    def judge(self, connection: ServerConnection) -> bool:
+        """Notes that a connection's request is judged now, which counts it; False if it was closed
+        in favour of others before, and so has been counted."""
+        if connection not in self._unauthenticated:
+            return False
+        self._unauthenticated[connection] = True
+        return True
+
+    def authenticate(self, connection: ServerConnection) -> bool:
+        """Marks a connection that sent the token; False if it was closed or there is no room.
+
+        A connection that was closed in favour of others may have sent its request before. It must
+        not be added again, since `remove` will not be called for it a second time.
+        """
+        if connection not in self._unauthenticated:
+            return False
+        del self._unauthenticated[connection]
+        if len(self._authenticated) >= MOST_AUTHENTICATED:
+            return False
+        self._authenticated.add(connection)
+        return True
+
+    def remove(self, connection: ServerConnection) -> None:
+        """Removes a connection that has ended."""
+        self._authenticated.discard(connection)
+        # A request that was judged has been counted with its reason.
+        if self._unauthenticated.pop(connection, True) is False:
+            self._counters.add("failed handshake")
+
+
+def limited_connection(limits: ConnectionLimits) -> type[ServerConnection]:
+    """A connection class for `websockets.serve` that enforces these limits."""
+
+    class LimitedConnection(ServerConnection):
+        _accepted = True
+
+        def connection_made(self, transport: asyncio.BaseTransport) -> None:
+            peer = transport.get_extra_info("peername") or ("",)
+            self._accepted = limits.accepts(str(peer[0]), time.monotonic())
+            if self._accepted:
+                super().connection_made(transport)
+                limits.add(self)
+            else:
+                transport.abort()  # type: ignore[attr-defined]
+
+        def connection_lost(self, exc: Exception | None) -> None:
+            if self._accepted:
+                limits.remove(self)
+                super().connection_lost(exc)
+
+    return LimitedConnection

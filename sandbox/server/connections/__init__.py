@@ -1,1 +1,0 @@
-"""Connections to the server: access rules, limits, and the state of each connection."""

@@ -1,1 +1,0 @@
-"""The protocol between server and page."""
