@@ -66,8 +66,6 @@ LEFT_OUT = {
     "models/skin": "it is drawn, and no state depends on it",
     "sandbox": "lsl.py sends copies of what happens to other instruments",
     "sandbox/server": "it carries the page; the touches that come of it are recorded",
-    "sandbox/server/connections": "it carries the page",
-    "sandbox/server/protocol": "it carries the page",
     "sandbox/system": "it locks and flushes files",
     "sandbox/views": "it shows what happens",
     "sandbox/views/window": "it shows what happens",
