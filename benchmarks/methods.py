@@ -45,7 +45,7 @@ from sandbox.figures.canvas import COLOURS, FAINT, STYLE, figure, need_matplotli
 from sandbox.regress.plan import parse_seeds
 from sandbox.regress.statistics import holm
 from sandbox.session.session import Session
-from sandbox.trial.driver import ViewMaker, run_trial
+from sandbox.trial.driver import ViewMaker, play_trial
 from sandbox.trial.open_devices import device_makers
 from sandbox.trial.result import TrialResult
 from sandbox.trial.trial_options import TrialOptions, trial_settings
@@ -154,7 +154,7 @@ def scored_trial(job: Job, make_views: ViewMaker) -> tuple[TrialResult, float]:
     """Plays one trial: its result, and its points of `tasks.score.points`."""
     options = {"solid": job.solid, "fingers": job.fingers, **METHODS[job.method]}
     chosen = trial_settings(TrialOptions(task=job.task, seed=job.seed, **options))
-    done = run_trial(chosen, device_makers(chosen), make_views)
+    done = play_trial(chosen, device_makers(chosen), make_views)
     limit = find_task(job.task).time_limit
     return done, points(done.success, done.progress, done.time_s, limit)
 

@@ -44,7 +44,7 @@ COLUMNS = (
 def record(folder: Path, seeds: int) -> None:
     """Records trials of the simulated user; those that lie there already stay as they are."""
     from benchmarks.judged import FIRST
-    from sandbox.trial.driver import run_trial
+    from sandbox.trial.driver import play_trial
     from sandbox.trial.trial_options import TrialOptions, trial_settings
 
     folder.mkdir(parents=True, exist_ok=True)
@@ -53,7 +53,7 @@ def record(folder: Path, seeds: int) -> None:
         file = folder / f"{task}-{device.replace(':', '-')}-{seed}.jsonl"
         if not file.exists():
             chosen = trial_settings(TrialOptions(task=task, seed=seed, device=device))
-            run_trial(chosen, record=file)
+            play_trial(chosen, record=file)
 
 
 def row(name: str, found: list[Verification]) -> str:

@@ -101,12 +101,12 @@ Job = tuple[str, str, int, int]
 
 def trial(job: Job) -> dict[str, Any]:
     """Runs one trial: (task, row, fingers, seed)."""
-    from sandbox.trial.driver import run_trial
+    from sandbox.trial.driver import play_trial
     from sandbox.trial.trial_options import TrialOptions, trial_settings
 
     task, row, fingers, seed = job
     chosen = trial_settings(TrialOptions(task=task, seed=seed, fingers=fingers, **ROWS[row]))
-    result = run_trial(chosen).as_json()
+    result = play_trial(chosen).as_json()
     kept = ("success", "instant", "final", "status", "progress", "time_s", "reason", "state_hash")
     return {
         "task": task,

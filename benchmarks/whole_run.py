@@ -108,7 +108,7 @@ def timed(clock: Clock, places: Sequence[tuple[Any, str, str]]) -> Iterator[None
 def whole_trial(seed: int, fingers: int, solid: Solid) -> tuple[float, float, float]:
     """Simulated s, processor s and wall s of a trial, from settings to result."""
     from sandbox.session.session import Session
-    from sandbox.trial.driver import run_trial
+    from sandbox.trial.driver import play_trial
     from sandbox.trial.trial_options import TrialOptions, trial_settings
 
     sessions: list[Session] = []
@@ -119,7 +119,7 @@ def whole_trial(seed: int, fingers: int, solid: Solid) -> tuple[float, float, fl
 
     wall, own = time.perf_counter(), time.process_time()
     chosen = trial_settings(TrialOptions(seed=seed, fingers=fingers, solid=solid))
-    run_trial(
+    play_trial(
         chosen,
         device_makers(chosen),
         remember,

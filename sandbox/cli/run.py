@@ -23,7 +23,7 @@ from sandbox.play.reports import NoticePrinter, address_line, report_end
 from sandbox.session.messages import Snapshot
 from sandbox.session.session import Session
 from sandbox.system.ending import ending_as_by_ctrl_c
-from sandbox.trial.driver import View, run_trial
+from sandbox.trial.driver import View, play_trial
 from sandbox.trial.events import EventLog, NoticeEvents
 from sandbox.trial.headings import COMMON, OUTPUT
 from sandbox.trial.lift import with_lift
@@ -164,7 +164,7 @@ def _run(options: RunOptions, chosen: Settings, events: EventLog, console: Conso
 
         caption = "simulated user" if simulated else ""
         makers = tuple(map(announced, with_lift(device_makers(chosen), keys=False)))
-        result = run_trial(chosen, makers, make_views, options.record, dump=options.dump)
+        result = play_trial(chosen, makers, make_views, options.record, dump=options.dump)
     events.tell("trial_end", **result.as_json())
     if clock and clock[0].lost > 0:
         what = f"this machine fell behind real time by {clock[0].lost:.1f} s"

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from pathlib import Path
 from types import TracebackType
-from typing import Self
 
 import numpy as np
 
@@ -21,7 +20,7 @@ def simulated_poses(snapshot: Snapshot) -> Poses:
     return poses_of_qpos(np.array([snapshot.time]), snapshot.qpos[None], len(snapshot.hands))
 
 
-class MotionView:
+class MotionView(Exporter):
     """Writes the motion of a session's hands; the files appear when it is closed.
 
     If a session is stopped (Ctrl-C), the motion written so far is kept.
@@ -45,24 +44,13 @@ class MotionView:
     ) -> None:
         hands = [rig.hand for rig in session.rigs]
         self._poses = simulated_poses if of == "simulated" else commanded_poses
-        self._exporter = Exporter(
-            path,
-            tuple(Armature.of_hand(hand) for hand in hands),
-            tuple(hand.name for hand in hands),
-            settings or ExportSettings(),
-        )
-
-    @property
-    def paths(self) -> list[Path]:
-        """The files."""
-        return self._exporter.paths
+        armatures = tuple(Armature.of_hand(hand) for hand in hands)
+        names = tuple(hand.name for hand in hands)
+        super().__init__(path, armatures, names, settings or ExportSettings())
 
     def show(self, snapshot: Snapshot) -> None:
         """Takes in one moment."""
-        self._exporter.take(self._poses(snapshot))
-
-    def __enter__(self) -> Self:
-        return self
+        self.take(self._poses(snapshot))
 
     def __exit__(
         self,
@@ -71,6 +59,6 @@ class MotionView:
         trace: TracebackType | None,
     ) -> None:
         stopped = kind is not None and issubclass(kind, KeyboardInterrupt)
-        if stopped and self._exporter.frames:
+        if stopped and self.frames:
             kind, error, trace = None, None, None
-        self._exporter.__exit__(kind, error, trace)
+        super().__exit__(kind, error, trace)

@@ -13,7 +13,6 @@ from typing import Any, cast, get_type_hints
 
 import numpy as np
 from numpy.typing import NDArray
-from threadpoolctl import threadpool_limits
 
 from models.errors import InputError
 from models.json_input import checked
@@ -30,8 +29,7 @@ from sandbox.library.trajectories import Trajectories, TrajectoryView
 from sandbox.recording.recording import load_recording
 from sandbox.session.messages import Snapshot
 from sandbox.session.session import Session
-from sandbox.trial.driver import View
-from sandbox.trial.driver import run_trial as play_trial
+from sandbox.trial.driver import View, play_trial
 from sandbox.trial.lift import with_lift
 from sandbox.trial.live_run import RealTime
 from sandbox.trial.open_devices import DeviceMaker, device_makers, is_live
@@ -166,9 +164,8 @@ def replay_recording(
     """
     recording = load_recording(Path(path))
     caption = "simulated user" if recorded_users(recording.header)[0] else ""
-    with _Views(film, pictures, trajectories, caption) as views, threadpool_limits(1):
-        session, verification = replay(recording, views.make)
-        session.close()
+    with _Views(film, pictures, trajectories, caption) as views:
+        _, verification = replay(recording, views.make)
     if verification.task_change:
         warnings.warn(verification.task_change, UserWarning, stacklevel=2)
     return views.run(verification=verification)

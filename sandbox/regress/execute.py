@@ -26,7 +26,7 @@ from sandbox.devices.device import Closeable
 from sandbox.recording.versions import decisive_parts
 from sandbox.regress.plan import TrialJob, registered
 from sandbox.trial.assembly import load_encoder
-from sandbox.trial.driver import never, run_trial
+from sandbox.trial.driver import never, play_trial
 from sandbox.trial.result import KeptIn, kept_fields
 from tasks.guarded import build_scene, draw_task, measure
 from tasks.registry import find_task, is_built_in
@@ -73,7 +73,7 @@ def run_job(job: TrialJob) -> Trial:
         # A run that was killed left a part of it.
         recording.unlink(missing_ok=True)
     with registered(job.own_task):
-        result = run_trial(job.settings, record=recording, dump=Path(gettempdir()))
+        result = play_trial(job.settings, record=recording, dump=Path(gettempdir()))
     if recording is not None and result.success and not job.record_all:
         recording.unlink(missing_ok=True)
     return {

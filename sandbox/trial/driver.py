@@ -235,7 +235,7 @@ def trial_header(settings: Settings, about: dict[str, Any] | None = None) -> dic
     }
 
 
-def run_trial(
+def play_trial(
     settings: Settings,
     makers: DeviceMakers | None = None,
     make_views: ViewMaker = no_views,

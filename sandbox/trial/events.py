@@ -34,7 +34,8 @@ class EventLog:
     def __init__(self, path: Path | None) -> None:
         self._path, self._error, self._broken = path, "", False
         self._waiting: SimpleQueue[bytes] = SimpleQueue()
-        self._told = self._written = 0
+        self._written = 0
+        self._lock = threading.Lock()
         try:
             self._file = path.open("ab", buffering=0) if path else None
         except OSError as error:
@@ -49,11 +50,13 @@ class EventLog:
         """Writes an event: `listening`, `trial_start`, `trial_end` or `warning`."""
         if self._file is None or self._error:
             return
-        if self._told - self._written >= MOST_WAITING:
-            self._error = f"more than {MOST_WAITING:,} events waited for their reader"
-            return
-        self._told += 1
-        self._waiting.put(json.dumps({"event": kind, **data}).encode() + b"\n")
+        line = json.dumps({"event": kind, **data}).encode() + b"\n"
+        # The threads of session, page and window write events.
+        with self._lock:
+            if self._waiting.qsize() < MOST_WAITING:
+                self._waiting.put(line)
+            else:
+                self._error = f"more than {MOST_WAITING:,} events waited for their reader"
 
     def close(self) -> None:
         """Writes what waits and closes the file; may be called twice.

@@ -15,6 +15,7 @@ from __future__ import annotations
 import time
 from bisect import bisect_right
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import closing
 from dataclasses import dataclass, replace
 from math import asin, degrees
 from pathlib import Path
@@ -33,7 +34,7 @@ from sandbox.recording.versions import check_states, decisive_differences
 from sandbox.session.messages import DrawnScene, ObjectView, Snapshot
 from sandbox.session.session import Session
 from sandbox.trial.assembly import build, digests
-from sandbox.trial.driver import Trial, ViewMaker, no_views
+from sandbox.trial.driver import Trial, ViewMaker, no_views, undisturbed
 from sandbox.trial.open_devices import DeviceMaker, DeviceMakers
 from sandbox.trial.result import TrialResult
 from sandbox.trial.settings import Settings, recorded_encoder, recorded_settings
@@ -147,23 +148,38 @@ def replay(recording: Recording, make_views: ViewMaker = no_views) -> tuple[Sess
     Equal states are promised where nothing that states depend on differs. Elsewhere the recording
     is simulated and compared too, but views are shown the recorded poses.
 
+    Returns:
+        The session at its end, closed, and the comparison.
+
     Raises:
         RecordingError: See `settings_of`; or its own task has changed, and cannot be played any
             more.
     """
     settings = settings_of(recording)
-    versions_of(recording)
+    there = versions_of(recording)
     changed = task_change(
         recording.header, settings.task, settings.seed, settings.surface.rectangle
     )
-    try:
-        session = build(settings, recorded_hands(recording, len(settings.hands)), may_overlap=True)
-    except InputError as error:
-        if not changed:
-            raise
-        # Only the kind of failure: what this says goes into tables, which are shared.
-        raise RecordingError(changed, where=str(recording.path), got=error.what) from error
-    differs_in = tuple(decisive_differences(versions_of(recording)))
+    hands = recorded_hands(recording, len(settings.hands))
+    with undisturbed():
+        try:
+            session = build(settings, hands, may_overlap=True)
+        except InputError as error:
+            if not changed:
+                raise
+            # Only the kind of failure: what this says goes into tables, which are shared.
+            raise RecordingError(changed, where=str(recording.path), got=error.what) from error
+        with closing(session):
+            verification = _compared(
+                session, recording, make_views, tuple(decisive_differences(there))
+            )
+    return session, replace(verification, task_change=changed)
+
+
+def _compared(
+    session: Session, recording: Recording, make_views: ViewMaker, differs_in: tuple[str, ...]
+) -> Verification:
+    """Plays a session to the end of a recording, and compares the hashes."""
     kept = bool(recording.track.qpos)
     poses = RecordedPoses(session, recording) if kept and differs_in else None
     comparison = PoseComparison(session, recording) if kept else None
@@ -187,16 +203,14 @@ def replay(recording: Recording, make_views: ViewMaker = no_views) -> tuple[Sess
         if session.diverged or (session.over and not (poses and session.step < poses.last)):
             break
         trial.step()
-    complete = recording.end is not None and session.step == recording.end["step"]
-    return session, Verification(
+    return Verification(
         compared,
         difference,
-        complete,
+        recording.end is not None and session.step == recording.end["step"],
         differs_in,
         poses is not None,
         session.diverged,
         comparison.agreement() if comparison and difference is not None else None,
-        changed,
     )
 
 

@@ -24,7 +24,7 @@ from sandbox.devices.device import LandmarkDevice
 from sandbox.devices.hand_input import HandInput
 from sandbox.devices.simulated.leap_user import SimulatedLeap
 from sandbox.session.messages import Snapshot
-from sandbox.trial.driver import run_trial
+from sandbox.trial.driver import play_trial
 from sandbox.trial.result import TrialResult
 from sandbox.trial.settings import HandSettings, Settings
 from tasks.task import Task
@@ -174,5 +174,5 @@ def play(
         made.append(DrawnPerson(user, camera, look, rate, late))
         return made[-1]
 
-    result = run_trial(settings, (make,))
+    result = play_trial(settings, (make,))
     return result, made[-1]

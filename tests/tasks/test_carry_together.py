@@ -23,7 +23,7 @@ from sandbox.recording.recording import Recording, load_recording
 from sandbox.regress.plan import RegressionPlan
 from sandbox.session.session import Session
 from sandbox.trial.assembly import build
-from sandbox.trial.driver import run_trial
+from sandbox.trial.driver import play_trial
 from sandbox.trial.open_devices import device_makers
 from sandbox.trial.replay import replay
 from sandbox.trial.result import TrialResult
@@ -43,7 +43,7 @@ BOTH = Surface(15.52, 5.82).centred_at((0.0, 0.0, 0.0))
 
 def carry(seed: int, **options: Any) -> TrialResult:
     chosen = trial_settings(TrialOptions(task=TASK, seed=seed, **options))
-    return run_trial(chosen)
+    return play_trial(chosen)
 
 
 @pytest.fixture(scope="module")
@@ -66,7 +66,7 @@ def test_the_recording_of_two_hands_replays_to_the_bit_and_plays_as_two_devices(
     assert found.exact and found.complete and session.scorer.score.held
     assert len(session.rigs) == 2
     again = trial_settings(TrialOptions(device=str(recording.path)))
-    result = run_trial(again)
+    result = play_trial(again)
     assert result.state_hash == recording.end["result"]["state_hash"]
 
 

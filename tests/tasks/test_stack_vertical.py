@@ -19,7 +19,7 @@ from models.surface import Surface
 from sandbox.recording.recording import load_recording
 from sandbox.session.respawn import AWAY
 from sandbox.trial.assembly import build
-from sandbox.trial.driver import run_trial
+from sandbox.trial.driver import play_trial
 from sandbox.trial.open_devices import device_makers
 from sandbox.trial.replay import replay
 from sandbox.trial.trial_options import TrialOptions, trial_settings
@@ -180,7 +180,7 @@ def test_the_simulated_user_stacks_with_one_hand_and_replay_shows_it_to_the_bit(
     options = TrialOptions(task="stack-vertical", seed=seed, hand=hand, fingers=fingers)
     planned = trial_settings(options)
     file = tmp_path / "trial.jsonl"
-    result = run_trial(planned, record=file)
+    result = play_trial(planned, record=file)
     assert result.success, result.reason
     session, verification = replay(load_recording(file))
     assert verification.exact and verification.complete

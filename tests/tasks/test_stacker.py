@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from models.arithmetic.arrays import Array
 from models.objects import Box
 from models.surface import Surface
-from sandbox.trial.driver import run_trial
+from sandbox.trial.driver import play_trial
 from sandbox.trial.result import TrialResult
 from sandbox.trial.trial_options import TrialOptions, trial_settings
 from tasks.simulated_user.control_users import IdleLiftUser, RandomLiftUser, Slider
@@ -29,7 +29,7 @@ HAND = Hand.draw(USER, 0)
 
 def trial(**options: Any) -> TrialResult:
     chosen = trial_settings(TrialOptions(**options))
-    return run_trial(chosen)
+    return play_trial(chosen)
 
 
 @pytest.mark.parametrize("fingers", [2, 3, 5])

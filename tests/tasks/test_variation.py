@@ -30,7 +30,7 @@ from sandbox.recording.recording import load_recording
 from sandbox.session.messages import Snapshot
 from sandbox.session.session import Session
 from sandbox.trial.assembly import build
-from sandbox.trial.driver import View, run_trial
+from sandbox.trial.driver import View, play_trial
 from sandbox.trial.open_devices import device_makers
 from sandbox.trial.replay import replay
 from sandbox.trial.settings import Settings, decoded, encoded, recorded_settings
@@ -342,7 +342,7 @@ def test_a_touch_that_came_back_has_its_true_finger_and_an_id_that_nobody_else_h
 
         return [look]
 
-    run_trial(chosen, device_makers(chosen), views)
+    play_trial(chosen, device_makers(chosen), views)
     assert max(seen) >= FIRST_RETURNED > min(seen)
     assert any(1_000_000 <= i < FIRST_RETURNED for i in seen)
     assert seen <= set(truth) and set(truth.values()) <= set(range(5))
@@ -361,7 +361,7 @@ def test_a_varied_run_replays_to_the_bit_and_is_marked_in_recording_and_result(
     text = "size=0.9,mass=2,friction=0.8,start=10,noise=0.5,dropped=1,ghosts=1,latency=30"
     chosen = trial_settings(TrialOptions(seed=6, vary=text + ",hand-size=1.05"))
     path = tmp_path / "varied.jsonl"
-    result = run_trial(chosen, record=path)
+    result = play_trial(chosen, record=path)
     recording = load_recording(path)
     session, found = replay(recording)
     assert found.exact and found.complete and session.state_hash == result.state_hash

@@ -17,7 +17,7 @@ from models.objects import BOLT_LIFT, JAW, Wrench, bolt_place
 from models.rotations import exp
 from sandbox.devices.simulated.air_user.holds import hold_of, pinch_motion
 from sandbox.recording.recording import load_recording
-from sandbox.trial.driver import run_trial
+from sandbox.trial.driver import play_trial
 from sandbox.trial.replay import replay
 from sandbox.trial.trial_options import TrialOptions, trial_settings
 from tasks.simulated_user.hand import Hand
@@ -223,7 +223,7 @@ def test_the_simulated_user_does_it_with_another_wrench_and_it_replays_to_the_bi
 ) -> None:
     chosen = trial_settings(TrialOptions(task=task, seed=1, vary=f"size={size}", **more))
     path = tmp_path / "varied.jsonl"
-    result = run_trial(chosen, record=path)
+    result = play_trial(chosen, record=path)
     assert result.success, result.reason
     assert result.settings is not None and result.settings["variation"]["size"] == size
     session, found = replay(load_recording(path))

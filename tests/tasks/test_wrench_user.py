@@ -13,7 +13,7 @@ from models.objects import HANDLE, HANDLE_WIDTH, JAW, Wrench, bolt_place
 from models.person import Person
 from models.rotations import exp
 from models.surface import Surface
-from sandbox.trial.driver import run_trial
+from sandbox.trial.driver import play_trial
 from sandbox.trial.result import TrialResult
 from sandbox.trial.trial_options import TrialOptions, trial_settings
 from tasks import registry
@@ -158,7 +158,7 @@ def test_from_every_seat_the_jaws_are_where_they_are_drawn(
 
 def play(task: str, seed: int, **options: Any) -> TrialResult:
     chosen = trial_settings(TrialOptions(task=task, seed=seed, **options))
-    return run_trial(chosen)
+    return play_trial(chosen)
 
 
 @pytest.mark.parametrize("task", TASKS)

@@ -32,7 +32,7 @@ from sandbox.devices.evdev.evdev_touch import Axis, Slots
 from sandbox.devices.webxr.webxr import HeadsetDevice
 from sandbox.server.protocol import PageHands, PageScreen, PageTouches, decode
 from sandbox.server.web import WebDevice
-from sandbox.trial.driver import run_trial as play_settings
+from sandbox.trial.driver import play_trial
 from sandbox.trial.trial_options import TrialOptions, trial_settings
 from tasks.task import Task
 from tools.gate.rows import Observed, outcome
@@ -57,7 +57,7 @@ def play(name: str) -> Observed:
         return outcome(run_trial(task, seed, opened, trajectories=False).result)
     if name == "headset":
         chosen = trial_settings(TrialOptions(task=task, seed=seed, device="webxr-simulated"))
-        return outcome(play_settings(chosen, (_headset,)).as_json())
+        return outcome(play_trial(chosen, (_headset,)).as_json())
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / f"{name}.jsonl"
         path.write_bytes(gzip.decompress((INPUTS / f"{name}.jsonl.gz").read_bytes()))

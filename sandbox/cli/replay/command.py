@@ -22,7 +22,7 @@ from sandbox.server.page_options import PageOptions
 from sandbox.session.messages import Snapshot
 from sandbox.session.session import Session
 from sandbox.study.record.trial_files import find_recordings, finished_only
-from sandbox.trial.driver import View, undisturbed
+from sandbox.trial.driver import View
 from sandbox.trial.replay import BOUND_DEGREES, BOUND_MM, Agreement, Verification, replay
 from sandbox.trial.result import TrialResult
 from sandbox.trial.settings import recorded_users
@@ -156,8 +156,7 @@ def _replay(file: Path, options: ReplayOptions, brief: bool, console: Console) -
                 views.append(closing.enter_context(open_film(film, session, caption)).show)
             return views
 
-        with undisturbed():
-            session, verification = replay(recording, make_views)
+        session, verification = replay(recording, make_views)
     took = time.perf_counter() - began
     if brief:
         line = f"{file.stem}: {verdict(verification)}"

@@ -13,7 +13,6 @@ from sandbox.recording.recording import load_recording
 from sandbox.recording.versions import other_states
 from sandbox.study.audit.audit import audit, is_study
 from sandbox.study.audit.witness import read_witnesses
-from sandbox.trial.driver import undisturbed
 from sandbox.trial.replay import Verification, replay
 
 
@@ -41,8 +40,7 @@ def verify_study(study: Path, witnesses: tuple[Path, ...], console: Console) -> 
         if reason := other_states(recording.header):
             others[reason] += 1
             continue
-        with undisturbed():
-            _, verification = replay(recording)
+        _, verification = replay(recording)
         if not verified(verification):
             differ += 1
             name = escape(findings.name(path))

@@ -25,7 +25,7 @@ from sandbox.cli import run
 from sandbox.devices.device import Device
 from sandbox.session.messages import Snapshot
 from sandbox.trial.assembly import build
-from sandbox.trial.driver import run_trial
+from sandbox.trial.driver import play_trial
 from sandbox.trial.settings import HandSettings, Settings
 from tasks.simulated_user.spreads import spread_layout
 
@@ -246,7 +246,7 @@ def test_the_warning_changes_no_state_of_the_simulation() -> None:
 
 def test_the_events_of_a_run_hold_one_warning(tmp_path: Path) -> None:
     recorded, events = tmp_path / "far.jsonl", tmp_path / "events.jsonl"
-    run_trial(Settings(), (lambda task, surface: Resting(surface, np.pi),), record=recorded)
+    play_trial(Settings(), (lambda task, surface: Resting(surface, np.pi),), record=recorded)
     assert run.main(["--device", str(recorded), "--events", str(events)]) == 0
     told = [json.loads(line) for line in events.read_text().splitlines()]
     warnings = [e for e in told if e["event"] == "warning"]

@@ -22,7 +22,7 @@ from sandbox.cli.hand.command import main
 from sandbox.cli.play import PlayOptions
 from sandbox.devices.files.frame_file import frame_record, header_record
 from sandbox.devices.simulated.spreads import SimulatedSpreads
-from sandbox.trial.driver import open_trial, run_trial
+from sandbox.trial.driver import open_trial, play_trial
 from sandbox.trial.profiles import Profile, default_path, find_profile, load_profile, save_profile
 from sandbox.trial.settings import HandSettings, Settings
 from sandbox.trial.trial_options import TrialOptions, trial_settings
@@ -120,7 +120,7 @@ def test_a_recording_of_five_fingers_in_three_spreads_gives_the_size_of_the_hand
 ) -> None:
     recorded = tmp_path / "spreads.jsonl"
     person = Person("left", 1.12)
-    run_trial(
+    play_trial(
         Settings(hands=(HandSettings("left"),)),
         (lambda task, surface: SimulatedSpreads(person, surface, 3),),
         record=recorded,

@@ -30,7 +30,7 @@ from sandbox.recording.recording import RecordingWriter
 from sandbox.session.messages import Snapshot
 from sandbox.session.session import Session
 from sandbox.trial.assembly import build
-from sandbox.trial.driver import View, run_trial
+from sandbox.trial.driver import View, play_trial
 from sandbox.trial.open_devices import device_makers
 from sandbox.trial.settings import encoded
 from sandbox.trial.trial_options import TrialOptions, trial_settings
@@ -67,7 +67,7 @@ def session(
 
         return [*(view.show for view in open_views), collect]
 
-    run_trial(chosen, device_makers(chosen), views, record=folder / "run.jsonl")
+    play_trial(chosen, device_makers(chosen), views, record=folder / "run.jsonl")
     for view in open_views:
         view.__exit__(None, None, None)
     return folder, keys, tips
@@ -336,7 +336,7 @@ def test_a_recording_with_a_line_twice_is_written_up_to_it_and_names_the_line(
 ) -> None:
     path = tmp_path / "run.jsonl"
     chosen = trial_settings(TrialOptions(seed=3))
-    run_trial(chosen, record=path)
+    play_trial(chosen, record=path)
     lines = path.read_bytes().splitlines(keepends=True)
     twice = next(i for i, line in enumerate(lines) if b'"kind":"track"' in line)
     (tmp_path / "twice.jsonl").write_bytes(b"".join([*lines[: twice + 1], *lines[twice:]]))
@@ -350,7 +350,7 @@ def test_steps_that_are_none_are_damage(
 ) -> None:
     path = tmp_path / "run.jsonl"
     chosen = trial_settings(TrialOptions(seed=3))
-    run_trial(chosen, record=path)
+    play_trial(chosen, record=path)
     lines = path.read_bytes().splitlines(keepends=True)
     at = [i for i, line in enumerate(lines) if b'"kind":"track"' in line][1]
     lines[at] = sub(rb'"steps":\[[^\]]*\]', f'"steps":{steps}'.encode(), lines[at])

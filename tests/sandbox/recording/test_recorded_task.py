@@ -17,7 +17,7 @@ from sandbox import replay_recording
 from sandbox.cli.main import main
 from sandbox.recording.recorded_task import task_change, task_files, task_origin
 from sandbox.recording.recording import load_recording
-from sandbox.trial.driver import run_trial, trial_header
+from sandbox.trial.driver import play_trial, trial_header
 from sandbox.trial.settings import Settings
 from sandbox.trial.trial_options import TrialOptions, trial_settings
 from tasks.registry import find_task
@@ -268,7 +268,7 @@ def cut(tmp_path_factory: pytest.TempPathFactory) -> bytes:
     """A recording that breaks off."""
     chosen = trial_settings(TrialOptions(seed=3))
     path = tmp_path_factory.mktemp("whole") / "run.jsonl"
-    run_trial(chosen, record=path)
+    play_trial(chosen, record=path)
     return b"".join(path.read_bytes().splitlines(keepends=True)[:40])
 
 

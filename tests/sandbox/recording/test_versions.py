@@ -18,7 +18,7 @@ from sandbox.recording.recording import load_recording
 from sandbox.recording.versions import STATES, OtherStatesError, commit, made_with, states_of
 from sandbox.study.record.stored_sessions import session_path
 from sandbox.study.run.simulate import run_simulated
-from sandbox.trial.driver import run_trial
+from sandbox.trial.driver import play_trial
 from sandbox.trial.replay import replay
 from sandbox.trial.settings import recorded_settings
 from sandbox.trial.trial_options import TrialOptions, trial_settings
@@ -31,7 +31,7 @@ MADE_WITH = "made with states 1 (hand-sandbox 0.2.0, commit abc1234)"
 def recorded(tmp_path_factory: pytest.TempPathFactory) -> Path:
     path = tmp_path_factory.mktemp("run") / "run.jsonl"
     chosen = trial_settings(TrialOptions(seed=11, fingers=3))
-    run_trial(chosen, record=path)
+    play_trial(chosen, record=path)
     return path
 
 

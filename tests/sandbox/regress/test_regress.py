@@ -30,7 +30,7 @@ from sandbox.regress.plan import (
     parse_seeds,
     registered,
 )
-from sandbox.trial.driver import run_trial
+from sandbox.trial.driver import play_trial
 from sandbox.trial.trial_options import TrialOptions, trial_settings
 from tasks.registry import TASKS
 from tests.support.regress_tasks import Quick, Raising, Stopping, Worse
@@ -68,7 +68,7 @@ def quick_run(*words: str | Path, seeds: str = "0:9") -> int:
 
 def test_a_trial_is_that_of_the_run_command_to_the_bit() -> None:
     chosen = trial_settings(TrialOptions(task="box-to-goal", seed=4, fingers=5))
-    alone = run_trial(chosen)
+    alone = play_trial(chosen)
     trial = run_job(TrialJob(chosen))
     fingerprint, parts = trial.pop("fingerprint"), trial.pop("depends_on")
     assert trial == {name: alone.as_json()[name] for name in trial}

@@ -20,7 +20,7 @@ from models.skeleton import ADULT
 from sandbox.recording.recording import load_recording
 from sandbox.session.collision_avoidance import REACH, HandDistances
 from sandbox.session.session import Session
-from sandbox.trial.driver import run_trial
+from sandbox.trial.driver import play_trial
 from sandbox.trial.replay import replay, settings_of
 from sandbox.trial.settings import Settings
 from sandbox.trial.trial_options import TrialOptions, trial_settings
@@ -235,7 +235,7 @@ def test_the_two_parts_of_a_last_link_are_the_whole_of_it() -> None:
 def test_a_trial_of_a_solid_hand_replays_to_the_bit(tmp_path: Path) -> None:
     recording = tmp_path / "trial.jsonl"
     chosen = trial_settings(TrialOptions(task="box-to-goal", seed=2, solid="hand"))
-    result = run_trial(chosen, record=recording)
+    result = play_trial(chosen, record=recording)
     assert result.success
     loaded = load_recording(recording)
     assert loaded.header["settings"]["physics"]["solid"] == "hand"

@@ -16,7 +16,7 @@ from sandbox.recording.recording import load_recording
 from sandbox.session.contact_modes import SOFT_IMPULSE, SOFT_SOLREF
 from sandbox.session.messages import Snapshot
 from sandbox.session.session import Session
-from sandbox.trial.driver import View, run_trial
+from sandbox.trial.driver import View, play_trial
 from sandbox.trial.replay import replay
 from sandbox.trial.result import TrialResult
 from sandbox.trial.settings import Settings
@@ -176,7 +176,7 @@ def test_a_session_with_switches_replays_to_the_bit_with_them(tmp_path: Path) ->
 
         return [stop]
 
-    result = run_trial(Settings(seed=4), (device,), views, record=path)
+    result = play_trial(Settings(seed=4), (device,), views, record=path)
     recording = load_recording(path)
     assert [e.details["mode"] for e in recording.events] == list(times.values())
     session, found = replay(recording)

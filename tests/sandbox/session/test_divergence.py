@@ -17,7 +17,7 @@ from sandbox.recording.recording import load_recording
 from sandbox.regress.execute import run_job
 from sandbox.regress.plan import TrialJob
 from sandbox.session.session import Session
-from sandbox.trial.driver import DUMPED_STATES, run_trial
+from sandbox.trial.driver import DUMPED_STATES, play_trial
 from sandbox.trial.replay import replay
 from sandbox.trial.result import TrialResult
 from sandbox.trial.settings import Settings
@@ -29,7 +29,7 @@ ABSURD = f"{Path(__file__).parent / 'absurd_task.py'}:Absurd"
 
 def diverge(record: Path | None = None, dump: Path | None = None) -> TrialResult:
     chosen = trial_settings(TrialOptions(task=ABSURD, seed=7))
-    return run_trial(chosen, record=record, dump=dump)
+    return play_trial(chosen, record=record, dump=dump)
 
 
 @pytest.fixture(scope="module")

@@ -30,7 +30,7 @@ from models.surface import Surface
 from sandbox.devices.mouse.mouse import MouseDevice
 from sandbox.recording.recording import load_recording
 from sandbox.trial.assembly import build
-from sandbox.trial.driver import run_trial
+from sandbox.trial.driver import play_trial
 from sandbox.trial.replay import replay
 from sandbox.trial.result import TrialResult
 from sandbox.trial.settings import HandSettings, Settings
@@ -52,7 +52,7 @@ places = st.tuples(st.floats(0.0, 1.0), st.floats(0.0, 1.0))
 
 def trial(record: Path | None = None, **options: Any) -> TrialResult:
     chosen = trial_settings(TrialOptions(**options))
-    return run_trial(chosen, record=record)
+    return play_trial(chosen, record=record)
 
 
 def grasp(now: float) -> list[Contact]:

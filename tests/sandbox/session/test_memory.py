@@ -14,7 +14,7 @@ from pathlib import Path
 import pytest
 
 from sandbox.session.session import Session
-from sandbox.trial.driver import View, run_trial
+from sandbox.trial.driver import View, play_trial
 from sandbox.trial.open_devices import device_makers
 from sandbox.trial.trial_options import TrialOptions, trial_settings
 from tasks.registry import find_task, task_names
@@ -34,7 +34,7 @@ def left_over(options: TrialOptions, record: Path | None = None) -> list[str]:
     gc.collect()
     gc.disable()
     try:
-        run_trial(chosen, device_makers(chosen), watch, record)
+        play_trial(chosen, device_makers(chosen), watch, record)
         del chosen
         found = [part for part in (ref() for ref in seen) if part is not None]
     finally:

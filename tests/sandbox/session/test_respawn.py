@@ -21,7 +21,7 @@ from sandbox.session.collision_avoidance import HandDistances
 from sandbox.session.messages import Snapshot
 from sandbox.session.respawn import AWAY, BESIDE_GOAL, Respawn
 from sandbox.session.session import Session
-from sandbox.trial.driver import View, run_trial
+from sandbox.trial.driver import View, play_trial
 from sandbox.trial.replay import replay
 from sandbox.trial.result import TrialResult
 from sandbox.trial.settings import Settings
@@ -227,7 +227,7 @@ def test_a_trial_in_which_things_come_back_replays_to_the_bit(tmp_path: Path) ->
 
         return [stop]
 
-    result = run_trial(Settings(seed=4), (device,), views, record=path)
+    result = play_trial(Settings(seed=4), (device,), views, record=path)
     assert result.respawned == 1
     recording = load_recording(path)
     assert [e.what for e in recording.events] == ["respawn"]

@@ -10,7 +10,7 @@ import numpy as np
 from models.frames import Contact, TouchFrame
 from sandbox.recording.recording import load_recording
 from sandbox.session.session import Session
-from sandbox.trial.driver import run_trial
+from sandbox.trial.driver import play_trial
 from sandbox.trial.replay import replay
 from sandbox.trial.settings import Settings
 from tests.support.scripted import Script, scripted
@@ -60,7 +60,7 @@ class Ending(Script):
 
 def test_a_trial_with_a_palm_replays_to_the_bit(tmp_path: Path) -> None:
     path = tmp_path / "palm.jsonl"
-    result = run_trial(Settings(seed=3), (lambda task, surface: Ending(touched),), record=path)
+    result = play_trial(Settings(seed=3), (lambda task, surface: Ending(touched),), record=path)
     recording = load_recording(path)
     last = recording.inputs[0][-1].frame
     assert isinstance(last, TouchFrame)

@@ -16,7 +16,7 @@ from sandbox.devices.wrappers.drop_outs import DropOuts
 from sandbox.recording.recording import load_recording
 from sandbox.session.session import STATE, Rig, Session
 from sandbox.trial.assembly import build
-from sandbox.trial.driver import Trial, run_trial
+from sandbox.trial.driver import Trial, play_trial
 from sandbox.trial.replay import replay
 from sandbox.trial.result import TrialResult
 from sandbox.trial.settings import Settings, recorded_settings
@@ -26,7 +26,7 @@ from tests.support.scripted import Script
 
 def trial(record: Path | None = None, **options: Any) -> TrialResult:
     chosen = trial_settings(TrialOptions(**options))
-    return run_trial(chosen, record=record)
+    return play_trial(chosen, record=record)
 
 
 @pytest.fixture(scope="module")

@@ -12,7 +12,7 @@ from models.skeleton import ADULT
 from sandbox.session import collision_avoidance
 from sandbox.session.messages import Snapshot
 from sandbox.session.session import Session
-from sandbox.trial.driver import run_trial
+from sandbox.trial.driver import play_trial
 from sandbox.trial.open_devices import device_makers
 from sandbox.trial.trial_options import TrialOptions, trial_settings
 from tests.support.corrections import Changes
@@ -23,7 +23,7 @@ View = Callable[[Snapshot], None]
 def between_books(seed: int, views: Callable[[Session], Sequence[View]]) -> bool:
     """Plays `books`, where the encoder's pose is inside of a book; tells whether it succeeded."""
     chosen = trial_settings(TrialOptions(task="books", seed=seed, solid="hand"))
-    return run_trial(chosen, device_makers(chosen), views).success
+    return play_trial(chosen, device_makers(chosen), views).success
 
 
 def back(seed: int) -> float:

@@ -21,7 +21,7 @@ from sandbox.session.collision_gating import CLEARANCE, STUCK
 from sandbox.session.messages import MOVE_APART
 from sandbox.session.session import Session
 from sandbox.session.tip_offsets import OPENED, REACH, RELEASED_FADING, Grip
-from sandbox.trial.driver import run_trial
+from sandbox.trial.driver import play_trial
 from sandbox.trial.replay import replay
 from sandbox.trial.settings import HandSettings, Settings
 from tests.support.one_thing import MugOnTable, OneThing
@@ -380,7 +380,7 @@ def test_fingers_that_are_led_replay_to_the_bit(tmp_path: Path) -> None:
     session.close()
     path = tmp_path / "recorded.jsonl"
     settings = Settings().changed(seed=1, labels="device")
-    run_trial(settings, (lambda task, surface: Played(frames),), record=path)
+    play_trial(settings, (lambda task, surface: Played(frames),), record=path)
     session, verification = replay(load_recording(path))
     assert verification.exact and verification.complete
     assert session.solid(0)

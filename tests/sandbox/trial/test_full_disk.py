@@ -15,7 +15,7 @@ from models.errors import InputError, RecordingError
 from sandbox.recording.recording import load_recording
 from sandbox.session.messages import Snapshot
 from sandbox.session.session import Session
-from sandbox.trial.driver import View, open_trial, run_trial
+from sandbox.trial.driver import View, open_trial, play_trial
 from sandbox.trial.live_run import LiveRun
 from sandbox.trial.open_devices import device_makers
 from sandbox.trial.replay import replay
@@ -46,11 +46,11 @@ def test_a_trial_ends_soon_after_its_recording_cannot_go_on(tmp_path: Path) -> N
         seen.append(snapshot.time)
 
     with full_disk(), pytest.raises(RecordingError, match="incomplete"):
-        run_trial(chosen, device_makers(chosen), lambda session: [watch], path)
+        play_trial(chosen, device_makers(chosen), lambda session: [watch], path)
     recording = load_recording(path)
     _, found = replay(recording)
     assert found.exact and recording.end is None
-    whole = run_trial(chosen)
+    whole = play_trial(chosen)
     assert seen[-1] < whole.time_s
 
 
@@ -96,9 +96,9 @@ def test_a_trial_that_cannot_begin_leaves_no_recording(tmp_path: Path) -> None:
         raise InputError("no such format of films")
 
     with pytest.raises(InputError, match="no such format"):
-        run_trial(chosen, device_makers(chosen), no_views, path)
+        play_trial(chosen, device_makers(chosen), no_views, path)
     assert not path.exists()
     path.write_text("somebody's own")
     with pytest.raises(RecordingError, match="exists"):
-        run_trial(chosen, device_makers(chosen), no_views, path)
+        play_trial(chosen, device_makers(chosen), no_views, path)
     assert path.read_text() == "somebody's own"

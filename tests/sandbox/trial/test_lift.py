@@ -21,7 +21,7 @@ from sandbox.devices.device import Device
 from sandbox.devices.wrappers.lift_keys import SPEED, LiftKeys
 from sandbox.recording.recording import RecordingWriter, load_recording
 from sandbox.trial.assembly import build
-from sandbox.trial.driver import run_trial
+from sandbox.trial.driver import play_trial
 from sandbox.trial.lift import with_lift
 from sandbox.trial.replay import replay
 from sandbox.trial.settings import HandSettings, Settings
@@ -221,7 +221,7 @@ def test_a_task_that_needs_a_lift_control_gets_one_or_says_so(keys: bool) -> Non
 def test_a_run_with_lift_replays_to_the_bit(tmp_path: Path) -> None:
     path = tmp_path / "stack.jsonl"
     chosen = trial_settings(TrialOptions(task="stack", seed=3))
-    result = run_trial(chosen, record=path)
+    result = play_trial(chosen, record=path)
     recording = load_recording(path)
     inputs: Any = recording.inputs[0]
     assert max(i.frame.lift for i in inputs) > 0.3

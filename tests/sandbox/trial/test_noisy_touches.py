@@ -8,7 +8,7 @@ import pytest
 
 from sandbox.recording.recording import load_recording
 from sandbox.session.session import Session
-from sandbox.trial.driver import run_trial
+from sandbox.trial.driver import play_trial
 from sandbox.trial.open_devices import device_makers
 from sandbox.trial.replay import replay
 from sandbox.trial.trial_options import TrialOptions, trial_settings
@@ -26,7 +26,7 @@ def waits(noise: float, record: Path | None = None) -> list[float]:
     chosen = trial_settings(
         TrialOptions(seed=5, fingers=3, vary=f"noise={noise:g}" if noise else "")
     )
-    result = run_trial(chosen, device_makers(chosen), watch, record=record)
+    result = play_trial(chosen, device_makers(chosen), watch, record=record)
     assert result.success, result.reason
     return watched[0].waits
 

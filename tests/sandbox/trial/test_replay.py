@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import json
 from pathlib import Path
 from typing import Any
@@ -11,10 +12,12 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
+from threadpoolctl import threadpool_info
 
 from models.arithmetic.arrays import Array
 from models.errors import RecordingError
 from sandbox.cli.replay import command
+from sandbox.devices.device import AnyDevice
 from sandbox.recording.recording import (
     GRAIN,
     PoseTrack,
@@ -23,7 +26,8 @@ from sandbox.recording.recording import (
     read_track_line,
 )
 from sandbox.session.messages import Snapshot
-from sandbox.trial.driver import open_trial, run_trial
+from sandbox.session.session import Session
+from sandbox.trial.driver import View, open_trial, play_trial
 from sandbox.trial.open_devices import device_makers
 from sandbox.trial.replay import Verification, is_same_outcome, replay
 from sandbox.trial.result import TrialResult
@@ -39,7 +43,7 @@ def recorded(
     path = tmp_path_factory.mktemp("run") / "run.jsonl"
     chosen = trial_settings(TrialOptions(seed=11, fingers=3))
     seen: dict[int, Snapshot] = {}
-    result = run_trial(
+    result = play_trial(
         chosen,
         device_makers(chosen),
         lambda session: [lambda snapshot: seen.__setitem__(snapshot.step, snapshot)],
@@ -66,6 +70,49 @@ def shown(path: Path) -> tuple[dict[int, Snapshot], Verification]:
         load_recording(path), lambda s: [lambda snapshot: seen.__setitem__(snapshot.step, snapshot)]
     )
     return seen, found
+
+
+def test_a_replay_runs_undisturbed_and_ends_with_its_devices_closed(
+    recorded: tuple[dict[int, Snapshot], TrialResult, Path],
+) -> None:
+    disturbed: list[str] = []
+
+    def watch(snapshot: Snapshot) -> None:
+        if gc.isenabled():
+            disturbed.append("the garbage collector is on")
+        disturbed.extend(pool["filepath"] for pool in threadpool_info() if pool["num_threads"] > 1)
+
+    assert gc.isenabled()
+    session, found = replay(load_recording(recorded[2]), lambda session: [watch])
+    assert found.exact and not disturbed and gc.isenabled()
+    assert is_closed(session.rigs[0].device)
+
+
+def is_closed(device: AnyDevice) -> bool:
+    """True if a device that plays a recording is closed: it has no further frame at any time."""
+    return device.finished and not device.poll(0.0)
+
+
+def test_a_replay_whose_view_fails_closes_its_devices(
+    recorded: tuple[dict[int, Snapshot], TrialResult, Path],
+) -> None:
+    sessions: list[Session] = []
+
+    def fails(snapshot: Snapshot) -> None:
+        raise OSError("no room")
+
+    def views(session: Session) -> list[View]:
+        sessions.append(session)
+        return [fails]
+
+    def no_view(session: Session) -> list[View]:
+        sessions.append(session)
+        raise OSError("no window")
+
+    for make in (views, no_view):
+        with pytest.raises(OSError, match="no "):
+            replay(load_recording(recorded[2]), make)
+    assert len(sessions) == 2 and all(is_closed(each.rigs[0].device) for each in sessions)
 
 
 def test_elsewhere_every_recorded_pose_is_shown_though_the_simulation_differs(

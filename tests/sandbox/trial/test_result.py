@@ -11,7 +11,7 @@ import pytest
 from models.errors import RecordingError
 from sandbox.recording.recording import load_recording
 from sandbox.regress.baseline import Kept
-from sandbox.trial.driver import run_trial
+from sandbox.trial.driver import play_trial
 from sandbox.trial.result import KeptIn, TrialResult, fields, kept_fields
 from sandbox.trial.trial_options import TrialOptions, trial_settings
 from tasks.score import Status
@@ -68,7 +68,7 @@ def test_json_that_is_not_a_result_is_refused_with_its_place(
 def test_the_result_of_a_run_is_the_one_that_its_recording_ends_with(tmp_path: Path) -> None:
     chosen = trial_settings(TrialOptions(task="tests/support/regress_tasks.py:Quick", seed=2))
     path = tmp_path / "trial.jsonl"
-    result = run_trial(chosen, record=path)
+    result = play_trial(chosen, record=path)
     recording = load_recording(path)
     assert recording.end["result"] == json.loads(json.dumps(result.as_json()))
     assert result.fingerprint == recording.header["versions"]["fingerprint"]

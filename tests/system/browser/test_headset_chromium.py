@@ -30,7 +30,7 @@ from sandbox.server.static import HEADSET, StaticFiles
 from sandbox.session.messages import Snapshot
 from sandbox.session.session import Session
 from sandbox.trial.assembly import build
-from sandbox.trial.driver import View, run_trial
+from sandbox.trial.driver import View, play_trial
 from sandbox.trial.open_devices import device_makers
 from sandbox.trial.trial_options import TrialOptions, trial_settings
 from sandbox.words.words import words_in
@@ -154,7 +154,7 @@ def test_the_simulated_person_does_a_task_through_the_page(
         return [server.publish]
 
     file = tmp_path / "trial.jsonl"
-    result = run_trial(settings, (make,), views, file)
+    result = play_trial(settings, (make,), views, file)
     requests = tab.events("Network.requestWillBeSent")
     tab.close()
     assert result.success, result.reason

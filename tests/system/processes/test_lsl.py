@@ -32,7 +32,7 @@ from sandbox.lsl import (
 from sandbox.recording.recording import Recording, load_recording
 from sandbox.session.messages import Snapshot
 from sandbox.study.run.simulate import run_simulated
-from sandbox.trial.driver import run_trial
+from sandbox.trial.driver import play_trial
 from sandbox.trial.replay import replay
 from sandbox.trial.trial_options import TrialOptions, trial_settings
 from tests.support.study_files import TRIALS, open_study
@@ -72,7 +72,7 @@ def heard(
         chosen = trial_settings(SCENE)
         with forwarding_to(outlets):
             tell("break", {"least_s": 3})
-            run_trial(chosen, record=folder / "trial.jsonl")
+            play_trial(chosen, record=folder / "trial.jsonl")
         assert reader.wait(60.0) == 0
     finally:
         reader.kill()
@@ -143,7 +143,7 @@ def test_a_stream_says_what_its_channels_are(heard: Heard) -> None:
 
 def test_listening_changes_no_state_of_a_trial(heard: Heard, tmp_path: Path) -> None:
     chosen = trial_settings(SCENE)
-    result = run_trial(chosen)
+    result = play_trial(chosen)
     assert heard[1].end is not None and heard[1].end["hash"] == result.state_hash
 
 

@@ -13,7 +13,7 @@ from typing import Any
 import pytest
 
 from sandbox.recording.recording import load_recording
-from sandbox.trial.driver import run_trial
+from sandbox.trial.driver import play_trial
 from sandbox.trial.replay import replay
 from sandbox.trial.result import TrialResult
 from sandbox.trial.trial_options import TrialOptions, trial_settings
@@ -22,7 +22,7 @@ from tests.support.processes import program, until
 
 def trial(record: Path | None = None, **options: Any) -> TrialResult:
     chosen = trial_settings(TrialOptions(**options))
-    return run_trial(chosen, record=record)
+    return play_trial(chosen, record=record)
 
 
 def command(*arguments: str, cwd: Path) -> subprocess.CompletedProcess:

@@ -23,7 +23,7 @@ from sandbox.recording.recording import load_recording
 from sandbox.session.messages import Snapshot
 from sandbox.session.session import Session
 from sandbox.trial.assembly import build
-from sandbox.trial.driver import run_trial
+from sandbox.trial.driver import play_trial
 from sandbox.trial.open_devices import device_makers
 from sandbox.trial.replay import replay
 from sandbox.trial.trial_options import TrialOptions, trial_settings
@@ -173,7 +173,7 @@ def played(
     seed: int, solid: Literal["fingertips", "hand"] = "fingertips", **options: object
 ) -> bool:
     chosen = trial_settings(TrialOptions(task="chords", seed=seed, solid=solid, **options))  # type: ignore[arg-type]
-    return run_trial(chosen).success
+    return play_trial(chosen).success
 
 
 @pytest.mark.parametrize("solid", ["fingertips", "hand"])
@@ -199,7 +199,7 @@ def test_who_does_nothing_presses_nothing() -> None:
 def test_a_chord_replays_to_the_bit(tmp_path: Path) -> None:
     path = tmp_path / "chord.jsonl"
     chosen = trial_settings(TrialOptions(task="chords", seed=6_002, solid="hand"))
-    run_trial(chosen, record=path)
+    play_trial(chosen, record=path)
     assert replay(load_recording(path))[1].exact
 
 
@@ -217,7 +217,7 @@ def test_every_asked_key_is_held_by_a_finger_alone_when_the_chord_is_done() -> N
         return (look,)
 
     chosen = trial_settings(TrialOptions(task="chords", seed=6_002))
-    assert run_trial(chosen, device_makers(chosen), watch).success
+    assert play_trial(chosen, device_makers(chosen), watch).success
     assert held and all(f == {("right", int(n[-1]))} for at in held for n, f in at.items())
 
 

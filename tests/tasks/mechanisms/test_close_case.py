@@ -14,7 +14,7 @@ from models.errors import SurfaceTooSmallError
 from models.hand import Hand
 from models.scene import Scene, SceneSpec
 from models.surface import Surface
-from sandbox.trial.driver import open_trial, run_trial
+from sandbox.trial.driver import open_trial, play_trial
 from sandbox.trial.result import TrialResult
 from sandbox.trial.trial_options import TrialOptions, trial_settings
 from tasks.mechanisms.close_case import BORDER, CAP, CASE, GRIP, HELD, SEAM, TRAVEL, CloseCase
@@ -28,7 +28,7 @@ AWAY = np.concatenate([[0.0, 0.0, 0.30], np.zeros(45)])
 
 def played(seed: int, **options: Any) -> TrialResult:
     chosen = trial_settings(TrialOptions(task="close-case", seed=seed, **options))
-    return run_trial(chosen)
+    return play_trial(chosen)
 
 
 class Trial:

@@ -15,7 +15,7 @@ from models.errors import SurfaceTooSmallError
 from models.hand import Hand as SceneHand
 from models.scene import Scene, SceneSpec
 from models.surface import Surface
-from sandbox.trial.driver import run_trial
+from sandbox.trial.driver import play_trial
 from sandbox.trial.trial_options import TrialOptions, trial_settings
 from tasks.guarded import draw_task
 from tasks.mechanisms.dial import (
@@ -157,13 +157,13 @@ def test_a_small_surface_is_refused() -> None:
 @pytest.mark.parametrize("options", [{"solid": "fingertips"}, {"solid": "hand"}])
 def test_the_simulated_user_turns_the_dial_with_several_grasps(options: dict[str, Any]) -> None:
     chosen = trial_settings(TrialOptions(task="dial", seed=6_000, **options))
-    done = run_trial(chosen)
+    done = play_trial(chosen)
     assert done.success and done.final
 
 
 def test_who_does_nothing_turns_nothing() -> None:
     chosen = trial_settings(TrialOptions(task="dial", seed=6_000, user="idle"))
-    assert run_trial(chosen).progress == 0.0
+    assert play_trial(chosen).progress == 0.0
 
 
 def test_a_larger_knob_and_a_stiffer_one_are_harder_trials_of_the_same_seed() -> None:

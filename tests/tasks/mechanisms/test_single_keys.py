@@ -14,7 +14,7 @@ from models.hand import Hand
 from models.scene import Scene, SceneSpec
 from models.surface import Surface
 from sandbox.recording.recording import load_recording
-from sandbox.trial.driver import run_trial
+from sandbox.trial.driver import play_trial
 from sandbox.trial.replay import replay
 from sandbox.trial.result import TrialResult
 from sandbox.trial.trial_options import TrialOptions, trial_settings
@@ -32,7 +32,7 @@ def played(
     seed: int, solid: Literal["fingertips", "hand"] = "hand", **options: object
 ) -> TrialResult:
     chosen = trial_settings(TrialOptions(task="single-keys", seed=seed, solid=solid, **options))  # type: ignore[arg-type]
-    return run_trial(chosen)
+    return play_trial(chosen)
 
 
 @settings(max_examples=20, deadline=None)
@@ -88,5 +88,5 @@ def test_who_does_nothing_gets_nothing() -> None:
 def test_a_single_key_replays_to_the_bit(tmp_path: Path) -> None:
     path = tmp_path / "key.jsonl"
     chosen = trial_settings(TrialOptions(task="single-keys", seed=6_003))
-    run_trial(chosen, record=path)
+    play_trial(chosen, record=path)
     assert replay(load_recording(path))[1].exact

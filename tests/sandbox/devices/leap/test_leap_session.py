@@ -37,7 +37,7 @@ from sandbox.recording.recording import frame_from_json, frame_to_json, load_rec
 from sandbox.session.collision_gating import CollisionGate, CollisionGatingRules
 from sandbox.session.messages import Snapshot
 from sandbox.trial.assembly import build
-from sandbox.trial.driver import run_trial
+from sandbox.trial.driver import play_trial
 from sandbox.trial.open_devices import DeviceMaker
 from sandbox.trial.replay import replay
 from sandbox.trial.settings import HandSettings, Settings, decoded, encoded
@@ -109,7 +109,7 @@ def recorded(folder: Path, dialect: str = "v1") -> Path:
     """A box brought to its goal through the air."""
     path = folder / f"{dialect}.jsonl"
     of = settings()
-    result = run_trial(of, (device(of, dialect=dialect),), record=path)
+    result = play_trial(of, (device(of, dialect=dialect),), record=path)
     assert result.success, result.reason
     return path
 
@@ -288,7 +288,7 @@ def test_who_was_not_measured_is_assumed_and_assumed_anew_after_a_reset() -> Non
 def test_a_hand_in_the_air_stays_at_the_lower_edge_of_a_flat_table() -> None:
     of = settings(task="stack-vertical")
     with pytest.raises(InputError, match="flat table"):
-        run_trial(of, (device(of),))
+        play_trial(of, (device(of),))
     with pytest.raises(InputError, match="lower edge"):
         HandInput().reconstructor(Person(turn=90), Surface(), RateLimit())
 
@@ -361,6 +361,6 @@ def test_a_wrench_is_held_so_low_that_no_fingertip_rides_over_its_handle(seed: i
             beside = (np.abs(along) < 0.1) & (np.abs(across) < HANDLE_WIDTH / 2.0)
             over.append(bool((beside & (up > 0.0)).any()))
 
-    result = run_trial(of, (device,), lambda session: [look])
+    result = play_trial(of, (device,), lambda session: [look])
     assert over and not any(over)
     assert result.success and made[0].user.grasps == 1

@@ -30,7 +30,7 @@ from sandbox.study.design.plan import TrialStep
 from sandbox.study.record.folder import Participant
 from sandbox.study.run.simulate import simulated_devices
 from sandbox.trial.assembly import build
-from sandbox.trial.driver import run_trial
+from sandbox.trial.driver import play_trial
 from sandbox.trial.open_devices import device_makers
 from sandbox.trial.replay import replay
 from sandbox.trial.settings import Settings
@@ -76,7 +76,7 @@ def test_two_hands_over_one_leap_carry_a_tray_and_replay_to_the_bit(tmp_path: Pa
     made = chosen("carry-together", device="leap-simulated:v1", seed=1)
     assert [hand.in_air is not None for hand in made.hands] == [True, True]
     path = tmp_path / "two.jsonl"
-    result = run_trial(made, record=path)
+    result = play_trial(made, record=path)
     assert result.success, result.reason
     read = load_recording(path)
     inputs: Any = read.inputs
@@ -174,7 +174,7 @@ def test_a_simulated_leap_that_is_none_is_refused(wrong: str) -> None:
 def test_a_hand_that_is_lost_while_it_carries_a_box_takes_it_up_again(tmp_path: Path) -> None:
     made = chosen("box-to-goal", device="leap-simulated:lose=1")
     path = tmp_path / "lost.jsonl"
-    assert run_trial(made, record=path).success
+    assert play_trial(made, record=path).success
     frames: list[Any] = [entry.frame for entry in load_recording(path).inputs[0]]
     gone = [f.time for f in frames if not f.hands]
     assert 0.9 < gone[-1] - gone[0] < 1.1, "once, for a second"

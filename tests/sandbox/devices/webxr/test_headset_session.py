@@ -14,7 +14,7 @@ from sandbox.devices.webxr.webxr import HeadsetDevice
 from sandbox.recording.recording import load_recording
 from sandbox.server.protocol import PageHands, PageScreen
 from sandbox.trial.assembly import build
-from sandbox.trial.driver import run_trial
+from sandbox.trial.driver import play_trial
 from sandbox.trial.open_devices import device_makers
 from sandbox.trial.settings import recorded_settings
 from sandbox.trial.trial_options import TrialOptions, trial_settings
@@ -40,7 +40,7 @@ def test_a_trial_in_a_simulated_headset_is_recorded_and_replays_to_the_bit(
 @pytest.mark.parametrize(("task", "hand"), [("box-to-goal", "left"), ("stack", "right")])
 def test_the_simulated_person_succeeds(task: str, hand: Literal["left", "right"]) -> None:
     chosen = trial_settings(TrialOptions(task=task, device="webxr-simulated", hand=hand))
-    result = run_trial(chosen)
+    result = play_trial(chosen)
     assert result.success, result.reason
 
 
