@@ -136,7 +136,7 @@ from models import lazy_names  # noqa: E402
 
 if TYPE_CHECKING:
     from sandbox.devices.check_device import check_device
-    from sandbox.devices.device import Device, HandDevice, TouchDevice
+    from sandbox.devices.device import Device, DeviceEntry, HandDevice, TouchDevice
     from sandbox.library.motion import export_motion
     from sandbox.library.trajectories import Trajectories
     from sandbox.library.trial_run import TrialRun, replay_recording, run_trial
@@ -149,6 +149,7 @@ else:
         __name__,
         {
             "Device": "sandbox.devices.device",
+            "DeviceEntry": "sandbox.devices.device",
             "HandDevice": "sandbox.devices.device",
             "Recording": "sandbox.recording.recording",
             "Settings": "sandbox.trial.settings",
@@ -167,6 +168,7 @@ else:
 
 __all__ = [
     "Device",
+    "DeviceEntry",
     "HandDevice",
     "Recording",
     "Session",

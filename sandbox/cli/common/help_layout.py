@@ -21,8 +21,9 @@ class HelpLayout(DefaultFormatter):
 
     def __init__(self, named: Iterable[str]) -> None:
         super().__init__()
-        words = [word.rpartition("=")[2].partition(":")[0] for word in named]
-        self._named = {*words, *(word.partition("-")[0] for word in words)}
+        words = [word.rpartition("=")[2] for word in named]
+        names = [word.partition(":")[0] for word in words]
+        self._named = {*words, *names, *(name.partition("-")[0] for name in names)}
 
     def __call__(self, console: Console, options: ConsoleOptions, panel: HelpPanel) -> None:
         """Shows the options of one heading, or where they are shown."""

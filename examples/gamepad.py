@@ -1,0 +1,87 @@
+"""A gamepad of Linux whose two sticks are two fingers: a device with an option of its own.
+
+sandbox play box-to-goal --device examples/gamepad.py:GAMEPAD --dead-zone 0.2
+"""
+
+import os
+import struct
+from dataclasses import dataclass, field
+
+from models import Contact, DeviceError, TouchFrame
+from sandbox import DeviceEntry, TouchDevice
+
+NODE = "/dev/input/js0"  # the first gamepad
+EVENT = struct.Struct("IhBB")  # time in ms, value, kind, number of the axis or button
+BUTTON, AXIS = 1, 2
+STICKS = ((0, 1), (3, 4))  # the axes of the left and the right stick: x and y
+SHOULDERS = (4, 5)  # a button is held: the finger of its stick is down
+SPEED = 0.15  # m/s, of a finger whose stick is pushed to its end
+
+
+@dataclass(frozen=True)
+class GamepadOptions:
+    """How sticks move fingers."""
+
+    dead_zone: float = field(default=0.1, metadata={"metavar": "SHARE"})
+    """Share of a stick's way in which it counts as at rest, 0 to 1."""
+
+
+class Gamepad(TouchDevice):
+    name = "gamepad"
+    clock_origin = None  # its frames carry the session's time
+
+    def __init__(self, surface, node, dead_zone):
+        super().__init__(surface, node)
+        self.dead_zone = dead_zone
+        try:
+            self.node = os.open(node, os.O_RDONLY | os.O_NONBLOCK)
+        except OSError as error:
+            raise DeviceError("no gamepad", where=node, got=error.strerror) from None
+        self.state = {}  # (BUTTON or AXIS, number) -> value
+        self.places = [[0.35, 0.5], [0.65, 0.5]]  # shares of the surface
+        self.ids = [None, None]
+        self.time, self.touches = 0.0, 0
+
+    def poll(self, now):
+        """One frame for every call, with the fingers that are down."""
+        if self.finished:
+            return []
+        self.read()
+        passed, self.time = now - self.time, now
+        size, contacts = self.surface.size, []
+        for finger, place in enumerate(self.places):
+            for k, axis in enumerate(STICKS[finger]):
+                held = self.state.get((AXIS, axis), 0) / 32767
+                if abs(held) > self.dead_zone:
+                    place[k] = min(max(place[k] + SPEED * held * passed / size[k], 0.0), 1.0)
+            if not self.state.get((BUTTON, SHOULDERS[finger])):
+                self.ids[finger] = None
+                continue
+            if self.ids[finger] is None:  # it came down: it gets an id that no finger had
+                self.ids[finger], self.touches = self.touches, self.touches + 1
+            contacts.append(Contact(self.ids[finger], place[0] * size[0], place[1] * size[1]))
+        return [TouchFrame(now, tuple(contacts))]
+
+    def read(self):
+        """Takes in the events that wait; never waits for one."""
+        try:
+            while event := os.read(self.node, EVENT.size):
+                _, value, kind, number = EVENT.unpack(event)
+                self.state[kind & 3, number] = value  # 128 marks the state at the beginning
+        except BlockingIOError:
+            pass
+        except OSError as error:
+            raise DeviceError("it is gone", where=self.argument, got=error.strerror) from None
+
+    def close(self):
+        if not self.finished:
+            os.close(self.node)
+        super().close()
+
+
+GAMEPAD = DeviceEntry(
+    "a gamepad whose two sticks are two fingers",
+    lambda options, place: Gamepad(place.surface, place.argument or NODE, options.dead_zone),
+    GamepadOptions,
+    argument="NODE",
+)

@@ -1,0 +1,156 @@
+"""A device of one's own that declares options: the gamepad of the page on devices."""
+
+from __future__ import annotations
+
+import json
+import os
+import struct
+from collections.abc import Iterator
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from models.errors import InputError
+from sandbox import DeviceEntry, check_device, load_recording, run_trial
+from sandbox.cli.common.printing import HelpShown
+from sandbox.cli.main import main
+from sandbox.devices.device import NoOptions
+from sandbox.devices.registry import DEVICES, named_device
+from sandbox.trial.settings import recorded_settings
+from tests.support.processes import ROOT
+
+GAMEPAD = f"{ROOT / 'examples' / 'gamepad.py'}:GAMEPAD"
+EVENT = struct.Struct("IhBB")
+BUTTON, AXIS = 1, 2
+
+
+class Sticks:
+    """A gamepad's node, into which a test writes events."""
+
+    def __init__(self, path: Path) -> None:
+        os.mkfifo(path)
+        self.path = path
+        # It is open for reading, too, so that writing does not wait for the device.
+        self._file = os.open(path, os.O_RDWR)
+
+    def set(self, kind: int, number: int, value: int) -> None:
+        """Writes an event."""
+        os.write(self._file, EVENT.pack(0, value, kind, number))
+
+    def close(self) -> None:
+        """Removes the gamepad."""
+        os.close(self._file)
+
+
+@pytest.fixture
+def sticks(tmp_path: Path) -> Iterator[Sticks]:
+    made = Sticks(tmp_path / "js0")
+    yield made
+    made.close()
+
+
+def test_the_example_keeps_to_the_rules_for_devices(sticks: Sticks) -> None:
+    def touch(device: Any, step: int) -> None:
+        sticks.set(BUTTON, 4 + step % 2, int(step % 7 < 4))
+        sticks.set(AXIS, step % 5, 32767 - 1000 * step)
+
+    check_device(f"{GAMEPAD}:{sticks.path}", touch)
+
+
+def test_its_option_moves_its_fingers_and_is_in_the_header(sticks: Sticks, tmp_path: Path) -> None:
+    found = []
+    for dead_zone in (0.2, 0.8):
+        record = tmp_path / f"{dead_zone}.jsonl"
+        sticks.set(BUTTON, 4, 1)
+        sticks.set(AXIS, 0, 16384)
+        run_trial(
+            "tests/support/regress_tasks.py:Quick",
+            device=f"{GAMEPAD}:{sticks.path}",
+            dead_zone=dead_zone,
+            record=record,
+            real_time=False,
+        )
+        recording = load_recording(record)
+        options = recorded_settings(recording.header).device.options
+        assert options.own == {"dead_zone": dead_zone}
+        xs = [frame.contacts[0].x for frame in recording.touches()]
+        found.append(xs[-1] - xs[0])
+    assert found[0] > 0.001 and found[1] == 0.0
+
+
+def test_its_option_stands_in_the_help_where_it_is_named(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    with pytest.raises(HelpShown):
+        main(["play", "--device", GAMEPAD, "--help"])
+    assert "--dead-zone SHARE" in capsys.readouterr().out
+    with pytest.raises(HelpShown):
+        main(["play", "--help"])
+    assert "--dead-zone" not in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    ("argv", "words"),
+    [
+        (["--device", GAMEPAD, "--dead-zone", "x"], ["--dead-zone: not a number", "'x'"]),
+        (["--dead-zone", "1"], ["no such option", "--dead-zone"]),
+        (["--leap-at", "0,0,0"], ["option of another device", "--leap-at", "--device leap"]),
+        (["--device", "tuio", "--grab"], ["option of another device", "--device evdev"]),
+        (["--device", "web", "--port", "3"], ["option of another device", "--device tuio"]),
+        (["--device", "tuio", "--fingers", "3"], ["only a simulated user", "--fingers"]),
+    ],
+    ids=lambda words: " ".join(words[-2:]),
+)
+def test_an_option_of_a_device_is_refused_where_that_device_is_not(
+    argv: list[str], words: list[str], capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["run", "box-to-goal", *argv]) == 2
+    (line,) = capsys.readouterr().err.splitlines()
+    assert all(word in line for word in words), line
+
+
+def test_options_of_another_device_are_refused_from_python_and_for_touches(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    with pytest.raises(InputError, match=r"--leap-at.*option of another device"):
+        run_trial("box-to-goal", leap_at="0,0,0")
+    assert main(["touches", "show", "--device", "evdev", "--port", "4"]) == 2
+    assert "--port: this is an option of another device" in capsys.readouterr().err
+
+
+def test_an_option_with_the_name_of_another_is_refused(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    file = tmp_path / "pad.py"
+    file.write_text(
+        "from dataclasses import dataclass\n"
+        "from sandbox import DeviceEntry\n"
+        "@dataclass(frozen=True)\n"
+        "class Options:\n"
+        "    seed: int = 3\n"
+        "PAD = DeviceEntry('a pad', lambda options, place: None, Options)\n"
+    )
+    assert main(["run", "box-to-goal", "--device", f"{file}:PAD"]) == 2
+    (line,) = capsys.readouterr().err.splitlines()
+    assert "the name of another option" in line and "--seed" in line
+
+
+def test_a_line_in_the_registry_gives_a_device_its_name(
+    sticks: Sticks, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    entry = named_device(GAMEPAD).entry
+    assert isinstance(entry, DeviceEntry) and entry.options is not NoOptions
+    spec: Any = {}
+    exec(compile((ROOT / "examples" / "gamepad.py").read_text(), "gamepad.py", "exec"), spec)
+    monkeypatch.setitem(DEVICES, "gamepad", replace(spec["GAMEPAD"]))
+    sticks.set(BUTTON, 4, 1)
+    out, record = tmp_path / "out.json", tmp_path / "run.jsonl"
+    monkeypatch.setattr("sandbox.trial.live_run.RealTime.wait", lambda clock, time: None)
+    device = ["--device", f"gamepad:{sticks.path}", "--dead-zone", "0.3"]
+    task = ["tests/support/regress_tasks.py:Quick", "--json", str(out), "--record", str(record)]
+    assert main(["run", *task, *device]) == 0
+    assert json.loads(out.read_text())["task"]
+    header = load_recording(record).header
+    assert header["settings"]["device"]["options"] == {"dead_zone": 0.3}
