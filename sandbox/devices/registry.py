@@ -263,7 +263,7 @@ def _seen_in(path: Path) -> Sees:
 def _sees(path: Path, changed: int, size: int) -> Sees:
     # Readers of files are not needed for devices.
     from sandbox.devices.leap.leap_file import is_leap_recording
-    from sandbox.devices.webcam.landmark_file import is_landmark_file
+    from sandbox.devices.webcam.landmarks import is_landmark_file
 
     if is_landmark_file(path):
         return Sees.CAMERA

@@ -86,7 +86,7 @@ def _browser() -> Check:
 
 def _webcam() -> Check:
     """Checks that what finds hands in a camera's pictures is installed and undamaged."""
-    from sandbox.devices.webcam.installed import INSTALL, damaged, engine_folder
+    from sandbox.devices.webcam.engine import INSTALL, damaged, engine_folder
 
     folder = engine_folder()
     wrong = damaged(folder)

@@ -19,7 +19,7 @@ from models.motion.armature import CHUNK, Armature
 from models.person import Person
 from models.pose import RateLimit
 from models.skeleton import ADULT
-from sandbox.devices.webcam.landmark_file import LandmarkRecording, read_landmarks
+from sandbox.devices.webcam.landmarks import LandmarkRecording, read_landmarks
 from sandbox.export.leap_source import FEW, Hand
 from sandbox.export.motion_source import MotionSource, PoseCallback, poses_of, together
 

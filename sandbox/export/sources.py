@@ -24,7 +24,7 @@ from models.json_input import checked, decoded_record
 from models.motion.armature import CHUNK, Armature
 from models.motion.sampling import Poses
 from models.skeleton import ADULT
-from sandbox.devices.webcam.landmark_file import is_landmark_file
+from sandbox.devices.webcam.landmarks import is_landmark_file
 from sandbox.export.landmark_source import open_landmarks
 from sandbox.export.leap_source import Hand, open_leap
 from sandbox.export.motion_source import MotionSource, PoseCallback, poses_of, together

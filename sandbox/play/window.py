@@ -12,8 +12,7 @@ from rich.markup import escape
 from models.errors import InputError
 from models.surface import Surface
 from sandbox.devices.device import Device
-from sandbox.devices.wrappers.first_touch import FirstTouch
-from sandbox.devices.wrappers.merged import MergedDevice
+from sandbox.devices.wrappers.playing import FirstTouch, MergedDevice
 from sandbox.play.own_profile import Learner
 from sandbox.play.pages import (
     SIMULATED_USER,

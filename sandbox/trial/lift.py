@@ -7,7 +7,7 @@ from functools import partial
 from models.errors import InputError
 from models.surface import Surface
 from sandbox.devices.device import Device
-from sandbox.devices.wrappers.lift_keys import LiftKeys
+from sandbox.devices.wrappers.playing import LiftKeys
 from sandbox.trial.open_devices import DeviceMaker, DeviceMakers
 from sandbox.trial.settings import Settings
 from tasks.registry import find_task

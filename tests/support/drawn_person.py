@@ -22,7 +22,7 @@ from models.frames import LandmarkFrame, SeenHand
 from models.surface import Surface
 from sandbox.devices.device import LandmarkDevice
 from sandbox.devices.hand_input import HandInput
-from sandbox.devices.simulated.leap_user import SimulatedLeap
+from sandbox.devices.simulated.in_air import SimulatedLeap
 from sandbox.session.messages import Snapshot
 from sandbox.trial.driver import play_trial
 from sandbox.trial.result import TrialResult

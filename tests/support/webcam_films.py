@@ -34,7 +34,7 @@ from models.scene import Scene, SceneSpec
 from models.skeleton import ADULT
 from sandbox.devices.device import Closeable
 from sandbox.devices.webcam.landmark_server import LandmarkServer
-from sandbox.devices.webcam.landmarks_json import PictureMessage, frame_of, picture_message
+from sandbox.devices.webcam.landmarks import PictureMessage, frame_of, picture_message
 from sandbox.views.graphics import offscreen_context, render_context
 from sandbox.views.hand_look import HIDDEN_GROUP, skinned_model
 from tests.support.chromium import Browser

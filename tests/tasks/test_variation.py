@@ -23,9 +23,9 @@ from sandbox.devices.wrappers.degraded import (
     FIRST_GHOST,
     FIRST_RETURNED,
     GHOST_LENGTH,
+    LENGTH,
     DegradedDevice,
 )
-from sandbox.devices.wrappers.drop_outs import LENGTH
 from sandbox.recording.recording import load_recording
 from sandbox.session.messages import Snapshot
 from sandbox.session.session import Session

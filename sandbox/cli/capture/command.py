@@ -33,7 +33,7 @@ from sandbox.cli.common.command_line import parse
 from sandbox.cli.common.json_out import check_output, refuse_replacing
 from sandbox.devices.files.paired_capture import HANDS, UNNAMED
 from sandbox.devices.files.touch_log_file import read_touch_log
-from sandbox.devices.webcam.landmark_file import is_landmark_file
+from sandbox.devices.webcam.landmarks import is_landmark_file
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -32,7 +32,7 @@ from sandbox.devices.files.paired_capture import (
     read_about,
 )
 from sandbox.devices.files.touch_log_file import read_touch_log, touch_surface
-from sandbox.devices.webcam.landmark_file import read_landmarks
+from sandbox.devices.webcam.landmarks import read_landmarks
 
 
 @dataclass(frozen=True)

@@ -39,13 +39,13 @@ from sandbox.devices.registry import LIVE_LEAP as LIVE
 from sandbox.devices.registry import LIVE_WEBCAM as CAMERA
 from sandbox.devices.registry import kind_of, named_device
 from sandbox.devices.webcam import webcam_choice
-from sandbox.devices.webcam.installed import installed_engine
-from sandbox.devices.webcam.landmark_file import (
+from sandbox.devices.webcam.engine import installed_engine
+from sandbox.devices.webcam.landmarks import (
     LandmarkFileDevice,
     header_record,
+    message_of,
     read_landmarks,
 )
-from sandbox.devices.webcam.landmarks_json import message_of
 from sandbox.devices.webcam.webcam import WebcamDevice
 from sandbox.server.page_options import PageOptions
 

@@ -18,8 +18,7 @@ from encoders.store import save_capture
 from models.errors import InputError
 from sandbox.cli.common.command_line import parse
 from sandbox.devices.files.paired_capture import PairedCaptureWriter, check_new
-from sandbox.devices.webcam.landmark_file import header_record
-from sandbox.devices.webcam.landmarks_json import message_of
+from sandbox.devices.webcam.landmarks import header_record, message_of
 
 TRUTH, DEVICES = "truth.npz", "truth.json"
 

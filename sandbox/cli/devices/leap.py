@@ -25,7 +25,7 @@ from sandbox.cli.common.command_line import application
 from sandbox.cli.common.json_out import refuse_replacing
 from sandbox.devices.leap.leap_fake import DEFAULT_PORT, FakeLeapd
 from sandbox.devices.leap.leap_file import read_leap
-from sandbox.devices.leap.leap_truth import write_take
+from sandbox.devices.leap.leap_write import write_take
 
 
 def fake(

@@ -16,9 +16,9 @@ from rich.text import Text
 
 from sandbox.cli.common.command_line import application
 from sandbox.devices.files.line_file import LineFile
-from sandbox.devices.webcam import install as fetch
+from sandbox.devices.webcam import engine as fetch
 from sandbox.devices.webcam import webcam_choice
-from sandbox.devices.webcam.installed import (
+from sandbox.devices.webcam.engine import (
     ENGINE_VERSION,
     INSTALL,
     LICENCE,
@@ -27,8 +27,7 @@ from sandbox.devices.webcam.installed import (
     engine_folder,
     installed_engine,
 )
-from sandbox.devices.webcam.landmark_file import header_record
-from sandbox.devices.webcam.landmarks_json import message_of
+from sandbox.devices.webcam.landmarks import header_record, message_of
 from sandbox.devices.webcam.webcam import WebcamDevice
 
 _LOOK = 0.2

@@ -27,7 +27,7 @@ from sandbox.cli.common.command_line import parse
 from sandbox.cli.common.json_out import check_output, refuse_replacing, write_json
 from sandbox.cli.evaluate.paalm_readings import SIMULATED_FIT, judge_readings, show_readings
 from sandbox.devices.leap.leap_file import LeapRecording, read_leap
-from sandbox.devices.leap.leap_truth import take_with_truth
+from sandbox.devices.leap.leap_write import take_with_truth
 
 SCHEMA = 1
 SIMULATED = "simulated"

@@ -15,7 +15,7 @@ from encoders.paalm import EQUAL, PAPER, Coupling, PaalmOptions
 from encoders.paalm.simulated.air import simulate_air
 from encoders.paalm.simulated.forward import LeapTake, leap_take
 from encoders.paalm.simulated.leap_configuration import FROZEN_LEAP
-from sandbox.devices.simulated.leap_disturbance import LeapDisturbance
+from sandbox.devices.simulated.in_air import LeapDisturbance
 
 FIRST_PERSON = 100
 """Simulated persons to choose readings by; below 200, as all seeds of development are."""

@@ -28,7 +28,7 @@ from sandbox.devices.leap import DEFAULT_ADDRESS
 from sandbox.devices.leap.guided_calibration import save_calibrations
 from sandbox.devices.leap.leap import LeapDevice, LeapFileDevice
 from sandbox.devices.leap.leap_file import doubt_of_side, read_leap
-from sandbox.devices.leap.leap_truth import GENERATOR
+from sandbox.devices.leap.leap_write import GENERATOR
 from sandbox.trial.profiles import DEFAULT, own_calibration_path
 
 SCHEMA = 1

@@ -216,7 +216,7 @@ def check_camera(options: StudyRunOptions, design: Design) -> Path | None:
     Raises:
         InputError: It is not installed, or a simulated participant would need a camera.
     """
-    from sandbox.devices.webcam.installed import installed_engine
+    from sandbox.devices.webcam.engine import installed_engine
     from sandbox.study.design.conditions import uses_camera
 
     if not uses_camera(design):

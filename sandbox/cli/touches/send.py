@@ -20,7 +20,7 @@ from models.errors import InputError
 from sandbox.cli.common.command_line import flat
 from sandbox.cli.common.touch_options import TouchOptions, open_touches_or_page
 from sandbox.devices.tuio.touch_capture import read_capture
-from sandbox.devices.tuio.tuio_sender import TuioOutput, connected, send_packet
+from sandbox.devices.tuio.tuio_output import TuioOutput, connected, send_packet
 from sandbox.system.ending import ending_as_by_ctrl_c
 
 MOST_SENDERS = 64

@@ -157,8 +157,7 @@ def _check_file(options: PlayedOptions, argument: str) -> None:
 
 def _open_simulated(options: InAirOptions, place: Place) -> AnyDevice:
     # Bodies and devices are simulated with parts of SciPy that take long to load.
-    from sandbox.devices.simulated.leap_disturbance import parse_simulated
-    from sandbox.devices.simulated.leap_user import SimulatedLeap
+    from sandbox.devices.simulated.in_air import SimulatedLeap, parse_simulated
 
     dialect, trouble = parse_simulated(place.argument)
     return SimulatedLeap(
@@ -175,7 +174,7 @@ def _open_simulated(options: InAirOptions, place: Place) -> AnyDevice:
 
 def _check_simulated(options: InAirOptions, argument: str) -> None:
     if argument:
-        from sandbox.devices.simulated.leap_disturbance import parse_simulated
+        from sandbox.devices.simulated.in_air import parse_simulated
 
         parse_simulated(argument)
 

@@ -1,17 +1,25 @@
-"""Conversion of a `HandFrame` to a Leap JSON message, v1 or with joints (v2, v3).
+"""Writes hand frames as a Leap service sends them, and files of simulated recordings.
 
-It is the inverse of `sandbox.devices.leap.leap_json`.
+A message is in JSON, v1 or with joints (v2, v3): the inverse of `sandbox.devices.leap.leap_json`.
+Every frame of a simulated recording has a key `truth`, too: `angles` (5 x 4 degrees, see
+`encoders.paalm.angles`), `fingers` (id -> 0 to 4) and `open` (true while the hand is held open for
+calibration). Playback ignores it.
 """
 
 from __future__ import annotations
 
+import json
 from collections.abc import Sequence
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from encoders.paalm.palm import vector_of
+from encoders.paalm.simulated.forward import LeapTake
+from models.errors import RecordingError
 from models.frames import HandFrame, TrackedFinger, TrackedHand, Vector
+from sandbox.devices.leap.leap_file import LeapRecording
 from sandbox.devices.leap.leap_json import METRES_PER_MM, SECONDS_PER_US
 
 
@@ -95,3 +103,65 @@ def _axes(v: Vector) -> list[float]:
 
 def _place(v: Vector) -> list[float]:
     return [c / METRES_PER_MM for c in _axes(v)]
+
+
+GENERATOR = "Hand Sandbox: SIMULATED, no device saw this hand"
+
+
+def write_take(take: LeapTake, path: Path, made_from: dict[str, Any]) -> None:
+    """Writes a take as a LeapJS recording.
+
+    Raises:
+        RecordingError: The file cannot be written.
+    """
+    frames = [
+        leap_message(frame, number)
+        | {
+            "truth": {
+                "angles": np.round(angles, 4).tolist(),
+                "fingers": {str(i): f for i, f in fingers.items()},
+                "open": bool(held),
+            }
+        }
+        for number, (frame, fingers, angles, held) in enumerate(
+            zip(take.frames, take.fingers, take.angles, take.open, strict=True), start=1
+        )
+    ]
+    metadata = {
+        "generatedBy": GENERATOR,
+        "protocolVersion": 6,
+        "frames": len(frames),
+        "side": take.side,
+        "dialect": take.dialect,
+        **made_from,
+    }
+    try:
+        with path.open("w", encoding="utf-8") as file:
+            json.dump({"metadata": metadata, "frames": frames}, file, separators=(",", ":"))
+    except OSError as error:
+        raise RecordingError(f"it cannot be written: {error}", where=str(path)) from error
+
+
+def take_with_truth(recording: LeapRecording, where: str) -> LeapTake | None:
+    """The take of a simulated recording; None for a recording without the truth.
+
+    Raises:
+        RecordingError: The truth is damaged.
+    """
+    if recording.metadata.get("generatedBy") != GENERATOR:
+        return None
+    try:
+        truths = [m["truth"] for m in recording.messages]
+        if len(truths) != len(recording.frames):
+            raise ValueError("some of its frames cannot be used")
+        angles = np.array([t["angles"] for t in truths], float)
+        if angles.shape[1:] != (5, 4) or not np.isfinite(angles).all():
+            raise ValueError("angles must be 5 x 4 finite numbers")
+        fingers = tuple({int(i): int(f) for i, f in t["fingers"].items()} for t in truths)
+        is_open = np.array([bool(t["open"]) for t in truths])
+        side, dialect = recording.metadata["side"], recording.metadata["dialect"]
+        if side not in ("right", "left") or dialect not in ("v1", "v3"):
+            raise ValueError("side or dialect is unknown")
+    except (KeyError, TypeError, ValueError, AttributeError, IndexError) as error:
+        raise RecordingError(f"its truth is damaged: {error}", where=where) from error
+    return LeapTake(recording.frames, fingers, angles, is_open, side, dialect)

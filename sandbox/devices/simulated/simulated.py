@@ -17,7 +17,7 @@ from models.plugins import Registry
 from models.surface import Surface
 from sandbox.devices.device import Device
 from sandbox.devices.simulated import NEXT_PERSON
-from sandbox.devices.wrappers.drop_outs import DropOuts
+from sandbox.devices.wrappers.degraded import DropOuts
 from sandbox.session.messages import Snapshot
 from tasks.registry import hands_of
 from tasks.simulated_user.view import FrontUser, FrontView, Seat, SeatedUser

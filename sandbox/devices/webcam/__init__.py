@@ -129,7 +129,7 @@ def in_landmark_file(options: BeforeCameraOptions, file: str, side: str) -> Hand
         InputError: The camera is impossible, or the recording cannot be read.
     """
     from sandbox.devices.files import read_once
-    from sandbox.devices.webcam.landmark_file import read_landmarks
+    from sandbox.devices.webcam.landmarks import read_landmarks
 
     recorded = read_once(read_landmarks, Path(file)).camera
     return HandInput(camera=webcam_choice(options.webcam, recorded).camera)
@@ -138,7 +138,7 @@ def in_landmark_file(options: BeforeCameraOptions, file: str, side: str) -> Hand
 def _open(options: WebcamOptions, place: Place) -> AnyDevice:
     import webbrowser
 
-    from sandbox.devices.webcam.installed import installed_engine
+    from sandbox.devices.webcam.engine import installed_engine
     from sandbox.devices.webcam.webcam import WebcamDevice
 
     device = WebcamDevice(installed_engine(), place.sides, options.mirrored)
@@ -149,20 +149,20 @@ def _open(options: WebcamOptions, place: Place) -> AnyDevice:
 
 def _open_file(options: PlayedOptions, place: Place) -> AnyDevice:
     from sandbox.devices.files import read_once
-    from sandbox.devices.webcam.landmark_file import LandmarkFileDevice, read_landmarks
+    from sandbox.devices.webcam.landmarks import LandmarkFileDevice, read_landmarks
 
     return LandmarkFileDevice(read_once(read_landmarks, Path(place.argument)))
 
 
 def _check(options: WebcamOptions, argument: str) -> None:
-    from sandbox.devices.webcam.installed import installed_engine
+    from sandbox.devices.webcam.engine import installed_engine
 
     installed_engine()
 
 
 def _check_file(options: PlayedOptions, argument: str) -> None:
     from sandbox.devices.files import read_once
-    from sandbox.devices.webcam.landmark_file import read_landmarks
+    from sandbox.devices.webcam.landmarks import read_landmarks
 
     read_once(read_landmarks, Path(argument))
 

@@ -20,7 +20,7 @@ from websockets.http11 import Request, Response
 
 from models.errors import DeviceError, InputError
 from sandbox.devices.device import Closeable
-from sandbox.devices.webcam.landmarks_json import PictureMessage, picture_message
+from sandbox.devices.webcam.landmarks import PictureMessage, picture_message
 from sandbox.server.access import Access, ConnectionLimits, Counters, limited_connection
 from sandbox.server.address import LOOPBACK
 from sandbox.server.page_server import silent_logger
@@ -50,7 +50,7 @@ class LandmarkServer(Closeable):
     """Serves the page and the engine on 127.0.0.1, in a thread of its own.
 
     Args:
-        engine: Folder with the engine and its model (`sandbox.devices.webcam.installed`).
+        engine: Folder with the engine and its model (`sandbox.devices.webcam.engine`).
         wanted: What the page is told first: the sides that the session follows, and so on.
         take: Called in the server's thread with every message of the page.
         gone: Called in the server's thread when the page has left.

@@ -30,7 +30,7 @@ def _open(options: NoOptions, place: Place) -> AnyDevice:
 
 def _open_simulated(options: InAirOptions, place: Place) -> AnyDevice:
     # Bodies are simulated with parts of SciPy that take long to load.
-    from sandbox.devices.simulated.headset_user import SimulatedHeadset
+    from sandbox.devices.simulated.in_air import SimulatedHeadset
 
     return SimulatedHeadset(place.drawn_task, options.user, place.seed, place.person, place.hand)
 

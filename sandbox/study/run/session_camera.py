@@ -23,7 +23,7 @@ class SessionCamera(Closeable):
     pictures between trials go nowhere.
 
     Args:
-        engine: Folder of the engine (`sandbox.devices.webcam.installed`).
+        engine: Folder of the engine (`sandbox.devices.webcam.engine`).
         sides: Sides of the hands that trials follow.
         browse: True opens the page in this machine's browser; otherwise only its link is told.
         say: Prints a line for the experimenter.

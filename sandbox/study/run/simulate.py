@@ -14,7 +14,7 @@ from models.errors import OtherPlanError, StudyError
 from models.surface import Surface
 from sandbox.devices.device import Device, Sees
 from sandbox.devices.simulated import NEXT_PERSON
-from sandbox.devices.simulated.leap_user import SimulatedLeap
+from sandbox.devices.simulated.in_air import SimulatedLeap
 from sandbox.devices.simulated.simulated import SimulatedDevice
 from sandbox.devices.wrappers.degraded import DegradedDevice
 from sandbox.study.design.conditions import uses_camera

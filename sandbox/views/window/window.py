@@ -21,7 +21,7 @@ from models.scene import Scene
 from models.surface import Surface
 from sandbox.devices.device import AnyDevice, Closeable
 from sandbox.devices.mouse.mouse import MouseDevice
-from sandbox.devices.wrappers.lift_keys import LiftKeys
+from sandbox.devices.wrappers.playing import LiftKeys
 from sandbox.session.messages import Snapshot
 from sandbox.views import palette
 from sandbox.views.cameras import camera_above, window_camera

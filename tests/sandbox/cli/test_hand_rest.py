@@ -20,8 +20,7 @@ from models.rotations import exp, log
 from models.skeleton import ADULT
 from sandbox.cli.main import main
 from sandbox.devices.leap.leap_write import leap_message
-from sandbox.devices.webcam.landmark_file import header_record
-from sandbox.devices.webcam.landmarks_json import message_of
+from sandbox.devices.webcam.landmarks import header_record, message_of
 from sandbox.trial.trial_options import TrialOptions, trial_settings
 from tests.encoders.person.resting_hand import resting
 from tests.encoders.webcam.seen_hands import film, mirror

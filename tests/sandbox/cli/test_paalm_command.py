@@ -12,8 +12,7 @@ import pytest
 from sandbox.cli.main import main
 from sandbox.devices.leap.leap_fake import FakeLeapd
 from sandbox.devices.leap.leap_file import read_leap
-from sandbox.devices.leap.leap_truth import write_take
-from sandbox.devices.leap.leap_write import leap_message
+from sandbox.devices.leap.leap_write import leap_message, write_take
 from tests.support.leap_hands import take
 
 

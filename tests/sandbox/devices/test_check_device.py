@@ -30,21 +30,16 @@ from sandbox.devices.leap.two_hands import MergedLeaps as MergedLeap
 from sandbox.devices.leap.two_hands import SplitBySide
 from sandbox.devices.mouse.mouse import MouseDevice
 from sandbox.devices.registry import DeviceSettings, find_device
-from sandbox.devices.simulated.headset_user import SimulatedHeadset
-from sandbox.devices.simulated.leap_user import SimulatedLeap
+from sandbox.devices.simulated.in_air import SimulatedHeadset, SimulatedLeap
 from sandbox.devices.simulated.simulated import SimulatedDevice
 from sandbox.devices.simulated.spreads import SimulatedSpreads
 from sandbox.devices.tuio.touch_capture import CaptureDevice, CapturedPacket, TouchCapture
 from sandbox.devices.tuio.tuio import TuioDevice
-from sandbox.devices.webcam.landmark_file import (
-    LandmarkFileDevice,
-    LandmarkRecording,
-)
+from sandbox.devices.webcam.landmarks import LandmarkFileDevice, LandmarkRecording
 from sandbox.devices.webcam.webcam import WebcamDevice
 from sandbox.devices.webxr.webxr import HeadsetDevice
 from sandbox.devices.wrappers.degraded import DegradedDevice
-from sandbox.devices.wrappers.lift_keys import LiftKeys
-from sandbox.devices.wrappers.merged import MergedDevice
+from sandbox.devices.wrappers.playing import LiftKeys, MergedDevice
 from sandbox.devices.wrappers.shared import SharedDevice, Split, SplitByPlace
 from sandbox.recording.recorded_device import RecordedDevice
 from sandbox.recording.recording import load_recording

@@ -17,8 +17,7 @@ from sandbox.devices.device import AnyDevice, Device, DeviceWrapper, Place, Touc
 from sandbox.devices.mouse.mouse import MouseDevice
 from sandbox.devices.own_device import AdaptedDevice, adapted
 from sandbox.devices.registry import DeviceSettings
-from sandbox.devices.wrappers.lift_keys import LiftKeys
-from sandbox.devices.wrappers.merged import MergedDevice
+from sandbox.devices.wrappers.playing import LiftKeys, MergedDevice
 
 OPTIONAL = {
     "name",

@@ -12,7 +12,7 @@ from models.surface import Surface
 from sandbox.devices.check_device import check_device
 from sandbox.devices.mouse.mouse import MouseDevice
 from sandbox.devices.tuio.tuio import TuioDevice
-from sandbox.devices.wrappers.first_touch import FirstTouch
+from sandbox.devices.wrappers.playing import FirstTouch
 from sandbox.play.window import _from_first_touch, _waiting
 from sandbox.trial.assembly import build
 from sandbox.trial.open_devices import device_makers

@@ -13,9 +13,8 @@ from encoders.webcam.camera import Camera
 from models.frames import HandFrame, LandmarkFrame
 from models.surface import Surface
 from sandbox.devices.device import AnyDevice, HandDevice, Sees
-from sandbox.devices.simulated.headset_user import SimulatedHeadset
-from sandbox.devices.webcam.landmark_file import header_record
-from sandbox.devices.webcam.landmarks_json import message_of
+from sandbox.devices.simulated.in_air import SimulatedHeadset
+from sandbox.devices.webcam.landmarks import header_record, message_of
 from sandbox.devices.webxr.webxr import HeadsetDevice
 from sandbox.devices.wrappers.shared import SharedDevice, SharedPart, Split
 from sandbox.server.protocol import PageHands, PageScreen
@@ -52,7 +51,7 @@ class PeopleInHeadset(HandDevice):
     def poll(self, now: float) -> Sequence[HandFrame]:
         self.sent += 1
         hands = [person.joints(now) for person in self.people]
-        self.headset.hear(PageHands(self.sent, 0.0, hands), SCREEN)
+        self.headset.receive(PageHands(self.sent, 0.0, hands), SCREEN)
         return self.headset.poll(now)
 
 

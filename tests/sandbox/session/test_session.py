@@ -12,7 +12,7 @@ import pytest
 
 from models.frames import Contact, TouchFrame
 from models.kinematics import Kinematics
-from sandbox.devices.wrappers.drop_outs import DropOuts
+from sandbox.devices.wrappers.degraded import DropOuts
 from sandbox.recording.recording import load_recording
 from sandbox.session.session import STATE, Rig, Session
 from sandbox.trial.assembly import build

@@ -21,7 +21,7 @@ from models.motion.sampling import Poses
 from models.rotations import quaternion_to_matrix
 from models.skeleton import ADULT
 from sandbox.cli.main import main
-from sandbox.devices.leap.leap_truth import write_take
+from sandbox.devices.leap.leap_write import write_take
 from sandbox.export.motion_source import MotionSource, poses_of
 from sandbox.stream.guest_line import Line
 from sandbox.stream.guest_math import (

@@ -16,8 +16,7 @@ from models.frames import TouchFrame
 from sandbox.cli.main import main
 from sandbox.devices.mouse.mouse import MouseDevice
 from sandbox.devices.tuio.tuio import TuioDevice
-from sandbox.devices.wrappers.lift_keys import LiftKeys
-from sandbox.devices.wrappers.merged import MergedDevice
+from sandbox.devices.wrappers.playing import LiftKeys, MergedDevice
 from sandbox.play.reports import KINDS, checked_limit, judge_latency, print_latency
 from sandbox.session.messages import Snapshot
 from sandbox.session.session import Session

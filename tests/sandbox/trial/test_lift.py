@@ -18,7 +18,7 @@ from models.errors import InputError
 from models.frames import Contact, TouchFrame
 from models.kinematics import Kinematics
 from sandbox.devices.device import Device
-from sandbox.devices.wrappers.lift_keys import SPEED, LiftKeys
+from sandbox.devices.wrappers.playing import SPEED, LiftKeys
 from sandbox.recording.recording import RecordingWriter, load_recording
 from sandbox.trial.assembly import build
 from sandbox.trial.driver import play_trial

@@ -14,7 +14,7 @@ from PIL import Image
 
 from models.errors import DeviceError
 from sandbox.cli.main import main
-from sandbox.devices.leap.leap_truth import write_take
+from sandbox.devices.leap.leap_write import write_take
 from sandbox.server.picture_page import PicturePage
 from sandbox.views.paalm.diagram import HandMemory, ball_radius, diagram
 from sandbox.views.paalm.picture import PaalmPicture

@@ -22,7 +22,7 @@ from models.frames import HandFrame
 from models.surface import Surface
 from sandbox.cli.main import main
 from sandbox.devices.device import Device, HandDevice
-from sandbox.devices.simulated.headset_user import SimulatedHeadset
+from sandbox.devices.simulated.in_air import SimulatedHeadset
 from sandbox.devices.webxr.webxr import HeadsetDevice
 from sandbox.play.pages import show_session
 from sandbox.server.page_server import PageServer

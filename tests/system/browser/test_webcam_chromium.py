@@ -19,8 +19,7 @@ import pytest
 
 from encoders.webcam.camera import Camera
 from models.frames import LandmarkFrame, SeenHand
-from sandbox.devices.webcam.install import install
-from sandbox.devices.webcam.installed import installed_engine
+from sandbox.devices.webcam.engine import install, installed_engine
 from sandbox.devices.webcam.landmark_server import ENDED, REPLACED
 from sandbox.devices.webcam.webcam import CLOSED, NOTICES, WebcamDevice
 from sandbox.recording.recording import load_recording

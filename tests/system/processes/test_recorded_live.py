@@ -20,7 +20,7 @@ from sandbox.cli.main import main
 from sandbox.devices.files.paired_capture import HANDS, TOUCHES
 from sandbox.devices.leap.leap_fake import FakeLeapd
 from sandbox.devices.leap.leap_file import read_leap
-from sandbox.devices.tuio.tuio_sender import TuioOutput
+from sandbox.devices.tuio.tuio_output import TuioOutput
 
 
 def free_port() -> int:

@@ -24,7 +24,7 @@ from models.errors import DeviceError
 from models.surface import Surface
 from sandbox.cli.main import main
 from sandbox.devices.tuio.tuio import TuioDevice
-from sandbox.devices.tuio.tuio_sender import send_packet
+from sandbox.devices.tuio.tuio_output import send_packet
 from tests.support.processes import PATIENCE, ROOT, Sender, program, run, until
 from tests.support.tuio_packets import MALFORMED, bundle, frame, message, reference_frames
 

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from models.errors import HandSandboxError
 from sandbox.devices.mouse.mouse import MouseDevice
-from sandbox.devices.wrappers.lift_keys import SPEED, LiftKeys
+from sandbox.devices.wrappers.playing import SPEED, LiftKeys
 from sandbox.session.messages import ContactView, Snapshot
 from sandbox.trial.assembly import build
 from sandbox.trial.settings import Settings

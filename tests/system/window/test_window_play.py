@@ -18,8 +18,7 @@ import pytest
 import segno
 
 from sandbox.devices.mouse.mouse import MouseDevice
-from sandbox.devices.wrappers.lift_keys import LiftKeys
-from sandbox.devices.wrappers.merged import MergedDevice
+from sandbox.devices.wrappers.playing import LiftKeys, MergedDevice
 from sandbox.play.window import Footer
 from sandbox.recording.recording import load_recording
 from sandbox.server.web import WebDevice

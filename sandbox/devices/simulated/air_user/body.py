@@ -1,14 +1,15 @@
-"""The hand of a simulated person in the air: computes joint positions from a wanted pinch.
+"""The hand of a simulated person in the air: joint positions from a wanted pinch, and movements.
 
 The palm faces down; thumb, index and middle finger reach down from it and meet, ring and little
 finger stay stretched, out of the way. Every seed gives another person, with their own bone lengths
-and coupling of the last joints, as in `encoders.paalm.simulated.air`.
+and coupling of the last joints, as in `encoders.paalm.simulated.air`. Movements have minimum jerk,
+with end-point errors and tremor.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import cos, sin
+from math import cos, exp, log2, sin
 
 import numpy as np
 
@@ -18,6 +19,7 @@ from encoders.paalm.coupling import Coupling
 from encoders.paalm.simulated.air import FROZEN_AIR, body_of
 from models.arithmetic.arrays import Array
 from models.arithmetic.products import length, small_product
+from tasks.user import UserConfiguration
 
 AXIS = float(np.deg2rad(52.0))
 """rad in the palm, from its x, direction from the thumb's tip to the fingers' that the resting
@@ -116,3 +118,66 @@ class Body:
         rotation = pinch.rotation
         origin = pinch.centre - small_product(rotation, self.middle)
         return origin, rotation, joints_of_angles(angles, self.knuckles, self.lengths)
+
+
+_ARM = 0.10
+"""m, radius that converts a turn of the wrist to a length of movement."""
+_PEAK = 1.875
+"""Ratio of peak to mean speed in a minimum-jerk movement."""
+
+
+class HandMovement:
+    """Wanted and actual pose of a hand over time.
+
+    Args:
+        start: Initial pose.
+        configuration: Speed and precision of the user.
+        rng: Random numbers of end-point errors and tremor.
+    """
+
+    def __init__(
+        self, start: Pinch, configuration: UserConfiguration, rng: np.random.Generator
+    ) -> None:
+        self._c, self._rng = configuration, rng
+        self._from = self._to = start.vector
+        self._begin = self._end = 0.0
+        self._tremor = np.zeros(3)
+        self._last: float | None = None
+
+    @property
+    def aim(self) -> Pinch:
+        """End of the current or last movement."""
+        return Pinch.of(self._to.copy())
+
+    def go(self, aim: Pinch, now: float, slowness: float = 1.0) -> float:
+        """Begins a movement; returns the time of its end, s."""
+        self._from = self._at(now)
+        to = aim.vector
+        way = to - self._from
+        far = float(length(way[:3]) + _ARM * abs(way[3]) + abs(way[4]) / 2 + np.abs(way[5:]).max())
+        # A movement misses its aim by an error in proportion to its length.
+        to[:3] += self._c.end_noise * length(way[:3]) * self._rng.standard_normal(3) / 1.7
+        to[3] += self._c.end_noise * way[3] * self._rng.standard_normal()
+        time = self._c.movement_base + self._c.movement_slope * log2(max(far / 0.002, 1.0))
+        time = slowness * max(time, _PEAK * far / self._c.peak_speed)
+        self._to, self._begin, self._end = to, now, now + time
+        return self._end
+
+    def at(self, now: float) -> Pinch:
+        """Actual pose with tremor; must be called in order of time."""
+        c = self._c
+        step = 0.0 if self._last is None else max(now - self._last, 0.0)
+        self._last = now
+        keep = exp(-step / c.tremor_time)
+        self._tremor = keep * self._tremor + c.tremor * np.sqrt(
+            1.0 - keep * keep
+        ) * self._rng.standard_normal(3)
+        vector = self._at(now)
+        vector[:3] += self._tremor
+        return Pinch.of(vector)
+
+    def _at(self, now: float) -> Array:
+        if now >= self._end:
+            return self._to.copy()
+        s = max((now - self._begin) / (self._end - self._begin), 0.0)
+        return self._from + s * s * s * (10.0 - 15.0 * s + 6.0 * s * s) * (self._to - self._from)

@@ -15,7 +15,14 @@ import numpy as np
 
 from models.arithmetic.arrays import Array
 from models.arithmetic.products import length, small_product, squared_lengths
-from sandbox.devices.simulated.air_user.body import AXIS, PINCHING, STRETCHED, Body, Pinch
+from sandbox.devices.simulated.air_user.body import (
+    AXIS,
+    PINCHING,
+    STRETCHED,
+    Body,
+    HandMovement,
+    Pinch,
+)
 from sandbox.devices.simulated.air_user.holds import (
     Hold,
     at_goal,
@@ -24,7 +31,6 @@ from sandbox.devices.simulated.air_user.holds import (
     remaining_motion,
     stays_down,
 )
-from sandbox.devices.simulated.air_user.movement import HandMovement
 from tasks.simulated_user.view import Eye
 from tasks.task import Goal
 from tasks.user import SeenObject, Sight, UserConfiguration

@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 
 from sandbox.cli.main import main
-from sandbox.devices.leap.leap_truth import write_take
+from sandbox.devices.leap.leap_write import write_take
 from sandbox.trial.trial_options import TrialOptions, trial_settings
 from tests.support.leap_hands import take
 
@@ -167,8 +167,11 @@ def test_a_profile_may_be_a_measured_hand_and_is_refused_for_touches(
     paalm = ["paalm", "calibrate", str(path), "--hands", "right", "--frames", "40"]
     assert main([*paalm, "--out", str(hand)]) == 0
     named, as_profile = (
-        trial_settings(TrialOptions(device="leap", **{how: value})).hands[0].in_air  # type: ignore[arg-type]
-        for how, value in (("calibration", hand), ("profile", str(hand)))
+        trial_settings(options).hands[0].in_air
+        for options in (
+            TrialOptions(device="leap", device_options={"calibration": hand}),
+            TrialOptions(device="leap", profile=str(hand)),
+        )
     )
     assert named is not None and named == as_profile and named.calibration is not None
     assert named.calibration["frames"] == 40

@@ -19,10 +19,8 @@ from models.errors import RecordingError
 from sandbox.devices.device import Sees
 from sandbox.devices.files.paired_capture import read_hands
 from sandbox.devices.leap.leap import LeapFileDevice
-from sandbox.devices.leap.leap_file import read_leap
-from sandbox.devices.leap.leap_lz import decompress_base64
-from sandbox.devices.leap.leap_truth import take_with_truth, write_take
-from sandbox.devices.leap.leap_write import leap_message
+from sandbox.devices.leap.leap_file import decompress_base64, read_leap
+from sandbox.devices.leap.leap_write import leap_message, take_with_truth, write_take
 from sandbox.devices.registry import kind_of
 from sandbox.export.leap_frames import LeapFrames
 from tests.support.leap_hands import take

@@ -31,7 +31,7 @@ from models.skeleton import ADULT
 from models.surface import Surface
 from sandbox.devices.device import SILENCE, Device, LatestFrame
 from sandbox.devices.hand_input import UNDER, HandInput
-from sandbox.devices.simulated.leap_user import SimulatedLeap
+from sandbox.devices.simulated.in_air import SimulatedLeap
 from sandbox.recording.recorded_device import RecordedDevice
 from sandbox.recording.recording import frame_from_json, frame_to_json, load_recording
 from sandbox.session.collision_gating import CollisionGate, CollisionGatingRules

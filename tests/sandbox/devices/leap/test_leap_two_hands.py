@@ -15,11 +15,10 @@ from sandbox.cli.main import main as command
 from sandbox.cli.run import main
 from sandbox.devices.device import Sees
 from sandbox.devices.leap import OverLeapOptions, over_leap
-from sandbox.devices.leap.leap_truth import write_take
+from sandbox.devices.leap.leap_write import write_take
 from sandbox.devices.leap.two_hands import SplitBySide
 from sandbox.devices.registry import kind_of
-from sandbox.devices.simulated.leap_disturbance import LeapDisturbance, parse_simulated
-from sandbox.devices.simulated.leap_user import SimulatedLeap
+from sandbox.devices.simulated.in_air import LeapDisturbance, SimulatedLeap, parse_simulated
 from sandbox.devices.wrappers.shared import SharedDevice
 from sandbox.play.pages import show_session
 from sandbox.recording.recorded_device import RecordedDevice

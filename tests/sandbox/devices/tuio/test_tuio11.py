@@ -11,7 +11,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sandbox.devices.tuio.tuio11_frames import MAX_IDS
+from sandbox.devices.tuio.tuio_frames import MAX_IDS
 from tests.support.tuio_packets import MALFORMED, bundle, cur, frame, message, reference_frames
 from tests.support.tuio_table import A, B, C, Table
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from sandbox.devices.tuio.tuio11_frames import MAX_IDS
+from sandbox.devices.tuio.tuio_frames import MAX_IDS
 from sandbox.devices.tuio.tuio_senders import MAX_SOURCES, MAX_TOUCHES
 from tests.support.tuio_packets import bundle, cur, frame, message
 from tests.support.tuio_table import A, B, C, Table

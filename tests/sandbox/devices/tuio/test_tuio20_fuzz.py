@@ -5,9 +5,8 @@ from __future__ import annotations
 import math
 import random
 
-from sandbox.devices.tuio.tuio20_frames import MAX_ALIVE
+from sandbox.devices.tuio.tuio_frames import MAX_ALIVE, MAX_IDS
 from sandbox.devices.tuio.tuio_senders import MAX_SOURCES, Tuio
-from sandbox.devices.tuio.tuio_values import MAX_IDS
 from tests.sandbox.devices.tuio.test_tuio_fuzz import COUNTS, check, mutants
 from tests.support.tuio_packets import alv, bnd, bundle, frame20, frm, message, ptr
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 import socket
 import time
 from collections.abc import Iterator
-from dataclasses import replace
 from typing import Any
 
 import pytest
@@ -218,9 +217,8 @@ def test_two_hands_have_ports_one_after_the_other(transport: Transport) -> None:
     with socket.socket() as taken:
         taken.bind(("127.0.0.1", 0))
         port = taken.getsockname()[1]
-    options = TrialOptions(device="tuio", second_device="tuio")
     ports = {"tuio_transport": transport, "port": port, "websocket_port": port}
-    chosen = trial_settings(replace(options, **ports))
+    chosen = trial_settings(TrialOptions(device="tuio", second_device="tuio", device_options=ports))
     task = find_task("box-to-goal").draw(0, Surface())
     devices = [make(task, Surface()) for make in device_makers(chosen)]
     try:

@@ -18,7 +18,7 @@ from websockets.sync.client import ClientConnection, connect
 
 from encoders.webcam.camera import Camera
 from sandbox.devices.webcam.landmark_server import ENDED, PATIENCE, REPLACED
-from sandbox.devices.webcam.landmarks_json import message_of
+from sandbox.devices.webcam.landmarks import message_of
 from sandbox.devices.webcam.webcam import CLOSED, NOTICES, WAITING, WebcamDevice
 from tests.encoders.webcam.seen_hands import film, held_up
 

@@ -15,8 +15,7 @@ from models.motion.sampling import Poses
 from sandbox.cli.main import main
 from sandbox.devices.device import SILENCE, LatestFrame
 from sandbox.devices.webcam import webcam_choice
-from sandbox.devices.webcam.landmark_file import header_record
-from sandbox.devices.webcam.landmarks_json import message_of
+from sandbox.devices.webcam.landmarks import header_record, message_of
 from sandbox.export.sources import open_source
 from sandbox.recording.recording import load_recording
 from sandbox.trial.settings import recorded_settings

@@ -16,7 +16,7 @@ from websockets.sync.client import connect
 from encoders.webcam.camera import Camera
 from models.errors import StudyError
 from models.frames import LandmarkFrame
-from sandbox.devices.webcam.landmarks_json import message_of
+from sandbox.devices.webcam.landmarks import message_of
 from sandbox.devices.webcam.webcam import CLOSED, WAITING
 from sandbox.recording.recording import load_recording
 from sandbox.study.design.conditions import consent_text, run_settings

@@ -1,4 +1,4 @@
-"""Sender of touches as TUIO 1.1 (profile 2Dcur)."""
+"""Output of touches as TUIO 1.1 (profile 2Dcur)."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from typing import NamedTuple
 from models.errors import DeviceError
 from models.frames import Contact, TouchFrame
 from models.surface import Surface
-from sandbox.devices.tuio.tuio11_frames import CURSORS
+from sandbox.devices.tuio.tuio_frames import CURSORS
 
 PERIOD = 1.0
 """s between two redundant bundles, which repeat the current state in case packets were lost."""

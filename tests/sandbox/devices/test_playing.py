@@ -10,8 +10,7 @@ from hypothesis import strategies as st
 from models.frames import Contact, TouchFrame
 from models.surface import Surface
 from sandbox.devices.mouse.mouse import MouseDevice
-from sandbox.devices.wrappers.lift_keys import SPEED, LiftKeys
-from sandbox.devices.wrappers.merged import MergedDevice
+from sandbox.devices.wrappers.playing import SPEED, LiftKeys, MergedDevice
 from sandbox.server.protocol import PageScreen, PageTouches
 from sandbox.server.web import WebDevice
 from tests.support.scripted import Played

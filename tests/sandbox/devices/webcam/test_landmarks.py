@@ -18,13 +18,15 @@ from models.frames import LandmarkFrame
 from models.motion.sampling import Poses
 from sandbox.devices.device import Sees
 from sandbox.devices.registry import kind_of
-from sandbox.devices.webcam.landmark_file import (
+from sandbox.devices.webcam.landmarks import (
     LandmarkFileDevice,
+    frame_of,
     header_record,
     is_landmark_file,
+    message_of,
+    picture_message,
     read_landmarks,
 )
-from sandbox.devices.webcam.landmarks_json import frame_of, message_of, picture_message
 from sandbox.export.landmark_source import open_landmarks
 from sandbox.recording.recording import frame_from_json, frame_to_json
 from tests.encoders.webcam.seen_hands import film, held_up

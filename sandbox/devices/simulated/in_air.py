@@ -1,0 +1,307 @@
+"""The simulated user in the air as a device: over a simulated Leap, or in a headset."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, fields, replace
+from math import isfinite
+
+import numpy as np
+
+from encoders.paalm.hand_pose import PALM_CENTRE
+from encoders.paalm.simulated.forward import DIALECTS, ForwardLeap
+from encoders.paalm.simulated.leap_configuration import FROZEN_LEAP, LeapConfiguration
+from models.arithmetic.arrays import Array
+from models.arithmetic.products import small_product
+from models.errors import InputError
+from models.frames import HandFrame
+from models.person import Person
+from models.skeleton import ADULT
+from sandbox.devices.device import HandDevice
+from sandbox.devices.simulated import NEXT_PERSON
+from sandbox.devices.simulated.air_user.carrier import AirCarrier
+from sandbox.devices.simulated.air_user.holds import check_holdable
+from sandbox.devices.simulated.air_user.patient import PATIENT, PatientPerson
+from sandbox.devices.simulated.air_user.person import AirHabits, AirPerson
+from sandbox.devices.webxr.joints import FINGER_JOINTS, seen_hand
+from sandbox.server.protocol import JOINTS_OF_A_HAND, SeenJoints
+from sandbox.session.messages import Snapshot
+from tasks.registry import hands_of
+from tasks.task import Goal, Task
+from tasks.user import SeenObject, Sight, UserConfiguration
+
+_NOISY = (
+    "joint",
+    "palm_place",
+    "palm_turn",
+    "length_slow",
+    "tip",
+    "length",
+    "direction",
+    "aside",
+    "centre_wanders",
+    "centre_place",
+    "centre_turn",
+    "lost_rate",
+)
+MOST_NOISE, LONGEST = 20.0, 10.0
+"""Largest multiple of the frozen noise, and longest loss in s."""
+
+
+@dataclass(frozen=True)
+class LeapDisturbance:
+    """Disturbances that are added to a simulated device.
+
+    Attributes:
+        noise: Factor on the noise of positions, lengths and directions, and on lost fingers.
+        lose: s for which the whole hand leaves the device's view, once, while it carries an object;
+            0 never.
+    """
+
+    noise: float = 1.0
+    lose: float = 0.0
+
+    def __post_init__(self) -> None:
+        for name, most in (("noise", MOST_NOISE), ("lose", LONGEST)):
+            value = getattr(self, name)
+            if not (isfinite(value) and 0.0 <= value <= most):
+                raise InputError(
+                    "a disturbance of the simulated Leap is out of range",
+                    where=name,
+                    got=value,
+                    expected=f"0 to {most:g}",
+                )
+
+    def applied(self, to: LeapConfiguration) -> LeapConfiguration:
+        """The configuration with the factor on its noise."""
+        if self.noise == 1.0:
+            return to
+        return replace(to, **{name: self.noise * getattr(to, name) for name in _NOISY})
+
+
+def parse_simulated(text: str) -> tuple[str, LeapDisturbance]:
+    """Reads the text after `leap-simulated:`, such as `v1,noise=2,lose=1`.
+
+    Returns:
+        Dialect and disturbance.
+
+    Raises:
+        InputError: The dialect or a disturbance is unknown.
+    """
+    dialect, values = DIALECTS[0], {}
+    known = [f.name for f in fields(LeapDisturbance)]
+    for part in filter(None, text.split(",")):
+        name, equals, value = part.partition("=")
+        try:
+            if not equals and name in DIALECTS:
+                dialect = name
+                continue
+            if not equals or name not in known:
+                raise ValueError
+            values[name] = float(value)
+        except ValueError:
+            raise InputError(
+                "no such simulated Leap",
+                where="--device",
+                got=f"leap-simulated:{text}",
+                expected=f"leap-simulated:{{{','.join(DIALECTS)}}}, with noise=TIMES or lose=S",
+            ) from None
+    return dialect, LeapDisturbance(**values)
+
+
+HOME_OF_TWO = 0.12
+"""m from the centre, resting position of each of two hands."""
+
+_CARRIED = 0.6
+"""s of carrying after which `LeapDisturbance.lose` begins."""
+
+_MIRROR = np.array([-1.0, 1.0, 1.0])
+
+
+class SimulatedLeap(HandDevice):
+    """A Leap over which a simulated user moves a hand.
+
+    Args:
+        task: The drawn task, for the shapes of its objects; the user does not get the task itself.
+        configuration: Configuration of the simulated user.
+        seed: Seed of the person and of the device's noise.
+        at: (3,) m, position of the device in the world.
+        dialect: `v3` or `v1`.
+        person: Side and size of the drawn hand.
+        hand: Index of the user's hand in the scene.
+        habits: Parameters of the user's way of working.
+        patient: The user works as `PatientPerson` does, by default with the habits `PATIENT`; for
+            tasks of one hand.
+        trouble: Disturbances of the device.
+
+    Raises:
+        InputError: The user cannot hold one of the task's objects.
+    """
+
+    name = "simulated leap"
+    lift = True
+    wants_snapshots = True
+
+    def __init__(
+        self,
+        task: Task,
+        configuration: UserConfiguration,
+        seed: int,
+        at: tuple[float, float, float],
+        dialect: str = "v3",
+        person: Person | None = None,
+        hand: int = 0,
+        habits: AirHabits | None = None,
+        trouble: LeapDisturbance | None = None,
+        patient: bool = False,
+    ) -> None:
+        self._trouble = trouble or LeapDisturbance()
+        self._carried: float | None = None
+        self._away = False
+        person = person or Person()
+        seed += hand * NEXT_PERSON
+        self._hand, self._left, self._at = hand, person.left, np.array(at)
+        self._shapes = {thing.name: thing for thing in task.objects}
+        two = hands_of(task) > 1
+        for thing in task.objects:
+            check_holdable(thing)
+        make = AirCarrier if two else PatientPerson if patient else AirPerson
+        # A left hand is simulated as a mirrored right one, with its home on the right.
+        home = (HOME_OF_TWO, 0.0) if two or hand else (0.0, 0.0)
+        radius = person.skeleton(ADULT).tip_radius
+        if patient:
+            habits = habits or PATIENT
+        self.user = make(configuration, seed, radius, habits, home)
+        self._leap = ForwardLeap(seed, person.hand, dialect, self._trouble.applied(FROZEN_LEAP))
+
+    def show(self, snapshot: Snapshot) -> None:
+        """Shows the snapshot to the user."""
+        hand = snapshot.hands[self._hand]
+        goals, objects = snapshot.goals, snapshot.objects
+        seen = {
+            name: SeenObject(self._shapes[name], o.position, o.rotation)
+            for name, o in objects.items()
+        }
+        tips = dict(enumerate(hand.tips))
+        if self._left:
+            # A left hand is simulated as a mirrored right hand.
+            seen = {name: _mirrored(o) for name, o in seen.items()}
+            tips = {f: _MIRROR * tip for f, tip in tips.items()}
+            goals = tuple(_mirrored_goal(g) for g in goals)
+        done = snapshot.score.held
+        self.user.look(Sight(snapshot.time, tips, bool(hand.solid), seen, goals, done))
+
+    def poll(self, now: float) -> Sequence[HandFrame]:
+        """The hand frame that the device sees now."""
+        if self.finished:
+            return []
+        origin, rotation, joints = self.own_hand(now)
+        frame, _ = self._leap.see(now, origin - self._at, rotation, joints)
+        return [replace(frame, hands=()) if self._gone(now) else frame]
+
+    def own_hand(self, now: float) -> tuple[Array, Array, Array]:
+        """Palm centre (3,) m and rotation (3, 3) in the world, and joints (5, 4, 3) m in the palm,
+        of the user's own hand now; the rotation of a left hand is a reflection."""
+        origin, rotation, joints = self.user.hand(now)
+        if self._left:
+            origin, rotation = _MIRROR * origin, _MIRROR[:, None] * rotation
+        return origin, rotation, joints
+
+    def _gone(self, now: float) -> bool:
+        """True while the whole hand is out of view: once, after a moment of carrying."""
+        if self._trouble.lose <= 0.0:
+            return False
+        if self._carried is None:
+            if not self.user.carrying:
+                return False
+            self._carried = now
+        since = now - self._carried - _CARRIED
+        gone = 0.0 <= since < self._trouble.lose
+        if gone and not self._away:
+            self._leap.lose()
+        self._away = gone
+        return gone
+
+
+def _mirrored(seen: SeenObject) -> SeenObject:
+    return replace(
+        seen,
+        position=_MIRROR * seen.position,
+        rotation=_MIRROR[:, None] * seen.rotation * _MIRROR,
+    )
+
+
+def _mirrored_goal(goal: Goal) -> Goal:
+    x, y, z = goal.position
+    return replace(goal, position=(-x, y, z), yaw=-goal.yaw)
+
+
+NOISE = 0.0005
+"""m, standard deviation of every joint along every axis, from frame to frame. Assumed: no headset
+was measured."""
+_METACARPALS = (5, 10, 15, 20)
+
+
+class SimulatedHeadset(SimulatedLeap):
+    """A headset that sees the hand of a simulated user.
+
+    Args:
+        task: The drawn task, for the shapes of its objects; the user does not get the task itself.
+        configuration: Configuration of the simulated user.
+        seed: Seed of the person and of the noise.
+        person: Side and size of the drawn hand.
+        hand: Index of the user's hand in the scene.
+
+    Raises:
+        InputError: The user cannot hold one of the task's objects.
+    """
+
+    name = "simulated headset"
+
+    def __init__(
+        self,
+        task: Task,
+        configuration: UserConfiguration,
+        seed: int,
+        person: Person | None = None,
+        hand: int = 0,
+    ) -> None:
+        super().__init__(task, configuration, seed, (0.0, 0.0, 0.0), person=person, hand=hand)
+        self._side = (person or Person()).hand
+        self._rng = np.random.default_rng([seed + hand * NEXT_PERSON, 0x4E5E])
+
+    def joints(self, now: float) -> SeenJoints:
+        """WebXR's 25 joints of the own hand in the world, m, as the headset sees them now."""
+        origin, rotation, joints = self.own_hand(now)
+        places = webxr_joints(origin, rotation, joints)
+        places += self._rng.normal(0.0, NOISE, places.shape)
+        return SeenJoints(
+            "left" if self._side == "left" else "right",
+            [(float(x), float(y), float(z)) for x, y, z in places],
+        )
+
+    def poll(self, now: float) -> Sequence[HandFrame]:
+        """The hand frame that the headset sees now."""
+        if self.finished:
+            return []
+        hand = seen_hand(self.joints(now))
+        return [HandFrame(now, () if hand is None else (hand,), self.name)]
+
+
+def webxr_joints(origin: Array, rotation: Array, joints: Array) -> Array:
+    """(25, 3) m in the world, WebXR's joints of a hand.
+
+    Args:
+        origin: (3,) m, centre of the palm.
+        rotation: (3, 3) world from palm; a reflection for a left hand.
+        joints: (5, 4, 3) m in the palm; a thumb without an IP joint has its tip twice.
+    """
+    own = joints.copy()
+    own[0, 2] = 0.5 * (own[0, 1] + own[0, 3])
+    places = np.zeros((JOINTS_OF_A_HAND, 3))
+    places[0] = -np.array(PALM_CENTRE)
+    for finger, indices in enumerate(FINGER_JOINTS):
+        places[list(indices)] = own[finger]
+    for metacarpal in _METACARPALS:
+        places[metacarpal] = 0.5 * (places[0] + places[metacarpal + 1])
+    return origin + small_product(places, rotation.T)
