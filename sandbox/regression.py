@@ -23,6 +23,7 @@ from models.errors import InputError
 from models.message import counted
 from sandbox.regress import statistics
 from sandbox.regress.baseline import Baseline, load_baseline, replaceable, update
+from sandbox.regress.comparison import level_of
 from sandbox.regress.execute import CRASHED, Processes, Serial
 from sandbox.regress.plan import RegressionPlan, find_tasks, parse_seeds
 from sandbox.regress.report import Report, make_report, without_baseline
@@ -160,7 +161,7 @@ class Regression:
 
 def _toothless(report: Report, at_least: float | None) -> Iterator[str]:
     """Sentences on what cannot fail with so few seeds, whatever is lost."""
-    needed = statistics.fewest_losses(len(report.comparisons))
+    needed = statistics.fewest_losses(level_of(len(report.comparisons)))
     for name, comparison in report.comparisons.items():
         if comparison.pairs < needed:
             yield (

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import closing, contextmanager, suppress
 from dataclasses import dataclass, fields
 from functools import partial
@@ -16,7 +16,7 @@ from cyclopts import Parameter
 from rich.console import Console
 from rich.markup import escape
 
-from models.errors import InputError
+from models.errors import InputError, unknown_name
 from models.message import counted
 from sandbox.cli.common.command_line import parse, picked
 from sandbox.cli.common.json_out import TERMINAL, check_output, refuse_same
@@ -42,10 +42,10 @@ class RegressOptions(SecondOptions, ConditionOptions):
     `--impulse safe`.
 
     Exit status 0: all trials were run and the gate holds; trials that fail without a baseline, and
-    values of --vary that break a task, are no reason for another. 1: a loss beyond chance (exact
-    one-sided McNemar test over paired seeds, alpha 0.05, Holm over tasks), more crashed trials than
-    --allow-crashes permits, or with --exact another state with the baseline's fingerprint. 2: bad
-    input, and one line says what. 130: stopped by Ctrl-C, 143: by SIGTERM.
+    values of --vary that break a task, are no reason for another. 1: a loss of success or time
+    beyond chance (exact tests over paired seeds, alpha 0.02, Holm over tasks), more crashed trials
+    than --allow-crashes permits, or with --exact another state with the baseline's fingerprint. 2:
+    bad input, and one line says what. 130: stopped by Ctrl-C, 143: by SIGTERM.
 
     With --json or --junit every trial is written as it ends, to a file beside the report, such as
     report.trials.jsonl. If the run is stopped or killed, the same command with --resume continues.
@@ -84,6 +84,12 @@ class RegressOptions(SecondOptions, ConditionOptions):
 
     baseline: Annotated[Path | None, Parameter(metavar="FILE")] = None
     """What to compare with; one of another encoder, task version or settings is refused."""
+
+    margin: Annotated[
+        tuple[str, ...] | None, Parameter(metavar="MEASURE=SHARE", consume_multiple=True)
+    ] = None
+    """Changes of success or time that do not matter, such as time=5% or success=2%: a loss must be
+    beyond chance and beyond its margin."""
 
     update_baseline: bool = False
     """Makes the baseline from this run; nothing is judged."""
@@ -161,7 +167,13 @@ def main(argv: list[str]) -> int:
             trials = run(plan)
             wall_s = perf_counter() - began
             report = make_report(
-                plan, trials, old, options.exact, options.across_encoders, options.allow_crashes
+                plan,
+                trials,
+                old,
+                options.exact,
+                options.across_encoders,
+                options.allow_crashes,
+                margins(options.margin or ()),
             )
             with printing():
                 show(report, console)
@@ -199,6 +211,31 @@ def _parsed(argv: list[str]) -> RegressOptions:
     return parse(RegressOptions, "sandbox regress", argv)
 
 
+def margins(texts: Sequence[str]) -> dict[str, float]:
+    """Margins by measure, as shares, from texts such as `time=5%`.
+
+    Raises:
+        InputError: A measure does not decide or does not exist, or a margin has no unit.
+    """
+    from sandbox.regress.measures import DECIDING
+
+    found = {}
+    for text in texts:
+        name, _, amount = text.partition("=")
+        if name not in DECIDING:
+            raise unknown_name("no such measure with a margin", name, DECIDING, where="--margin")
+        try:
+            share = float(amount.removesuffix("%")) / 100.0
+        except ValueError:
+            share = -1.0
+        if not amount.endswith("%") or not 0.0 <= share < 1.0:
+            raise InputError(
+                "not a margin", where="--margin", got=text, expected=f"such as {name}=5%"
+            )
+        found[name] = share
+    return found
+
+
 def _scene(options: RegressOptions) -> dict[str, Any]:
     from sandbox.trial.trial_options import TrialOptions, check_labels
 
@@ -212,6 +249,7 @@ def _scene(options: RegressOptions) -> dict[str, Any]:
 def _check(options: RegressOptions) -> None:
     """Refuses, before anything is run, what would fail at the end."""
     check_vary(options)
+    margins(options.margin or ())
     if not options.tasks:
         raise InputError("no task is named", where="--tasks", remedy="Leave it out, or name one")
     if options.workers < 1:
@@ -223,7 +261,7 @@ def _check(options: RegressOptions) -> None:
     if options.record_all and options.record is None:
         raise InputError("no folder is given", where="--record-all", remedy="Add --record DIR")
     if options.baseline is None:
-        for name in ("update_baseline", "exact", "across_encoders"):
+        for name in ("update_baseline", "exact", "across_encoders", "margin"):
             if getattr(options, name):
                 option = "--" + name.replace("_", "-")
                 raise InputError("no baseline is given", where=option, remedy="Add --baseline FILE")

@@ -6,11 +6,11 @@ import json
 import os
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
-from dataclasses import astuple, dataclass, field
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from msgspec import Struct
+from msgspec import Struct, structs, to_builtins
 
 from models.errors import InputError
 from models.json_input import check_layout, decoded, read_bytes
@@ -30,18 +30,28 @@ ANEW = "--update-baseline, in pytest --sandbox-update-baseline, makes it anew"
 """Way out where a baseline cannot be compared with."""
 
 
-@dataclass(frozen=True)
-class Kept:
-    """Fields of a trial's result that a baseline keeps: those of `KeptIn.BASELINE`, in order."""
+class BaselineTrial(Struct, frozen=True, array_like=True):
+    """What a baseline has of a trial, in the order of its line.
+
+    Attributes:
+        success, progress, time_s, state_hash: Fields of the trial's result.
+        measures: Further measures by name (`sandbox.regress.measures`); empty in a baseline of
+            before they were measured.
+    """
 
     success: bool
     progress: float
     time_s: float
     state_hash: str
+    measures: dict[str, float] = {}
+
+    def values(self) -> dict[str, Any]:
+        """The fields by name, as a run's trials have them."""
+        return structs.asdict(self)
 
 
 @dataclass(frozen=True)
-class KeptTask:
+class BaselineTask:
     """A task's results in a baseline.
 
     Attributes:
@@ -53,16 +63,16 @@ class KeptTask:
 
     version: int
     fingerprint: str
-    trials: Mapping[int, Kept]
+    trials: Mapping[int, BaselineTrial]
     depends_on: Mapping[str, str] = field(default_factory=dict)
 
 
 class _TaskLines(Struct):
-    """A task in a baseline's file; trials by seed, in the order of the fields of `Kept`."""
+    """A task in a baseline's file; trials by seed."""
 
     version: int
     fingerprint: str
-    trials: dict[int, tuple[bool, float, float, str]]
+    trials: dict[int, BaselineTrial]
     depends_on: dict[str, str] = {}
 
 
@@ -86,7 +96,7 @@ class Baseline:
     """
 
     origin: Origin
-    tasks: Mapping[str, KeptTask] = field(default_factory=dict)
+    tasks: Mapping[str, BaselineTask] = field(default_factory=dict)
     path: Path = Path("baseline")
 
     def check(
@@ -212,10 +222,10 @@ class Baseline:
         for name, version in versions.items():
             own = [t for t in trials if t["task"] == name]
             one_machine = len({t["fingerprint"] for t in own}) == 1
-            tasks[name] = KeptTask(
+            tasks[name] = BaselineTask(
                 version,
                 own[0]["fingerprint"] if one_machine else "",
-                {t["seed"]: Kept(**{k: t[k] for k in kept_fields(KeptIn.BASELINE)}) for t in own},
+                {t["seed"]: _of_trial(t) for t in own},
                 own[0]["depends_on"] if one_machine else {},
             )
         return Baseline(origin, tasks, self.path)
@@ -225,7 +235,7 @@ class Baseline:
         tasks = []
         for name, task in self.tasks.items():
             rows = [
-                f"    {json.dumps(str(seed))}: " + json.dumps(astuple(k))
+                f"    {json.dumps(str(seed))}: " + json.dumps(to_builtins(k))
                 for seed, k in sorted(task.trials.items())
             ]
             tasks.append(
@@ -252,6 +262,11 @@ class Baseline:
             InputError: It cannot be written.
         """
         write_whole(self.path, self.text(), "--baseline")
+
+
+def _of_trial(trial: Trial) -> BaselineTrial:
+    fields = {name: trial[name] for name in kept_fields(KeptIn.BASELINE)}
+    return BaselineTrial(**fields, measures=trial.get("measures") or {})
 
 
 def load_baseline(path: Path) -> Baseline:
@@ -286,10 +301,10 @@ def load_baseline(path: Path) -> Baseline:
         remedy="Restore it from version control, or make it anew with --update-baseline",
     )
     tasks = {
-        name: KeptTask(
+        name: BaselineTask(
             task.version,
             task.fingerprint,
-            {seed: Kept(*trial) for seed, trial in task.trials.items()},
+            task.trials,
             task.depends_on,
         )
         for name, task in document.tasks.items()

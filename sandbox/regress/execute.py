@@ -24,6 +24,7 @@ from typing import Any, Protocol
 from models.errors import HandSandboxError, InputError
 from sandbox.devices.device import Closeable
 from sandbox.recording.versions import decisive_parts
+from sandbox.regress.measures import HandMeter
 from sandbox.regress.plan import TrialJob, registered
 from sandbox.trial.assembly import load_encoder
 from sandbox.trial.driver import never, play_trial
@@ -32,8 +33,8 @@ from tasks.guarded import build_scene, draw_task, measure
 from tasks.registry import find_task, is_built_in
 
 Trial = dict[str, Any]
-"""JSON of a trial: the fields of its result that `KeptIn.REGRESS` names, and its fingerprint
-with the parts of it."""
+"""JSON of a trial: the fields of its result that `KeptIn.REGRESS` names, its measures, and its
+fingerprint with the parts of it."""
 
 CRASHED = "crashed"
 """Status of a trial that has no result: its process died, or its code raised an error."""
@@ -73,11 +74,18 @@ def run_job(job: TrialJob) -> Trial:
         # A run that was killed left a part of it.
         recording.unlink(missing_ok=True)
     with registered(job.own_task):
-        result = play_trial(job.settings, record=recording, dump=Path(gettempdir()))
+        meter = HandMeter()
+        result = play_trial(
+            job.settings,
+            make_views=lambda session: [meter.see],
+            record=recording,
+            dump=Path(gettempdir()),
+        )
     if recording is not None and result.success and not job.record_all:
         recording.unlink(missing_ok=True)
     return {
         **result.kept_in(KeptIn.REGRESS),
+        "measures": meter.values(result.respawned),
         "fingerprint": result.fingerprint,
         "depends_on": decisive_parts(result.versions or {}),
     }
@@ -95,6 +103,7 @@ def crashed(job: TrialJob, why: str) -> Trial:
         "progress": 0.0,
         "reason": " ".join(why.split()),
         "state_hash": "",
+        "measures": {},
         "fingerprint": "",
         "depends_on": {},
     }

@@ -215,6 +215,11 @@ class RegressionPlan:
             versions[kind.name] = kind.version
         return versions
 
+    def time_limits(self) -> dict[str, float]:
+        """s, time limit of every task."""
+        kinds = [find_task(task) if isinstance(task, str) else task for task in self.tasks]
+        return {kind.name: float(kind.time_limit) for kind in kinds}
+
     def command(self, task: str, seed: int, crashed: bool = False) -> str:
         """One line that runs a trial again, records it and shows what happened.
 

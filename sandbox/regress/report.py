@@ -4,22 +4,30 @@ from __future__ import annotations
 
 import re
 import shlex
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from statistics import fmean, median
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 from xml.etree import ElementTree
 
 from models.message import counted
-from sandbox.recording.versions import differing_parts
 from sandbox.regress import statistics
+from sandbox.regress.comparison import (
+    TOGETHER,
+    Change,
+    Comparison,
+    compared,
+    lacking_measures,
+    level_of,
+)
 from sandbox.regress.execute import CRASHED, Trial
 from sandbox.regress.plan import RegressionPlan
 from sandbox.system.files import write_whole
 
 if TYPE_CHECKING:
-    from sandbox.regress.baseline import Baseline, KeptTask
+    from sandbox.regress.baseline import Baseline
 
 SCHEMA = 1
 """Version of the report's JSON."""
@@ -86,69 +94,6 @@ class TaskResult:
 
 
 @dataclass(frozen=True)
-class Comparison:
-    """Comparison of a task with its baseline, seed by seed.
-
-    Attributes:
-        both, lost, won, neither: Seeds that succeeded in both, before only, now only, in none.
-        changed: Seeds with different states although the fingerprint is the baseline's.
-        same_machine: Number of pairs with the baseline's fingerprint, whose states are compared; 0
-            where the baseline is of other `STATES` or models.
-        elsewhere: What states depend on and was different there, in words, for the other pairs.
-        crashed: Number of pairs whose trial crashed now.
-        unpaired: Seeds that were run and that the baseline lacks.
-        p: P value of the exact one-sided McNemar test.
-        p_holm: The p value, adjusted for all tasks of the run.
-        progress: Mean progress now minus mean progress before.
-    """
-
-    both: list[int] = field(default_factory=list)
-    lost: list[int] = field(default_factory=list)
-    won: list[int] = field(default_factory=list)
-    neither: list[int] = field(default_factory=list)
-    changed: list[int] = field(default_factory=list)
-    same_machine: int = 0
-    elsewhere: tuple[str, ...] = ()
-    crashed: int = 0
-    unpaired: list[int] = field(default_factory=list)
-    p: float = 1.0
-    p_holm: float = 1.0
-    progress: float = 0.0
-
-    @property
-    def pairs(self) -> int:
-        """Seeds that both have."""
-        return len(self.both) + len(self.lost) + len(self.won) + len(self.neither)
-
-    @property
-    def significant(self) -> bool:
-        """True if it is a significant loss."""
-        return self.p_holm <= statistics.ALPHA
-
-    def as_json(self, tests: int) -> dict[str, Any]:
-        """With what so many pairs can notice, and can where as many are won as were here."""
-        churn = len(self.won) / self.pairs if self.pairs else 0.0
-        return {
-            "pairs": self.pairs,
-            "both": len(self.both),
-            "lost": self.lost,
-            "won": self.won,
-            "neither": len(self.neither),
-            "without_baseline": self.unpaired,
-            "p": self.p,
-            "p_holm": self.p_holm,
-            "significant_loss": self.significant,
-            "progress_change": self.progress,
-            "same_machine": self.same_machine,
-            "elsewhere": list(self.elsewhere),
-            "changed_states": self.changed,
-            "fewest_losses": statistics.fewest_losses(tests),
-            "noticeable_drop": statistics.noticeable_drop(self.pairs, 0.0, tests),
-            "noticeable_drop_with_this_churn": statistics.noticeable_drop(self.pairs, churn, tests),
-        }
-
-
-@dataclass(frozen=True)
 class Crashes:
     """Trials without a result: their code raised an error, or their process or machine was lost.
 
@@ -195,8 +140,10 @@ class Report:
         tasks: Results of tasks, in order.
         complete: True if every trial was run.
         comparisons: Comparisons by task, for those in the baseline.
+        together: Changes of success and time over all tasks, if several are compared.
         notes: Notes for the reader.
         reasons: Reasons why the gate does not hold; empty if it does.
+        gains: What is better beyond chance.
         allow_crashes: Number of trials that may crash.
     """
 
@@ -208,6 +155,8 @@ class Report:
     notes: tuple[str, ...]
     reasons: tuple[str, ...]
     allow_crashes: int = 0
+    together: Mapping[str, Change] = field(default_factory=dict)
+    gains: tuple[str, ...] = ()
 
     @property
     def crashes(self) -> Crashes:
@@ -232,18 +181,18 @@ class Report:
 
     def noise_floor(self) -> dict[str, Any]:
         """Smallest loss that a paired comparison of all these tasks and seeds can detect."""
-        pairs, tests = len(self.plan.seeds), len(self.tasks)
+        pairs, level = len(self.plan.seeds), level_of(len(self.tasks))
         return {
             "pairs": pairs,
-            "tests": tests,
-            "fewest_losses": statistics.fewest_losses(tests),
-            "drop": statistics.noticeable_drop(pairs, 0.0, tests),
+            "level": level,
+            "fewest_losses": statistics.fewest_losses(level),
+            "drop": statistics.noticeable_drop(pairs, 0.0, level),
             "power": statistics.POWER,
         }
 
     def as_json(self) -> dict[str, Any]:
         """All of it as JSON values."""
-        tests = len(self.comparisons)
+        level = level_of(len(self.comparisons))
         tasks = {}
         for task in self.tasks:
             tasks[task.name] = {
@@ -254,12 +203,14 @@ class Report:
                 ],
             }
             if task.name in self.comparisons:
-                tasks[task.name]["baseline"] = self.comparisons[task.name].as_json(tests)
+                tasks[task.name]["baseline"] = self.comparisons[task.name].as_json(level)
         return {
             "schema": SCHEMA,
             "complete": self.complete,
             "passed": self.passed if self.complete else None,
             "reasons": list(self.reasons),
+            "gains": list(self.gains),
+            "together": {name: change.as_json() for name, change in self.together.items()},
             "notes": list(self.notes),
             "configuration": {**self.configuration, "seeds": list(self.plan.seeds)},
             "noise_floor": self.noise_floor(),
@@ -276,6 +227,7 @@ def make_report(
     exact: bool = False,
     across_encoders: bool = False,
     allow_crashes: int = 0,
+    margins: Mapping[str, float] = MappingProxyType({}),
 ) -> Report:
     """Sorts the trials of a run and compares them with a baseline.
 
@@ -287,6 +239,7 @@ def make_report(
             `STATES` or models are others.
         across_encoders: True allows a baseline of another encoder.
         allow_crashes: Number of trials of the whole run that may crash.
+        margins: Changes of success and time that do not matter, as shares, by measure.
 
     Raises:
         InputError: The baseline cannot be compared with this run.
@@ -302,8 +255,10 @@ def make_report(
     )
     complete = len(trials) == len(plan.jobs())
     comparisons: dict[str, Comparison] = {}
+    together: Mapping[str, Change] = {}
     notes: list[str] = []
     reasons: list[str] = []
+    gains: list[str] = []
     if baseline is not None:
         origin = plan.origin()
         baseline.check(origin, versions, across_encoders, exact)
@@ -312,7 +267,12 @@ def make_report(
             notes.append(f"{differing}: states are not compared")
         if changed := baseline.changed_defaults(origin):
             notes.append(changed)
-        comparisons = _compare(tasks, baseline, states=not differing)
+        trials_by_task = {task.name: task.trials for task in tasks}
+        comparisons, together = compared(
+            trials_by_task, baseline, plan.time_limits(), margins, states=not differing
+        )
+        if lacking_measures(trials_by_task, baseline, comparisons):
+            notes.append("the baseline has only success, time and progress of its trials")
         for task in tasks:
             if task.name not in comparisons:
                 notes.append(f"{task.name}: the baseline has none of these trials")
@@ -325,12 +285,16 @@ def make_report(
         if not complete:
             notes.append("the run broke off: nothing is judged")
         else:
-            reasons = [
-                f"{name}: {counted(len(c.lost), 'trial')} lost, {len(c.won)} won, a loss beyond "
-                f"chance (p = {c.p_holm:.2g})"
-                for name, c in comparisons.items()
-                if c.significant
+            by_place = {name: c.changes for name, c in comparisons.items()} | {TOGETHER: together}
+            changes = [
+                (name, change) for name, some in by_place.items() for change in some.values()
             ]
+            reasons = [
+                f"{name}: {change.text()}, a loss beyond chance"
+                for name, change in changes
+                if change.is_loss
+            ]
+            gains = [f"{name}: {change.text()}" for name, change in changes if change.is_gain]
         if exact:
             verdicts, said = _exact(comparisons)
             notes += said
@@ -347,58 +311,8 @@ def make_report(
         tuple(notes),
         tuple(reasons),
         allow_crashes,
-    )
-
-
-def _compare(
-    tasks: Sequence[TaskResult], baseline: Baseline, states: bool
-) -> dict[str, Comparison]:
-    """Comparisons by task; states are compared where they can be equal."""
-    comparisons = {
-        task.name: _pairs(task, baseline.tasks[task.name], states)
-        for task in tasks
-        if task.name in baseline.tasks
-    }
-    comparisons = {name: c for name, c in comparisons.items() if c.pairs}
-    p = {name: statistics.mcnemar(len(c.lost), len(c.won)) for name, c in comparisons.items()}
-    adjusted = statistics.holm(p)
-    return {
-        name: Comparison(**{**vars(c), "p": p[name], "p_holm": adjusted[name]})
-        for name, c in comparisons.items()
-    }
-
-
-def _pairs(task: TaskResult, kept: KeptTask, states: bool) -> Comparison:
-    c = Comparison()
-    same, crashed, changes = 0, 0, []
-    elsewhere: dict[str, None] = {}
-    for trial in task.trials:
-        seed = trial["seed"]
-        before = kept.trials.get(seed)
-        if before is None:
-            c.unpaired.append(seed)
-            continue
-        kinds = {(True, True): c.both, (True, False): c.lost, (False, True): c.won}
-        kinds.get((before.success, trial["success"]), c.neither).append(seed)
-        changes.append(trial["progress"] - before.progress)
-        crashed += trial["status"] == CRASHED
-        if not states:
-            continue
-        if kept.fingerprint and trial["fingerprint"] == kept.fingerprint:
-            same += 1
-            if trial["state_hash"] != before.state_hash:
-                c.changed.append(seed)
-        elif trial["status"] != CRASHED and kept.depends_on:
-            elsewhere |= dict.fromkeys(differing_parts(kept.depends_on, trial["depends_on"]))
-    progress = fmean(changes) if changes else 0.0
-    return Comparison(
-        **{
-            **vars(c),
-            "same_machine": same,
-            "elsewhere": tuple(elsewhere),
-            "crashed": crashed,
-            "progress": progress,
-        }
+        together,
+        tuple(gains),
     )
 
 

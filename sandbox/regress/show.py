@@ -7,7 +7,7 @@ a CI server.
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from math import ceil
 from time import perf_counter
@@ -20,8 +20,10 @@ from rich.table import Table
 
 from models.message import counted
 from sandbox.regress import statistics
+from sandbox.regress.comparison import TOGETHER, Change, Comparison, level_of
 from sandbox.regress.execute import CRASHED
-from sandbox.regress.report import Comparison, Crashes, Report
+from sandbox.regress.measures import DECIDING, SUCCESS, TIME
+from sandbox.regress.report import Crashes, Report
 
 if TYPE_CHECKING:
     from sandbox.regress.sweep import Curve, Point, Sweep
@@ -117,14 +119,17 @@ def show(report: Report, console: Console) -> None:
     console.print(_successes(report))
     if report.comparisons:
         console.print(_compared(report))
+        _moved(report, console)
         _noise_floor(report, console)
     else:
         _noise_floor_to_come(report, console)
     _failed(report, console)
     for note in report.notes:
         console.print(f"[yellow]{escape(note)}[/]", soft_wrap=True)
+    for gain in report.gains:
+        console.print(f"[bold green]gain, {escape(gain)}[/]", soft_wrap=True)
     for reason in report.reasons:
-        console.print(f"[bold red]{escape(reason)}[/]", soft_wrap=True)
+        console.print(f"[bold red]loss, {escape(reason)}[/]", soft_wrap=True)
     if report.complete and report.comparisons and report.passed:
         console.print("[green]no loss beyond chance[/]")
 
@@ -151,24 +156,44 @@ def _successes(report: Report) -> Table:
 
 def _compared(report: Report) -> Table:
     table = Table(title="against the baseline, seed by seed")
-    table.add_column("task")
-    for name in ("pairs", "both", "lost", "won", "neither", "progress", "p", "p, Holm", "states"):
+    table.add_column("task", no_wrap=True)
+    names = ("pairs", "lost", "won", "time", "95 % interval", "p, success", "p, time", "states")
+    for name in names:
         table.add_column(name, justify="right")
     for name, c in report.comparisons.items():
-        colour = "red" if c.significant else "default"
-        table.add_row(
-            escape(name),
-            str(c.pairs),
-            str(len(c.both)),
-            f"[{colour}]{len(c.lost)}[/]",
-            str(len(c.won)),
-            str(len(c.neither)),
-            f"{c.progress:+.3f}",
-            f"{c.p:.3g}",
-            f"[{colour}]{c.p_holm:.3g}[/]",
-            _states(c),
-        )
+        counts = (str(c.pairs), str(len(c.lost)), str(len(c.won)))
+        table.add_row(escape(name), *counts, *_changed(c.changes), _states(c))
+    if report.together:
+        pairs = report.together[SUCCESS].pairs
+        lost = sum(len(c.lost) for c in report.comparisons.values())
+        won = sum(len(c.won) for c in report.comparisons.values())
+        changed = _changed(report.together)
+        table.add_row(TOGETHER, str(pairs), str(lost), str(won), *changed, "")
     return table
+
+
+def _changed(changes: Mapping[str, Change]) -> tuple[str, ...]:
+    """Cells of time, its interval, and both p values."""
+    time, success = changes[TIME], changes[SUCCESS]
+
+    def coloured(text: str, change: Change) -> str:
+        colour = "red" if change.is_loss else "green" if change.is_gain else ""
+        return f"[{colour}]{text}[/]" if colour else text
+
+    def p(change: Change) -> str:
+        return coloured(f"{min(change.p_loss, change.p_gain):.2g}", change)
+
+    interval = f"{100 * time.low:+.1f} to {100 * time.high:+.1f}" if time.pairs > 1 else ""
+    return coloured(f"{100 * time.change:+.1f} %", time), interval, p(success), p(time)
+
+
+def _moved(report: Report, console: Console) -> None:
+    """Prints the measures that do not decide and that differ beyond chance."""
+    for name, c in report.comparisons.items():
+        others = [change for m, change in c.changes.items() if m not in DECIDING and change.moved]
+        if others:
+            text = f"{name} moved: {'; '.join(change.text() for change in others)}"
+            console.print(escape(text), soft_wrap=True)
 
 
 def _states(c: Comparison) -> str:
@@ -178,17 +203,17 @@ def _states(c: Comparison) -> str:
 
 
 def _noise_floor(report: Report, console: Console) -> None:
-    tests = len(report.comparisons)
-    losses = statistics.fewest_losses(tests)
+    level = level_of(len(report.comparisons))
+    losses = statistics.fewest_losses(level)
     for name, c in report.comparisons.items():
-        drop = statistics.noticeable_drop(c.pairs, 0.0, tests)
+        drop = statistics.noticeable_drop(c.pairs, 0.0, level)
         text = f"{name}: {losses} lost and none won would be a loss beyond chance; {c.pairs} pairs "
         if drop is None:
             text += f"cannot notice any drop with {statistics.POWER:.0%} power: take more seeds"
         else:
             text += f"notice a drop of {100 * drop:.1f} points with {statistics.POWER:.0%} power"
             if c.won:
-                churn = statistics.noticeable_drop(c.pairs, len(c.won) / c.pairs, tests)
+                churn = statistics.noticeable_drop(c.pairs, len(c.won) / c.pairs, level)
                 text += " if nothing is won besides; with as many won as here, " + (
                     "none" if churn is None else f"one of {100 * churn:.1f} points"
                 )

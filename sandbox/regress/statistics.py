@@ -2,25 +2,36 @@
 
 The same seeds are run before and after a change, so that trials come in pairs. Only pairs that
 differ are informative: without an effect, about half of them should be lost and half won. This is
-McNemar's test, here exact and one-sided, since only losses matter.
+McNemar's test, here exact and one-sided. Times and other measures are compared by the signed ranks
+of their differences.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from functools import cache
+from typing import TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 from scipy.optimize import brentq
-from scipy.stats import binom, binomtest
+from scipy.stats import binom, binomtest, norm, rankdata
+from scipy.stats import t as student_t
+
+K = TypeVar("K")
 
 ALPHA = 0.05
-"""Chance of calling a loss where there is none, over all tasks of a run together."""
+"""Chance of calling a loss where there is none, in a single test."""
+GATE = 0.02
+"""The same over all tests of a comparison with a baseline: one false alarm in fifty runs."""
 POWER = 0.8
 """Chance with which a drop has to be noticed to count as noticeable."""
 CONFIDENCE = 0.95
-"""Of intervals of success."""
+"""Of intervals."""
+_EQUAL = 1e-9
+"""Differences below which pairs are equal."""
+_COUNTED = 400
+"""Pairs up to which the distribution of a sum of ranks is counted; more follow the normal one."""
 
 
 def wilson(successes: int, n: int) -> tuple[float, float]:
@@ -46,18 +57,79 @@ def mcnemar(lost: int, won: int) -> float:
     return float(binomtest(lost, lost + won, 0.5, alternative="greater").pvalue)
 
 
+def signed_rank(differences: ArrayLike) -> float:
+    """Chance of so large positive differences, or larger, were either sign as likely.
+
+    Wilcoxon's signed-rank test, one-sided and exact: pairs without a difference are left out, and
+    equal differences share their mean rank. The distribution of the sum of ranks is counted.
+
+    Args:
+        differences: (n,) differences of pairs; positive ones speak for the effect.
+
+    Source: Wilcoxon (1945); Streitberg and Roehmel (1986) for ties.
+    """
+    every = np.asarray(differences, float)
+    some = every[np.abs(every) > _EQUAL]
+    n = len(some)
+    if n == 0:
+        return 1.0
+    # Twice the mean ranks are whole numbers. Rounding keeps equal sizes equal.
+    ranks = np.rint(2.0 * rankdata(np.round(np.abs(some), 12))).astype(np.int64)
+    observed = int(ranks[some > 0.0].sum())
+    if n > _COUNTED:
+        middle, spread = 0.5 * ranks.sum(), 0.5 * float(np.sqrt(np.sum(ranks.astype(float) ** 2)))
+        return float(norm.sf((observed - 1.0 - middle) / spread))
+    chances = np.zeros(int(ranks.sum()) + 1)
+    chances[0] = 1.0
+    for rank in ranks:
+        chances[rank:] += chances[: len(chances) - rank].copy()
+        chances *= 0.5
+    return float(min(chances[observed:].sum(), 1.0))
+
+
+def mean_change(differences: ArrayLike) -> tuple[float, float, float]:
+    """Mean of differences of pairs, and its interval by Student's t; infinite from one pair.
+
+    Args:
+        differences: (n,) differences of pairs, n at least 1.
+    """
+    every = np.asarray(differences, float)
+    n, mean = len(every), float(np.mean(every))
+    if n < 2:
+        return mean, -np.inf, np.inf
+    error = float(np.std(every, ddof=1)) / float(np.sqrt(n))
+    reach = float(student_t.ppf(0.5 + 0.5 * CONFIDENCE, n - 1)) * error
+    return mean, mean - reach, mean + reach
+
+
+def noticeable_shift(spread: float, pairs: int, level: float = ALPHA) -> float:
+    """The smallest mean difference that so many pairs notice with power `POWER`.
+
+    By the normal approximation of a one-sided test of the mean.
+
+    Args:
+        spread: Standard deviation of the differences of pairs that nothing has changed.
+        pairs: Number of pairs.
+        level: P value up to which a loss is called.
+    """
+    if pairs < 2:
+        return np.inf
+    needed = float(norm.isf(level) + norm.isf(1.0 - POWER))
+    return needed * spread / float(np.sqrt(pairs))
+
+
 def falls_short(successes: int, n: int, rate: float) -> float:
     """Chance of so few successes, or fewer, were success as likely as the rate, 0 to 1."""
     return float(binomtest(successes, n, rate, alternative="less").pvalue) if n else 1.0
 
 
-def holm(p_values: Mapping[str, float]) -> dict[str, float]:
+def holm(p_values: Mapping[K, float]) -> dict[K, float]:
     """P values adjusted for multiple tests; those up to alpha are significant.
 
     Source: Holm (1979), step down.
     """
     ordered = sorted(p_values, key=lambda name: p_values[name])
-    adjusted: dict[str, float] = {}
+    adjusted: dict[K, float] = {}
     largest = 0.0
     for i, name in enumerate(ordered):
         largest = max(largest, min(1.0, (len(ordered) - i) * p_values[name]))
@@ -65,46 +137,51 @@ def holm(p_values: Mapping[str, float]) -> dict[str, float]:
     return {name: adjusted[name] for name in p_values}
 
 
-def fewest_losses(tests: int = 1) -> int:
-    """Losses without a single win that are significant in any of so many tests."""
+def fewest_losses(level: float = ALPHA) -> int:
+    """Losses without a single win that are significant.
+
+    Args:
+        level: P value up to which a loss is called: alpha, divided by the number of tests that are
+            made together, as in the hardest of Holm's steps.
+    """
     losses = 1
-    while mcnemar(losses, 0) * tests > ALPHA:
+    while mcnemar(losses, 0) > level:
         losses += 1
     return losses
 
 
-def power(pairs: int, loss: float, win: float = 0.0, tests: int = 1) -> float:
+def power(pairs: int, loss: float, win: float = 0.0, level: float = ALPHA) -> float:
     """Chance that a change is called a loss.
 
     Args:
         pairs: Seeds that are run before and after.
         loss: Chance that a pair is lost.
         win: Chance that a pair is won.
-        tests: Tasks that are tested together; the hardest of Holm's steps is assumed.
+        level: See `fewest_losses`.
     """
     differ = loss + win
     # SciPy's binomial overflows at the smallest chances, with which hardly any pair ever differs.
     if differ < 1e-12:
         return 0.0
     counts = np.arange(pairs + 1)
-    called = binom.sf(_critical(pairs, tests) - 1, counts, loss / differ)
+    called = binom.sf(_critical(pairs, level) - 1, counts, loss / differ)
     return float(np.sum(binom.pmf(counts, pairs, min(differ, 1.0)) * called))
 
 
-def noticeable_drop(pairs: int, win: float = 0.0, tests: int = 1) -> float | None:
+def noticeable_drop(pairs: int, win: float = 0.0, level: float = ALPHA) -> float | None:
     """The noise floor: the smallest drop of success that so many pairs notice with power `POWER`.
 
     Args:
         pairs: Seeds that are run before and after.
         win: Chance that a pair is won at the same time: churn, which hides losses.
-        tests: Tasks that are tested together.
+        level: See `fewest_losses`.
 
     Returns:
         Success before less success now, 0 to 1; None where not even a total loss is noticed.
     """
 
     def short(drop: float) -> float:
-        return power(pairs, win + drop, win, tests) - POWER
+        return power(pairs, win + drop, win, level) - POWER
 
     most = 1.0 - 2.0 * win
     if pairs == 0 or most <= 0.0 or short(most) < 0.0:
@@ -113,19 +190,19 @@ def noticeable_drop(pairs: int, win: float = 0.0, tests: int = 1) -> float | Non
 
 
 @cache
-def _critical_cached(pairs: int, tests: int) -> tuple[int, ...]:
+def _critical_cached(pairs: int, level: float) -> tuple[int, ...]:
     critical = []
     for differ in range(pairs + 1):
         # The least number of losses whose chance, or of any more, is small enough.
-        losses = int(binom.isf(ALPHA / tests, differ, 0.5)) + 1
-        while losses > 0 and mcnemar(losses - 1, differ - losses + 1) * tests <= ALPHA:
+        losses = int(binom.isf(level, differ, 0.5)) + 1
+        while losses > 0 and mcnemar(losses - 1, differ - losses + 1) <= level:
             losses -= 1
-        while losses <= differ and mcnemar(losses, differ - losses) * tests > ALPHA:
+        while losses <= differ and mcnemar(losses, differ - losses) > level:
             losses += 1
         critical.append(losses)
     return tuple(critical)
 
 
-def _critical(pairs: int, tests: int) -> NDArray[np.int64]:
+def _critical(pairs: int, level: float) -> NDArray[np.int64]:
     """(pairs + 1,) losses that are significant among 0, 1, 2 ... pairs that differ."""
-    return np.array(_critical_cached(pairs, tests))
+    return np.array(_critical_cached(pairs, level))

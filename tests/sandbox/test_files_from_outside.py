@@ -21,7 +21,7 @@ from sandbox.devices.files.paired_capture import arrivals, first_line_with_host,
 from sandbox.devices.files.touch_files import open_file
 from sandbox.devices.files.touch_log_file import read_touch_log
 from sandbox.devices.tuio.touch_capture import read_capture
-from sandbox.regress.baseline import Baseline, Kept, KeptTask, load_baseline
+from sandbox.regress.baseline import Baseline, BaselineTask, BaselineTrial, load_baseline
 from sandbox.regress.plan import Origin
 from sandbox.study.record.chain import chained
 from sandbox.study.record.folder import participants_of, read_study_json
@@ -68,11 +68,11 @@ PROFILE = {
     "device": "tuio",
     "simulated": False,
 }
-TRIALS = {seed: Kept(True, 0.5, 3.25, "ab") for seed in (1, 2, 2**70)}
+TRIALS = {seed: BaselineTrial(True, 0.5, 3.25, "ab") for seed in (1, 2, 2**70)}
 ORIGIN = Origin(
     {"encoder": "cubic"}, {"states": 2, "version": "0.2.0", "models": {"encoder": "ab"}}
 )
-BASELINE = Baseline(ORIGIN, {"stack": KeptTask(1, "m", TRIALS)})
+BASELINE = Baseline(ORIGIN, {"stack": BaselineTask(1, "m", TRIALS)})
 
 FRAMES: list[dict[str, Any]] = [
     {"surface_in": [7.76, 5.82], "device": "evdev"},

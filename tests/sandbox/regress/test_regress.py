@@ -55,14 +55,14 @@ def refused(capsys: pytest.CaptureFixture[str], *words: str | Path) -> str:
 
 @pytest.fixture(scope="module")
 def quick(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A baseline of nine quick trials, six of which succeed."""
+    """A baseline of twelve quick trials, eight of which succeed."""
     path = tmp_path_factory.mktemp("baseline") / "base.json"
     with registered(Quick):
         assert quick_run("--baseline", path, "--update-baseline") == 0
     return path
 
 
-def quick_run(*words: str | Path, seeds: str = "0:9") -> int:
+def quick_run(*words: str | Path, seeds: str = "0:12") -> int:
     return regress("--tasks", "quick", "--seeds", seeds, "--executor", "serial", *words)
 
 
@@ -71,6 +71,7 @@ def test_a_trial_is_that_of_the_run_command_to_the_bit() -> None:
     alone = play_trial(chosen)
     trial = run_job(TrialJob(chosen))
     fingerprint, parts = trial.pop("fingerprint"), trial.pop("depends_on")
+    assert trial.pop("measures")
     assert trial == {name: alone.as_json()[name] for name in trial}
     assert fingerprint == alone.fingerprint
     assert parts.keys() == DECISIVE.keys() and all(parts.values())
@@ -112,16 +113,16 @@ def test_the_json_has_every_task_and_every_trial(
         assert quick_run("--json", path) == 0
     found = json.loads(path.read_text())
     task = found["tasks"]["quick"]
-    assert (task["n"], task["successes"]) == (9, 6)
-    assert task["wilson_low"] < 6 / 9 < task["wilson_high"]
-    assert task["progress"] == pytest.approx((6 * 1 + 3 * 0.25) / 9)
+    assert (task["n"], task["successes"]) == (12, 8)
+    assert task["wilson_low"] < 8 / 12 < task["wilson_high"]
+    assert task["progress"] == pytest.approx((8 * 1 + 4 * 0.25) / 12)
     assert task["time_s"] == 0.128
-    assert [t["seed"] for t in found["trials"]] == list(range(9))
-    assert [f["seed"] for f in task["failed"]] == [0, 3, 6]
+    assert [t["seed"] for t in found["trials"]] == list(range(12))
+    assert [f["seed"] for f in task["failed"]] == [0, 3, 6, 9]
     assert found["schema"] == 1 and found["complete"] and found["passed"]
     assert found["configuration"]["settings"]["pipeline"]["encoder"] == DEFAULT_MODEL
-    assert found["noise_floor"]["pairs"] == 9 and found["noise_floor"]["fewest_losses"] == 5
-    assert "6/9" in capsys.readouterr().out
+    assert found["noise_floor"]["pairs"] == 12 and found["noise_floor"]["fewest_losses"] == 7
+    assert "8/12" in capsys.readouterr().out
 
 
 def test_an_unchanged_program_passes_even_exactly(
@@ -131,9 +132,9 @@ def test_an_unchanged_program_passes_even_exactly(
     with registered(Quick):
         assert quick_run("--baseline", quick, "--exact", "--json", path) == 0
     found = json.loads(path.read_text())["tasks"]["quick"]["baseline"]
-    assert (found["pairs"], found["both"], found["neither"]) == (9, 6, 3)
+    assert (found["pairs"], found["both"], found["neither"]) == (12, 8, 4)
     assert found["lost"] == found["won"] == found["changed_states"] == []
-    assert "9 trials equal to the bit" in capsys.readouterr().out
+    assert "12 trials equal to the bit" in capsys.readouterr().out
 
 
 def test_a_loss_beyond_chance_fails_and_is_named(
@@ -144,8 +145,9 @@ def test_a_loss_beyond_chance_fails_and_is_named(
         assert quick_run("--baseline", quick, "--json", path, "--junit", xml) == 1
     found = json.loads(path.read_text())
     compared = found["tasks"]["quick"]["baseline"]
-    assert compared["lost"] == [1, 2, 4, 5, 7, 8] and compared["p"] == 0.5**6
-    assert not found["passed"] and "6 trials lost" in found["reasons"][0]
+    assert compared["lost"] == [1, 2, 4, 5, 7, 8, 10, 11]
+    assert compared["measures"]["success"]["p_loss"] == pytest.approx(2 * 0.5**8)
+    assert not found["passed"] and "66.7 points fewer succeed" in found["reasons"][0]
     assert "loss beyond chance" in capsys.readouterr().out
     assert ElementTree.parse(xml).find(".//testcase/failure") is not None
 
@@ -155,15 +157,15 @@ def test_seeds_that_the_baseline_lacks_are_counted_and_named(
 ) -> None:
     path = tmp_path / "out.json"
     with registered(Quick):
-        assert quick_run("--baseline", quick, "--json", path, seeds="7:11") == 0
-    said = "quick: 2 seeds have no baseline and are not compared: 9, 10"
+        assert quick_run("--baseline", quick, "--json", path, seeds="10:14") == 0
+    said = "quick: 2 seeds have no baseline and are not compared: 12, 13"
     assert said in capsys.readouterr().out
     found = json.loads(path.read_text())
     compared = found["tasks"]["quick"]["baseline"]
-    assert (compared["pairs"], compared["without_baseline"]) == (2, [9, 10])
+    assert (compared["pairs"], compared["without_baseline"]) == (2, [12, 13])
     assert any(note.startswith(said) for note in found["notes"])
     with registered(Quick):
-        assert quick_run("--baseline", quick, seeds="7:9") == 0
+        assert quick_run("--baseline", quick, seeds="10:12") == 0
     assert "no baseline" not in capsys.readouterr().out
 
 

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from fractions import Fraction
+from itertools import product
 from math import comb
 
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from scipy.stats import binomtest
+from scipy.stats import binomtest, rankdata, wilcoxon
 
 from sandbox.regress.statistics import (
     ALPHA,
@@ -18,10 +19,15 @@ from sandbox.regress.statistics import (
     fewest_losses,
     holm,
     mcnemar,
+    mean_change,
     noticeable_drop,
+    noticeable_shift,
     power,
+    signed_rank,
     wilson,
 )
+
+differences = st.lists(st.floats(-3.0, 3.0).map(lambda x: round(x, 1)), min_size=1, max_size=9)
 
 p_values = st.dictionaries(st.text(max_size=3), st.floats(0.0, 1.0), max_size=8)
 
@@ -40,6 +46,49 @@ def test_mcnemar_is_the_sign_test_of_the_pairs_that_differ(lost: int, won: int) 
 def test_another_loss_is_worse_and_another_win_is_better(lost: int, won: int) -> None:
     assert mcnemar(lost + 1, won) < mcnemar(lost, won) or mcnemar(lost, won) == 1.0
     assert mcnemar(lost, won + 1) >= mcnemar(lost, won)
+
+
+@given(differences)
+def test_the_signed_rank_test_counts_all_signs(values: list[float]) -> None:
+    """Every choice of signs of the differences is as likely, and equal ones share their rank."""
+    left = [v for v in values if v]
+    ranks = rankdata(np.abs(left)) if left else np.zeros(0)
+    observed = sum(r for r, v in zip(ranks, left, strict=True) if v > 0)
+    sums = [
+        sum(r for r, up in zip(ranks, signs, strict=True) if up)
+        for signs in product((False, True), repeat=len(left))
+    ]
+    expected = np.mean([s >= observed - 1e-9 for s in sums])
+    assert signed_rank(values) == pytest.approx(expected, abs=1e-12)
+
+
+@given(st.integers(0, 2**32))
+def test_the_signed_rank_test_is_that_of_scipy_without_ties(seed: int) -> None:
+    values = np.random.default_rng(seed).normal(0.2, 1.0, 30)
+    theirs = wilcoxon(values, alternative="greater", method="exact").pvalue
+    assert signed_rank(values) == pytest.approx(theirs, rel=1e-9)
+
+
+def test_many_pairs_follow_the_normal_distribution_closely() -> None:
+    values = np.random.default_rng(0).normal(0.1, 1.0, 450)
+    theirs = wilcoxon(values, alternative="greater", method="approx").pvalue
+    assert signed_rank(values) == pytest.approx(theirs, rel=0.02)
+
+
+def test_the_interval_of_a_mean_holds_it_in_nineteen_of_twenty_samples() -> None:
+    rng = np.random.default_rng(0)
+    inside = [
+        low <= 0.3 <= high
+        for _, low, high in (mean_change(rng.normal(0.3, 1, 20)) for _ in range(2000))
+    ]
+    assert np.mean(inside) == pytest.approx(0.95, abs=0.02)
+
+
+def test_a_noticeable_shift_is_noticed_four_times_in_five() -> None:
+    rng = np.random.default_rng(0)
+    shift = noticeable_shift(1.0, 60, ALPHA / 4)
+    noticed = [signed_rank(rng.normal(shift, 1.0, 60)) <= ALPHA / 4 for _ in range(1000)]
+    assert np.mean(noticed) == pytest.approx(POWER, abs=0.06)
 
 
 @given(n=st.integers(1, 500), share=st.floats(0.0, 1.0))
@@ -94,7 +143,7 @@ def test_holm_of_a_known_example() -> None:
 
 @pytest.mark.parametrize("tests", range(1, 7))
 def test_the_fewest_losses_are_significant_and_one_less_are_not(tests: int) -> None:
-    losses = fewest_losses(tests)
+    losses = fewest_losses(ALPHA / tests)
     assert tests * 0.5**losses <= ALPHA < tests * 0.5 ** (losses - 1)
 
 
@@ -116,7 +165,7 @@ def test_power_is_what_was_computed_for_the_design(
 def test_the_noise_floor_is_where_simulated_runs_are_caught_four_times_in_five(
     pairs: int, win: float, tests: int
 ) -> None:
-    drop = noticeable_drop(pairs, win, tests)
+    drop = noticeable_drop(pairs, win, ALPHA / tests)
     kinds = np.random.default_rng(0).multinomial(
         pairs, [win + drop, win, 1 - 2 * win - drop], size=4000
     )
@@ -129,14 +178,14 @@ def test_the_noise_floor_is_where_simulated_runs_are_caught_four_times_in_five(
 def test_where_nothing_got_worse_a_loss_is_hardly_ever_called(
     rate: float, pairs: int, tests: int
 ) -> None:
-    assert power(pairs, rate, rate, tests) <= ALPHA / tests + 1e-9
+    assert power(pairs, rate, rate, ALPHA / tests) <= ALPHA / tests + 1e-9
 
 
 def test_more_pairs_notice_less_and_churn_hides_it() -> None:
     floors = [noticeable_drop(n) for n in (10, 30, 120, 600)]
     assert floors == sorted(floors, reverse=True)
     assert noticeable_drop(120, 0.05) > noticeable_drop(120)
-    assert noticeable_drop(120, 0.0, 5) > noticeable_drop(120)
+    assert noticeable_drop(120, 0.0, ALPHA / 5) > noticeable_drop(120)
 
 
 def test_four_pairs_notice_not_even_a_total_loss() -> None:

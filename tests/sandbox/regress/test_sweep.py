@@ -15,7 +15,7 @@ from models.surface import Surface
 from sandbox.cli.main import main
 from sandbox.cli.regress import main as regress_main
 from sandbox.figures.variation import draw, save_plot
-from sandbox.regress.baseline import Baseline, KeptTask
+from sandbox.regress.baseline import Baseline, BaselineTask
 from sandbox.regress.execute import Serial
 from sandbox.regress.plan import RegressionPlan, registered
 from sandbox.regress.sweep import Runner, Sweep, check_possible, parse_wanted, sweep, varied
@@ -233,7 +233,7 @@ def test_what_some_task_can_have_is_possible() -> None:
 
 def test_a_varied_run_is_never_compared_with_a_baseline_of_one_that_is_not() -> None:
     plan = RegressionPlan((Heavy,), SEEDS)
-    kept = Baseline(plan.origin(), {"heavy": KeptTask(1, "", {})})
+    kept = Baseline(plan.origin(), {"heavy": BaselineTask(1, "", {})})
     kept.check(plan.origin(), plan.versions())
     for kind in KINDS.values():
         other = varied(plan, kind, kind.up[0]).origin()

@@ -1,0 +1,317 @@
+"""Comparison of a run with its baseline, seed by seed.
+
+Trials with the same seed before and after are pairs. Success is compared by McNemar's test, time
+and the other measures by the signed ranks of their differences. Success and time decide: Holm's
+procedure holds over these two of all tasks, and of all tasks together.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from math import expm1, isfinite
+from statistics import fmean
+from typing import TYPE_CHECKING, Any
+
+from sandbox.recording.versions import differing_parts
+from sandbox.regress import statistics
+from sandbox.regress.execute import CRASHED, Trial
+from sandbox.regress.measures import DECIDING, MEASURES, SUCCESS, TIME, pairs
+
+if TYPE_CHECKING:
+    from sandbox.regress.baseline import Baseline, BaselineTask
+
+TOGETHER = "all tasks"
+"""Stands for all tasks in lists of changes."""
+
+
+@dataclass(frozen=True)
+class Change:
+    """Change of a measure over the seeds that both have; positive changes are worse.
+
+    Attributes:
+        measure: Name of the measure.
+        pairs: Number of seeds at which it is known before and now.
+        before, now: Means; geometric ones for time.
+        change, low, high: Mean change and its interval: a share of the value before for time, of
+            all trials for success, and else a difference.
+        p_loss, p_gain: P values of both one-sided tests, adjusted by Holm for what decides.
+        most: Seeds with the greatest losses, the greatest first.
+        margin: Change that does not matter.
+        decides: True if a loss fails the gate.
+    """
+
+    measure: str
+    pairs: int
+    before: float
+    now: float
+    change: float
+    low: float
+    high: float
+    p_loss: float
+    p_gain: float
+    most: tuple[int, ...] = ()
+    margin: float = 0.0
+    decides: bool = False
+
+    @property
+    def is_loss(self) -> bool:
+        """True for a loss beyond chance and margin in what decides."""
+        return self.decides and self.p_loss <= statistics.GATE and self.change > self.margin
+
+    @property
+    def is_gain(self) -> bool:
+        """True for a gain beyond chance and margin in what decides."""
+        return self.decides and self.p_gain <= statistics.GATE and -self.change > self.margin
+
+    @property
+    def moved(self) -> bool:
+        """True if it differs beyond chance, in either direction."""
+        return min(self.p_loss, self.p_gain) <= statistics.GATE / 2.0
+
+    def text(self) -> str:
+        """The change in words, such as `time 12.3 % longer (8.1 to 16.7), p = 0.0004`."""
+        p = f"p = {min(self.p_loss, self.p_gain):.2g}"
+        worse = self.change > 0
+        if self.measure == SUCCESS:
+            how = "fewer" if worse else "more"
+            now, before = 100.0 * self.now, 100.0 * self.before
+            points = f"{abs(100 * self.change):.1f} points"
+            return f"{points} {how} succeed ({now:.0f} %, were {before:.0f} %), {p}"
+        if self.measure == TIME:
+            low, high = (self.low, self.high) if worse else (-self.high, -self.low)
+            how = "longer" if worse else "shorter"
+            return (
+                f"time {abs(100 * self.change):.1f} % {how} "
+                f"({100 * low:.1f} to {100 * high:.1f} %), {p}"
+            )
+        unit = f" {MEASURES[self.measure].unit}" if MEASURES[self.measure].unit else ""
+        return f"{self.measure} {self.now:.3g}{unit}, was {self.before:.3g}{unit}"
+
+    def as_json(self) -> dict[str, Any]:
+        """JSON values."""
+        return {
+            "pairs": self.pairs,
+            "before": self.before,
+            "now": self.now,
+            "change": self.change,
+            "low": self.low if isfinite(self.low) else None,
+            "high": self.high if isfinite(self.high) else None,
+            "p_loss": self.p_loss,
+            "p_gain": self.p_gain,
+            "moved": self.moved,
+            "loss": self.is_loss,
+            "gain": self.is_gain,
+            "most": list(self.most),
+        }
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """Comparison of a task with its baseline, seed by seed.
+
+    Attributes:
+        both, lost, won, neither: Seeds that succeeded in both, before only, now only, in none.
+        changed: Seeds with different states although the fingerprint is the baseline's.
+        same_machine: Number of pairs with the baseline's fingerprint, whose states are compared; 0
+            where the baseline is of other `STATES` or models.
+        elsewhere: What states depend on and was different there, in words, for the other pairs.
+        crashed: Number of pairs whose trial crashed now.
+        unpaired: Seeds that were run and that the baseline lacks.
+        progress: Mean progress now minus mean progress before.
+        changes: Changes of the measures, by name.
+    """
+
+    both: list[int] = field(default_factory=list)
+    lost: list[int] = field(default_factory=list)
+    won: list[int] = field(default_factory=list)
+    neither: list[int] = field(default_factory=list)
+    changed: list[int] = field(default_factory=list)
+    same_machine: int = 0
+    elsewhere: tuple[str, ...] = ()
+    crashed: int = 0
+    unpaired: list[int] = field(default_factory=list)
+    progress: float = 0.0
+    changes: Mapping[str, Change] = field(default_factory=dict)
+
+    @property
+    def pairs(self) -> int:
+        """Seeds that both have."""
+        return len(self.both) + len(self.lost) + len(self.won) + len(self.neither)
+
+    @property
+    def significant(self) -> bool:
+        """True if success or time is a loss beyond chance and margin."""
+        return any(change.is_loss for change in self.changes.values())
+
+    def as_json(self, level: float) -> dict[str, Any]:
+        """With what so many pairs can notice, and can where as many are won as were here.
+
+        Args:
+            level: P value up to which a loss is called; see `level_of`.
+        """
+        churn = len(self.won) / self.pairs if self.pairs else 0.0
+        return {
+            "pairs": self.pairs,
+            "both": len(self.both),
+            "lost": self.lost,
+            "won": self.won,
+            "neither": len(self.neither),
+            "without_baseline": self.unpaired,
+            "measures": {name: change.as_json() for name, change in self.changes.items()},
+            "significant_loss": self.significant,
+            "progress_change": self.progress,
+            "same_machine": self.same_machine,
+            "elsewhere": list(self.elsewhere),
+            "changed_states": self.changed,
+            "fewest_losses": statistics.fewest_losses(level),
+            "noticeable_drop": statistics.noticeable_drop(self.pairs, 0.0, level),
+            "noticeable_drop_with_this_churn": statistics.noticeable_drop(self.pairs, churn, level),
+        }
+
+
+def compared(
+    tasks: Mapping[str, Sequence[Trial]],
+    baseline: Baseline,
+    limits: Mapping[str, float],
+    margins: Mapping[str, float],
+    states: bool,
+) -> tuple[dict[str, Comparison], dict[str, Change]]:
+    """Comparisons by task, and changes over all tasks if there are several.
+
+    Args:
+        tasks: Trials of the run by task.
+        baseline: The baseline; tasks that it lacks are left out.
+        limits: s, time limits by task.
+        margins: Changes of what decides that do not matter, as shares, by measure.
+        states: True compares states.
+    """
+    found: dict[str, Comparison] = {}
+    rows: dict[str, dict[str, list[tuple[int, float, float]]]] = {}
+    for name, trials in tasks.items():
+        if name not in baseline.tasks:
+            continue
+        comparison = _paired(trials, baseline.tasks[name], states)
+        if not comparison.pairs:
+            continue
+        before = {seed: trial.values() for seed, trial in baseline.tasks[name].trials.items()}
+        now = {trial["seed"]: {"measures": {}, **trial} for trial in trials}
+        rows[name] = {m: list(pairs(m, before, now, limits[name])) for m in MEASURES}
+        changes = {m: _change(m, some, margins) for m, some in rows[name].items() if some}
+        found[name] = replace(comparison, changes=changes)
+    together = {}
+    if len(found) > 1:
+        for measure in DECIDING:
+            every = [row for of_task in rows.values() for row in of_task[measure]]
+            together[measure] = _change(measure, every, margins)
+    return _adjusted(found, together)
+
+
+def level_of(tasks: int) -> float:
+    """P value up to which a loss is called at the hardest of Holm's steps.
+
+    Args:
+        tasks: Number of tasks; what decides is tested of each, and of several together.
+    """
+    return statistics.GATE / (len(DECIDING) * max(tasks + (tasks > 1), 1))
+
+
+def lacking_measures(
+    tasks: Mapping[str, Sequence[Trial]], baseline: Baseline, comparisons: Iterable[str]
+) -> bool:
+    """True if a run has measures that the compared trials of the baseline do not have."""
+    return any(
+        any(trial.get("measures") for trial in tasks[name])
+        and not any(trial.measures for trial in baseline.tasks[name].trials.values())
+        for name in comparisons
+    )
+
+
+def _change(
+    measure: str, rows: Sequence[tuple[int, float, float]], margins: Mapping[str, float]
+) -> Change:
+    """Change of a measure; p values are not adjusted."""
+    kind = MEASURES[measure]
+    worse = [kind.change(before, now) for _, before, now in rows]
+    mean, low, high = statistics.mean_change(worse)
+    if measure == SUCCESS:
+        lost, won = sum(w > 0 for w in worse), sum(w < 0 for w in worse)
+        p_loss, p_gain = statistics.mcnemar(lost, won), statistics.mcnemar(won, lost)
+    else:
+        p_loss = statistics.signed_rank(worse)
+        p_gain = statistics.signed_rank([-w for w in worse])
+    if kind.relative:
+        mean, low, high = expm1(mean), expm1(low), expm1(high) if isfinite(high) else high
+    order = sorted(range(len(rows)), key=lambda i: -worse[i])
+    return Change(
+        measure,
+        len(rows),
+        fmean(before for _, before, _ in rows),
+        fmean(now for _, _, now in rows),
+        mean,
+        low,
+        high,
+        p_loss,
+        p_gain,
+        tuple(rows[i][0] for i in order[:_MOST] if worse[i] > 0.0),
+        margins.get(measure, 0.0),
+        measure in DECIDING,
+    )
+
+
+_MOST = 5
+"""Most seeds that are named for a change."""
+
+
+def _adjusted(
+    found: dict[str, Comparison], together: dict[str, Change]
+) -> tuple[dict[str, Comparison], dict[str, Change]]:
+    """The same with p values adjusted: of what decides over all, of the others by measure."""
+    places = {(name, m): c for name, f in found.items() for m, c in f.changes.items()}
+    places |= {(TOGETHER, m): c for m, c in together.items()}
+    families: list[list[tuple[str, str]]] = [[at for at in places if at[1] in DECIDING]]
+    families += [[at for at in places if at[1] == m] for m in MEASURES if m not in DECIDING]
+    new: dict[tuple[str, str], Change] = {}
+    for family in families:
+        loss = statistics.holm({at: places[at].p_loss for at in family})
+        gain = statistics.holm({at: places[at].p_gain for at in family})
+        new |= {at: replace(places[at], p_loss=loss[at], p_gain=gain[at]) for at in family}
+    return (
+        {
+            name: replace(f, changes={m: new[name, m] for m in f.changes})
+            for name, f in found.items()
+        },
+        {m: new[TOGETHER, m] for m in together},
+    )
+
+
+def _paired(trials: Iterable[Trial], task: BaselineTask, states: bool) -> Comparison:
+    """Pairs of a task's trials, and their states where these can be equal."""
+    c = Comparison()
+    same, crashed, changes = 0, 0, []
+    elsewhere: dict[str, None] = {}
+    for trial in trials:
+        seed = trial["seed"]
+        before = task.trials.get(seed)
+        if before is None:
+            c.unpaired.append(seed)
+            continue
+        kinds = {(True, True): c.both, (True, False): c.lost, (False, True): c.won}
+        kinds.get((before.success, trial["success"]), c.neither).append(seed)
+        changes.append(trial["progress"] - before.progress)
+        crashed += trial["status"] == CRASHED
+        if not states:
+            continue
+        if task.fingerprint and trial["fingerprint"] == task.fingerprint:
+            same += 1
+            if trial["state_hash"] != before.state_hash:
+                c.changed.append(seed)
+        elif trial["status"] != CRASHED and task.depends_on:
+            elsewhere |= dict.fromkeys(differing_parts(task.depends_on, trial["depends_on"]))
+    return replace(
+        c,
+        same_machine=same,
+        elsewhere=tuple(elsewhere),
+        crashed=crashed,
+        progress=fmean(changes) if changes else 0.0,
+    )
