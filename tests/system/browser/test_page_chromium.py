@@ -247,6 +247,38 @@ def test_what_the_system_takes_away_is_not_lifted(stage: Stage, tab: Tab) -> Non
     assert not any(frame.cancelled for frame in lifted)
 
 
+POINTERS = """
+window.pointer = (kind, id, x) => {
+  const at = { pointerId: id, pointerType: 'touch', clientX: x, clientY: 290, bubbles: true };
+  document.elementFromPoint(150, 290).dispatchEvent(new PointerEvent(`pointer${kind}`, at));
+};
+window.gone = false;
+const state = Object.getOwnPropertyDescriptor(WebSocket.prototype, 'readyState').get;
+Object.defineProperty(WebSocket.prototype, 'readyState', {
+  get() { return gone ? WebSocket.CLOSED : state.call(this); },
+});
+true
+"""
+"""Pointer events of a script, and a network through which nothing is said while it is `gone`."""
+
+
+def test_a_cancelled_finger_is_none_that_was_lifted_whatever_was_cancelled_unseen_before(
+    stage: Stage, tab: Tab
+) -> None:
+    tab.wait(READY)
+    tab.evaluate(POINTERS)
+    tab.evaluate("pointer('down', 900, 100); true")
+    (contact,) = frames(stage, lambda found: bool(found and found[-1].contacts))[-1].contacts
+    tab.evaluate(
+        "gone = true; for (let i = 0; i < 30; i++) "
+        "{ pointer('down', 1000 + i, 150); pointer('cancel', 1000 + i, 150); } "
+        "pointer('cancel', 900, 100); gone = false; pointer('down', 901, 200); true"
+    )
+    last = frames(stage, lambda found: [c.id for c in found[-1].contacts] != [contact.id])[-1]
+    assert last.cancelled == {contact.id} and len(last.contacts) == 1
+    tab.evaluate("pointer('up', 901, 200); true")
+
+
 def test_fingers_that_rest_are_not_taken_for_gone(
     stage: Stage, tab: Tab, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -173,7 +173,7 @@ export class Fingers {
   private flush(at: number): void {
     this.moved = 0;
     this.flushed = performance.now();
-    const cancelled = this.cancelled.splice(0, MOST);
+    const cancelled = this.cancelled.splice(0);
     this.tell({ fingers: this.all, resting: this.resting, cancelled, at });
   }
 }

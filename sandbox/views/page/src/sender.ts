@@ -11,6 +11,9 @@ export class Sender {
   private seq = 0;
   private last = 0;
   private fingers: Finger[] = [];
+  /** Contacts of the last message that was sent, at most as many as a message may cancel. */
+  private known = new Set<number>();
+  /** Those of them that the system has cancelled since. */
   private unsent: number[] = [];
   private lift: number | null = null;
   /** The lift of the last message. */
@@ -30,7 +33,8 @@ export class Sender {
   touch(change: Change): void {
     const moves = change.fingers.length === this.fingers.length && !change.cancelled.length;
     this.fingers = change.fingers;
-    this.unsent.push(...change.cancelled);
+    // What no message had is not there to be cancelled.
+    this.unsent.push(...change.cancelled.filter((id) => this.known.has(id)));
     // Of several moves only the newest counts; touch-down and touch-up are never delayed.
     if (moves && this.connection.stalled) return;
     this.send(change.at);
@@ -84,10 +88,11 @@ export class Sender {
         round(f.width),
         round(f.height),
       ]),
-      cancelled: this.unsent.slice(0, 20),
+      cancelled: this.unsent,
       lift: this.told,
     });
     if (!sent) return;
+    this.known = new Set(this.fingers.map((f) => f.id));
     this.unsent = [];
     this.last = performance.now();
     if (at === null) return;

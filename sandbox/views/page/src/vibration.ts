@@ -15,6 +15,15 @@ export class Vibration {
   /** True in a study, where all participants feel the same: nothing. */
   muted = false;
   private wanted = recall(KEPT) !== "off";
+  /** Browsers refuse to vibrate, and complain, before a finger has touched the page and left it. */
+  private touched = false;
+
+  constructor() {
+    const touch = (): void => {
+      this.touched = true;
+    };
+    window.addEventListener("pointerup", touch, { once: true, capture: true });
+  }
 
   get on(): boolean {
     return this.possible && this.wanted;
@@ -34,6 +43,6 @@ export class Vibration {
   }
 
   private vibrate(pattern: number | number[]): void {
-    if (this.on && !this.muted) navigator.vibrate(pattern);
+    if (this.on && this.touched && !this.muted) navigator.vibrate(pattern);
   }
 }
