@@ -14,7 +14,6 @@ from rich.markup import escape
 from models.errors import InputError
 from models.surface import Surface
 from sandbox.cli.common.command_line import parse
-from sandbox.cli.common.films import open_film
 from sandbox.cli.common.json_out import TERMINAL, check_output, refuse_same, write_json
 from sandbox.cli.common.lsl_options import LslOptions, streaming
 from sandbox.cli.common.printing import printing
@@ -154,7 +153,12 @@ def _run(options: RunOptions, chosen: Settings, events: EventLog, console: Conso
             if is_live(chosen):
                 views.append(pace)
             if options.film:
-                views.append(closing.enter_context(open_film(options.film, session, caption)).show)
+                # Drawing loads OpenGL, which a run without a film never needs.
+                from sandbox.views.film import FilmView
+
+                surface = session.whole_surface
+                drawn = FilmView(options.film, session.scene, surface, caption=caption)
+                views.append(closing.enter_context(drawn).show)
             if options.motion:
                 # This import loads all formats of motion files.
                 from sandbox.export.view import MotionView

@@ -164,9 +164,9 @@ def main(argv: list[str]) -> int:
 
         return record(argv[1:])
     if argv[:1] == ["report"]:
-        from sandbox.cli.capture.camera_report import main as camera_report
+        from sandbox.cli.capture.report import main as report_main
 
-        return camera_report(argv[1:])
+        return report_main(argv[1:])
     if argv[:1] == ["simulate"]:
         from sandbox.cli.capture.simulate import main as simulate
 
@@ -221,8 +221,7 @@ def main(argv: list[str]) -> int:
 
 def _capture_from_leap(options: CaptureOptions) -> int:
     """Makes a capture from the hand of a Leap, or from a camera's pictures."""
-    from sandbox.cli.capture.hands import capture_of_hands
-    from sandbox.cli.capture.pictures import capture_of_pictures
+    from sandbox.captures.recorded import capture_of_hands, capture_of_pictures
 
     camera = options.recorded is not None and is_landmark_file(options.recorded / HANDS)
     convert = capture_of_pictures if camera else capture_of_hands

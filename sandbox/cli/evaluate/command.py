@@ -124,8 +124,8 @@ def measure(options: EvaluateOptions, person: Subject) -> int:
     from encoders.evaluation.report import report
     from encoders.evaluation.training import check_names
     from encoders.regression.registry import ENCODER_PLUGINS, is_external
-    from sandbox.cli.evaluate.data import gather, refuse_learned
-    from sandbox.cli.evaluate.tables import show
+    from sandbox.evaluation.data import gather, refuse_learned
+    from sandbox.evaluation.tables import show
 
     check_names(options.encoders)
     console = Console()

@@ -23,13 +23,13 @@ from models.errors import InputError
 from models.frames import SIDES, HandFrame
 from sandbox.cli.common.command_line import application, run
 from sandbox.cli.common.json_out import refuse_replacing
-from sandbox.cli.paalm.views import check_picture, show_pictures
 from sandbox.devices.leap import DEFAULT_ADDRESS
 from sandbox.devices.leap.guided_calibration import save_calibrations
 from sandbox.devices.leap.leap import LeapDevice, LeapFileDevice
 from sandbox.devices.leap.leap_file import doubt_of_side, read_leap
 from sandbox.devices.leap.leap_write import GENERATOR
 from sandbox.trial.profiles import DEFAULT, own_calibration_path
+from sandbox.views.paalm.show import check_picture, show_pictures
 
 SCHEMA = 1
 HEADER = (

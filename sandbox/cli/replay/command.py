@@ -15,7 +15,6 @@ from rich.progress import Progress
 
 from models.errors import InputError
 from sandbox.cli.common.command_line import FLAT, parse
-from sandbox.cli.common.films import open_film
 from sandbox.cli.replay.study import elsewhere, study_folder, verdict, verified, verify_study
 from sandbox.recording.recording import Recording, load_recording
 from sandbox.server.page_options import PageOptions
@@ -153,7 +152,12 @@ def _replay(file: Path, options: ReplayOptions, brief: bool, console: Console) -
             if keeps:
                 views.append(kept.append)
             if film is not None:
-                views.append(closing.enter_context(open_film(film, session, caption)).show)
+                # Drawing loads OpenGL, which a replay without a film never needs.
+                from sandbox.views.film import FilmView
+
+                surface = session.whole_surface
+                drawn = FilmView(film, session.scene, surface, caption=caption)
+                views.append(closing.enter_context(drawn).show)
             return views
 
         session, verification = replay(recording, make_views)

@@ -17,8 +17,8 @@ from encoders.evaluation import training
 from encoders.regression.train import save_model, train
 from encoders.regression.trained import TrainedModel, builtin_capture
 from encoders.store import load_capture, save_capture
-from sandbox.cli.evaluate.data import capture_files
 from sandbox.cli.main import main
+from sandbox.evaluation.data import capture_files
 
 PICTURES = ("table-1", "table-2", "by-fingers", "pca-variance", "figure-2")
 

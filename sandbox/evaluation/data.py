@@ -1,4 +1,4 @@
-"""Training and test data of `sandbox evaluate`: a simulated subject's days, or captures in
+"""Training and test data of evaluations: a simulated subject's days, or captures in
 files."""
 
 from __future__ import annotations

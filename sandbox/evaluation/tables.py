@@ -10,7 +10,7 @@ from rich.table import Table
 
 from encoders.evaluation.paper import row
 from encoders.evaluation.training import TRAINED
-from sandbox.cli.evaluate.data import BUILTIN, SPLIT
+from sandbox.evaluation.data import BUILTIN, SPLIT
 
 Report = dict[str, Any]
 

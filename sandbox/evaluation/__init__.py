@@ -1,0 +1,1 @@
+"""Evaluations of encoders and of PAALM: their data, what is judged, and the tables of it."""

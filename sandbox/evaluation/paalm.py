@@ -1,0 +1,317 @@
+"""How well PAALM reconstructs hands, and what each open question of the paper costs."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import asdict, replace
+from pathlib import Path
+from typing import Any
+
+from rich.console import Console
+from rich.table import Table
+from rich.text import Text
+
+from encoders.evaluation.paalm_judge import Judgement, judge_recording, summary, test_seeds
+from encoders.evaluation.paalm_pair import two_hand_milliseconds
+from encoders.evaluation.paalm_plausible import Plausibility, plausibility
+from encoders.evaluation.paalm_recorded import as_first_software, independent, take_of_recording
+from encoders.paalm import EQUAL, PAPER, TWO_THIRDS, Coupling, PaalmOptions
+from encoders.paalm.simulated.air import simulate_air
+from encoders.paalm.simulated.forward import LeapTake, leap_take
+from encoders.paalm.simulated.leap_configuration import FROZEN_LEAP, PRINTED_LEAP
+from models.errors import EncoderError, InputError, RecordingError
+from models.frames import SIDES
+from sandbox.devices.leap.leap_file import LeapRecording, read_leap
+from sandbox.devices.leap.leap_write import take_with_truth
+from sandbox.devices.simulated.in_air import LeapDisturbance
+
+CONDITIONS = {
+    "v1": ("v1", True),
+    "v1_without_drop_outs": ("v1", False),
+    "v3": ("v3", True),
+}
+"""Name -> dialect, drop-outs. The first is the one that PAALM was written for."""
+
+
+def judge_simulated(takes: int, shown: Callable[[float], None]) -> dict[str, Any]:
+    seeds = test_seeds(takes)
+    results: dict[str, list[Judgement]] = {name: [] for name in CONDITIONS}
+    printed: list[Judgement] = []
+    live: list[Judgement] = []
+    couplings: dict[str, list[Judgement]] = {}
+    done, parts = 0, len(CONDITIONS) * takes
+    for seed in seeds:
+        hand = simulate_air(seed)
+        for name, (dialect, drop_outs) in CONDITIONS.items():
+            take = leap_take(hand, seed, dialect, drop_outs)
+            results[name].append(judge_recording(str(seed), take))
+            if name == "v1":
+                live.append(judge_recording(str(seed), take, measured=False))
+                as_printed = leap_take(hand, seed, dialect, drop_outs, PRINTED_LEAP)
+                printed.append(judge_recording(str(seed), as_printed, PAPER))
+            if dialect == "v3":
+                _by_coupling(couplings, str(seed), take, SIMULATED_FIT)
+            done += 1
+            shown(done / parts)
+    conditions = {name: summary(j) for name, j in results.items()}
+    return {
+        "source": "SIMULATED hands, simulated Leap: no person and no device",
+        "seeds": seeds,
+        **conditions["v1"],
+        "ms_per_frame_two_hands": two_hand_milliseconds(
+            leap_take(simulate_air(seeds[0]), seeds[0]),
+            leap_take(simulate_air(seeds[0] + 1, "left"), 1),
+        ),
+        "without_drop_outs": conditions["v1_without_drop_outs"],
+        "v3": conditions["v3"],
+        "live": summary(live),
+        "paper_as_printed": summary(printed),
+        "couplings_v3": {k: _short(j) for k, j in couplings.items()},
+    }
+
+
+def judge_folder(folder: Path, shown: Callable[[float], None]) -> dict[str, Any]:
+    if not folder.is_dir():
+        raise InputError(
+            "no such folder", where=f"--paalm {folder}", expected="simulated, or a folder"
+        )
+    left_out: dict[str, str] = {}
+    takes: list[tuple[str, LeapTake, LeapTake | None]] = []
+    plausible: dict[str, Plausibility] = {}
+    paths = sorted(p for p in folder.iterdir() if p.is_file())
+    for number, path in enumerate(paths):
+        try:
+            recording = read_leap(path)
+            if recording.damage is not None:
+                left_out[f"{path.name} (its end)"] = str(recording.damage)
+            if recording.dialect == "v1" and take_with_truth(recording, str(path)) is None:
+                plausible[path.name] = plausibility(recording.frames)
+                plausible[f"{path.name}, live"] = plausibility(recording.frames, live=True)
+            else:
+                takes += list(_takes(path, recording))
+        except (RecordingError, EncoderError) as error:
+            left_out[path.name] = str(error)
+        shown(0.3 * (number + 1) / len(paths))
+    angles: list[Judgement] = []
+    names: list[Judgement] = []
+    couplings: dict[str, list[Judgement]] = {}
+    truth = [take for _, take, _ in takes if independent(take)]
+    for number, (name, take, unnamed) in enumerate(takes):
+        try:
+            if unnamed is not None:
+                _names(names, left_out, name, unnamed)
+            if not independent(take):
+                left_out[f"{name} (angles)"] = "PIP and DIP are equal by construction (Leap v2)"
+            else:
+                angles.append(judge_recording(name, take))
+                if take.dialect == "v1":
+                    names.append(angles[-1])
+                else:
+                    _by_coupling(couplings, name, take, _fit([t for t in truth if t is not take]))
+        except EncoderError as error:
+            left_out[name] = str(error)
+        shown(0.3 + 0.7 * (number + 1) / len(takes))
+    if not angles and not names and not plausible:
+        why = "; ".join(f"{k}: {v}" for k, v in list(left_out.items())[:3]) or "it is empty"
+        raise InputError("no recording can be judged", where=f"--paalm {folder}", got=why)
+    figures = summary(angles or names) if angles or names else {"recordings": 0}
+    if names:
+        figures["identity_percent"] = summary(names)["identity_percent"]
+    return {
+        "source": str(folder),
+        **figures,
+        "identity_recordings": [j.name for j in names],
+        "couplings": {k: _short(j) for k, j in couplings.items()},
+        "plausibility": {name: asdict(found) for name, found in plausible.items()},
+        "left_out": left_out,
+    }
+
+
+def _names(found: list[Judgement], left_out: dict[str, str], name: str, unnamed: LeapTake) -> None:
+    """Names need an open hand, which angles of a device that knows joints do not."""
+    try:
+        found.append(judge_recording(name, unnamed, angles=False))
+    except EncoderError as error:
+        left_out[f"{name} (names)"] = str(error)
+
+
+def _takes(path: Path, recording: LeapRecording) -> Iterator[tuple[str, LeapTake, LeapTake | None]]:
+    """Takes of a file: name, as recorded, and without names where the device names fingers."""
+    known = take_with_truth(recording, str(path))
+    if known is not None:
+        yield path.name, known, as_first_software(known) if known.dialect == "v3" else None
+        return
+    sides = {h.side for f in recording.frames for h in f.hands}
+    for side in SIDES:
+        if side in sides:
+            take = take_of_recording(recording.frames, side)
+            yield f"{path.name} {side}", take, as_first_software(take)
+
+
+def _fit(others: list[LeapTake]) -> Coupling | None:
+    """The coupling of the other recordings; None where they say nothing."""
+    if not others:
+        return None
+    try:
+        return Coupling.fitted(
+            [a for t in others for a in t.angles[:, 1:, 2].ravel()],
+            [a for t in others for a in t.angles[:, 1:, 3].ravel()],
+        )
+    except EncoderError:
+        return None
+
+
+def _by_coupling(
+    table: dict[str, list[Judgement]], name: str, take: LeapTake, fitted: Coupling | None
+) -> None:
+    known = {"two_thirds": TWO_THIRDS, "equal": EQUAL}
+    for key, coupling in (known | ({"fitted": fitted} if fitted else {})).items():
+        options = replace(PaalmOptions(), coupling=coupling)
+        table.setdefault(key, []).append(judge_recording(name, take, options))
+
+
+def _short(judgements: list[Judgement]) -> dict[str, Any]:
+    figures = summary(judgements)
+    return {k: figures[k] for k in ("mcp_deg", "pip_deg", "dip_deg", "pip_dip_deg", "recordings")}
+
+
+def show_judgements(found: dict[str, Any]) -> None:
+    table = Table("", "MCP", "PIP", "DIP", "PIP+DIP", "names paper", "tracked", "jitter", "ms")
+    rows = {"judged": found}
+    for key in ("live", "without_drop_outs", "v3", "paper_as_printed"):
+        if key in found:
+            rows[key.replace("_", " ")] = found[key]
+    for name, row in rows.items():
+        if not row["recordings"]:
+            continue
+        cells = [row[k] for k in ("mcp_deg", "pip_deg", "dip_deg", "pip_dip_deg")]
+        cells += [row["identity_percent"]["paper"], row["identity_percent"]["tracked"]]
+        cells += [row["jitter_deg"], row["ms_per_frame"]]
+        table.add_row(name, *("-" if c is None else f"{c:.2f}" for c in cells))
+    console = Console()
+    console = Console(width=max(console.width, 100))
+    if found["recordings"]:
+        console.print(table)
+    console.print(
+        Text(f"{found['source']}; {found['recordings']} recordings; degrees, percent, ms a frame")
+    )
+    if "ms_per_frame_two_hands" in found:
+        console.print(Text(f"two hands: {found['ms_per_frame_two_hands']:.2f} ms a frame (median)"))
+    for name, row in found.get("couplings_v3", found.get("couplings", {})).items():
+        console.print(
+            Text(
+                f"joints, coupling {name}: PIP {row['pip_deg']:.2f}, DIP {row['dip_deg']:.2f}, "
+                f"PIP+DIP {row['pip_dip_deg']:.2f}"
+            )
+        )
+    for name, row in found.get("plausibility", {}).items():
+        console.print(
+            Text(
+                f"{name}, no truth: of {row['fingers']} seen fingers, "
+                f"{100 * row['backward']:.1f} % with the knuckle at its backward limit, "
+                f"{100 * row['claws']:.1f} % claws, "
+                f"{100 * row['at_limit']:.1f} % with another joint at a limit; fingertips of the "
+                f"pose within {1000 * row['tips']:.1f} mm (95 %) of where the device saw them"
+            )
+        )
+    for what, why in found.get("left_out", {}).items():
+        console.print(Text(f"left out: {what}: {why}"))
+
+
+FIRST_PERSON = 100
+"""Simulated persons to choose readings by; below 200, as all seeds of development are."""
+
+SIMULATED_FIT = Coupling(0.631, 1.596)
+"""Least squares over the gestures of the simulated persons 0 to 9, who are never judged."""
+
+DEFAULT = PaalmOptions()
+READINGS: dict[str, PaalmOptions] = {
+    "default": DEFAULT,
+    "identity: paper": replace(DEFAULT, identity="paper"),
+    "solve: lengths": replace(DEFAULT, solve="lengths"),
+    "direction: device": replace(DEFAULT, solve="lengths", direction="device"),
+    "direction: knuckle_to_tip": replace(DEFAULT, solve="lengths", direction="knuckle_to_tip"),
+    "first_joint: direction": replace(DEFAULT, first_joint="direction"),
+    "first_joint: direction, by lengths": replace(
+        DEFAULT, solve="lengths", first_joint="direction"
+    ),
+    "hidden: 0": replace(DEFAULT, solve="lengths", hidden=0.0),
+    "behind: 0": replace(DEFAULT, behind=0.0),
+    "behind: 0.45": replace(DEFAULT, behind=0.45),
+    "open_bend: 0": replace(DEFAULT, open_bend=0.0),
+    "open_bend: 10": replace(DEFAULT, open_bend=10.0),
+    "coupling: equal": replace(DEFAULT, coupling=EQUAL),
+    "coupling: fitted": replace(DEFAULT, coupling=SIMULATED_FIT),
+    "hold: device": replace(DEFAULT, hold="device"),
+    "vanished: folded": replace(DEFAULT, vanished="folded"),
+    "smoothing: 0": replace(DEFAULT, smoothing=0.0),
+    "all as printed": PAPER,
+}
+
+ROUGH = replace(LeapDisturbance(2.0).applied(FROZEN_LEAP), lost_rate=4 * FROZEN_LEAP.lost_rate)
+"""A device twice as noisy that loses fingers four times as often."""
+
+
+def judge_readings(takes: int, shown: Callable[[float], None]) -> dict[str, Any]:
+    """Every reading with and without drop-outs, and the default on a worse device.
+
+    Nobody is measured: lengths of the first software vary too much for a reading by lengths.
+    """
+    hands = [(s, simulate_air(s)) for s in range(FIRST_PERSON, FIRST_PERSON + takes)]
+    conditions: dict[str, list[tuple[int, LeapTake]]] = {
+        "v1": [(s, leap_take(hand, s)) for s, hand in hands],
+        "without_drop_outs": [(s, leap_take(hand, s, drop_outs=False)) for s, hand in hands],
+    }
+    readings: dict[str, Any] = {}
+    for done, (name, options) in enumerate(READINGS.items()):
+        readings[name] = {
+            condition: _figures(
+                [
+                    judge_recording(str(s), t, options, names=False, measured=False)
+                    for s, t in seen_takes
+                ]
+            )
+            for condition, seen_takes in conditions.items()
+        }
+        shown((done + 1) / (len(READINGS) + 1))
+    rough = [judge_recording(str(s), leap_take(hand, s, configuration=ROUGH)) for s, hand in hands]
+    return {
+        "source": "SIMULATED hands, simulated Leap: no person and no device",
+        "seeds": [s for s, _ in hands],
+        "readings": readings,
+        "rough_device": _figures(rough) | {"identity_percent": summary(rough)["identity_percent"]},
+    }
+
+
+def _figures(judgements: list[Any]) -> dict[str, Any]:
+    figures = summary(judgements)
+    keys = ("mcp_deg", "mcp_spread_deg", "pip_deg", "dip_deg", "pip_dip_deg", "thumb_cmc_deg")
+    kept = {k: figures[k] for k in (*keys, "thumb_mcp_deg", "jitter_deg")}
+    return kept | {"seen_pip_deg": figures["seen_fingers"]["pip_deg"]}
+
+
+def show_readings(found: dict[str, Any]) -> None:
+    """The table that docs/paalm.md quotes."""
+    table = Table("reading", "MCP", "PIP", "DIP", "PIP seen", "jitter", "no drop-outs: MCP", "PIP")
+    table.add_column("DIP")
+    table.add_column("thumb CMC, MCP")
+    for name, row in found["readings"].items():
+        all_of_it, whole = row["v1"], row["without_drop_outs"]
+        cells = [all_of_it[k] for k in ("mcp_deg", "pip_deg", "dip_deg", "seen_pip_deg")]
+        cells += [all_of_it["jitter_deg"]]
+        cells += [whole[k] for k in ("mcp_deg", "pip_deg", "dip_deg")]
+        thumb = f"{whole['thumb_cmc_deg']:.1f}, {whole['thumb_mcp_deg']:.1f}"
+        table.add_row(name, *(f"{c:.2f}" for c in cells), thumb)
+    console = Console()
+    console = Console(width=max(console.width, 140))
+    console.print(table)
+    rough = found["rough_device"]
+    names = rough["identity_percent"]
+    console.print(
+        Text(
+            f"a device twice as noisy, four times as forgetful: names {names['tracked']:.2f} % "
+            f"tracked, {names['paper']:.2f} % paper; PIP of seen fingers "
+            f"{rough['seen_pip_deg']:.2f}"
+        )
+    )
+    console.print(Text(f"{found['source']}; degrees; persons {found['seeds']}"))
