@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import math
-import time
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -13,14 +11,10 @@ from cyclopts import Parameter
 from rich.console import Console
 from rich.markup import escape
 
-from encoders.labels.belief import builtin_population_belief
 from encoders.person.hand_size import SPREADS, HandSize, builtin_sizes
 from encoders.person.rest_posture import load_rest, read_rest
-from encoders.person.spreads import SpreadCollector
-from models.arithmetic.arrays import Array
 from models.errors import InputError
-from models.person import Person, PersonFrame
-from models.scene import CONTROL_PERIOD
+from models.person import PersonFrame
 from models.surface import Surface
 from sandbox.cli.common.command_line import flat, picked
 from sandbox.cli.common.json_out import check_output, refuse_replacing
@@ -29,19 +23,13 @@ from sandbox.devices.device import Device
 from sandbox.devices.files.touch_files import first_line
 from sandbox.devices.registry import given_device_options, is_in_air
 from sandbox.devices.simulated.spreads import SimulatedSpreads
+from sandbox.hand.layouts import collect_layouts, named_layouts, rounded_interval
 from sandbox.recording.recording import is_recording
-from sandbox.session.own_layouts import Layouts, kept_layouts
 from sandbox.trial.open_devices import device_makers, is_live
 from sandbox.trial.profiles import Profile, default_path, save_profile
 from sandbox.trial.settings import Settings
 from sandbox.trial.trial_options import TrialOptions, trial_settings
 from tasks.registry import find_task
-
-_ASKED = {
-    "natural": "put down all five fingertips, relaxed, and hold still",
-    "closed": "lift, then put them down as close together as is comfortable",
-    "wide": "lift, then put them down as wide apart as is comfortable",
-}
 
 
 @flat
@@ -142,7 +130,7 @@ def measure(options: MeasureOptions = MeasureOptions()) -> int:
     else:
         device = _opened(chosen, surface)
     try:
-        layouts = _collect(device, is_live(chosen), options.seconds, console)
+        layouts = collect_layouts(device, is_live(chosen), options.seconds, console)
     finally:
         device.close()
     frame = PersonFrame(asked, surface)
@@ -151,8 +139,10 @@ def measure(options: MeasureOptions = MeasureOptions()) -> int:
     _report(size, console)
     measured = replace(asked, hand_size=round(size.ratio, 4))
     played = simulated or chosen.device.user is not None
-    interval = _rounded(size, measured)
-    profile = Profile(measured, interval, options.device, played, _named(inward, measured), ())
+    interval = rounded_interval(size, measured)
+    profile = Profile(
+        measured, interval, options.device, played, named_layouts(inward, measured), ()
+    )
     save_profile(profile, path)
     if options.rest is not None:
         try:
@@ -199,47 +189,6 @@ def _check_surface(options: MeasureOptions, settings: Settings) -> None:
         )
 
 
-def _collect(device: Device, live: bool, seconds: float, console: Console) -> list[Array]:
-    """Returns the layouts of the first three rests of five fingers, m on the screen."""
-    collector = SpreadCollector()
-    if device.address:
-        console.print(f"listening for TUIO on [bold]{device.address}[/]")
-    if live:
-        _ask(console, 0)
-    begin, now, most = time.monotonic(), 0.0, 0
-    while len(collector.layouts) < len(SPREADS):
-        for frame in device.poll(now):
-            most = max(most, len(frame.contacts))
-            if collector.step(frame):
-                done = len(collector.layouts)
-                console.print(f"  {done} of {len(SPREADS)} spreads seen")
-                if live and done < len(SPREADS):
-                    _ask(console, done)
-                if done == len(SPREADS):
-                    break
-        if device.finished or now > (seconds if live else math.inf):
-            break
-        if live:
-            time.sleep(0.004)
-            now = time.monotonic() - begin
-        else:
-            now += CONTROL_PERIOD
-    if len(collector.layouts) < len(SPREADS):
-        raise InputError(
-            "five fingers did not rest three times",
-            where=f"--device {device.name}",
-            got=f"{len(collector.layouts)} times, and at most {most} fingers at once",
-            expected="three spreads of five fingers, each held still for half a second",
-            remedy="Lift the hand between two spreads",
-        )
-    return list(collector.layouts)
-
-
-def _ask(console: Console, number: int) -> None:
-    name = SPREADS[number]
-    console.print(f"[bold]{number + 1} of {len(SPREADS)}, {name}[/]: {_ASKED[name]}")
-
-
 def _report(size: HandSize, console: Console) -> None:
     alone = ", ".join(f"{n} {r:.2f}" for n, r in zip(SPREADS, size.alone, strict=True))
     console.print(
@@ -247,18 +196,3 @@ def _report(size: HandSize, console: Console) -> None:
         f"alone: {alone}",
         soft_wrap=True,
     )
-
-
-def _named(layouts: list[Array], person: Person) -> Layouts:
-    """The layouts of five fingers, thumb first, that are named with certainty."""
-    belief = builtin_population_belief()
-    for xy in layouts:
-        belief.reset()
-        belief.assign(dict(enumerate(map(tuple, (xy / person.hand_size).tolist()))), {})
-    return kept_layouts(belief.own, person.hand_size)
-
-
-def _rounded(size: HandSize, person: Person) -> tuple[float, float]:
-    """Returns the interval, rounded like the size and still containing it."""
-    low, high = round(size.low, 4), round(size.high, 4)
-    return min(low, person.hand_size), max(high, person.hand_size)

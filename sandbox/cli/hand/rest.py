@@ -11,23 +11,16 @@ from cyclopts import Parameter
 from rich.console import Console
 from rich.text import Text
 
-from encoders.person.rest_posture import MOST, check_looks, save_rest
-from encoders.person.seen_rest import SeenRest
-from encoders.reconstruction.arrival import Phase
-from encoders.reconstruction.reconstructor import AirReconstructor
-from models.errors import EncoderError, InputError
-from models.person import Looks, Person
-from models.pose import RateLimit, mirrored
-from models.scene import CONTROL_PERIOD
-from models.skeleton import ADULT
+from encoders.person.rest_posture import MOST, save_rest
+from models.errors import InputError
+from models.pose import RateLimit
 from sandbox.cli.common.command_line import flat, picked
 from sandbox.cli.common.json_out import check_output, refuse_replacing
-from sandbox.devices.device import AnyDevice, LatestFrame
 from sandbox.devices.leap import LeapCommandOptions
 from sandbox.devices.registry import LIVE_HEADSET as HEADSET
 from sandbox.devices.registry import built_in, given_device_options
 from sandbox.devices.webcam import BeforeCameraOptions
-from sandbox.trial.live_run import RealTime
+from sandbox.hand.rest import RestWatch, check_rest, watch_rest
 from sandbox.trial.open_devices import device_makers, is_live
 from sandbox.trial.settings import Settings
 from sandbox.trial.trial_options import TrialOptions, trial_settings
@@ -86,9 +79,10 @@ def rest(options: RestOptions) -> int:
             console.print(Text(f"{device.name}: {device.address}"))
         if is_live(chosen):
             console.print(f"hold your {hand.side} hand as it rests on a screen, for a second")
-        _watch(watch, device, options, console)
+        live = built_in(options.device) is not None
+        watch_rest(watch, device, options.looks, options.seconds, live, console)
     looks = watch.looks
-    _check(watch, hand.person.hand_size, options)
+    check_rest(watch, hand.person.hand_size, options.looks, options.device)
     save_rest(looks, options.out, hand.side, chosen.device.user is not None)
     console.print(
         Text(
@@ -141,88 +135,3 @@ def _plan(options: RestOptions) -> Settings:
             expected="a recording of a Leap, a camera or a headset",
         )
     return chosen
-
-
-def _watch(watch: RestWatch, device: AnyDevice, options: RestOptions, console: Console) -> None:
-    """Waits for the looks; ends early when a recording or the time is over."""
-    live = built_in(options.device) is not None
-    clock, ticks, told = RealTime(), 0, ""
-    while (taken := len(watch.looks)) < options.looks and not device.finished:
-        now = ticks * CONTROL_PERIOD
-        if live and now > options.seconds:
-            return
-        watch.step(now)
-        if len(watch.looks) > taken:
-            console.print(f"  {taken + 1} of {options.looks} looks")
-        if live and watch.notice != told:
-            told = watch.notice
-            console.print(Text(told or "the hand is seen"))
-        ticks += 1
-        if live:
-            clock.wait(ticks * CONTROL_PERIOD)
-
-
-def _check(watch: RestWatch, size: float, options: RestOptions) -> None:
-    """Checks that all looks were taken, and fit a hand of the size."""
-    looks = watch.looks
-    if len(looks) < options.looks:
-        raise InputError(
-            "the hand was not held still, with its fingertips on one level, often enough",
-            where=f"--device {options.device}",
-            got=f"{len(looks)} of {options.looks} looks" + (watch.trouble and f"; {watch.trouble}"),
-            expected="a second each, and the hand moved in between",
-        )
-    try:
-        check_looks(looks, size)
-    except EncoderError as error:
-        raise InputError(
-            f"the seen hand cannot be used: {error.what}",
-            where=error.where,
-            got=error.got,
-            expected=error.expected,
-        ) from None
-
-
-class RestWatch:
-    """Takes looks at one hand, without a task.
-
-    Args:
-        device: The device.
-        reconstructor: Reconstructor of the hand.
-        person: The person, whose side and size are those of the hand.
-    """
-
-    def __init__(self, device: AnyDevice, reconstructor: AirReconstructor, person: Person) -> None:
-        self._device, self._reconstructor = device, reconstructor
-        self._left = person.hand == "left"
-        self._newest = LatestFrame(reconstructor.empty)
-        self._seen = SeenRest(Person("right", person.hand_size).skeleton(ADULT))
-
-    @property
-    def looks(self) -> Looks:
-        """The looks so far, as of a right hand."""
-        return tuple(self._seen.looks)
-
-    @property
-    def trouble(self) -> str:
-        """Why the last hand that was held still is not a look; empty if it is one."""
-        return self._seen.trouble
-
-    @property
-    def notice(self) -> str:
-        """Why no look is taken; empty if the hand only has to be held still."""
-        first = next(iter(self._device.notices), "")
-        return first or self._reconstructor.notice or self._seen.trouble
-
-    def step(self, now: float) -> None:
-        """A control period.
-
-        Args:
-            now: s since the beginning.
-        """
-        self._newest.take(self._device.poll(now), now)
-        pose = self._reconstructor.step(self._newest.frame)  # type: ignore[arg-type]
-        if pose.phase is Phase.DOWN:
-            self._seen.add(now, mirrored(pose.q) if self._left else pose.q)
-        else:
-            self._seen.lose()
