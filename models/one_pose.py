@@ -29,9 +29,8 @@ terms that lose digits by cancellation are multiplied by the square of the same 
 _FIRST_BONE = 2
 """Index of the first bone's body, after the world's and the root's."""
 
-_SKEW = np.array([[0, 2, 1], [2, 0, 0], [1, 0, 0]])
-_SKEW_SIGN = np.array([[0.0, 1.0, -1.0], [-1.0, 0.0, 1.0], [1.0, -1.0, 0.0]])
-"""Entries of -skew(w): index of the component of w, and its sign."""
+_TERMS = np.array([[9, 5, 7], [8, 9, 3], [4, 6, 9]])
+"""Where the entries of a I - b skew(w) stand in a rotation's numbers c w, b w, -b w and a."""
 
 
 class OnePose:
@@ -65,14 +64,23 @@ class OnePose:
         self._sums = np.empty((2, turns))
         self._tiny = np.tile([[_TINY], [0.5 * _TINY]], turns)
         self._one = np.ones(turns)
+        # Of every rotation c, b and -b, and its numbers c w, b w, -b w and a.
+        self._scales, self._numbers = np.empty((turns, 3)), np.empty((turns, 10))
         # Block diagonal: 1 for the root's position, then the right Jacobian of every rotation.
         self._right = np.eye(POSE_SIZE)
         start = ROOT_ROTATION.start
         rotations = self._right[start:, start:]
         row, column = rotations.strides
         self._blocks = as_strided(rotations, (turns, 3, 3), (3 * (row + column), row, column))
-        self._diagonals = as_strided(rotations, (turns, 3), (3 * (row + column), row + column))
-        self._skew, self._scaled = np.empty((turns, 3, 3)), np.empty((turns, 3))
+        self._rest = np.empty((turns, 3, 3))
+        # Parts of the arrays above, made once: each costs as much as a product.
+        self._w, self._v = self._factor
+        self._x, self._y, self._z = np.moveaxis(self._products, 2, 0)
+        self._t2, self._half = self._sums
+        self._c, self._b, self._minus_b = self._scales.T
+        self._a = self._numbers[:, 9]
+        self._scaled = self._numbers[:, :9].reshape(turns, 3, 3)
+        self._placed = b""
         # The bodies of the bones, whose origins are the joints.
         self._bodies = range(_FIRST_BONE, model.nbody)
         self._raw_joints = np.zeros((3 * len(self._bodies), POSE_SIZE))
@@ -141,7 +149,11 @@ class OnePose:
         return points, turned.reshape(-1, 3, POSE_SIZE)
 
     def _place(self, q: Array) -> None:
-        """Places all bones."""
+        """Places all bones, if they are not in this pose already."""
+        pose = q.tobytes()
+        if pose == self._placed:
+            return
+        self._placed = pose
         self._qpos[:] = self._at_rest
         # From rest, one unit of time at the speed q ends in the pose q.
         mujoco.mj_integratePos(self._model, self._qpos, q, 1.0)
@@ -153,29 +165,33 @@ class OnePose:
         They are a I - b skew(w) + c w w', with angle t, a = sin t / t, b = (1 - cos t) / t2 and
         c = (1 - a) / t2.
         """
-        factor, sums, scaled = self._factor, self._sums, self._scaled
-        w = factor[0]
-        w[:] = q[ROOT_ROTATION.start :].reshape(w.shape)
-        factor[1] = self._sine
-        np.multiply(factor, w, self._products)
+        w, sums, t2, half, a, b, c = (
+            self._w,
+            self._sums,
+            self._t2,
+            self._half,
+            self._a,
+            self._b,
+            self._c,
+        )
+        w.reshape(-1)[:] = q[ROOT_ROTATION.start :]
+        self._v[:] = self._sine
+        np.multiply(self._factor, w, self._products)
         # Sums of three numbers: x x + y y + z z, in this order.
-        np.add.reduce(self._products, 2, out=sums)
+        np.add(self._x, self._y, sums)
+        sums += self._z
         sums += self._tiny
-        t2, half = sums
         half /= t2
-        a = half * self._cosine
-        a += a
-        c = self._one - a
+        twice = half + half
+        np.multiply(twice, self._cosine, a)
+        np.subtract(self._one, a, c)
         c /= t2
-        half *= half
-        half += half
-        np.multiply(w, c[:, None], scaled)
-        np.multiply(scaled[:, :, None], w[:, None], self._blocks)
-        self._diagonals += a[:, None]
-        np.multiply(w, half[:, None], scaled)
-        skew = scaled.take(_SKEW, 1, self._skew, "clip")
-        skew *= _SKEW_SIGN
-        self._blocks += skew
+        np.multiply(twice, half, b)
+        np.negative(b, self._minus_b)
+        row = w[:, None]
+        np.multiply(self._scales[:, :, None], row, self._scaled)
+        np.multiply(self._scaled[:, 0, :, None], row, self._blocks)
+        self._blocks += self._numbers.take(_TERMS, 1, self._rest, "clip")
 
 
 def tips_and_jacobians(hand: OnePose, q: Array) -> tuple[Array, Array]:

@@ -144,9 +144,8 @@ class RecentPlaces:
         """Forgets."""
         self._before.clear()
 
-    def step(self, time: float, places: _Places) -> float:
-        """Farthest, m, that a contact is from where it was a moment ago; infinite where none is
-        known that long.
+    def step(self, time: float, places: _Places) -> None:
+        """Adds the places of a control step.
 
         Args:
             time: s, which never runs backwards.
@@ -156,7 +155,12 @@ class RecentPlaces:
         before.append((time, places))
         while len(before) > 1 and before[1][0] <= time - self._span + _EARLY:
             before.popleft()
-        then, first = before[0]
+
+    @property
+    def moved(self) -> float:
+        """Farthest, m, that a contact is from where it was a moment ago; infinite where none is
+        known that long."""
+        (then, first), (time, places) = self._before[0], self._before[-1]
         known = places.keys() & first.keys()
         if then > time - self._span + _EARLY or not known:
             return inf

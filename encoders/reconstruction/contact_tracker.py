@@ -119,7 +119,8 @@ class ContactTracker:
         dt = 0.0 if self._time is None else max(frame.time - self._time, 0.0)
         self._time = frame.time
         seen = {c.id: c for c in frame.contacts}
-        self._ignored_ids = {i: why for i, why in self._ignored_ids.items() if i in seen}
+        if self._ignored_ids:
+            self._ignored_ids = {i: why for i, why in self._ignored_ids.items() if i in seen}
         self._drop_reused_ids(seen)
         self._judge.step(frame.time, frame.contacts)
         self._drop_palms(seen)
@@ -152,11 +153,16 @@ class ContactTracker:
             self._arrive(contact, frame.time, share)
         if lost:
             self._expire(frame.time)
-        self.ignored = tuple(seen[i] for i in sorted(self._ignored_ids))
-        self.palms = frozenset(i for i, why in self._ignored_ids.items() if why == PALM)
+        if self._ignored_ids or self.ignored:
+            self.ignored = tuple(seen[i] for i in sorted(self._ignored_ids))
+            self.palms = frozenset(i for i, why in self._ignored_ids.items() if why == PALM)
 
     def _drop_palms(self, seen: dict[int, Contact]) -> None:
         """Forgets fingers that turned out to be palms, and lets those come that had no room."""
+        if not self._judge.judges:
+            for track in self.tracks.values():
+                track.unsure = False
+            return
         dropped = False
         for track in list(self.tracks.values()):
             kind = self._judge.kind(track.device_id)

@@ -138,6 +138,11 @@ class PalmJudge:
         """Forgets all contacts."""
         self._judged = {}
 
+    @property
+    def judges(self) -> bool:
+        """True if a contact that is down has an extent; otherwise all are fingers."""
+        return bool(self._judged)
+
     def kind(self, contact: int) -> Kind:
         """Kind of the contact with this id; a finger if it has no extent."""
         judged = self._judged.get(contact)

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from math import sqrt
+from math import inf, isfinite, sqrt
 
 import numpy as np
 
@@ -39,9 +39,6 @@ from models.surface import METRES_PER_INCH, Surface
 TURN_LENGTH = 0.08
 """m, from wrist to knuckles: converts an error of the hand's rotation (rad) to an error of
 position."""
-
-_UP = np.array([1.0, -1.0])
-"""From the surface's y, which points down, to the pose's."""
 
 _LOW = (Phase.COMING_DOWN, Phase.DOWN)
 
@@ -179,7 +176,9 @@ class TouchReconstructor:
         self._labels = {i: f for i, f in self._labels.items() if i in tracks}
         self._name(frame.time)
 
-        motion, speed = self._motion(dt)
+        low = self._low
+        motion, speed = self._motion(dt, low)
+        self._recent.step(frame.time, self._last_xy)
         self._same_grasp = self._labels == self._previous_labels
         self._previous_labels = self._labels
         named = {i: tracks[i].place for i in self._labels}
@@ -189,7 +188,7 @@ class TouchReconstructor:
             self._place = self._reconstruct(named, u, motion, dt)
         self._lift.step(frame.lift, dt)
         goal = self._raised(self._place)
-        rate = self.settings.rate if self._low else self._rate_above
+        rate = self.settings.rate if low else self._rate_above
         self._commanded = rate(self._commanded, goal, dt)
         self._arrival.step(
             dt,
@@ -197,8 +196,8 @@ class TouchReconstructor:
             named=len(named) == len(tracks) > 0,
             speed=speed,
             # Not needed without tracks, or once the hand is coming down.
-            off=self._off(goal) if tracks and not self._low else 0.0,
-            moved=self._recent.step(frame.time, self._last_xy),
+            off=self._off(goal) if tracks and not low else 0.0,
+            moved=inf if low else self._recent.moved,
         )
         if not tracks:
             self._filter.reset()
@@ -259,15 +258,16 @@ class TouchReconstructor:
             self._labelling = self.labeller.assign(places, fixed)
         self._labels = self._labelling.labels
 
-    def _motion(self, dt: float) -> tuple[Motion, float]:
-        """Common motion of the touches since the last step, and the fastest one's speed."""
+    def _motion(self, dt: float, low: bool) -> tuple[Motion, float]:
+        """Common motion of the touches since the last step, and the fastest one's speed, which is
+        not needed once the hand is coming down."""
         tracks = self._tracker.tracks
         now = {i: t.place for i, t in tracks.items() if not t.unsure or i in self._labels}
         known = [i for i in now if i in self._last_xy]
         before, after = [self._last_xy[i] for i in known], [now[i] for i in known]
         self._last_xy = now
         motion = common_motion(before, after)
-        if not known or dt <= 0:
+        if low or not known or dt <= 0:
             return motion, 0.0
         return motion, max(map(distance, before, after)) / dt
 
@@ -285,9 +285,15 @@ class TouchReconstructor:
         ids = sorted(named)
         labels = [self._labels[i] for i in ids]
         places = [named[i] for i in ids]
-        targets = np.array([(x, -y, PAD_HEIGHT) for x, y in places])
-        if self._offsets is not None:
-            targets[:, :2] += self._offsets[labels] * _UP
+        if self._offsets is None:
+            above = [(x, -y, PAD_HEIGHT) for x, y in places]
+        else:
+            offsets = self._offsets.tolist()
+            above = [
+                (x + offsets[f][0], -y - offsets[f][1], PAD_HEIGHT)
+                for f, (x, y) in zip(labels, places, strict=True)
+            ]
+        targets = np.array(above)
         carried = motion.carried
         if len(ids) == 1:
             # Without a layout there is no information: the posture stays, and the hand follows the
@@ -318,7 +324,8 @@ class TouchReconstructor:
                 foreseen.
         """
         relative = self.model.encoder.predict(u)
-        if not np.isfinite(relative).all():
+        # A sum of numbers that are not all finite is not finite; one of huge numbers may not be.
+        if not isfinite(np.add.reduce(relative)) and not np.isfinite(relative).all():
             raise EncoderError(
                 "the encoder predicts a pose that is not finite",
                 where=f"{type(self.model.encoder).__qualname__}.predict",

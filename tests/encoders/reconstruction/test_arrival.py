@@ -53,6 +53,12 @@ stretches = st.lists(st.tuples(moments, st.integers(1, 30)), max_size=10).map(
 )
 
 
+def moved(recent: RecentPlaces, time: float, places: dict[int, tuple[float, float]]) -> float:
+    """m that the farthest contact has moved, after a control step."""
+    recent.step(time, places)
+    return recent.moved
+
+
 def told(arrival: Arrival, moment: Moment, seconds: float = DT, dt: float = DT) -> Arrival:
     """The same for a while."""
     for _ in range(round(seconds / dt)):
@@ -230,7 +236,7 @@ def test_hands_that_do_not_hover_are_down_as_soon_as_their_fingers_have_names() 
 def test_a_contact_is_as_far_as_it_has_gone_since_then(way: list[tuple[float, float]]) -> None:
     recent = RecentPlaces(SPAN)
     for step, (x, y) in enumerate(way):
-        far = recent.step(step * DT, {3: (x, y)})
+        far = moved(recent, step * DT, {3: (x, y)})
         if step < BACK:
             assert far == inf
         else:
@@ -244,14 +250,14 @@ def test_the_farthest_of_the_contacts_counts_and_new_ones_do_not() -> None:
         places = {1: (0.001 * step, 0.0), 2: (0.0, 0.002 * step)}
         if step == BACK:
             places[9] = (0.2, 0.2)
-        far = recent.step(step * DT, places)
+        far = moved(recent, step * DT, places)
     assert far == pytest.approx(0.002 * BACK)
 
 
 def test_contacts_that_all_are_new_are_not_known() -> None:
     recent = RecentPlaces(SPAN)
     for step in range(2 * BACK):
-        far = recent.step(step * DT, {step: (0.0, 0.0)})
+        far = moved(recent, step * DT, {step: (0.0, 0.0)})
     assert far == inf
 
 
@@ -259,10 +265,10 @@ def test_steps_of_no_time_and_a_reset_leave_nothing_wrong() -> None:
     recent = RecentPlaces(SPAN)
     for step in range(3 * BACK):
         recent.step(step * DT, {1: (0.0, 0.0)})
-        far = recent.step(step * DT, {1: (0.0, 0.001)})
+        far = moved(recent, step * DT, {1: (0.0, 0.001)})
     assert far == 0.0
     recent.reset()
-    assert recent.step(1.0, {1: (0.0, 0.0)}) == inf
+    assert moved(recent, 1.0, {1: (0.0, 0.0)}) == inf
 
 
 def test_noise_of_most_of_a_millimetre_rests_and_a_drag_does_not() -> None:
@@ -271,7 +277,7 @@ def test_noise_of_most_of_a_millimetre_rests_and_a_drag_does_not() -> None:
     still, dragged = RecentPlaces(SPAN), RecentPlaces(SPAN)
     for step in range(200):
         x, y = rng.normal(0.0, 0.0007, 2).tolist()
-        rests = still.step(step * DT, {1: (x, y)})
-        goes = dragged.step(step * DT, {1: (x + 0.12 * step * DT, y)})
+        rests = moved(still, step * DT, {1: (x, y)})
+        goes = moved(dragged, step * DT, {1: (x + 0.12 * step * DT, y)})
         if step >= BACK:
             assert rests < limit < goes
