@@ -22,7 +22,7 @@ import numpy as np
 from encoders.reconstruction.reconstructor import Reconstruction
 from encoders.smoothing import common_motion
 from models.arithmetic.arrays import Array
-from models.arithmetic.products import length, squared_lengths, total
+from models.arithmetic.products import total
 from models.frames import FINGERS
 from models.objects import SceneObject
 from models.scene import CONTROL_PERIOD, BodyPoses, Scene
@@ -43,19 +43,23 @@ loosen it."""
 _Touches = Mapping[int, tuple[float, float]]
 """(x, y) m on the surface by finger."""
 
+_Offsets = list[tuple[float, float]]
+"""(x, y) m of the five fingers along the surface, y down."""
+
 
 class Grip:
-    """The width that the solid fingers of a hand keep.
-
-    Attributes:
-        offsets: (5, 2) m along the surface, y down, from touches to where the tips are kept; None
-            if all are 0.
-    """
+    """The width that the solid fingers of a hand keep."""
 
     def __init__(self) -> None:
-        self.offsets: Array | None = None
+        self._offsets: _Offsets | None = None
         self._narrow: dict[int, float] = {}
         self._kept: dict[int, float] = {}
+
+    @property
+    def offsets(self) -> Array | None:
+        """(5, 2) m along the surface, y down, from touches to where the tips are kept; None if all
+        are 0."""
+        return None if self._offsets is None else np.array(self._offsets)
 
     def step(self, touches: _Touches, solid: frozenset[int]) -> bool:
         """True in the step in which the fingers let go.
@@ -64,7 +68,7 @@ class Grip:
             touches: Touches of all fingers.
             solid: Fingers that are solid now.
         """
-        self.offsets = _faded(self.offsets)
+        self._offsets = _faded(self._offsets)
         holding = sorted(solid & touches.keys())
         if len(holding) < 2:
             self._narrow = {}
@@ -87,26 +91,36 @@ class Grip:
         if opened > OPENED:
             self._narrow = {}
             return True
-        fading = self.offsets
-        self.offsets = np.zeros((len(FINGERS), 2)) if fading is None else fading
+        fading = self._offsets
+        offsets = list(fading or [(0.0, 0.0)] * len(FINGERS))
         for finger, way in kept.items():
             # The tips get this offset in the next step, when the touches have opened further.
             further = way - before.get(finger, way) if opened > SURE else 0.0
             share = (way + max(further, 0.0)) / far[finger] if way > 0.0 else 0.0
             right, down = ways[finger]
-            wanted = np.array([-share * right, -share * down])
-            if fading is None or length(wanted) >= length(fading[finger]):
-                self.offsets[finger] = wanted
+            x, y = -share * right, -share * down
+            if fading is None or _length(x, y) >= _length(*offsets[finger]):
+                offsets[finger] = x, y
+        self._offsets = offsets
         return False
 
 
-def _faded(offsets: Array | None) -> Array | None:
-    """Offsets (5, 2) m after a control period without a grip; None if all are 0."""
+def _faded(offsets: _Offsets | None) -> _Offsets | None:
+    """Offsets after a control period without a grip; None if all are 0."""
     if offsets is None:
         return None
-    far = np.sqrt(squared_lengths(offsets))
-    left = np.maximum(far - RELEASED_FADING * CONTROL_PERIOD, 0.0)
-    return offsets * (left / np.maximum(far, 1e-12))[:, None] if left.any() else None
+    faded, any_left = [], False
+    for x, y in offsets:
+        far = _length(x, y)
+        left = max(far - RELEASED_FADING * CONTROL_PERIOD, 0.0)
+        share = left / max(far, 1e-12)
+        faded.append((x * share, y * share))
+        any_left = any_left or left > 0.0
+    return faded if any_left else None
+
+
+def _length(x: float, y: float) -> float:
+    return sqrt(x * x + y * y)
 
 
 _FORGOTTEN = -expm1(-CONTROL_PERIOD / MEMORY)
@@ -207,19 +221,24 @@ class TipOffsets:
         if self._out is not None or (self._near and not self._touches.keys() <= solid):
             out = np.zeros((len(FINGERS), 2))
             turned = self._turned()
-            behind = self._gate.behind_tips(data)
+            all_solid = self._touches.keys() <= solid
+            behind = None if all_solid else self._gate.behind_tips(data)
             for finger, touch in self._touches.items():
+                offset = turned[finger]
+                if finger in solid and not (offset[0] or offset[1]):
+                    out[finger] = offset
+                    continue
                 tip = self._surface.to_world(touch, reconstruction.tip_height)
                 clear = self._clearance(data, finger)
-                offset = turned[finger]
-                if finger in solid:
-                    out[finger] = self._kept(offset, tip, behind[:, finger], clear)
+                if behind is None or finger in solid:
+                    out[finger] = self._kept(offset, tip, data, clear, finger)
                 else:
                     out[finger] = self._led_out(offset, tip, behind[:, finger], clear, finger)
             self._out = out if out.any() else None
+        kept = self._grip.offsets
         if self._out is None:
-            return self._grip.offsets
-        return self._out if self._grip.offsets is None else self._out + self._grip.offsets
+            return kept
+        return self._out if kept is None else self._out + kept
 
     def _things_near(self, data: BodyPoses) -> dict[int, list[SceneObject]]:
         """Things that each finger may touch. Plain floats: this is computed in every step."""
@@ -255,22 +274,26 @@ class TipOffsets:
         radius = self._radius[finger]
 
         def clear(points: Array) -> Array:
-            nearest = np.full(len(points), np.inf)
-            for thing, position, rotation in near:
-                nearest = np.minimum(nearest, thing.clearance(points, position, rotation))
+            distances = [
+                thing.clearance(points, position, rotation) for thing, position, rotation in near
+            ]
+            nearest = distances[0]
+            for other in distances[1:]:
+                nearest = np.minimum(nearest, other)
             return nearest - radius
 
         return clear
 
-    def _kept(self, offset: Array, tip: Array, behind: Array, clear: _Clearance | None) -> Array:
-        """The next offset (2,) of a solid finger."""
-        if not (offset[0] or offset[1]):
+    def _kept(
+        self, offset: Array, tip: Array, data: BodyPoses, clear: _Clearance | None, finger: int
+    ) -> Array:
+        """The next offset (2,) of a solid finger whose offset is not 0."""
+        # The tip alone mostly answers it, and some things take long to be measured.
+        if clear is not None and (
+            clear(tip[None]).min() <= WELL_CLEAR
+            or clear(tip + self._gate.behind_tips(data)[:, finger]).min() <= WELL_CLEAR
+        ):
             return offset
-        if clear is not None:
-            # The tip alone mostly answers it, and some things take long to be measured.
-            for points in (tip[None], tip + behind):
-                if clear(points).min() <= WELL_CLEAR:
-                    return offset
         return _towards(offset, _NONE, FADING)
 
     def _led_out(
@@ -301,7 +324,7 @@ class TipOffsets:
         x, y = self._touches[finger]
         right = x - total(a for a, _ in others) / len(others)
         down = y - total(b for _, b in others) / len(others)
-        far = sqrt(right * right + down * down) * sqrt(way[0] * way[0] + way[1] * way[1])
+        far = _length(right, down) * _length(*way)
         return right * way[0] + down * way[1] < -TOWARDS * far
 
     def _way_out(
