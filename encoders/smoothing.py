@@ -121,6 +121,9 @@ class PoseFilter:
             x, y = left + c * (x - left) - s * (y - up), up + s * (x - left) + c * (y - up)
             state[ROOT_ROTATION] = turned_about_normal(state[ROOT_ROTATION], turn)
         state[0], state[1] = x + along, y - down
-        q[ROOT_ROTATION] = unwrapped(q[ROOT_ROTATION], state[ROOT_ROTATION])
+        root = q[ROOT_ROTATION]
+        near = unwrapped(root, state[ROOT_ROTATION])
+        if near is not root:
+            root[:] = near
         self._state = state + -expm1(-dt / self.tau) * (q - state)
         return self._state.copy()

@@ -46,11 +46,12 @@ def mirrored(q: ArrayLike) -> Array:
 
 def surface_to_world(q: ArrayLike, surface: Surface) -> Array:
     """Transforms poses (..., 48) from the 3-D surface frame to the world."""
-    moved, rotation = np.array(q, float), surface.rotation
+    moved = np.array(q, float)
     if surface.aligned:
         # Exact to the bit: multiplying by an identity matrix would round.
         moved[..., ROOT_POSITION] += surface.corner
     else:
+        rotation = surface.rotation
         moved[..., ROOT_POSITION] = (
             stacked_applied(rotation, moved[..., ROOT_POSITION]) + surface.corner
         )
@@ -131,7 +132,10 @@ class RateLimit:
         if dt <= 0:
             return previous
         goal = target.copy()
-        goal[ROOT_ROTATION] = unwrapped(target[ROOT_ROTATION], previous[ROOT_ROTATION])
+        turn = target[ROOT_ROTATION]
+        near = unwrapped(turn, previous[ROOT_ROTATION])
+        if near is not turn:
+            goal[ROOT_ROTATION] = near
         if self.linear == self.angular == inf:
             return goal
         step = goal - previous

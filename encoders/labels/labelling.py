@@ -49,15 +49,13 @@ class Labelling:
         default=None, compare=False, repr=False
     )
 
-    def chance(self, contact: int) -> float:
-        """Probability of the label of one contact, 0 to 1, whatever the labels of the others."""
-        if self.chances is None:
-            return self.probability
-        return float(self._known_chances[contact][self.labels[contact]])
-
     @cached_property
-    def _known_chances(self) -> Mapping[int, Array]:
-        return {} if self.chances is None else self.chances()
+    def label_probabilities(self) -> Mapping[int, float]:
+        """Probability of the label of each contact, 0 to 1, whatever the labels of the others."""
+        if self.chances is None:
+            return dict.fromkeys(self.labels, self.probability)
+        chances = self.chances()
+        return {i: float(chances[i][label]) for i, label in self.labels.items()}
 
 
 class Labeller(Protocol):

@@ -367,13 +367,14 @@ class TouchReconstructor:
     def _contacts(self) -> tuple[ReconstructedContact, ...]:
         """All contacts on the surface now."""
         labels, palms = self._labels, self._tracker.palms
+        probabilities = self._labelling.label_probabilities
         tracked = [
             ReconstructedContact(
                 t.device_id,
                 t.place,
                 labels.get(i),
-                "active" if t.active else "lost",
-                self._labelling.chance(i) if i in labels else 1.0,
+                "active" if t.lost_at is None else "lost",
+                probabilities[i] if i in labels else 1.0,
             )
             for i, t in self._tracker.tracks.items()
         ]

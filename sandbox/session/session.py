@@ -354,13 +354,14 @@ class Session:
     def _notices(self) -> list[str]:
         notices = [rig.yaw.notice for rig in self.rigs if rig.yaw and rig.yaw.notice]
         notices += [OUT_OF_REACH for follower in self._followers if follower.missed]
-        notices += sorted({gate.notice for gate in self._gates if gate.notice})
-        inputs = [
-            notice
-            for rig in self.rigs
-            for notice in (*rig.device.notices, rig.reconstructor.notice)
-        ]
-        notices += dict.fromkeys(notice for notice in inputs if notice)
+        if any(gate.inside for gate in self._gates):
+            notices += sorted({gate.notice for gate in self._gates if gate.notice})
+        inputs: list[str] = []
+        for rig in self.rigs:
+            inputs += rig.device.notices
+            inputs.append(rig.reconstructor.notice)
+        if any(inputs):
+            notices += dict.fromkeys(notice for notice in inputs if notice)
         since, respawned = self._respawn_notice
         return [*notices, respawned] if self.time - since < NOTICE_TIME else notices
 

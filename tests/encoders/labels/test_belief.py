@@ -284,16 +284,16 @@ def test_the_chance_of_one_finger_is_its_marginal_even_for_labels_that_must_be_k
     labelling = belief.assign(contacts, {})
     chances = marginals(belief)
     for contact, finger in labelling.labels.items():
-        assert labelling.chance(contact) == chances[contact][finger]
-        assert labelling.chance(contact) >= labelling.probability - 1e-12
+        assert labelling.label_probabilities[contact] == chances[contact][finger]
+        assert labelling.label_probabilities[contact] >= labelling.probability - 1e-12
     wrong = (labelling.labels[4] + 1) % 5
     kept = belief.assign(contacts, {4: wrong})
     assert kept.labels[4] == wrong
-    assert kept.chance(4) == chances[4][wrong] < labelling.chance(4)
+    assert kept.label_probabilities[4] == chances[4][wrong] < labelling.label_probabilities[4]
 
 
 def test_a_labelling_without_marginals_gives_the_chance_of_all_labels() -> None:
-    assert Labelling({3: 1}, 0.7).chance(3) == 0.7
+    assert Labelling({3: 1}, 0.7).label_probabilities[3] == 0.7
 
 
 @given(touches(), st.integers(3, 4))
@@ -316,4 +316,4 @@ def test_a_hand_with_fewer_fingers_gets_their_names_in_proportion_to_what_is_bel
     assert tuple(labelling.labels[i] for i in ids) == best
     assert labelling.probability == pytest.approx(shares[best] / sum(shares.values()))
     for i in ids:
-        assert labelling.chance(i) <= 1.0 + 1e-12
+        assert labelling.label_probabilities[i] <= 1.0 + 1e-12
