@@ -114,9 +114,9 @@ class Respawn:
             away if surface.aligned else stacked_applied(surface.rotation.T, away)
         ).tolist()
         width, height = METRES_PER_INCH * surface.width_in, METRES_PER_INCH * surface.height_in
-        flat = _flat(surface)
+        flat = surface.aligned or _flat(surface)
         near = bool(
-            position[2] > FLOOR
+            position.item(2) > FLOOR
             and -reach < x < width + reach
             and -reach < -up < height + reach
             and abs(off) < (CEILING if flat else reach)

@@ -264,7 +264,9 @@ class TipOffsets:
         # Counterclockwise on the screen, whose y points down.
         c, s = cos(motion.turn), sin(motion.turn)
         x, y = self._out[:, 0], self._out[:, 1]
-        return np.stack([c * x + s * y, c * y - s * x], axis=1)
+        turned = np.empty(self._out.shape)
+        turned[:, 0], turned[:, 1] = c * x + s * y, c * y - s * x
+        return turned
 
     def _clearance(self, data: BodyPoses, finger: int) -> _Clearance | None:
         """Clearance of a finger from the things that it may touch; None without any."""
