@@ -10,7 +10,6 @@ Layouts are complex numbers here, x + iy with y up the screen: a product then tu
 
 from __future__ import annotations
 
-from cmath import phase
 from collections.abc import Iterable, Sequence
 from functools import reduce
 from math import atan2, fsum, sqrt
@@ -77,7 +76,7 @@ class NaturalLayout:
         ahead = atan2(fsum(functions.sin(yaw).tolist()), fsum(functions.cos(yaw).tolist()))
         self.places: Complex = _turned(mean, np.full(len(mean), ahead))
         self.turns: Array = _angles(_inner(self.places, z))
-        self._place_of: list[complex] = self.places.tolist()
+        self._place_of = [(z.real, z.imag) for z in self.places.tolist()]
         self._laid: dict[int, tuple[Array, Array]] = {}
 
     def match(self, xy: ArrayLike) -> Match:
@@ -100,13 +99,17 @@ class NaturalLayout:
 
     def turn(self, xy: Iterable[Sequence[float]], labels: Iterable[int]) -> float:
         """Yaw in rad of touches (k, 2), k >= 2, with known fingers (k,)."""
-        z = [complex(p[0], -p[1]) for p in xy]
-        there = [self._place_of[label] for label in labels]
         # Like `match`, for one labelling: plain numbers are quicker than arrays of two or three.
-        middle, centre = _total(z) / len(z), _total(there) / len(there)
-        return phase(
-            _total((b - centre).conjugate() * (a - middle) for a, b in zip(z, there, strict=True))
-        )
+        places = [(p[0], -p[1]) for p in xy]
+        there = [self._place_of[label] for label in labels]
+        mx, my = _middle(places)
+        cx, cy = _middle(there)
+        real = imaginary = 0.0
+        for (ax, ay), (bx, by) in zip(places, there, strict=True):
+            ax, ay, bx, by = ax - mx, ay - my, bx - cx, by - cy
+            real += bx * ax + by * ay
+            imaginary += bx * ay - by * ax
+        return atan2(imaginary, real)
 
     def _hypothetical(self, count: int) -> tuple[Array, Array]:
         """Inner products with the positions of all labellings relative to their middles, as a
@@ -150,9 +153,12 @@ def _turned(z: Complex, angle: Array) -> Complex:
     return turned
 
 
-def _total(numbers: Iterable[complex]) -> complex:
-    """Sum from the first to the last; Python's own `sum` is not the same in all its versions."""
-    return reduce(add, numbers, 0j)
+def _middle(places: Sequence[tuple[float, float]]) -> tuple[float, float]:
+    """Mean of places (x, y), added from the first to the last."""
+    x = y = 0.0
+    for px, py in places:
+        x, y = x + px, y + py
+    return x / len(places), y / len(places)
 
 
 def of_capture(capture: Capture) -> NaturalLayout:

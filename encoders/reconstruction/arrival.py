@@ -208,6 +208,8 @@ class Lift:
         """
         s = self.settings
         wanted = s.reach * (control or 0.0)
+        if wanted == self._smooth == self.height == 0.0:
+            return
         self._smooth += (wanted - self._smooth) * -expm1(-dt / s.tau)
         most = s.speed * dt
         self.height += min(max(self._smooth - self.height, -most), most)

@@ -153,6 +153,9 @@ _ROUNDS = 12
 _NONE = (0.0, 0.0)
 _NO_OFFSETS = np.zeros((len(FINGERS), 2))
 
+_Poses = dict[str, tuple[Array, Array]]
+"""Position (3,) m and rotation (3, 3) of things by name."""
+
 _Clearance = Callable[[Array], Array]
 """Function from points (n, 3) m of a finger to the clearances (n,) m of its flesh."""
 
@@ -223,13 +226,15 @@ class TipOffsets:
             turned = self._turned()
             all_solid = self._touches.keys() <= solid
             behind = None if all_solid else self._gate.behind_tips(data)
-            for finger, touch in self._touches.items():
+            touches = np.array([*self._touches.values()]).reshape(-1, 2)
+            tips = self._surface.to_world(touches, reconstruction.tip_height)
+            poses: _Poses = {}
+            for finger, tip in zip(self._touches, tips, strict=True):
                 offset = turned[finger]
                 if finger in solid and not (offset[0] or offset[1]):
                     out[finger] = offset
                     continue
-                tip = self._surface.to_world(touch, reconstruction.tip_height)
-                clear = self._clearance(data, finger)
+                clear = self._clearance(data, finger, poses)
                 if behind is None or finger in solid:
                     out[finger] = self._kept(offset, tip, data, clear, finger)
                 else:
@@ -268,11 +273,18 @@ class TipOffsets:
         turned[:, 0], turned[:, 1] = c * x + s * y, c * y - s * x
         return turned
 
-    def _clearance(self, data: BodyPoses, finger: int) -> _Clearance | None:
-        """Clearance of a finger from the things that it may touch; None without any."""
+    def _clearance(self, data: BodyPoses, finger: int, poses: _Poses) -> _Clearance | None:
+        """Clearance of a finger from the things that it may touch; None without any.
+
+        Poses of these things are added to `poses`.
+        """
         if finger not in self._near:
             return None
-        near = [(thing, *self._scene.object_pose(data, thing.name)) for thing in self._near[finger]]
+        near = []
+        for thing in self._near[finger]:
+            if thing.name not in poses:
+                poses[thing.name] = self._scene.object_pose(data, thing.name)
+            near.append((thing, *poses[thing.name]))
         radius = self._radius[finger]
 
         def clear(points: Array) -> Array:
