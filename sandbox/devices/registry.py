@@ -57,11 +57,11 @@ _FILES = {
 LIVE_LEAP, LIVE_WEBCAM, LIVE_HEADSET = "leap", "webcam", "webxr"
 """Devices of persons whose hands are in the air."""
 
-LEAP_SUFFIXES = (".json", ".lz")
+_LEAP_SUFFIXES = (".json", ".lz")
 """Suffixes of Leap recordings, which no recording of touches has; others are recognised by
 content."""
 
-OWN_DEVICE = "FILE.py:CLASS[:ARGUMENT]"
+_OWN_DEVICE = "FILE.py:CLASS[:ARGUMENT]"
 """Form of a device in a file, for error messages."""
 
 
@@ -216,7 +216,7 @@ def unknown_device(device: str, option: str = "--device") -> InputError:
         device,
         [*DEVICES, *offered_devices()],
         where=option,
-        others=f"{OWN_DEVICE}, or a file",
+        others=f"{_OWN_DEVICE}, or a file",
         remedy="`sandbox touches formats` lists the files that play as devices",
     )
 
@@ -267,7 +267,7 @@ def _sees(path: Path, changed: int, size: int) -> Sees:
 
     if is_landmark_file(path):
         return Sees.CAMERA
-    leap = path.suffix in LEAP_SUFFIXES or is_leap_recording(path)
+    leap = path.suffix in _LEAP_SUFFIXES or is_leap_recording(path)
     return Sees.LEAP if leap else Sees.TOUCHES
 
 
@@ -292,7 +292,7 @@ class DeviceSettings:
                 left out.
         """
         values = dict(given or {})
-        kind = _options_of(name)
+        kind = device_options(name)
         named = find_device(name)
         if named is not None:
             options = options_among(named.entry, values)
@@ -341,7 +341,7 @@ class DeviceSettings:
         Raises:
             RecordingError: The device has no such option, or a value has the wrong type.
         """
-        kind = _options_of(self.name)
+        kind = device_options(self.name)
         if isinstance(self.options, kind):
             return self
         where = f"settings.device {self.name}"
@@ -365,10 +365,6 @@ def device_options(device: str) -> type[Any]:
     Args:
         device: `NAME[:ARGUMENT]`, built in; or a file, or the place of somebody's own device.
     """
-    return _options_of(device)
-
-
-def _options_of(device: str) -> type[Any]:
     entry = built_in(device)
     # Neither a file nor somebody's code is needed to read a recording that names it.
     options: type[Any] = PlayedOptions if entry is None else entry.options

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any, cast
 from cyclopts import Parameter
 from rich.console import Console
 
+from models.errors import InputError
 from models.surface import parse_surface
 from sandbox.devices.device import Device, Place
 from sandbox.devices.evdev import EvdevOptions
@@ -17,7 +18,7 @@ from sandbox.devices.registry import (
     check_device_options,
     find_device,
     given_device_options,
-    unknown_device,
+    touch_devices,
 )
 from sandbox.devices.tuio import STALE_AFTER, TuioOptions, open_tuio
 from sandbox.server.page_options import PageOptions
@@ -83,7 +84,13 @@ def open_touches(options: TouchOptions, tap: Tap | None = None) -> Opened:
     if named is None or named.argument == options.device:
         return open_file(Path(options.device), given, options.stale_after)
     if named.entry.kind.in_scene:
-        raise unknown_device(options.device)
+        raise InputError(
+            "this device needs a scene",
+            where="--device",
+            got=options.device,
+            expected=f"{', '.join(touch_devices())}, a device of your own, or a file",
+            remedy=f"`sandbox play --device {options.device}` has one",
+        )
     size = given or named.surface() or guessed_surface()
     if options.device == "tuio":
         place = Place(size)

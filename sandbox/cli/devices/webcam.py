@@ -15,7 +15,7 @@ from rich.console import Console
 from rich.text import Text
 
 from sandbox.cli.common.command_line import application
-from sandbox.devices.files.line_file import LineFile
+from sandbox.devices.files.frame_file import LineFile
 from sandbox.devices.webcam import engine as fetch
 from sandbox.devices.webcam import webcam_choice
 from sandbox.devices.webcam.engine import (

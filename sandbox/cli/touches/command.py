@@ -19,8 +19,7 @@ from sandbox.cli.common.command_line import application, flat, run
 from sandbox.cli.common.touch_options import TouchOptions, open_touches_or_page
 from sandbox.cli.touches.send import send
 from sandbox.cli.touches.views import JsonView, TextView, View, what_to_check
-from sandbox.devices.files.frame_file import frame_record, header_record
-from sandbox.devices.files.line_file import LineFile
+from sandbox.devices.files.frame_file import LineFile, frame_record, header_record
 from sandbox.devices.files.touch_files import Opened
 from sandbox.devices.registry import offered_devices
 from sandbox.devices.tuio.touch_capture import CapturedPacket, packet_record

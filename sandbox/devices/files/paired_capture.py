@@ -29,8 +29,7 @@ from models.frames import HandFrame, TouchFrame
 from models.json_input import decoded, numbered_lines, read_bytes
 from models.surface import Surface
 from sandbox.devices.device import Closeable
-from sandbox.devices.files.frame_file import LONGEST_LINE, frame_record, header_record
-from sandbox.devices.files.line_file import LineFile
+from sandbox.devices.files.frame_file import LONGEST_LINE, LineFile, frame_record, header_record
 from sandbox.devices.leap.leap_file import read_leap
 from sandbox.devices.leap.leap_json import LeapDecoder
 from sandbox.devices.leap.leap_write import leap_message
