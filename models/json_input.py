@@ -173,7 +173,7 @@ def check_layout(
     where: str,
     remedy: str | None = None,
 ) -> None:
-    """Checks that a file has the expected kind and version.
+    """Checks that a file has the expected kind and version, and no key twice in one object.
 
     Args:
         data: JSON, UTF-8: an object with `kind` and `schema`.
@@ -187,6 +187,13 @@ def check_layout(
         HandSandboxError: The file is of another kind or version. Its class is `error`.
     """
     expected = f'"kind": "{kind}"' if kind is not None else None
+    if twice := _twice(data):
+        raise error(
+            "a key stands twice, with different values",
+            where=where,
+            got=twice,
+            remedy=f"Two versions were merged. {remedy}" if remedy else "Two versions were merged",
+        )
     head = decoded(data, _Head, error, what=what, where=where, expected=expected, remedy=remedy)
     if kind is not None and head.kind != kind:
         raise error(what, where=where, expected=expected, remedy=remedy)
@@ -198,6 +205,26 @@ def check_layout(
             expected=f"version {schema}",
             remedy=remedy,
         )
+
+
+def _twice(data: bytes) -> str:
+    """A key that one object has twice with different values; empty if there is none, and for what
+    is no JSON."""
+    found: list[str] = []
+
+    def unique(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+        values: dict[str, Any] = {}
+        for key, value in pairs:
+            if key in values and values[key] != value:
+                found.append(key)
+            values[key] = value
+        return values
+
+    try:
+        json.loads(data, object_pairs_hook=unique)
+    except (ValueError, RecursionError):
+        return ""
+    return found[0] if found else ""
 
 
 class _Head(msgspec.Struct):

@@ -3,7 +3,7 @@ programs."""
 
 from __future__ import annotations
 
-from collections.abc import Container
+from collections.abc import Container, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Annotated, Literal
@@ -23,6 +23,7 @@ from sandbox.export.leap_source import Hand
 from sandbox.export.sources import Of, open_source
 from sandbox.export.targets import FORMATS, Exporter, ExportSettings, format_of
 from sandbox.recording.recording import is_dump, is_recording, stored
+from sandbox.recording.versions import bytes_digest
 from sandbox.study.record.folder import STUDY_FILE
 from sandbox.study.record.journal import read_journal
 from sandbox.study.record.state import SessionState
@@ -192,8 +193,10 @@ def _data_set(options: ExportOptions, console: Console, errors: Console) -> int:
         )
     from sandbox.datasets.export import export_data_set
 
-    found = [file for name in options.file for file in _recordings(name, options.out)]
+    notes: list[str] = []
+    found = [file for name in options.file for file in _recordings(name, options.out, notes)]
     files = [file for file, counts in found if counts]
+    notes += _same_twice(files)
     if found and not files:
         raise InputError(
             "no demonstration is left",
@@ -209,6 +212,8 @@ def _data_set(options: ExportOptions, console: Console, errors: Console) -> int:
             options.successes,
             done=lambda count: progress.update(bar, completed=count),
         )
+    for note in notes:
+        errors.print(note, soft_wrap=True, markup=False, style="yellow")
     left_out = len(found) - len(files) + exported.broken_off
     if left_out:
         errors.print(
@@ -240,17 +245,38 @@ def _data_set(options: ExportOptions, console: Console, errors: Console) -> int:
     return 0
 
 
-def _recordings(name: str, out: Path) -> list[tuple[Path, bool]]:
+def _recordings(name: str, out: Path, notes: list[str]) -> list[tuple[Path, bool]]:
     """Recordings that a word names, each with whether it counts.
 
     A word names a folder of recordings and of folders with some, or what `sandbox replay` takes. In
     a folder, the dump of a divergence is no recording of its own. Of a trial of a study one attempt
     counts.
+
+    Args:
+        name: The word.
+        out: Folder of studies.
+        notes: Receives a line about what a folder has besides recordings.
+
+    Raises:
+        InputError: A file in a folder is empty, or there is no such recording.
     """
     folder = Path(name)
     if folder.is_dir() and not (folder.parent / JOURNAL).exists():
         inside = [file for file in sorted(folder.rglob("*.jsonl*")) if not _of_study(file, folder)]
         files = [file for file in inside if is_recording(file)]
+        for file in inside:
+            if not file.stat().st_size:
+                raise InputError(
+                    "a demonstration needs a whole recording",
+                    where=str(file),
+                    got="an empty file",
+                    remedy="Leave it out",
+                )
+        others = [file for file in inside if file not in files]
+        if others:
+            notes.append(
+                f"{counted(len(others), 'file')} in {name} left out, as no recording: {others[0]}"
+            )
         if files:
             return [(file, True) for file in files if not is_dump(file)]
     files = find_recordings(name, out)
@@ -259,6 +285,19 @@ def _recordings(name: str, out: Path) -> list[tuple[Path, bool]]:
         return [(file, True) for file in files]
     counting = _counting({file.parent.parent for file in files})
     return [(f, f.name in counting.get(f.parent.parent, {f.name})) for f in files]
+
+
+def _same_twice(files: Sequence[Path]) -> list[str]:
+    """A line for recordings that are in a data set more than once."""
+    first: dict[str, Path] = {}
+    again = []
+    for file in files:
+        digest = bytes_digest(file)
+        if digest in first:
+            again.append(f"{file} is {first[digest]} once more")
+        first.setdefault(digest, file)
+    more = f", and {len(again) - 1} more" if len(again) > 1 else ""
+    return [f"the same recording twice: {again[0]}{more}"] if again else []
 
 
 def _of_study(file: Path, folder: Path) -> bool:

@@ -13,14 +13,15 @@ def prepare() -> None:
     """Makes standard output and error such that any text can be printed.
 
     A closed one takes everything and shows nothing. Where the encoding lacks a character, its
-    number is printed.
+    number is printed; UTF-8 lacks halves of pairs, as of an emoji that was cut, and as in file
+    names of other bytes.
     """
     if sys.stdout is None:
         sys.stdout = open(os.devnull, "w", encoding="utf-8")  # noqa: SIM115 - for the whole run
     if sys.stderr is None:
         sys.stderr = open(os.devnull, "w", encoding="utf-8")  # noqa: SIM115 - for the whole run
     for stream in (sys.stdout, sys.stderr):
-        if isinstance(stream, TextIOWrapper) and stream.encoding.lower() != "utf-8":
+        if isinstance(stream, TextIOWrapper):
             stream.reconfigure(errors="backslashreplace")
 
 

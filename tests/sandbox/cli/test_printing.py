@@ -8,6 +8,7 @@ import subprocess
 import sys
 from pathlib import Path
 from typing import Any
+from xml.etree import ElementTree
 
 import pytest
 
@@ -92,3 +93,37 @@ def test_links_in_a_circle_are_one_line(tmp_path: Path, words: list[str]) -> Non
     done = run(*COMMAND, *words, cwd=tmp_path)
     assert done.returncode == 2
     assert "Traceback" not in done.stderr and len(done.stderr.splitlines()) == 1
+
+
+HALF = '''
+from models import Box
+from tasks import CustomTask, Goal, judge
+
+
+class Odd(CustomTask):
+    """A box that is never there."""
+
+    name = "half-emoji"
+    time_limit = 0.6
+
+    @classmethod
+    def place(cls, rng, surface):
+        goal = Goal("b", (0.05, 0.0, 0.02), 0.0)
+        return [Box("b", (0.02, 0.02, 0.02), 0.1, (0.0, 0.0, 0.02))], [goal]
+
+    def measure(self, sensing):
+        return judge(0.0, (True, "half of a sign: \\ud83d"))
+'''
+
+
+@pytest.mark.parametrize("encoding", ("utf-8", "ascii", "latin-1"))
+def test_text_that_no_encoding_has_costs_no_report(encoding: str, tmp_path: Path) -> None:
+    (tmp_path / "task.py").write_text(HALF)
+    words = ["--tasks", "task.py", "--seeds", "0:2", "--json", "r.json", "--junit", "j.xml"]
+    command = [*COMMAND, "regress", *words, "--executor", "serial"]
+    done = run(*command, cwd=tmp_path, env={**os.environ, "PYTHONIOENCODING": encoding})
+    assert done.returncode == 0 and "Traceback" not in done.stderr
+    assert "half of a sign: \\ud83d" in done.stdout
+    trials = json.loads((tmp_path / "r.json").read_text())["trials"]
+    assert [trial["reason"] for trial in trials] == ["half of a sign: \ud83d"] * 2
+    assert ElementTree.parse(tmp_path / "j.xml").find(".//testcase") is not None

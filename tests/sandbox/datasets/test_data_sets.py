@@ -91,6 +91,24 @@ def test_recordings_in_folders_of_a_folder_are_demonstrations_too_and_those_of_a
     assert [episode.seed for episode in read_npz(out).episodes] == list(SEEDS)
 
 
+def test_an_empty_file_is_refused_and_other_files_and_copies_are_reported(
+    recordings: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    folder, out = tmp_path / "trials", tmp_path / "set.npz"
+    folder.mkdir()
+    source = next(iter(sorted(recordings.glob("*.jsonl*"))))
+    for name in ("a", "b"):
+        shutil.copy(source, folder / f"{name}{''.join(source.suffixes)}")
+    (folder / "notes.jsonl").write_text('{"about": "something"}\n')
+    assert main(["export", str(folder), "--to", str(out)]) == 0
+    said = capsys.readouterr().err
+    assert "1 file" in said and "notes.jsonl" in said
+    assert "the same recording twice" in said
+    (folder / "zero.jsonl").touch()
+    assert main(["export", str(folder), "--to", str(out)]) == 2
+    assert "zero.jsonl" in capsys.readouterr().err
+
+
 def test_playing_it_back_gives_the_same_hashes_and_a_changed_action_does_not(
     data: DataSet,
 ) -> None:

@@ -248,6 +248,22 @@ def test_a_damaged_baseline_is_refused_or_read_and_never_a_traceback(
 
 
 @cache
+@pytest.mark.parametrize("value", ("other", "equal"))
+def test_a_baseline_with_a_seed_twice_is_refused_where_its_trials_differ(
+    value: str, tmp_path: Path
+) -> None:
+    path = tmp_path / "base.json"
+    lines = whole_baseline().splitlines()
+    at = next(i for i, line in enumerate(lines) if line.strip().startswith('"7":'))
+    again = lines[at].replace("0.2", "0.3") if value == "other" else lines[at]
+    path.write_text("\n".join([*lines[:at], again, *lines[at:]]))
+    if value == "equal":
+        assert 7 in load_baseline(path).tasks["quick"].trials
+    else:
+        with pytest.raises(InputError, match=r"twice, with different values .got '7'"):
+            load_baseline(path)
+
+
 def whole_baseline() -> str:
     return baseline().text()
 
