@@ -165,7 +165,7 @@ class FingertipCorrection:
             seen = self._carried(kinematics, q) if iteration == 0 else self._seen(kinematics, q)
             tips = seen.tips
             off = targets - tips
-            error = max(x * x + y * y + z * z for x, y, z in off.tolist()) ** 0.5
+            error = max([x * x + y * y + z * z for x, y, z in off.tolist()]) ** 0.5
             # A start is where the last frame ended: exact perhaps, but not yet the likeliest pose.
             if error < max(best.error, s.tolerance) and (start is None or iteration > 0):
                 best = Corrected(q, error, iteration)
@@ -223,10 +223,11 @@ class FingertipCorrection:
         JC = matrix_product(J, C)
         free = times_transposed(JC, J)
         free += self._noise[k // 3]
-        if near is None:
-            side = np.zeros(len(lower), np.int64)
-        else:
-            side = np.subtract(near >= upper, near <= lower, dtype=np.int64)
+        side = np.zeros(len(lower), np.int64)
+        if near is not None:
+            above, below = near >= upper, near <= lower
+            if (above | below).nonzero()[0].size:
+                side = np.subtract(above, below, dtype=np.int64)
         new = guess
         for _ in range(_ACTIVE_SET_ROUNDS):
             held = side.nonzero()[0]

@@ -126,28 +126,29 @@ class ContactTracker:
         self._drop_palms(seen)
         by_device = {t.device_id for t in self.tracks.values()}
 
-        moves = []
+        lost, moves = False, []
         # A first-order low-pass, exact for a position held over the step.
         low_pass = self.settings.low_pass
         share = 1.0 if low_pass <= 0 else -expm1(-dt / low_pass)
         for track in self.tracks.values():
             contact = seen.get(track.device_id)
             if contact is None:
-                if track.active:
+                lost = True
+                if track.lost_at is None:
                     self._lose(track, frame)
-            elif not track.active:
+            elif track.lost_at is not None:
                 # The same id returns: devices that keep ids need no inheritance.
                 self._find(track, contact, share)
             else:
                 moved = self._follow(track, contact, share)
                 if not track.unsure:
                     moves.append(moved)
-        lost = [track for track in self.tracks.values() if track.lost_at is not None]
         if lost and moves:
             right, down = np.mean(moves, axis=0).tolist()
-            for track in lost:
-                x, y = track.place
-                track.place = x + right, y + down
+            for track in self.tracks.values():
+                if track.lost_at is not None:
+                    x, y = track.place
+                    track.place = x + right, y + down
         new = [c for i, c in seen.items() if i not in by_device and i not in self._ignored_ids]
         for contact in sorted(new, key=lambda c: c.id) if new else ():
             self._arrive(contact, frame.time, share)

@@ -156,7 +156,8 @@ class PalmJudge:
             contacts: All contacts that are down.
         """
         down = {c.id: c for c in contacts}
-        self._judged = {i: judged for i, judged in self._judged.items() if i in down}
+        if self._judged:
+            self._judged = {i: judged for i, judged in self._judged.items() if i in down}
         for contact in down.values():
             if contact.extent is None:
                 continue

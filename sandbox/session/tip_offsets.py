@@ -74,10 +74,13 @@ class Grip:
             self._narrow = {}
             return False
         n = len(holding)
-        x = total(touches[f][0] for f in holding) / n
-        y = total(touches[f][1] for f in holding) / n
+        x = y = 0.0
+        for finger in holding:
+            right, down = touches[finger]
+            x, y = x + right, y + down
+        x, y = x / n, y / n
         ways = {f: (touches[f][0] - x, touches[f][1] - y) for f in holding}
-        far = {f: sqrt(right * right + down * down) for f, (right, down) in ways.items()}
+        far = {f: _length(right, down) for f, (right, down) in ways.items()}
         if self._narrow.keys() != far.keys():
             self._narrow, self._kept = far, {}
             return False
