@@ -5,8 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from models.plugins import package
-from sandbox.devices.own_device import DEVICE_PLUGINS
-from sandbox.devices.registry import DEVICES
+from sandbox.devices.registry import DEVICE_PLUGINS, DEVICES
 from sandbox.views.display import has_display
 
 

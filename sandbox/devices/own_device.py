@@ -14,7 +14,7 @@ error in the code is reported when the device is opened.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import MISSING, fields, is_dataclass, replace
 from inspect import getdoc, signature
 from typing import Any
 
@@ -23,7 +23,7 @@ import msgspec
 from models.arithmetic.products import length
 from models.errors import DeviceError, InputError
 from models.frames import Contact, HandFrame, LandmarkFrame, TouchFrame
-from models.plugins import PluginKind, failure
+from models.plugins import failure
 from models.surface import Surface
 from sandbox.devices.device import (
     AnyDevice,
@@ -35,10 +35,7 @@ from sandbox.devices.device import (
     PlayedOptions,
     Sees,
 )
-
-DEVICE_PLUGINS: PluginKind[Any] = PluginKind(
-    "device", "hand_sandbox.devices", DeviceError, takes_argument=True, verb="opened"
-)
+from sandbox.devices.registry import DEVICE_PLUGINS
 
 _REQUIRED_METHODS = ("poll", "close")
 _FRAMES: dict[Sees, type[Any]] = {
@@ -89,7 +86,22 @@ def own_entry(text: str) -> tuple[DeviceEntry[PlayedOptions], str] | None:
 
 
 def _declared(entry: DeviceEntry[Any], where: str) -> DeviceEntry[PlayedOptions]:
-    """An entry that somebody declares: its options are decoded and its device is guarded."""
+    """An entry that somebody declares: its options are decoded and its device is guarded.
+
+    Raises:
+        DeviceError: Its options are not a frozen dataclass with defaults.
+    """
+    for kind in (entry.options, entry.on_command_line):
+        sound = is_dataclass(kind) and kind.__dataclass_params__.frozen  # type: ignore[attr-defined]
+        if not sound or any(
+            each.default is MISSING and each.default_factory is MISSING for each in fields(kind)
+        ):
+            raise DeviceError(
+                "the options of this device cannot be used",
+                where=where,
+                got=getattr(kind, "__name__", repr(kind)[:60]),
+                expected="a class with @dataclass(frozen=True), whose fields have defaults",
+            )
 
     def decoded(options: PlayedOptions) -> Any:
         try:

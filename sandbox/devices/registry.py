@@ -14,8 +14,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import msgspec
 
-from models.errors import InputError, RecordingError, unknown_name
-from models.plugins import Registry, imported
+from models.errors import DeviceError, InputError, RecordingError, unknown_name
+from models.plugins import PluginKind, Registry, imported
 from models.surface import Surface
 from sandbox.devices.device import (
     AnyDevice,
@@ -46,6 +46,11 @@ DEVICES: Registry[DeviceEntry[Any]] = Registry(
     }
 )
 """Built-in devices: name -> `MODULE:ENTRY`."""
+
+DEVICE_PLUGINS: PluginKind[Any] = PluginKind(
+    "device", "hand_sandbox.devices", DeviceError, takes_argument=True, verb="opened"
+)
+"""Devices of somebody else (`sandbox.devices.own_device`)."""
 
 _FILES = {
     Sees.TOUCHES: "sandbox.devices.files:FILE",
@@ -230,8 +235,6 @@ def built_in(device: str) -> DeviceEntry[Any] | None:
 
 def offered_devices() -> tuple[str, ...]:
     """Names of the devices that installed packages offer; loads none of them."""
-    from sandbox.devices.own_device import DEVICE_PLUGINS
-
     return tuple(DEVICE_PLUGINS.offered())
 
 

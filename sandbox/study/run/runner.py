@@ -29,9 +29,10 @@ from sandbox.study.run.answers import Draft, still_allowed
 from sandbox.study.run.controls import Command, Controls
 from sandbox.study.run.finished_trials import bring_up_to_date
 from sandbox.study.run.forms import Forms, Poll
-from sandbox.study.run.players import TICK, PlayedAttempt, TrialPlayer, TrialRequest
+from sandbox.study.run.players import PlayedAttempt, TrialPlayer, TrialRequest
 from sandbox.study.run.simulated_user import simulated_user
 from sandbox.study.tables.tables import StudyTables, rebuild_session
+from sandbox.trial.live_run import TICK
 from sandbox.trial.open_devices import DeviceMakers
 from sandbox.trial.result import TrialResult
 from sandbox.trial.settings import Settings

@@ -137,6 +137,24 @@ def test_an_option_with_the_name_of_another_is_refused(
     assert "the name of another option" in line and "--seed" in line
 
 
+@pytest.mark.parametrize(
+    "options", ["@dataclass\nclass Options:\n    reach: int = 3", "class Options:\n    reach = 3"]
+)
+def test_options_that_are_no_frozen_dataclass_are_refused(
+    options: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    file = tmp_path / "pad.py"
+    file.write_text(
+        "from dataclasses import dataclass\n"
+        "from sandbox import DeviceEntry\n"
+        f"{options}\n"
+        "PAD = DeviceEntry('a pad', lambda options, place: None, Options)\n"
+    )
+    assert main(["run", "box-to-goal", "--device", f"{file}:PAD"]) == 2
+    (line,) = capsys.readouterr().err.splitlines()
+    assert "pad.py:PAD" in line and "@dataclass(frozen=True)" in line
+
+
 def test_a_line_in_the_registry_gives_a_device_its_name(
     sticks: Sticks, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

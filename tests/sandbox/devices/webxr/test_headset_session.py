@@ -52,7 +52,7 @@ def test_two_hands_in_one_headset_see_the_same_frames() -> None:
     first, second = (rig.device for rig in session.rigs)
     headset = first.find(HeadsetDevice)
     assert headset is not None and second.find(HeadsetDevice) is headset
-    headset.hear(PageHands(1, 0.0, []), PageScreen(100.0, 1000.0, 500.0, True))
+    headset.receive(PageHands(1, 0.0, []), PageScreen(100.0, 1000.0, 500.0, True))
     (mine,), (other,) = first.poll(0.1), second.poll(0.1)
     assert mine is other and not first.poll(0.2) and not second.poll(0.2)
 
