@@ -188,15 +188,31 @@ class FingerLoads:
 
     def _used(self, kept: _Forces) -> list[list[float]]:
         """Largest share of a limit, of each finger of each hand, and last of its palm."""
-        model = self._scene.model
-        shares = [[0.0] * (len(FINGERS) + 1) for _ in self._scene.spec.hands]
-        for actuator, (hand, part) in self._servos.items():
-            first = int(model.actuator_outadr[actuator])
-            force = kept.servos[first : first + int(model.actuator_outnum[actuator])]
-            limit = float(kept.limits[actuator])
-            share = float(np.sqrt(np.sum(force * force))) / limit if limit > 0.0 else 0.0
-            shares[hand][part] = max(shares[hand][part], min(share, 1.0))
-        return shares
+        if not self._servos:
+            return [[0.0] * (len(FINGERS) + 1) for _ in self._scene.spec.hands]
+        actuators, outputs, starts, places = self._outputs
+        squares = np.add.reduceat(kept.servos[outputs] ** 2, starts)
+        limits = kept.limits[actuators]
+        shares = np.sqrt(squares) / np.where(limits > 0.0, limits, np.inf)
+        used = np.zeros(len(self._scene.spec.hands) * (len(FINGERS) + 1))
+        np.maximum.at(used, places, np.minimum(shares, 1.0))
+        largest: list[list[float]] = used.reshape(-1, len(FINGERS) + 1).tolist()
+        return largest
+
+    @cached_property
+    def _outputs(self) -> tuple[NDArray[np.int64], ...]:
+        """Of n actuators of hands (n,), their outputs (m,), the first output of each among those
+        (n,), and its place (n,) among the fingers and palms of all hands."""
+        model, palm = self._scene.model, len(FINGERS)
+        actuators = np.array(list(self._servos), np.int64)
+        places = [
+            hand * (palm + 1) + (palm if part < 0 else part) for hand, part in self._servos.values()
+        ]
+        counts = model.actuator_outnum[actuators].astype(np.int64)
+        first = model.actuator_outadr[actuators].astype(np.int64)
+        outputs = [np.arange(f, f + n) for f, n in zip(first, counts, strict=True)]
+        starts = np.concatenate([[0], np.cumsum(counts)[:-1]])
+        return actuators, np.concatenate(outputs), starts, np.array(places, np.int64)
 
     @cached_property
     def _roots(self) -> NDArray[np.int64]:
