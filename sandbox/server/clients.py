@@ -46,6 +46,7 @@ from sandbox.server.protocol import (
     decode,
     encode,
 )
+from sandbox.server.server_thread import GREETING
 from sandbox.server.web import PageDevice
 from sandbox.trial.latency import LatencyLog
 
@@ -69,8 +70,6 @@ Queued = TypeVar("Queued")
 MOST_QUEUED = 256
 """Number of requests, or of answers to questions, that wait to be read; more than a person gives
 before somebody reads them."""
-GREETING = 5.0
-"""s within which a page has to send its hello message."""
 
 WRONG_VERSION, TOO_MANY, REPLACED, NONSENSE = 4001, 4002, 4003, 4004
 """Close codes, which the page explains to the person."""

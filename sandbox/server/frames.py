@@ -62,14 +62,14 @@ from sandbox.server.protocol import (
     Geom,
     GoalState,
     HandState,
+    Localised,
     Pause,
     SceneMessage,
     State,
     SurfaceView,
-    Told,
     encode,
 )
-from sandbox.session.messages import ContactView, HandView, Snapshot
+from sandbox.session.messages import HandView, Snapshot
 from sandbox.session.session import Session
 from tasks.task import Task
 
@@ -180,7 +180,7 @@ def describe_scene(
         ),
         [model.body(i).name for i in range(model.nbody)],
         geoms,
-        told(caption) if caption else None,
+        localised(caption) if caption else None,
         in_air,
         scored,
     )
@@ -202,11 +202,11 @@ def _palm_box(scene: SimulatedScene, geom: int, root: str, things: set[str]) -> 
     )
 
 
-def told(text: str) -> Told:
+def localised(text: str) -> Localised:
     """A sentence as the page gets it; without a key if it has none."""
     if isinstance(text, Message):
-        return Told(text.key, dict(text.values), str(text))
-    return Told("", {}, text)
+        return Localised(text.key, dict(text.values), str(text))
+    return Localised("", {}, text)
 
 
 def summary(task: type[Task]) -> str:
@@ -233,7 +233,7 @@ def state_of(
         snapshot.time,
         score.status.value,
         score.progress,
-        told(score.reason) if score.reason else None,
+        localised(score.reason) if score.reason else None,
         score.final,
         score.held,
         [
@@ -241,7 +241,7 @@ def state_of(
             for i, (hand, felt) in enumerate(zip(snapshot.hands, feedback, strict=True))
         ],
         [GoalState(g.object, _floats(g.position), float(g.yaw)) for g in snapshot.goals if g.shown],
-        [told(notice) for notice in snapshot.notices],
+        [localised(notice) for notice in snapshot.notices],
         pause,
     )
 
@@ -266,8 +266,8 @@ def _hand(hand: HandView, feedback: HandFeedback, own: bool) -> HandState:
     contacts = [
         ContactState(
             int(c.id) if own else -1 - int(c.id),
-            _label(c),
-            _state(c),
+            None if c.label is None else int(c.label),
+            c.state,  # type: ignore[arg-type]
             _force(feedback.forces, c.label),
             _floats(c.position),
             c.sure,
@@ -279,14 +279,6 @@ def _hand(hand: HandView, feedback: HandFeedback, own: bool) -> HandState:
     ]
     solid = sorted(int(f) for f in hand.solid)
     return HandState(hand.phase, solid, contacts, round(feedback.probability, 3))
-
-
-def _label(contact: ContactView) -> int | None:
-    return None if contact.label is None else int(contact.label)
-
-
-def _state(contact: ContactView) -> Any:
-    return contact.state
 
 
 def _force(forces: Sequence[float], label: int | None) -> float:

@@ -2,28 +2,30 @@
 
 from __future__ import annotations
 
-import asyncio
 import contextlib
 import errno
-import logging
-import os
 import queue
 import ssl
-import threading
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from http import HTTPStatus
 from typing import TypeVar
 from urllib.parse import urlsplit
 
-from websockets.asyncio.server import ServerConnection, serve
+from websockets.asyncio.server import ServerConnection
 from websockets.http11 import Request, Response
 
-from models.errors import DeviceError, InputError
+from models.errors import InputError
 from models.scene import Scene as SimulatedScene
-from sandbox.server.access import Access, ConnectionLimits, Counters, limited_connection
-from sandbox.server.clients import GREETING, MOST_CLIENTS, Clients
-from sandbox.server.frames import BodyKinematics, HandFeedback, hand_feedback, pack, state_of, told
+from sandbox.server.clients import MOST_CLIENTS, Clients
+from sandbox.server.frames import (
+    BodyKinematics,
+    HandFeedback,
+    hand_feedback,
+    localised,
+    pack,
+    state_of,
+)
 from sandbox.server.protocol import (
     LARGEST_MESSAGE,
     ItemAnswer,
@@ -39,6 +41,7 @@ from sandbox.server.protocol import (
     Trouble,
     encode,
 )
+from sandbox.server.server_thread import ServerThread, cannot_serve
 from sandbox.server.static import StaticFiles, plain
 from sandbox.server.web import PageDevice
 from sandbox.session.messages import Snapshot
@@ -60,7 +63,7 @@ class _Shown:
     own: int | None = None
 
 
-class PageServer:
+class PageServer(ServerThread):
     """Serves the page, sends it a session's frames, and passes its touches to a device.
 
     Args:
@@ -79,8 +82,6 @@ class PageServer:
         DeviceError: The address or port is not available.
 
     Attributes:
-        access: Access rules, and the link.
-        counters: Counters of refusals.
         latency: Log of the latency of touches.
     """
 
@@ -96,40 +97,24 @@ class PageServer:
         study: StudyView | None = None,
         touch: bool = True,
     ) -> None:
-        self.counters, self.latency = Counters(), LatencyLog()
-        self._tls, self._token = tls, token
+        super().__init__(LARGEST_MESSAGE, tls, token)
+        self.latency = LatencyLog()
         self._language = study.language if study else ""
-        self._limits = ConnectionLimits(self.counters)
         self._files = files or StaticFiles()
         self._pages = Clients(tasks, version, self.counters, self.latency, study, touch)
         self._shown: _Shown | None = None
         self._scenes = 0
         self._moment: tuple[_Shown, int, Snapshot, Pause, Sequence[HandFeedback]] | None = None
         self._scheduled = False
-        self._ready: queue.Queue[Access | OSError] = queue.Queue()
-        self._loop = asyncio.new_event_loop()
-        self._closing = asyncio.Event()
-        self._thread = threading.Thread(
-            target=self._run, args=(host, port), name="page", daemon=True
-        )
-        self._thread.start()
-        ready = self._ready.get()
-        if isinstance(ready, OSError):
-            self._thread.join()
-            raise DeviceError(
-                "the page cannot be served here",
-                where=f"{host}:{port}",
-                got=os.strerror(ready.errno) if ready.errno else str(ready),
-                remedy="Perhaps another `sandbox play` has the port: choose another --page-port"
-                if ready.errno == errno.EADDRINUSE
-                else "Choose another --page-port, or an address of this machine",
+        error = self._start("page", host, port)
+        if error is not None:
+            taken = error.errno == errno.EADDRINUSE
+            remedy = (
+                "Perhaps another `sandbox play` has the port: choose another --page-port"
+                if taken
+                else "Choose another --page-port, or an address of this machine"
             )
-        self.access = ready
-
-    @property
-    def url(self) -> str:
-        """The link that opens the page."""
-        return self.access.url
+            raise cannot_serve("the page", host, port, error, remedy)
 
     @property
     def screen(self) -> PageScreen | None:
@@ -218,7 +203,7 @@ class PageServer:
         Meanwhile the next page that connects may become the player's.
         """
         self._loop.call_soon_threadsafe(
-            self._pages.show_problem, encode(Trouble([told(s) for s in sentences]))
+            self._pages.show_problem, encode(Trouble([localised(s) for s in sentences]))
         )
 
     def publish(
@@ -248,72 +233,20 @@ class PageServer:
         """
         self.publish(snapshot, feedback=hand_feedback(session) if self.clients else ())
 
-    def close(self) -> None:
-        """Closes all connections and ends the thread; may be called twice."""
-        if self._thread.is_alive():
-            with contextlib.suppress(RuntimeError):
-                self._loop.call_soon_threadsafe(self._closing.set)
-            self._thread.join(timeout=5.0)
-
     # -- everything below runs in the server's thread ------------------------------------------
 
-    def _run(self, host: str, port: int) -> None:
-        asyncio.set_event_loop(self._loop)
-        try:
-            self._loop.run_until_complete(self._serve(host, port))
-        finally:
-            self._loop.close()
+    async def _handle(self, connection: ServerConnection) -> None:
+        await self._pages.handle(connection)
 
-    async def _serve(self, host: str, port: int) -> None:
-        try:
-            server = await serve(
-                self._pages.handle,  # type: ignore[arg-type]  # of the kind below
-                host,
-                port,
-                process_request=self._process,
-                ssl=self._tls,
-                # Before its handshake a connection is in none of the limits.
-                ssl_handshake_timeout=GREETING if self._tls else None,
-                compression=None,
-                max_size=LARGEST_MESSAGE,
-                max_queue=8,
-                # A frame is sent when the one before it has left, so that it is the newest.
-                write_limit=0,
-                open_timeout=GREETING,
-                ping_interval=5,
-                ping_timeout=5,
-                close_timeout=1,
-                server_header=None,
-                logger=silent_logger(),
-                create_connection=limited_connection(self._limits),
-            )
-        except OSError as error:
-            self._ready.put(error)
-            return
-        bound = next(iter(server.sockets)).getsockname()
-        self.access = Access(bound[0], bound[1], self._tls is not None)
-        if self._token:
-            self.access = replace(self.access, token=self._token)
-        self._ready.put(self.access)
-        watch = asyncio.create_task(self._pages.watch())
-        await self._closing.wait()
-        watch.cancel()
-        server.close()
-        with contextlib.suppress(asyncio.TimeoutError):
-            await asyncio.wait_for(server.wait_closed(), 3.0)
+    async def _watch(self) -> None:
+        await self._pages.watch()
 
     def _process(self, connection: ServerConnection, request: Request) -> Response | None:
         """Accepts or refuses a request, and answers those for files."""
         if not self._limits.judge(connection):
             return plain(HTTPStatus.SERVICE_UNAVAILABLE, self._words(request)["too_many_pages"])
         wants_socket = request.headers.get("Upgrade", "").lower() == "websocket"
-        hosts, origins = request.headers.get_all("Host"), request.headers.get_all("Origin")
-        reason = self.access.refusal(
-            request.path,
-            hosts[0] if len(hosts) == 1 else None,
-            origins[0] if origins else None,
-            wants_socket,
-        )
+        reason = self._refusal(request, wants_socket)
         if reason == "token" and self.access.asks_to_return(request.path, wants_socket):
             # Reloads are among them; strangers, too, so that a flood of them is seen.
             self.counters.add("asked without a token")
@@ -327,7 +260,8 @@ class PageServer:
             return plain(HTTPStatus.SERVICE_UNAVAILABLE, self._words(request)["too_many_pages"])
         if wants_socket:
             return None
-        origin = f"{'wss' if self._tls else 'ws'}://{hosts[0]}"
+        host = request.headers["Host"]
+        origin = f"{'wss' if self._tls else 'ws'}://{host}"
         path = urlsplit(request.path).path
         return self._files.response(path, origin, self.access.token, self._language)
 
@@ -357,13 +291,6 @@ def _all_of(waiting: queue.SimpleQueue[_T]) -> list[_T]:
         while True:
             items.append(waiting.get_nowait())
     return items
-
-
-def silent_logger() -> logging.Logger:
-    """A silent logger: errors of foreign connections are counted, not printed."""
-    logger = logging.Logger("hand_sandbox.page")
-    logger.addHandler(logging.NullHandler())
-    return logger
 
 
 def tls_context(certificate: str, key: str) -> ssl.SSLContext:

@@ -192,7 +192,7 @@ Up = (
 )
 
 
-class Told(Struct, frozen=True):
+class Localised(Struct, frozen=True):
     """A sentence for the person: its key and values, which every language has words for.
 
     `text` is the sentence in English, for clients without words of their own, and for sentences
@@ -288,7 +288,7 @@ class SceneMessage(Struct, tag="scene", frozen=True):
     surface: SurfaceView
     bodies: list[str]
     geoms: list[Geom]
-    caption: Told | None
+    caption: Localised | None
     in_air: bool = False
     scored: bool = True
 
@@ -296,7 +296,7 @@ class SceneMessage(Struct, tag="scene", frozen=True):
 class Trouble(Struct, tag="trouble", frozen=True):
     """A problem that prevents a scene, and its remedy, sentence by sentence."""
 
-    told: list[Told]
+    told: list[Localised]
 
 
 class Choice(Struct, frozen=True):
@@ -406,12 +406,12 @@ class State(Struct, frozen=True):
     time: float
     status: str
     progress: float
-    reason: Told | None
+    reason: Localised | None
     reached: bool
     held: bool
     hands: list[HandState]
     goals: list[GoalState]
-    notices: list[Told]
+    notices: list[Localised]
     pause: Pause
 
 

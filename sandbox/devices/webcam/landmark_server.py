@@ -5,25 +5,20 @@ from __future__ import annotations
 import asyncio
 import contextlib
 import json
-import os
-import queue
-import threading
 from collections.abc import Callable, Sequence
 from http import HTTPStatus
 from pathlib import Path
 from typing import Any
 from urllib.parse import quote, urlsplit
 
-from websockets.asyncio.server import ServerConnection, serve
+from websockets.asyncio.server import ServerConnection
 from websockets.exceptions import ConnectionClosed
 from websockets.http11 import Request, Response
 
-from models.errors import DeviceError, InputError
-from sandbox.devices.device import Closeable
+from models.errors import InputError
 from sandbox.devices.webcam.landmarks import PictureMessage, picture_message
-from sandbox.server.access import Access, ConnectionLimits, Counters, limited_connection
 from sandbox.server.address import LOOPBACK
-from sandbox.server.page_server import silent_logger
+from sandbox.server.server_thread import ServerThread, cannot_serve
 from sandbox.server.static import TOKEN_PLACE, answered, plain
 
 STATIC = Path(__file__).resolve().parent / "static"
@@ -46,7 +41,7 @@ _TYPES = {
 }
 
 
-class LandmarkServer(Closeable):
+class LandmarkServer(ServerThread):
     """Serves the page and the engine on 127.0.0.1, in a thread of its own.
 
     Args:
@@ -58,10 +53,6 @@ class LandmarkServer(Closeable):
 
     Raises:
         DeviceError: The port is not available.
-
-    Attributes:
-        access: Access rules, and the link.
-        counters: Counters of refusals.
     """
 
     def __init__(
@@ -72,90 +63,22 @@ class LandmarkServer(Closeable):
         gone: Callable[[], None],
         port: int = 0,
     ) -> None:
-        self.counters = Counters()
+        super().__init__(LARGEST_MESSAGE)
         self._files = _page_files(engine)
         self._wanted, self._take, self._gone = wanted, take, gone
-        self._limits = ConnectionLimits(self.counters)
         self._page: ServerConnection | None = None
-        self._ready: queue.Queue[Access | OSError] = queue.Queue()
-        self._loop = asyncio.new_event_loop()
-        self._closing = asyncio.Event()
-        self._thread = threading.Thread(
-            target=self._run, args=(port,), name="camera page", daemon=True
-        )
-        self._thread.start()
-        ready = self._ready.get()
-        if isinstance(ready, OSError):
-            self._thread.join()
-            raise DeviceError(
-                "the camera's page cannot be served",
-                where=f"{LOOPBACK}:{port}",
-                got=os.strerror(ready.errno) if ready.errno else str(ready),
-            )
-        self.access = ready
+        error = self._start("camera page", LOOPBACK, port)
+        if error is not None:
+            raise cannot_serve("the camera's page", LOOPBACK, port, error)
 
-    @property
-    def url(self) -> str:
-        """The link that opens the page."""
-        return self.access.url
-
-    def close(self) -> None:
-        """Tells the page, and ends the thread; may be called twice."""
-        if self._thread.is_alive():
-            with contextlib.suppress(RuntimeError):
-                self._loop.call_soon_threadsafe(self._closing.set)
-            self._thread.join(timeout=5.0)
-
-    # -- everything below runs in the server's thread ------------------------------------------
-
-    def _run(self, port: int) -> None:
-        asyncio.set_event_loop(self._loop)
-        try:
-            self._loop.run_until_complete(self._serve(port))
-        finally:
-            self._loop.close()
-
-    async def _serve(self, port: int) -> None:
-        try:
-            server = await serve(
-                self._hear,
-                LOOPBACK,
-                port,
-                process_request=self._process,
-                compression=None,
-                max_size=LARGEST_MESSAGE,
-                max_queue=8,
-                open_timeout=5,
-                ping_interval=5,
-                ping_timeout=5,
-                close_timeout=1,
-                server_header=None,
-                logger=silent_logger(),
-                create_connection=limited_connection(self._limits),
-            )
-        except OSError as error:
-            self._ready.put(error)
-            return
-        bound = next(iter(server.sockets)).getsockname()
-        self.access = Access(bound[0], bound[1])
-        self._ready.put(self.access)
-        await self._closing.wait()
+    async def _part(self) -> None:
         if self._page is not None:
             await _send_away(self._page, ENDED)
-        server.close()
-        with contextlib.suppress(asyncio.TimeoutError):
-            await asyncio.wait_for(server.wait_closed(), 3.0)
 
     def _process(self, connection: ServerConnection, request: Request) -> Response | None:
         """Accepts or refuses a request, and answers those for files."""
         wants_socket = request.headers.get("Upgrade", "").lower() == "websocket"
-        hosts, origins = request.headers.get_all("Host"), request.headers.get_all("Origin")
-        reason = self.access.refusal(
-            request.path,
-            hosts[0] if len(hosts) == 1 else None,
-            origins[0] if origins else None,
-            wants_socket,
-        )
+        reason = self._refusal(request, wants_socket)
         if reason:
             self.counters.add(f"wrong {reason}")
             return plain(HTTPStatus.FORBIDDEN, "This link is not valid: open the one shown last.")
@@ -165,7 +88,7 @@ class LandmarkServer(Closeable):
         if wants_socket:
             return None
         path = urlsplit(request.path).path
-        return self._file("/index.html" if path == "/" else path, hosts[0])
+        return self._file("/index.html" if path == "/" else path, request.headers["Host"])
 
     def _file(self, name: str, host: str) -> Response:
         path = self._files.get(name)
@@ -185,7 +108,7 @@ class LandmarkServer(Closeable):
         headers = {"Content-Type": _TYPES[path.suffix], "Content-Security-Policy": policy}
         return answered(HTTPStatus.OK, headers, body)
 
-    async def _hear(self, page: ServerConnection) -> None:
+    async def _handle(self, page: ServerConnection) -> None:
         """Takes in the messages of a page; the newest page is the camera's."""
         before, self._page = self._page, page
         if before is not None:

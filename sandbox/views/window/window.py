@@ -12,11 +12,9 @@ from typing import Any
 
 import glfw
 import numpy as np
-from numpy.typing import ArrayLike
 from PIL import Image
 
 from models.arithmetic.arrays import Array
-from models.errors import HandSandboxError
 from models.scene import Scene
 from models.surface import Surface
 from sandbox.devices.device import AnyDevice, Closeable
@@ -193,25 +191,6 @@ class Window(Closeable):
         """Number of control periods to move forwards or back; each request is returned once."""
         moves, self._moves = self._moves, 0
         return moves
-
-    def screenshot(self) -> Image.Image:
-        """The picture that the window shows now, RGB."""
-        if self._picture is None:
-            return self._blank(glfw.get_framebuffer_size(self._context.handle))
-        return self._picture.copy()
-
-    def pixel_of(self, xy: ArrayLike) -> tuple[float, float]:
-        """Window coordinates of a point (2,) m on the surface.
-
-        Raises:
-            HandSandboxError: No picture has been drawn yet.
-        """
-        lens = self._renderer.lens if self._renderer else None
-        if lens is None:
-            raise HandSandboxError("the window has drawn nothing yet", remedy="Call pump first")
-        pixel, _ = lens.project(self._touched.to_world(xy))
-        x, y = pixel / np.array(lens.size) * glfw.get_window_size(self._context.handle)
-        return float(x), float(y)
 
     def close(self) -> None:
         """Closes the window; may be called twice."""

@@ -20,10 +20,11 @@ from models.errors import DeviceError
 from models.frames import TouchFrame
 from sandbox.server import clients
 from sandbox.server.address import checked_address
-from sandbox.server.clients import GREETING, MOST_QUEUED
+from sandbox.server.clients import MOST_QUEUED
 from sandbox.server.frames import describe_scene
 from sandbox.server.page_server import PageServer
 from sandbox.server.protocol import CREDIT
+from sandbox.server.server_thread import GREETING
 from sandbox.server.web import WebDevice
 from sandbox.session.session import Session
 from sandbox.trial.assembly import build

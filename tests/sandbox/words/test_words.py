@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 
 from models.message import Message
-from sandbox.server.frames import told
+from sandbox.server.frames import localised
 from sandbox.study.design.design import WORDINGS
 from sandbox.words.words import (
     GROUPS,
@@ -214,6 +214,6 @@ def test_a_message_is_english_text_that_knows_its_key_also_in_another_process() 
     assert one == "the second box is not on base"
     again = pickle.loads(pickle.dumps(one))
     assert (again, again.key, again.values) == (one, one.key, one.values)
-    assert told(one).values == {"box": "second", "below": "base"}
-    assert told("of another task") == type(told(one))("", {}, "of another task")
+    assert localised(one).values == {"box": "second", "below": "base"}
+    assert localised("of another task") == type(localised(one))("", {}, "of another task")
     assert str(Message("tasks_that_fit", "{task}.", task=["a", "b"])) == "a, b."

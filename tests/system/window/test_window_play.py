@@ -31,6 +31,7 @@ from tests.support.page_client import Page
 from tests.support.processes import PATIENCE, ROOT
 from tests.support.screen import Screen, screen
 from tests.support.viewed import Viewed, advance, mouse_session, viewed
+from tests.support.window_shots import screenshot
 from tests.system.window.test_window import PIXEL, Desk, drag
 
 pytestmark = pytest.mark.skipif(
@@ -54,7 +55,7 @@ def desk(display: Screen, monkeypatch: pytest.MonkeyPatch) -> Iterator[Desk]:
 
 
 def shot(desk: Desk) -> np.ndarray:
-    return np.asarray(desk.window.screenshot(), float)
+    return np.asarray(screenshot(desk.window), float)
 
 
 def test_a_key_goes_through_all_speeds_and_back_to_real_time(desk: Desk) -> None:
@@ -165,7 +166,7 @@ def test_all_of_the_surface_is_seen_in_any_window(
     glfw.set_window_size(desk.window._context.handle, *size)
     for _ in range(5):
         desk.pump()
-    assert desk.window.screenshot().size == size
+    assert screenshot(desk.window).size == size
     for share in [(0, 0), (1, 0), (0, 1), (1, 1)]:
         x, y = desk.at(share)
         assert 0 <= x < size[0] and 0 <= y < size[1], (share, x, y)
@@ -183,7 +184,7 @@ def test_on_a_fine_screen_the_window_is_larger_and_touches_are_as_exact(
     subprocess.run([*change, "Xft.dpi:\t144\n"], env=environment, check=True)
     try:
         desk = Desk(display, viewed(), (640, 420))
-        assert desk.window.screenshot().size == (960, 630)
+        assert screenshot(desk.window).size == (960, 630)
         drag(desk, (0.1, 0.9), (0.9, 0.2))
         frames = desk.touches()
         assert np.allclose(frames[0], np.array([0.1, 0.9]) * desk.v.surface.size, atol=PIXEL)
@@ -434,11 +435,11 @@ def test_a_box_is_brought_to_its_goal_with_pointer_wheel_and_keys_alone(
     game.do("mouseup", 1)
     for _ in range(20):
         game.pump()
-    game.window.screenshot().save(tmp_path / "there.png")
+    screenshot(game.window).save(tmp_path / "there.png")
     game.do("key", "space")
     while not game.session.over and game.session.time < 30.0:
         game.pump()
-    game.window.screenshot().save(tmp_path / "done.png")
+    screenshot(game.window).save(tmp_path / "done.png")
     game.window.close()
     score = game.session.scorer.score
     assert score.success, score.reason

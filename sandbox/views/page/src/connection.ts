@@ -2,7 +2,7 @@
 
 import { clientName, fileAddress, reload, socketAddress, spectator } from "./link";
 import { type Frame, parseFrame } from "./frame";
-import { type Down, PROTOCOL, type Refusal, type SceneMessage, type Sheet, type Told, type Up, type Welcome } from "./protocol";
+import { type Down, PROTOCOL, type Refusal, type SceneMessage, type Sheet, type Localised, type Up, type Welcome } from "./protocol";
 import { currentScreen, sized } from "./screen";
 import { type Skin, parseSkin } from "./skin";
 import { type Key, language } from "./words";
@@ -38,7 +38,7 @@ export interface Listener {
   onWelcome(welcome: Welcome): void;
   onScene(scene: SceneMessage): void;
   onSkin(skin: Skin): void;
-  onTrouble(told: Told[]): void;
+  onTrouble(told: Localised[]): void;
   onSheet(sheet: Sheet): void;
   onRefusal(refusal: Refusal): void;
   onFrame(frame: Frame): void;

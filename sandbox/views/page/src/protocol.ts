@@ -117,7 +117,7 @@ export interface Leave {
 }
 
 /** A sentence for the person: its key and values, which every language has words for. `text` is the sentence in English, for clients without words of their own, and for sentences without a key, such as those of other people's tasks. */
-export interface Told {
+export interface Localised {
   key: string;
   values: Record<string, string | (string)[]>;
   text: string;
@@ -183,7 +183,7 @@ export interface SceneMessage {
   surface: SurfaceView;
   bodies: (string)[];
   geoms: (Geom)[];
-  caption: Told | null;
+  caption: Localised | null;
   in_air?: boolean;
   scored?: boolean;
 }
@@ -191,7 +191,7 @@ export interface SceneMessage {
 /** A problem that prevents a scene, and its remedy, sentence by sentence. */
 export interface Trouble {
   type: "trouble";
-  told: (Told)[];
+  told: (Localised)[];
 }
 
 /** One of several answers: its stored value, and the label that the person reads. */
@@ -274,12 +274,12 @@ export interface State {
   time: number;
   status: string;
   progress: number;
-  reason: Told | null;
+  reason: Localised | null;
   reached: boolean;
   held: boolean;
   hands: (HandState)[];
   goals: (GoalState)[];
-  notices: (Told)[];
+  notices: (Localised)[];
   pause: "" | "away" | "back" | "menu" | "start";
 }
 

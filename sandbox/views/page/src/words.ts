@@ -8,7 +8,7 @@ import fr from "../../../words/fr.json";
 import ja from "../../../words/ja.json";
 import zh from "../../../words/zh.json";
 import { announce, base } from "./language";
-import type { Told } from "./protocol";
+import type { Localised } from "./protocol";
 
 type Groups = Pick<typeof en, "page" | "headset" | "play" | "study" | "tasks" | "missing" | "notices">;
 type Keys<G> = G extends unknown ? keyof G : never;
@@ -69,7 +69,7 @@ export const say = (key: Key, values: Record<string, Value> = {}): string =>
   fill(words[key] ?? "", values);
 
 /** A sentence of the computer: in the page's language where that has it, else in English. */
-export const repeat = ({ key, values, text }: Told): string =>
+export const repeat = ({ key, values, text }: Localised): string =>
   key in words ? fill(words[key]!, values) : text;
 
 /** A word whose name is made at run time, or what stands in for it. */
