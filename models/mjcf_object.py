@@ -43,6 +43,8 @@ _FLOOR = 10.0
 """m below the object, top of the block against which its lowest point is measured."""
 _PROBE_NAME, _FLOOR_NAME = "hand sandbox probe", "hand sandbox floor"
 """Names of the ball and of the block, which no description has; many have a floor of their own."""
+_BESIDE = 0.005
+"""m beyond its own width, by which an object may lie beside its origin."""
 _FAR = 100.0
 """m, largest distance that is measured."""
 
@@ -96,7 +98,7 @@ class MjcfObject:
                 raise InputError(
                     f"its {what} is out of range", where=self._where, got=value, expected="above 0"
                 )
-        _ = self._compiled
+        self._check_middle()
 
     @classmethod
     def on_table(
@@ -198,6 +200,25 @@ class MjcfObject:
             corners += [centre - reach, centre + reach]
         return self.size * np.min(corners, axis=0), self.size * np.max(corners, axis=0)
 
+    def _check_middle(self) -> None:
+        """Refuses an object that lies beside the origin of its body, which is its place.
+
+        Meshes are often drawn somewhere in a room. The origin may be anywhere within the object.
+        """
+        low, high = self.bounds
+        middle, half = 0.5 * (low + high), 0.5 * (high - low)
+        beside = np.abs(middle[:2]) > 2.0 * half[:2] + _BESIDE
+        if beside.any():
+            x, y, z = (f"{v / self.size:.4g}" for v in middle)
+            raise InputError(
+                "it lies beside the origin of its body, which is its place",
+                where=self._where,
+                got=f"its middle at ({1000 * middle[0]:.0f}, {1000 * middle[1]:.0f}) mm",
+                expected="the origin within the object, seen from above",
+                remedy=f'Move it in its description: a mesh by <mesh refpos="{x} {y} {z}"/>, '
+                "before its scale; other geoms by their pos",
+            )
+
     @property
     def _where(self) -> str:
         return described_in(self.mjcf, self.name)
@@ -235,7 +256,7 @@ class MjcfObject:
                 where=self._where,
                 expected=", ".join(name for name, _ in GEOM_KINDS.values()),
             )
-        if not np.any((model.geom_bodyid == 1) & (model.geom_contype | model.geom_conaffinity)):
+        if not np.any((model.geom_bodyid == 1) & solid_geoms(model)):
             raise InputError(
                 "it has no solid geom",
                 where=self._where,
@@ -259,13 +280,18 @@ class MjcfObject:
     @cached_property
     def _solid(self) -> list[int]:
         model = self._compiled
-        return [g for g in self._geoms if model.geom_contype[g] or model.geom_conaffinity[g]]
+        return np.flatnonzero((model.geom_bodyid == 1) & solid_geoms(model)).tolist()
 
     def _distance(self, geom: int, other: str) -> float:
         model = self._compiled
         return float(
             mujoco.mj_geomDistance(model, self._measuring, geom, model.geom(other).id, _FAR, None)
         )
+
+
+def solid_geoms(model: Any) -> NDArray[np.bool_]:
+    """(ngeom,) bool, geoms that can collide: any bit of contype or conaffinity."""
+    return np.asarray((model.geom_contype | model.geom_conaffinity) != 0)
 
 
 def check_object_name(name: str, where: str) -> None:
@@ -410,7 +436,7 @@ def geom_element(
         # The compiler shifted the points to their middle, and the geom with them; that is done
         # once.
         element.set("mesh", f"{mesh_name}_mesh{int(model.geom_dataid[geom])}")
-    if model.geom_contype[geom] or model.geom_conaffinity[geom]:
+    if solid_geoms(model)[geom]:
         solid = {
             "contype": str(bits[0]),
             "conaffinity": str(bits[1]),

@@ -251,6 +251,17 @@ class Scene:
         ends = np.sqrt(squared_lengths(model.geom_pos[geoms])) + model.geom_rbound[geoms]
         return float(np.max(ends, initial=0.0))
 
+    def object_width(self, name: str) -> float:
+        """Diameter in m of a ball around an object, wherever its origin is, at most."""
+        model = self.model
+        geoms = np.flatnonzero(model.geom_bodyid == self.object_bodies[name])
+        places, reach = model.geom_pos[geoms], model.geom_rbound[geoms][:, None]
+        if not len(geoms):
+            return 0.0
+        middle = 0.5 * (np.min(places - reach, axis=0) + np.max(places + reach, axis=0))
+        away = np.sqrt(squared_lengths(places - middle)) + reach[:, 0]
+        return 2.0 * float(np.max(away))
+
     def pose_to_qpos(self, hand: int, q: Array) -> Array:
         """Joint positions (n,) of a hand at a pose (48,), in the order of its joints."""
         return self.spec.hands[hand].joint_positions(q)

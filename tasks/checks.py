@@ -288,10 +288,10 @@ def _check_places(task: Task, surface: Surface, where: str) -> None:
     widest = WIDEST * float(surface.size.max())
     scene = build_scene(task)
     for obj in task.objects:
-        radius = scene.object_radius(obj.name)
-        if radius > widest:
+        across = scene.object_width(obj.name)
+        if across > 2 * widest:
             raise InputError(
-                f"{obj.name} is {2 * radius:.3g} m wide",
+                f"{obj.name} is {across:.3g} m wide",
                 where=where,
                 expected=f"at most {2 * widest:.2f} m: sizes are in m",
                 remedy='A mesh in mm is scaled in its MJCF: <mesh scale=".001 .001 .001" .../>',

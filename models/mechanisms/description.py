@@ -10,7 +10,7 @@ import mujoco
 import numpy as np
 
 from models.errors import InputError
-from models.mjcf_object import GEOM_KINDS, described_in, read_mjcf, unreadable
+from models.mjcf_object import GEOM_KINDS, described_in, read_mjcf, solid_geoms, unreadable
 
 PROBE = "hand sandbox probe"
 """Name of the ball with which distances to shapes without a formula are measured."""
@@ -158,7 +158,7 @@ def _check_bodies(compiled: Compiled, where: str) -> None:
             )
         _check_losses(model, body, called, where)
     inside = np.isin(model.geom_bodyid, list(compiled.bodies))
-    if not np.any(inside & ((model.geom_contype | model.geom_conaffinity) > 0)):
+    if not np.any(inside & solid_geoms(model)):
         raise InputError(
             "it has no solid geom", where=where, expected="a geom with contype or conaffinity"
         )

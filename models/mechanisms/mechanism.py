@@ -34,6 +34,7 @@ from models.mjcf_object import (
     geom_element,
     mesh_assets,
     mesh_points,
+    solid_geoms,
 )
 from models.objects import Joint, MechanismPart, mjcf_text
 
@@ -412,7 +413,7 @@ class Part(MechanismPart):
         """Of every solid geom: kind, place (3,) m and turn (3, 3) in the body, size, index."""
         model, solid = self._model, []
         for geom in self._geoms:
-            if model.geom_contype[geom] or model.geom_conaffinity[geom]:
+            if solid_geoms(model)[geom]:
                 kind, _ = GEOM_KINDS[int(model.geom_type[geom])]
                 turn = _matrix(model.geom_quat[geom])
                 solid.append((kind, model.geom_pos[geom], turn, model.geom_size[geom], geom))

@@ -314,3 +314,51 @@ def test_a_flat_sheet_that_is_only_seen_is_in_the_scene() -> None:
     inside = f'{BLOCK}<geom type="mesh" mesh="sheet" contype="0" conaffinity="0"/>'
     thing = MjcfObject.on_table("it", mjcf(inside, faces), 0.1, (0.0, 0.0))
     assert Scene(SceneSpec((), (thing,))).model.nmesh == 1
+
+
+@pytest.mark.parametrize("bits", ((2, 2), (1, 0), (0, 4), (2, 4), (-(2**31), 0)))
+def test_any_collision_bit_makes_a_geom_solid(bits: tuple[int, int]) -> None:
+    text = mjcf(
+        f'<geom type="box" size=".02 .03 .01" contype="{bits[0]}" conaffinity="{bits[1]}"/>'
+    )
+    plain, other = (MjcfObject("thing", part, 0.1) for part in (mjcf(BLOCK), text))
+    assert tostring(plain.body()) == tostring(other.body())
+    far = np.array([[0.05, 0.0, 0.0]])
+    distances = [obj.clearance(far, np.zeros(3), np.eye(3))[0] for obj in (plain, other)]
+    assert distances[0] == distances[1]
+
+
+def test_a_geom_without_collision_bits_is_only_visible() -> None:
+    with pytest.raises(InputError, match="no solid geom"):
+        MjcfObject("thing", mjcf('<geom size=".02" contype="0" conaffinity="0"/>'), 0.1)
+
+
+@given(x=st.floats(0.2, 5.0), y=st.floats(-5.0, 5.0))
+def test_an_object_beside_the_origin_of_its_body_is_refused_with_its_offset(
+    x: float, y: float
+) -> None:
+    away = mjcf(f'<geom type="box" size=".02 .03 .01" pos="{x:.6f} {y:.6f} 0"/>')
+    with pytest.raises(InputError, match="beside the origin") as error:
+        MjcfObject("thing", away, 0.1)
+    assert f"{1000 * x:.0f}" in str(error.value)
+
+
+def test_the_remedy_of_a_mesh_beside_its_origin_is_right() -> None:
+    corners = " ".join(
+        f"{0.5 + a * 0.02} {0.2 + b * 0.03} {c * 0.01}"
+        for a in (-1, 1)
+        for b in (-1, 1)
+        for c in (-1, 1)
+    )
+    asset = f'<mesh name="block" vertex="{corners}"/>'
+    with pytest.raises(InputError) as error:
+        MjcfObject("thing", mjcf(MESH_BLOCK, asset), 0.1)
+    remedy = str(error.value).partition('refpos="')[2].partition('"')[0]
+    moved = asset.replace("<mesh ", f'<mesh refpos="{remedy}" ')
+    obj = MjcfObject("thing", mjcf(MESH_BLOCK, moved), 0.1)
+    np.testing.assert_allclose(obj.bounds[1], (0.02, 0.03, 0.01), atol=1e-4)
+
+
+def test_a_handle_or_an_origin_at_an_edge_is_no_offset() -> None:
+    for place in (".02 0 0", ".03 .03 0", "0 0 .5"):
+        MjcfObject("thing", mjcf(f'<geom type="box" size=".02 .03 .01" pos="{place}"/>'), 0.1)
