@@ -29,7 +29,7 @@ def named_options(options: type[Any], argv: Sequence[str]) -> dict[type[Any], st
         DeviceError: The code of somebody's own device cannot be used.
     """
     devices = []
-    for word, after in zip(argv, [*argv[1:], ""], strict=True):
+    for word, after in zip(argv, [*argv, ""][1:], strict=True):
         option, equals, value = word.partition("=")
         if option in _NAMING:
             devices.append(value if equals else after)
