@@ -98,6 +98,10 @@ class OnePose:
     def tips_and_jacobian(self, q: Array) -> tuple[Array, Array]:
         """Fingertips (k, 3) and their derivative (k, 3, 48) by the pose (48,)."""
         tips = self.tips(q)
+        return tips, self.jacobian(q)
+
+    def jacobian(self, q: Array) -> Array:
+        """Derivative (k, 3, 48) of the fingertips by the pose (48,) that was placed last."""
         mujoco.mj_comPos(self._model, self._data)
         for rows, site in self._rows:
             mujoco.mj_jacSite(self._model, self._data, rows, None, site)
@@ -105,7 +109,7 @@ class OnePose:
         # exp(w + d) = exp(w) exp(R d), R the right Jacobian: R d is a turn in the bone's own frame.
         jacobian = np.empty(self._raw.shape)
         mujoco.mju_mulMatMat(jacobian, self._raw, self._right)
-        return tips, jacobian.reshape(-1, 3, POSE_SIZE)
+        return jacobian.reshape(-1, 3, POSE_SIZE)
 
     def joint_positions(self) -> Array:
         """Joint positions (63,) of the pose that was placed last, three slides and 15 quaternions;
@@ -115,7 +119,7 @@ class OnePose:
     def by_pose(self, by_turns: Array) -> Array:
         """Derivatives (n, 48) by the pose, from those by turns in the bones' own frames.
 
-        The pose is the one that `tips_and_jacobian` was called with last.
+        The pose is that of the last `jacobian`.
         """
         by_pose = np.empty(by_turns.shape)
         mujoco.mju_mulMatMat(by_pose, by_turns, self._right)

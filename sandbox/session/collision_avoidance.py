@@ -18,6 +18,7 @@ is clear of objects: a part that became solid inside an object would throw it.
 from __future__ import annotations
 
 import copy
+from collections.abc import Sequence
 from dataclasses import replace
 from math import expm1
 from typing import NamedTuple
@@ -108,8 +109,10 @@ class CollisionAvoidance:
         self._distances = distances
         self._skeleton, self._surface = skeleton, surface
         self._kinematics: dict[tuple[int, ...], OnePose] = {}
-        self._held: dict[tuple[int, ...], NDArray[np.int64]] = {}
-        self._own = scene.qpos_slice(hand)
+        # Of the hand's joint positions those of the palm and of touching fingers, and where they
+        # are in the scene's.
+        self._held: dict[tuple[int, ...], tuple[NDArray[np.int64], NDArray[np.int64]]] = {}
+        self._start = int(scene.qpos_slice(hand).start)
         # Of two normal distributions, around no correction and around the one before: the part of
         # the one before that is likeliest, and the variance around it.
         self._part = 1.0 / (1.0 + STEADY * STEADY)
@@ -157,7 +160,8 @@ class CollisionAvoidance:
         if self.offset is None:
             return reconstruction
         q = reconstruction.q + self.offset
-        q[JOINTS] = np.minimum(np.maximum(q[JOINTS], self._low), self._high)
+        joints = q[JOINTS]
+        np.minimum(np.maximum(joints, self._low, joints), self._high, joints)
         return replace(reconstruction, q=q)
 
     def _towards(self, wanted: Array | None) -> Array | None:
@@ -165,14 +169,17 @@ class CollisionAvoidance:
         if self.offset is None and wanted is None:
             return None
         now = np.zeros(POSE_SIZE) if self.offset is None else self.offset
-        goal = np.zeros(POSE_SIZE) if wanted is None else wanted
-        step = self._share * (goal - now)
+        if wanted is None and float(np.abs(now).max()) < _STILL:
+            return None
+        step = (0.0 if wanted is None else wanted) - now
+        step *= self._share
         sizes = np.abs(step)
         sizes[ROOT_POSITION] *= 10.0
         fastest = float(sizes.max()) / (SPEED * CONTROL_PERIOD)
-        if wanted is None and float(np.abs(now).max()) < _STILL:
-            return None
-        return now + (step / fastest if fastest > 1.0 else step)
+        if fastest > 1.0:
+            step /= fastest
+        step += now
+        return step
 
     def _wanted(
         self,
@@ -184,7 +191,8 @@ class CollisionAvoidance:
         kinematics = self._kinematics.get(fingers)
         if kinematics is None:
             kinematics = self._kinematics[fingers] = OnePose(self._skeleton, fingers)
-            self._held[fingers] = _joints_of(self._skeleton, fingers)
+            held = _joints_of(self._skeleton, fingers)
+            self._held[fingers] = held, held + self._start
         q0 = reconstruction.q
         at = kinematics.tips(q0)
         offset = self.offset
@@ -195,8 +203,8 @@ class CollisionAvoidance:
         qpos = kinematics.joint_positions()
         if reconstruction.down:
             # What presses is held back: the palm and touching fingers are seen where they are.
-            held = self._held[fingers]
-            qpos[held] = data.qpos[self._own][held]
+            held, there = self._held[fingers]
+            qpos[held] = data.qpos.take(there)
         else:
             # The hand is seen where it will be once it is down.
             qpos[ROOT_POSITION] += self._landing(reconstruction, fingers, at)
@@ -204,28 +212,26 @@ class CollisionAvoidance:
         near = self._distances.near(data, qpos)
         rows, lacking = self._lacking(near, fingers)
         parts = [near.parts[row] for row in rows]
-        # Now, and where everything goes.
-        seen = [(qpos, 0.0, rows)]
+        rows_ahead: list[int] = []
         speed = length(velocity)
         if speed > SLOW:
+            # Where everything goes.
             ahead = min(AHEAD, FAR / speed)
-            gone = qpos.copy()
-            gone[ROOT_POSITION] += ahead * velocity
-            near = self._distances.near(data, gone, ahead)
-            rows, more = self._lacking(near, fingers)
-            parts += [near.parts[row] for row in rows]
-            seen.append((gone, ahead, rows))
+            qpos[ROOT_POSITION] += ahead * velocity
+            near = self._distances.near(data, qpos, ahead)
+            rows_ahead, more = self._lacking(near, fingers)
+            parts += [near.parts[row] for row in rows_ahead]
             lacking += more
         if not lacking or (offset is None and max(lacking) <= 0.0):
             return None
-        _, J = kinematics.tips_and_jacobian(q)
-        gradients = []
-        for place, ahead, rows in reversed(seen):
-            if rows:
-                if len(seen) > 1 and not ahead:
-                    self._distances.near(data, place)
-                gradients.append(self._distances.gradients(rows))
-        G = kinematics.by_pose(np.concatenate(gradients[::-1]))
+        # Of q, which was placed last.
+        J = kinematics.jacobian(q)
+        gradients = [
+            self._distances.gradients(some, ahead)
+            for some, ahead in ((rows, False), (rows_ahead, True))
+            if some
+        ]
+        G = kinematics.by_pose(np.concatenate(gradients))
         A = np.concatenate([J.reshape(-1, POSE_SIZE), G])
         r = np.concatenate([(at - reached).ravel(), lacking])
         if offset is not None:
@@ -238,7 +244,7 @@ class CollisionAvoidance:
         self, reconstruction: Reconstruction, fingers: tuple[int, ...], at: Array
     ) -> Array:
         """(3,) m/s of the commanded fingertips of a hand that is down."""
-        middle = at.mean(axis=0)
+        middle: Array = np.add.reduce(at, 0) / len(at)
         before, self._before = self._before, (fingers, middle)
         if before is None or before[0] != fingers or not reconstruction.down:
             return np.zeros(3)
@@ -250,30 +256,31 @@ class CollisionAvoidance:
     ) -> Array:
         """(3,) m from the commanded hand above the surface to where it comes down."""
         heights = (at - self._surface.corner) * self._up
-        high = float(heights.sum()) / len(fingers) - reconstruction.tip_height
+        high = float(np.add.reduce(heights, None)) / len(fingers) - reconstruction.tip_height
         return -high * self._up
 
     def _lacking(self, near: Near, fingers: tuple[int, ...]) -> tuple[list[int], list[float]]:
         """Contacts that matter, and how much of their margin each lacks, m; negative beyond it."""
         ends, inner = self._touching(fingers)
-        # How far each touching fingertip is from each thing.
+        parts, distances, geoms = near
+        # How far each touching fingertip is from each object.
         tips: dict[tuple[int, int], float] = {}
-        for part, distance, geom in zip(*near, strict=True):
+        for row, part in enumerate(parts):
             if part in ends:
-                key = ends[part], self._thing[geom]
-                tips[key] = min(tips.get(key, MARGIN), distance)
+                key = ends[part], self._thing[geoms[row]]
+                tips[key] = min(tips.get(key, MARGIN), distances[row])
         rows, lacking = [], []
-        for row, (part, distance, geom) in enumerate(zip(*near, strict=True)):
+        for row, part in enumerate(parts):
             if part in ends:
                 continue
             margin = MARGIN
             if tips and part in inner:
-                tip = tips.get((inner[part], self._thing[geom]), MARGIN)
+                tip = tips.get((inner[part], self._thing[geoms[row]]), MARGIN)
                 if tip < MARGIN:
                     margin = min(BESIDE, tip + BESIDE)
-            if distance < margin + NOTICED or part in self._led:
+            if distances[row] < margin + NOTICED or part in self._led:
                 rows.append(row)
-                lacking.append(margin - distance)
+                lacking.append(margin - distances[row])
         return rows, lacking
 
     def _touching(self, fingers: tuple[int, ...]) -> tuple[dict[int, int], dict[int, int]]:
@@ -320,12 +327,13 @@ class CollisionAvoidance:
                 every.reshape(-1)[:: len(r) + 1] += noise
                 missing = r - matrix_vector(A, held)
                 moved = False
-            weights = solve_positive(every.take(keep, 0).take(keep, 1), missing.take(keep))
+            at = np.array(keep)
+            weights = solve_positive(every.take(at, 0).take(at, 1), missing.take(at))
             pulls = weights[exact:]
             if len(pulls) and (worst := int(pulls.argmin())) >= 0 and pulls[worst] < 0.0:
                 dropped.append(keep.pop(exact + worst))
                 continue
-            offset = vector_matrix(weights, AV.take(keep, 0)) + held
+            offset = vector_matrix(weights, AV.take(at, 0)) + held
             if dropped:
                 short = r.take(dropped) - matrix_vector(A.take(dropped, 0), offset)
                 if short[least := int(short.argmax())] > _SHORT:
@@ -388,9 +396,9 @@ class Near(NamedTuple):
         things: Indices (n,) of the geoms that they are near.
     """
 
-    parts: list[int]
-    distances: list[float]
-    things: list[int]
+    parts: Sequence[int]
+    distances: Sequence[float]
+    things: Sequence[int]
 
 
 class HandDistances:
@@ -437,7 +445,8 @@ class HandDistances:
         model.geom_condim[:] = 1
         model.opt.jacobian = mujoco.mjtJacobian.mjJAC_DENSE
         model.opt.disableflags |= int(_IDLE)
-        self._data = mujoco.MjData(model)
+        # Where everything is, and where it goes.
+        self._now, self._ahead = mujoco.MjData(model), mujoco.MjData(model)
         start = int(model.joint(own.first_joint).dofadr[0])
         inside = [j for j in range(model.njnt) if model.jnt_qposadr[j] in _range(self._hand)]
         last = inside[-1]
@@ -452,7 +461,7 @@ class HandDistances:
             qpos: Joint positions (m,) of the hand; None takes those of the state.
             ahead: s for which things go on as they move now.
         """
-        own = self._data
+        own = self._ahead if ahead else self._now
         own.qpos[:] = data.qpos
         if ahead:
             mujoco.mj_integratePos(self._model, own.qpos, data.qvel, ahead)
@@ -462,23 +471,21 @@ class HandDistances:
         mujoco.mj_collision(self._model, own)
         if not own.ncon:
             return _NOTHING
-        contact = own.contact
-        pairs = contact.geom.tolist()
-        mine = self._parts
+        contact, mine = own.contact, self._parts
         # MuJoCo orders two geoms by their kind.
-        first = [a in mine for a, _ in pairs]
-        parts = [a if f else b for (a, b), f in zip(pairs, first, strict=True)]
-        things = [b if f else a for (a, b), f in zip(pairs, first, strict=True)]
+        pairs = [(a, b) if a in mine else (b, a) for a, b in contact.geom.tolist()]
+        parts, things = zip(*pairs, strict=True)
         return Near(parts, contact.dist.tolist(), things)
 
-    def gradients(self, rows: list[int]) -> Array:
+    def gradients(self, rows: list[int], ahead: bool = False) -> Array:
         """Derivatives (k, dofs) of some of the distances that `near` returned last, by the hand's
         velocities.
 
         Args:
             rows: Indices (k,) into them.
+            ahead: Of those that were returned for things that go on.
         """
-        model, own = self._model, self._data
+        model, own = self._model, self._ahead if ahead else self._now
         mujoco.mj_comPos(model, own)
         mujoco.mj_makeConstraint(model, own)
         every = own.efc_J.reshape(own.nefc, model.nv)
@@ -525,6 +532,7 @@ class SolidLinks:
 
     Attributes:
         fingers: Labels of the fingers whose last link is solid, whether they touch or not.
+        signature: Which parts are solid: state outside MuJoCo's that affects the next step.
     """
 
     def __init__(self, scene: Scene, hand: int, distances: HandDistances) -> None:
@@ -543,10 +551,9 @@ class SolidLinks:
         self.fingers: frozenset[int] = frozenset()
         self._touching: frozenset[int] = frozenset()
         self._solid: frozenset[int] = frozenset()
+        self.signature = self._mask()
 
-    @property
-    def signature(self) -> bytes:
-        """Which parts are solid: state outside MuJoCo's that affects the next step."""
+    def _mask(self) -> bytes:
         mask = sum(1 << i for i, part in enumerate(self._parts) if part in self._solid)
         return mask.to_bytes((len(self._parts) + 7) // 8, "little")
 
@@ -573,6 +580,7 @@ class SolidLinks:
         self._touching = touching
         if solid != before:
             self._solid = solid
+            self.signature = self._mask()
             self._scene.set_solid_geoms(self._hand, solid)
             self.fingers = frozenset(
                 f for f in self._links if self._links[f][-1] in solid or self._ends[f] in solid

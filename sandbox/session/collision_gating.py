@@ -116,7 +116,9 @@ class CollisionGate:
         self._commanded = scene.spec.hands[hand].tips_of()
         # All of the part that becomes solid must be clear of objects, and not the tip alone: a
         # finger leans, and may be inside a high object with its tip well beside it.
-        self._inner = np.array([link.solid_from for link in last])
+        inner = np.array([link.solid_from for link in last])
+        self._shares = inner + ALONG[:, None] * (1.0 - inner)
+        self._behind = ((self._shares - 1.0) * self._reach)[:, :, None]
         self.fingers = GHOST
         self.inside = GHOST
         # Steps in a row that each finger has been inside an object.
@@ -144,8 +146,7 @@ class CollisionGate:
 
     def links(self, data: mujoco.MjData) -> Array:
         """(35, 3) m, 7 points on the solid part of each last link; fingers vary fastest."""
-        shares = self._inner + ALONG[:, None] * (1.0 - self._inner)
-        return np.concatenate([self._along(data, share) for share in shares])
+        return np.concatenate([self._along(data, share) for share in self._shares])
 
     def balls(self, data: mujoco.MjData) -> tuple[Array, Array]:
         """Middles (n, 3) and radii (n,), m, of balls that cover all that can be solid."""
@@ -156,10 +157,10 @@ class CollisionGate:
 
     def behind_tips(self, data: BodyPoses) -> Array:
         """(7, 5, 3) m, the points of `links`, seen from each finger's tip."""
-        shares = self._inner + ALONG[:, None] * (1.0 - self._inner)
         # The middle column of each rotation is a bone's own direction.
         axis = data.xmat.take(self._bodies, 0)[:, 1::3]
-        return ((shares - 1.0) * self._reach)[:, :, None] * axis
+        behind: Array = self._behind * axis
+        return behind
 
     def update(
         self,

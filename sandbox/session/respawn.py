@@ -64,6 +64,7 @@ class Respawn:
 
     def __init__(self, scene: Scene, surfaces: Sequence[Surface], goals: ArrayLike = ()) -> None:
         self._scene, self._surfaces = scene, tuple(surfaces)
+        self._regions = [_Region(surface) for surface in surfaces]
         # What cannot leave is in the way where an object is put down.
         self._all = [_Place(scene, t) for t in scene.spec.objects]
         by_name = {place.name: place for place in self._all}
@@ -95,7 +96,7 @@ class Respawn:
         back = []
         for place in self._objects:
             parts = self._parts[place.name]
-            out = not any(self._within(data, p, s) for p in parts for s in self._surfaces)
+            out = not any(self._within(data, p, r) for p in parts for r in self._regions)
             self._away[place.name] = self._away[place.name] + 1 if out else 0
             if self._away[place.name] * CONTROL_PERIOD >= AWAY and self._put(data, place, *hands()):
                 self._away[place.name] = 0
@@ -105,18 +106,15 @@ class Respawn:
                 mujoco.mj_forward(self._scene.model, data)
         return back
 
-    def _within(self, data: mujoco.MjData, place: _Place, surface: Surface) -> bool:
+    def _within(self, data: mujoco.MjData, place: _Place, region: _Region) -> bool:
         """True if a finger on a surface could reach an object at its current place."""
-        position = data.xpos[place.body]
+        position, surface = data.xpos[place.body], region.surface
         reach = place.radius + FINGERTIP
-        away = position - surface.corner
-        x, up, off = (
-            away if surface.aligned else stacked_applied(surface.rotation.T, away)
-        ).tolist()
-        width, height = METRES_PER_INCH * surface.width_in, METRES_PER_INCH * surface.height_in
-        flat = surface.aligned or _flat(surface)
-        near = bool(
-            position.item(2) > FLOOR
+        _, _, z = at = position.tolist()
+        x, up, off = region.seen(at)
+        width, height, flat = region.width, region.height, region.flat
+        near = (
+            z > FLOOR
             and -reach < x < width + reach
             and -reach < -up < height + reach
             and abs(off) < (CEILING if flat else reach)
@@ -252,6 +250,35 @@ class Respawn:
         fair = nearest >= nearest[0]
         beside = ~fair & (nearest >= BESIDE_GOAL * BESIDE_GOAL)
         return np.concatenate([shifts[there & fair], shifts[there & beside]])
+
+
+class _Region:
+    """A touch surface, as plain floats: objects are looked at in every step.
+
+    Args:
+        surface: The surface.
+
+    Attributes:
+        surface: The same.
+        width, height: m, its size.
+        flat: True if it lies on the table.
+    """
+
+    def __init__(self, surface: Surface) -> None:
+        self.surface = surface
+        self.width = METRES_PER_INCH * surface.width_in
+        self.height = METRES_PER_INCH * surface.height_in
+        self.flat = _flat(surface)
+        self._corner = surface.corner.tolist()
+        self._axes = None if surface.aligned else surface.rotation.T.tolist()
+
+    def seen(self, position: list[float]) -> list[float]:
+        """m along the surface to the right and up it, and off it, of a world position (3,) m."""
+        away = [p - c for p, c in zip(position, self._corner, strict=True)]
+        if self._axes is None:
+            return away
+        x, y, z = away
+        return [a * x + b * y + c * z for a, b, c in self._axes]
 
 
 class _Place:
