@@ -80,8 +80,7 @@ class DeviceKind:
         sees: Touches, or hands over a Leap, before a camera or in a headset.
         source: A person or another program (`LIVE`), which plays at the clock's speed; a simulated
             user; or a file. The last two are played as fast as the machine can.
-        labels: It can say which finger each contact is; otherwise fingers are always labelled by
-            the program.
+        labels: It can say which finger is which; otherwise the program always labels the fingers.
         in_scene: It needs a scene: a window, objects to see, or a hand. Otherwise `sandbox touches`
             takes it, too.
         one_hand: It serves one hand; a task for two hands needs a second device.
