@@ -20,6 +20,14 @@ from sandbox.study.design.conditions import combinations, run_settings, values_o
 from sandbox.study.design.design import Design
 from sandbox.study.record.measure_definitions import external_definitions
 
+
+def _with_packages_below(folder: str) -> list[str]:
+    """A folder of the program and every package below it, so that a new one need not be named."""
+    root = program_root()
+    below = (path.parent for path in (root / folder).rglob("__init__.py"))
+    return sorted(path.relative_to(root).as_posix() for path in below)
+
+
 COMPUTES = (
     "models",
     "models/arithmetic",
@@ -38,18 +46,7 @@ COMPUTES = (
     "tasks/clutter",
     "tasks/mechanisms",
     "tasks/simulated_user",
-    "sandbox/devices",
-    "sandbox/devices/evdev",
-    "sandbox/devices/files",
-    "sandbox/devices/leap",
-    "sandbox/devices/mouse",
-    "sandbox/devices/simulated",
-    "sandbox/devices/simulated/air_user",
-    "sandbox/devices/tuio",
-    "sandbox/devices/web",
-    "sandbox/devices/webcam",
-    "sandbox/devices/webxr",
-    "sandbox/devices/wrappers",
+    *_with_packages_below("sandbox/devices"),
     "sandbox/play",
     "sandbox/recording",
     "sandbox/session",
