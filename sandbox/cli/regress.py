@@ -6,7 +6,7 @@ import json
 import os
 from collections.abc import Iterator, Sequence
 from contextlib import closing, contextmanager, suppress
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from functools import partial
 from pathlib import Path
 from time import perf_counter
@@ -19,7 +19,7 @@ from rich.markup import escape
 from models.errors import InputError, unknown_name
 from models.message import counted
 from sandbox.cli.common.command_line import parse, picked
-from sandbox.cli.common.json_out import TERMINAL, check_output, refuse_same
+from sandbox.cli.common.json_out import TERMINAL, check_output, refuse_same, write_json
 from sandbox.cli.common.printing import printing
 from sandbox.trial.trial_options import ConditionOptions, SecondOptions, given_options
 from sandbox.trial.variations import KINDS, help_with_names
@@ -92,7 +92,12 @@ class RegressOptions(SecondOptions, ConditionOptions):
     beyond chance and beyond its margin."""
 
     update_baseline: bool = False
-    """Makes the baseline from this run; nothing is judged."""
+    """Makes the baseline from this run; nothing is judged. Ten seeds of every task are played a
+    second time, for --plan."""
+
+    plan: bool = False
+    """Only prints which changes a comparison with the baseline would find, and how long it would
+    take."""
 
     exact: bool = False
     """States must be equal to the bit where MuJoCo, architecture and libm are the baseline's."""
@@ -155,6 +160,9 @@ def main(argv: list[str]) -> int:
         check_possible(plan, parse_wanted(options.vary))
     executor = _executor(options)
     old = _compared_with(options, plan, console)
+    if options.plan:
+        assert old is not None
+        return _show_power(options, plan, old, console)
     if options.record is not None and not options.resume:
         _empty_folder(options.record)
     with _kept(options, plan, console) as kept, Interrupt() as interrupt:
@@ -189,7 +197,8 @@ def main(argv: list[str]) -> int:
                 save_junit(report, options.junit)
             passed = report.passed if report.complete else None
             if options.update_baseline:
-                passed = _update(options, plan, report, console)
+                again = _repeated(plan, executor, interrupt) if report.passed else []
+                passed = _update(options, plan, report, again, console)
         if passed is None:
             return interrupt.status
         if not passed and kept is not None and kept.has_crashes:
@@ -261,7 +270,7 @@ def _check(options: RegressOptions) -> None:
     if options.record_all and options.record is None:
         raise InputError("no folder is given", where="--record-all", remedy="Add --record DIR")
     if options.baseline is None:
-        for name in ("update_baseline", "exact", "across_encoders", "margin"):
+        for name in ("update_baseline", "exact", "across_encoders", "margin", "plan"):
             if getattr(options, name):
                 option = "--" + name.replace("_", "-")
                 raise InputError("no baseline is given", where=option, remedy="Add --baseline FILE")
@@ -419,10 +428,58 @@ def _run(
     return trials
 
 
+def _repeated(plan: RegressionPlan, executor: Executor, interrupt: Interrupt) -> list[Trial]:
+    """Some of a plan's trials with a change that makes nothing harder."""
+    from sandbox.regress.power import REPEATED, REPEATS
+    from sandbox.regress.show import progress_shown
+
+    varied = plan.scene.get("vary") or ""
+    if "friction" in varied:
+        return []
+    scene = {**plan.scene, "vary": f"{varied},{REPEATED}".strip(",")}
+    again = replace(plan, seeds=plan.seeds[:REPEATS], scene=scene, record=None)
+    jobs = again.jobs()
+    found = []
+    with (
+        suppress(KeyboardInterrupt),
+        progress_shown("repeated", len(jobs), 0) as tell,
+        interrupt.while_running(),
+        closing(executor.run(jobs, lambda: interrupt.requested)) as running,
+    ):
+        for trial in running:
+            found.append(trial)
+            tell(len(found), sum(t["success"] for t in found))
+    return found
+
+
+def _show_power(
+    options: RegressOptions, plan: RegressionPlan, baseline: Baseline, console: Console
+) -> int:
+    """Prints what a comparison with a baseline would find, and what it would cost."""
+    from sandbox.regress.execute import run_job
+    from sandbox.regress.power import power_of
+    from sandbox.regress.show import show_power
+
+    rows = power_of(baseline, plan.names, plan.seeds, plan.time_limits())
+    first = plan.jobs()[0]
+    # The first trial of a process imports and compiles; the second shows how fast trials are.
+    run_job(first)
+    began = perf_counter()
+    trial = run_job(first)
+    pace = (trial["time_s"] + 1.0) / (perf_counter() - began)
+    minutes = sum(row.seconds + row.pairs for row in rows[: len(plan.names)]) / pace / 60.0
+    values = {"power": [row.as_json() for row in rows], "minutes_of_one_core": minutes}
+    write_json(options.json, values)
+    with printing():
+        show_power(rows, minutes, options.workers, console)
+    return 0
+
+
 def _update(
     options: RegressOptions,
     plan: RegressionPlan,
     report: Report,
+    repeats: Sequence[Trial],
     console: Console,
 ) -> bool | None:
     """True if the baseline was made; None where the run broke off."""
@@ -435,7 +492,7 @@ def _update(
     if report.crashes.trials:
         console.print("[bold red]no baseline is made from a run with trials that crashed[/]")
         return False
-    new = update(options.baseline, plan.origin(), plan.versions(), report.trials)
+    new = update(options.baseline, plan.origin(), plan.versions(), report.trials, repeats)
     kept = [name for name in new.tasks if name not in plan.names]
     also = f", as they were: {', '.join(kept)}" if kept else ""
     told = f"baseline {options.baseline}: {counted(len(report.trials), 'trial')}{also}"

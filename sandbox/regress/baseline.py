@@ -59,12 +59,15 @@ class BaselineTask:
         fingerprint: Fingerprint of what states depend on; empty if there were several.
         depends_on: The parts of it, by the names of `versions.DECISIVE`; empty if unknown.
         trials: Results by seed.
+        repeats: Results of some seeds with a change that makes nothing harder
+            (`sandbox.regress.power`).
     """
 
     version: int
     fingerprint: str
     trials: Mapping[int, BaselineTrial]
     depends_on: Mapping[str, str] = field(default_factory=dict)
+    repeats: Mapping[int, BaselineTrial] = field(default_factory=dict)
 
 
 class _TaskLines(Struct):
@@ -74,6 +77,7 @@ class _TaskLines(Struct):
     fingerprint: str
     trials: dict[int, BaselineTrial]
     depends_on: dict[str, str] = {}
+    repeats: dict[int, BaselineTrial] = {}
 
 
 class _BaselineFile(Struct):
@@ -200,11 +204,18 @@ class Baseline:
         origin: Origin,
         versions: Mapping[str, int],
         trials: Sequence[Trial],
+        repeats: Sequence[Trial] = (),
     ) -> Baseline:
         """With the trials of a run in the place of its tasks' earlier ones.
 
         Other tasks stay where they follow from the same settings, states and models, and go
         otherwise.
+
+        Args:
+            origin: What the trials follow from.
+            versions: Versions of the run's tasks.
+            trials: Its trials.
+            repeats: Trials of some of its seeds with a change that makes nothing harder.
 
         Raises:
             InputError: A trial has no result.
@@ -227,6 +238,7 @@ class Baseline:
                 own[0]["fingerprint"] if one_machine else "",
                 {t["seed"]: _of_trial(t) for t in own},
                 own[0]["depends_on"] if one_machine else {},
+                {t["seed"]: _of_trial(t) for t in repeats if _repeats(t, name)},
             )
         return Baseline(origin, tasks, self.path)
 
@@ -234,15 +246,19 @@ class Baseline:
         """The text of the file: JSON with a line for every trial."""
         tasks = []
         for name, task in self.tasks.items():
-            rows = [
-                f"    {json.dumps(str(seed))}: " + json.dumps(to_builtins(k))
-                for seed, k in sorted(task.trials.items())
-            ]
+            rows, again = (
+                ",\n".join(
+                    f"    {json.dumps(str(seed))}: " + json.dumps(to_builtins(k))
+                    for seed, k in sorted(some.items())
+                )
+                for some in (task.trials, task.repeats)
+            )
+            repeats = f'   "repeats": {{\n{again}\n   }},\n' if again else ""
             tasks.append(
                 f'  {json.dumps(name)}: {{\n   "version": {task.version},\n'
                 f'   "fingerprint": {json.dumps(task.fingerprint)},\n'
                 f'   "depends_on": {json.dumps(dict(task.depends_on))},\n'
-                '   "trials": {\n' + ",\n".join(rows) + "\n   }\n  }"
+                f'{repeats}   "trials": {{\n{rows}\n   }}\n  }}'
             )
         given, settings, program = (
             json.dumps(part, indent=1, sort_keys=True).replace("\n", "\n ")
@@ -262,6 +278,10 @@ class Baseline:
             InputError: It cannot be written.
         """
         write_whole(self.path, self.text(), "--baseline")
+
+
+def _repeats(trial: Trial, name: str) -> bool:
+    return trial["task"] == name and trial["status"] != CRASHED
 
 
 def _of_trial(trial: Trial) -> BaselineTrial:
@@ -306,6 +326,7 @@ def load_baseline(path: Path) -> Baseline:
             task.fingerprint,
             task.trials,
             task.depends_on,
+            task.repeats,
         )
         for name, task in document.tasks.items()
     }
@@ -351,6 +372,7 @@ def update(
     origin: Origin,
     versions: Mapping[str, int],
     trials: Sequence[Trial],
+    repeats: Sequence[Trial] = (),
 ) -> Baseline:
     """Writes the trials of a run into a baseline's file, and leaves other tasks as they are now.
 
@@ -361,7 +383,7 @@ def update(
     """
     with _alone(resolved(path, "--baseline")):
         old = replaceable(path) or Baseline(origin, {}, path)
-        new = old.updated(origin, versions, trials)
+        new = old.updated(origin, versions, trials, repeats)
         new.save()
     return new
 

@@ -7,7 +7,7 @@ a CI server.
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from math import ceil
 from time import perf_counter
@@ -26,6 +26,7 @@ from sandbox.regress.measures import DECIDING, SUCCESS, TIME
 from sandbox.regress.report import Crashes, Report
 
 if TYPE_CHECKING:
+    from sandbox.regress.power import Power
     from sandbox.regress.sweep import Curve, Point, Sweep
 
 FIRST, EVERY = 10.0, 30.0
@@ -245,6 +246,34 @@ def _failed(report: Report, console: Console) -> None:
         console.print(f"  {escape(report.command(trial))}", soft_wrap=True)
     if len(failed) > MOST_FAILED:
         console.print(f"... and {len(failed) - MOST_FAILED} more failed trials, see --json")
+
+
+def show_power(rows: Sequence[Power], minutes: float, workers: int, console: Console) -> None:
+    """Prints which changes a comparison finds.
+
+    Args:
+        rows: Power by task.
+        minutes: Time of one core for all trials.
+        workers: Number of trials at a time.
+        console: Where it is printed.
+    """
+    chance = f"{statistics.POWER:.0%}"
+    table = Table(title=f"changes that are found with a probability of {chance}")
+    table.add_column("task", no_wrap=True)
+    for name in ("seeds", "drop of success", "change of time"):
+        table.add_column(name, justify="right")
+    for row in rows:
+        table.add_row(
+            escape(row.task),
+            str(row.pairs),
+            "none" if row.success is None else f"{100 * row.success:.1f} points",
+            "unknown" if row.time is None else f"{100 * row.time:.1f} %",
+        )
+    console.print(table)
+    if any(row.time is None for row in rows):
+        console.print("--update-baseline measures how much times scatter", soft_wrap=True)
+    each = f"{counted(workers, 'worker')}: about {max(minutes / workers, 0.1):.1f} min"
+    console.print(f"{each} on this machine; one worker: {max(minutes, 0.1):.1f} min")
 
 
 def show_crashes(crashes: Crashes, console: Console) -> None:
