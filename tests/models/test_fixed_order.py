@@ -53,6 +53,7 @@ APART = {
     "encoders/regression/bone_fit.py": "training",
     "encoders/regression/least_squares.py": "training",
     "encoders/regression/person_correction.py": "training",
+    "encoders/regression/train.py": "training",
     "encoders/regression/trained.py": "training; what ships is stored",
     "encoders/validation.py": "training",
     "sandbox/session/contact_forces.py": "what views say about a grip",
