@@ -84,7 +84,7 @@ class PagePlay(Play):
     def _take_requests(self) -> None:
         """Handles requests; a change of the player's screen starts a new trial."""
         for hand, server in zip(self.requests.hands, self.servers, strict=False):
-            self.requests.take(server.asked(), hand)
+            self.requests.take(server.take_requests(), hand)
         if self._seated != self.requests.seated:
             self.requests.again, self.requests.paused = True, False
 

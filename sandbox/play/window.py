@@ -275,7 +275,7 @@ class _Turns:
             self._play.latency.add("picture", 1000.0 * window.picture_time)
         for server in self._play.servers:
             requests.paused = window.paused
-            requests.take(server.asked(), requests.hands[0])
+            requests.take(server.take_requests(), requests.hands[0])
             window.paused = requests.paused
         window.link = self._play.invitation
         window.footer = self._footer.lines(window, live.lost, session)

@@ -239,8 +239,8 @@ class Clients:
     Attributes:
         joined: Event that is set once a player has connected.
         seated: Number of times that another page became the player's.
-        asked: Queue of the player's requests; read by another thread.
-        filled: Queue of the player's inputs to a study's sheets; read by another thread.
+        requests: Queue of the player's requests; read by another thread.
+        inputs: Queue of the player's inputs to a study's sheets; read by another thread.
         screen: Size of the player's screen; None before a player connected.
         language: Language of the player's page; empty before a player connected.
     """
@@ -269,8 +269,8 @@ class Clients:
         self._last_present = float("-inf")
         self._left = float("-inf")
         self.joined = threading.Event()
-        self.asked: queue.SimpleQueue[PlayerRequest] = queue.SimpleQueue()
-        self.filled: queue.SimpleQueue[ItemAnswer | Leave] = queue.SimpleQueue()
+        self.requests: queue.SimpleQueue[PlayerRequest] = queue.SimpleQueue()
+        self.inputs: queue.SimpleQueue[ItemAnswer | Leave] = queue.SimpleQueue()
         self.screen: PageScreen | None = None
         self.language = ""
 
@@ -464,7 +464,7 @@ class Clients:
         if client.menu:
             # It is open no more. A page that comes back with it open says so again.
             client.menu = False
-            self._keep(self.asked, PlayerRequest("resume"))
+            self._keep(self.requests, PlayerRequest("resume"))
         self._last_present = client.seen
         self._left = time.monotonic()
         if self._device:
@@ -518,9 +518,9 @@ class Clients:
             case PlayerRequest() if client.player and not self._study:
                 if up.what in ("pause", "resume"):
                     client.menu = up.what == "pause"
-                self._keep(self.asked, up)
+                self._keep(self.requests, up)
             case ItemAnswer() | Leave() if client.player and self._study:
-                self._keep(self.filled, up)
+                self._keep(self.inputs, up)
             case Hello():
                 self._counters.add("second hello")
             case _:

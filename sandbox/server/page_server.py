@@ -150,13 +150,13 @@ class PageServer(ServerThread):
         """s since a player was last there: heard, and not hidden; infinite before the first."""
         return self._pages.silence
 
-    def asked(self) -> list[PlayerRequest]:
+    def take_requests(self) -> list[PlayerRequest]:
         """The player's requests since the last call."""
-        return _all_of(self._pages.asked)
+        return _all_of(self._pages.requests)
 
-    def filled(self) -> list[ItemAnswer | Leave]:
+    def take_inputs(self) -> list[ItemAnswer | Leave]:
         """The player's inputs to a study's sheets since the last call, unchecked."""
-        return _all_of(self._pages.filled)
+        return _all_of(self._pages.inputs)
 
     def show_sheet(self, sheet: Sheet, tell: bool = True) -> None:
         """Shows the player a sheet, also after a reconnection.

@@ -78,7 +78,7 @@ def show_on_page(
             pass
         playback = Playback(snapshots, speed)
         while True:
-            for ask in server.asked():
+            for ask in server.take_requests():
                 if ask.what in ("pause", "resume"):
                     playback.paused = ask.what == "pause"
                 elif ask.what == "retry":

@@ -133,7 +133,7 @@ class StudyPage:
 
         Inputs on an earlier sheet are ignored.
         """
-        inputs = [up for up in self.server.filled() if up.sheet == self._sheet.sheet]
+        inputs = [up for up in self.server.take_inputs() if up.sheet == self._sheet.sheet]
         self._went_on = self._went_on or bool(inputs)
         self.check_connection()
         return inputs

@@ -14,14 +14,14 @@ from sandbox.server.protocol import PlayerRequest
 @contextlib.contextmanager
 def played(play: PagePlay, server: PageServer) -> Iterator[None]:
     """Plays; at the end of the block it is as if somebody had pressed Ctrl-C."""
-    heard, over = server.asked, threading.Event()
+    heard, over = server.take_requests, threading.Event()
 
     def asked() -> list[PlayerRequest]:
         if over.is_set():
             raise KeyboardInterrupt
         return heard()
 
-    server.asked = asked  # type: ignore[method-assign]
+    server.take_requests = asked  # type: ignore[method-assign]
 
     def run() -> None:
         with contextlib.suppress(KeyboardInterrupt):

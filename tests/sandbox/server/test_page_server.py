@@ -448,12 +448,12 @@ def test_requests_that_nobody_reads_do_not_fill_the_memory(stage: Stage) -> None
             page.say(type="ask", what="retry")
         page.say(type="beat", t=1)
         page.until("echo")
-        assert len(stage.server.asked()) == MOST_QUEUED
+        assert len(stage.server.take_requests()) == MOST_QUEUED
         assert stage.server.counters["input that nobody waits for"] == 50
         page.say(type="ask", what="retry")
         page.say(type="beat", t=2)
         page.until("echo")
-        assert len(stage.server.asked()) == 1
+        assert len(stage.server.take_requests()) == 1
 
 
 def test_more_pages_than_there_is_room_for_are_turned_away(stage: Stage) -> None:
@@ -574,7 +574,7 @@ def test_a_page_that_goes_takes_the_menu_that_was_open_on_it_with_it(stage: Stag
             again.close()
         page.close()
         assert wait_for(lambda: stage.server.clients == 0)
-        assert [ask.what for ask in stage.server.asked()] == ["pause", "resume"]
+        assert [ask.what for ask in stage.server.take_requests()] == ["pause", "resume"]
     with Page(stage.server.url) as page:
         page.until("scene")
         for what in ("pause", "resume"):
@@ -582,4 +582,4 @@ def test_a_page_that_goes_takes_the_menu_that_was_open_on_it_with_it(stage: Stag
         page.say(type="beat", t=1)
         page.until("echo")
     assert wait_for(lambda: stage.server.clients == 0)
-    assert [ask.what for ask in stage.server.asked()] == ["pause", "resume"]
+    assert [ask.what for ask in stage.server.take_requests()] == ["pause", "resume"]

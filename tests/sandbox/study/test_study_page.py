@@ -194,7 +194,7 @@ def test_a_participants_page_cannot_ask_for_other_tasks_or_stop_time(running: On
             page.say(type="ask", what=what, value="stack")
         page.say(type="beat", t=1.0)
         page.until("echo")
-    assert running.server.asked() == []
+    assert running.server.take_requests() == []
 
 
 def test_without_consent_nothing_is_asked(running: OnPage) -> None:

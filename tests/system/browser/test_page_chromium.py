@@ -399,7 +399,7 @@ def test_a_card_held_to_the_screen_gives_its_inches(browser: Browser, server: Pa
     np.testing.assert_allclose(inches, [900 / 101.5, 700 / 101.5], atol=1e-3)
     # What hides in a screen that nobody has measured is said until somebody does.
     assert tab.evaluate("document.querySelector('.badge.warn').hidden")
-    asked = server.asked()
+    asked = server.take_requests()
     assert [ask.what for ask in asked if ask.what == "retry"] == ["retry"]
     tab.close()
 
@@ -476,7 +476,7 @@ def test_what_the_buttons_ask_for_is_heard(stage: Stage, tab: Tab) -> None:
     found: list[tuple[str, str]] = []
 
     def heard() -> bool:
-        found.extend((ask.what, ask.value) for ask in stage.server.asked())
+        found.extend((ask.what, ask.value) for ask in stage.server.take_requests())
         return ("task", "box-to-goal") in found
 
     assert wait_for(heard)

@@ -119,7 +119,7 @@ def test_a_number_with_three_digits_after_its_only_sign_is_never_stored_as_a_tho
         stored: list[object] = []
 
         def answered(value: object) -> bool:
-            stored.extend(up.value for up in server.filled() if isinstance(up, ItemAnswer))
+            stored.extend(up.value for up in server.take_inputs() if isinstance(up, ItemAnswer))
             return stored[-1:] == [value]
 
         # Both signs mean thousands somewhere, and a decimal somewhere else.
