@@ -100,7 +100,7 @@ def _users(task: Any, surface: Any) -> Any:
     """Both users, as one device that touches the whole surface."""
     options = TrialOptions(task=TASK, seed=SEED, one_surface=True, surface=f"{SIZE[0]}x{SIZE[1]}in")
     first: Any = device_makers(trial_settings(options))[0](task, surface)
-    return first._surface.device
+    return first.device
 
 
 def _as_the_users_know_it(
