@@ -82,6 +82,9 @@ class RegressOptions(SecondOptions, ConditionOptions):
     junit: Annotated[Path | None, Parameter(metavar="FILE")] = None
     """Writes JUnit's XML, a test for every task."""
 
+    markdown: Annotated[Path | None, Parameter(metavar="FILE")] = None
+    """Writes a summary in Markdown, which CI servers show beside a run."""
+
     baseline: Annotated[Path | None, Parameter(metavar="FILE")] = None
     """What to compare with; one of another encoder, task version or settings is refused."""
 
@@ -139,7 +142,7 @@ def main(argv: list[str]) -> int:
     _check(options)
     from sandbox.regress.execute import Interrupt
     from sandbox.regress.plan import RegressionPlan, find_tasks, parse_seeds
-    from sandbox.regress.report import make_report, save_junit
+    from sandbox.regress.report import make_report, markdown, save_junit
     from sandbox.regress.show import show
     from sandbox.system.files import write_whole
 
@@ -195,6 +198,8 @@ def main(argv: list[str]) -> int:
                     write_whole(options.json, text + "\n", "--json")
             if options.junit is not None:
                 save_junit(report, options.junit)
+            if options.markdown is not None:
+                write_whole(options.markdown, markdown(report), "--markdown")
             passed = report.passed if report.complete else None
             if options.update_baseline:
                 again = _repeated(plan, executor, interrupt) if report.passed else []
@@ -280,7 +285,11 @@ def _check(options: RegressOptions) -> None:
         raise InputError("a baseline is one encoder's", where="--across-encoders --update-baseline")
     if options.address is not None and options.executor != "ray":
         raise InputError("only Ray has an address", where="--address", remedy="Add --executor ray")
-    written = {"--json": options.json, "--junit": options.junit}
+    written = {
+        "--json": options.json,
+        "--junit": options.junit,
+        "--markdown": options.markdown,
+    }
     refuse_same({**written, "--baseline": options.baseline, "--plot": options.plot})
     if options.update_baseline:
         written["--baseline"] = options.baseline
@@ -503,6 +512,7 @@ def _update(
 WITHOUT = (
     "baseline",
     "junit",
+    "markdown",
     "record",
     "record_all",
     "update_baseline",

@@ -36,7 +36,7 @@ class Change:
         change, low, high: Mean change and its interval: a share of the value before for time, of
             all trials for success, and else a difference.
         p_loss, p_gain: P values of both one-sided tests, adjusted by Holm for what decides.
-        most: Seeds with the greatest losses, the greatest first.
+        most: Seeds with the greatest losses, the greatest first, with the value before and now.
         margin: Change that does not matter.
         decides: True if a loss fails the gate.
     """
@@ -50,7 +50,7 @@ class Change:
     high: float
     p_loss: float
     p_gain: float
-    most: tuple[int, ...] = ()
+    most: tuple[tuple[int, float, float], ...] = ()
     margin: float = 0.0
     decides: bool = False
 
@@ -102,7 +102,9 @@ class Change:
             "moved": self.moved,
             "loss": self.is_loss,
             "gain": self.is_gain,
-            "most": list(self.most),
+            "most": [
+                {"seed": seed, "before": before, "now": now} for seed, before, now in self.most
+            ],
         }
 
 
@@ -253,7 +255,7 @@ def _change(
         high,
         p_loss,
         p_gain,
-        tuple(rows[i][0] for i in order[:_MOST] if worse[i] > 0.0),
+        tuple(rows[i] for i in order[:_MOST] if worse[i] > 0.0),
         margins.get(measure, 0.0),
         measure in DECIDING,
     )

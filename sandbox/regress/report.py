@@ -23,6 +23,7 @@ from sandbox.regress.comparison import (
     level_of,
 )
 from sandbox.regress.execute import CRASHED, Trial
+from sandbox.regress.measures import MEASURES, SUCCESS, TIME
 from sandbox.regress.plan import RegressionPlan
 from sandbox.system.files import write_whole
 
@@ -31,6 +32,8 @@ if TYPE_CHECKING:
 
 SCHEMA = 1
 """Version of the report's JSON."""
+_MOST_MOVED = 10
+"""Most trials that are named as those that moved most."""
 
 
 @dataclass(frozen=True)
@@ -178,6 +181,31 @@ class Report:
         if trial.get("dump"):
             return shlex.join(["sandbox", "replay", trial["dump"]])
         return self.plan.command(trial["task"], trial["seed"], trial["status"] == CRASHED)
+
+    def moved_most(self) -> list[tuple[str, str, str]]:
+        """Of every loss beyond chance, the trials that moved most: task and seed, what, command."""
+        losses = [
+            (name, measure)
+            for name, comparison in self.comparisons.items()
+            for measure, change in comparison.changes.items()
+            if change.is_loss
+        ]
+        if not losses:
+            # A loss of all tasks together is one of each, too small to be called one.
+            every = [m for m, change in self.together.items() if change.is_loss]
+            losses = [(name, measure) for measure in every for name in self.comparisons]
+        moved = [
+            (MEASURES[measure].change(before, now), name, seed, measure, before, now)
+            for name, measure in losses
+            for seed, before, now in self.comparisons[name].changes[measure].most
+        ]
+        trials = {(t["task"], t["seed"]): t for t in self.trials}
+        found: dict[str, tuple[str, str]] = {}
+        for _, name, seed, measure, before, now in sorted(moved, reverse=True)[:_MOST_MOVED]:
+            unit = " s" if measure == TIME else ""
+            what = f"{measure} {now:.3g}{unit}, was {before:.3g}{unit}"
+            found.setdefault(f"{name} seed {seed}", (what, self.command(trials[name, seed])))
+        return [(at, *rest) for at, rest in found.items()]
 
     def noise_floor(self) -> dict[str, Any]:
         """Smallest loss that a paired comparison of all these tasks and seeds can detect."""
@@ -345,6 +373,46 @@ def _exact(comparisons: dict[str, Comparison]) -> tuple[list[str], list[str]]:
                 f"on is not the baseline's, so only their success is compared. Other is {what}"
             )
     return reasons, notes
+
+
+def markdown(report: Report) -> str:
+    """The report as Markdown, as CI servers show it beside a run."""
+    verdict = "the run broke off: nothing is judged"
+    if report.complete:
+        verdict = "no loss beyond chance" if report.passed else "**a loss beyond chance**"
+        if not report.comparisons:
+            verdict = "without a baseline, nothing is judged"
+    lines = [f"### sandbox regress: {verdict}", ""]
+    lines += [f"- loss: {_in_markdown(reason)}" for reason in report.reasons]
+    lines += [f"- gain: {_in_markdown(gain)}" for gain in report.gains]
+    lines += [f"- {_in_markdown(note)}" for note in report.notes]
+    names = "| task | success | median time | lost | won | time | p, success | p, time |"
+    lines += ["", names, "| --- | ---: | ---: | ---: | ---: | ---: | ---: | ---: |"]
+    for task in report.tasks:
+        time = "" if task.time_s is None else f"{task.time_s:.2f} s"
+        cells = [_in_markdown(task.name), f"{task.successes}/{task.n}", time]
+        if task.name in report.comparisons:
+            c = report.comparisons[task.name]
+            cells += [str(len(c.lost)), str(len(c.won)), *_changes(c.changes)]
+        lines.append(f"| {' | '.join([*cells, *[''] * (8 - len(cells))])} |")
+    if report.together:
+        lines.append(f"| {TOGETHER} |  |  |  |  | {' | '.join(_changes(report.together))} |")
+    moved = report.moved_most()
+    if moved:
+        lines += ["", "Trials that moved most:", ""]
+        lines += [f"- {_in_markdown(f'{at}: {what}')}: `{again}`" for at, what, again in moved]
+    return "\n".join(lines) + "\n"
+
+
+def _changes(changes: Mapping[str, Change]) -> list[str]:
+    time, success = changes[TIME], changes[SUCCESS]
+    p = [f"{min(change.p_loss, change.p_gain):.2g}" for change in (success, time)]
+    return [f"{100 * time.change:+.1f} %", *p]
+
+
+def _in_markdown(text: str) -> str:
+    """Text in which nothing is a sign of Markdown or HTML, in one line."""
+    return re.sub(r"([\\`*_{}\[\]<>|#])", r"\\\1", " ".join(_legal(text).split()))
 
 
 _ILLEGAL = re.compile("[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")

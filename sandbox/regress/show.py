@@ -131,6 +131,9 @@ def show(report: Report, console: Console) -> None:
         console.print(f"[bold green]gain, {escape(gain)}[/]", soft_wrap=True)
     for reason in report.reasons:
         console.print(f"[bold red]loss, {escape(reason)}[/]", soft_wrap=True)
+    for at, what, again in report.moved_most():
+        console.print(escape(f"{at}: {what}"), soft_wrap=True)
+        console.print(f"  {escape(again)}", soft_wrap=True)
     if report.complete and report.comparisons and report.passed:
         console.print("[green]no loss beyond chance[/]")
 

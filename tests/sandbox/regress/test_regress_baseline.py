@@ -20,6 +20,7 @@ from xml.etree import ElementTree
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from markdown_it import MarkdownIt
 
 from encoders.regression.model_registry import find_model
 from encoders.regression.train import save_model
@@ -28,7 +29,7 @@ from sandbox.cli.main import main
 from sandbox.regress.baseline import Baseline, load_baseline, update
 from sandbox.regress.execute import Serial
 from sandbox.regress.plan import RegressionPlan, registered
-from sandbox.regress.report import Report, junit, make_report
+from sandbox.regress.report import Report, junit, make_report, markdown
 from sandbox.regression import Regression
 from sandbox.system.files import write_whole
 from sandbox.trial.result import KeptIn, kept_fields
@@ -276,6 +277,19 @@ def test_junit_is_xml_whatever_a_reason_says(reason: str) -> None:
     assert case.get("name") == "quick" and case.find("failure") is not None
     assert (suite.get("tests"), suite.get("failures")) == ("1", "1")
     assert "seed 5: timeout" in case.find("system-out").text
+
+
+@given(reason=st.text(max_size=30), failed=st.sets(st.integers(0, 9)))
+def test_the_summary_is_a_table_that_any_reader_of_markdown_reads(
+    reason: str, failed: set[int]
+) -> None:
+    run = trials(BOTH, failed=failed, reason=reason)
+    report = make_report(BOTH, run, baseline(BOTH))
+    html = MarkdownIt("commonmark").enable("table").render(markdown(report))
+    assert html.count("<table>") == 1 and html.count("<tr>") == 1 + 2 + 1
+    assert ("a loss beyond chance" in html) == (not report.passed)
+    assert ("Trials that moved most" in html) == (not report.passed)
+    assert all(int(at.rpartition(" ")[2]) in failed for at, _, _ in report.moved_most())
 
 
 def test_junit_of_a_sound_run_has_no_failure_and_of_a_broken_one_none_either() -> None:

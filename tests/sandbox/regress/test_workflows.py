@@ -58,5 +58,7 @@ def test_the_workflow_to_copy_gives_options_that_there_are() -> None:
     assert made.update_baseline
     # What makes the baseline runs what the job compares with it.
     made = replace(made, update_baseline=False)
-    files = {name: getattr(found, name) for name in ("json", "junit", "record", "given")}
+    files = {
+        name: getattr(found, name) for name in ("json", "junit", "markdown", "record", "given")
+    }
     assert replace(made, **files) == found
