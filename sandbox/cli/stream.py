@@ -23,7 +23,12 @@ from sandbox.cli.common.touch_options import LiveTouchOptions
 from sandbox.devices.device import Sees
 from sandbox.devices.leap import LeapCommandOptions, OverLeapOptions
 from sandbox.devices.leap.leap import open_leap
-from sandbox.devices.registry import DEVICES, given_device_options, kind_of, named_device
+from sandbox.devices.registry import (
+    DEVICES,
+    check_device_options,
+    given_device_options,
+    kind_of,
+)
 from sandbox.devices.registry import LIVE_LEAP as LEAP
 from sandbox.export.leap_source import Hand
 from sandbox.export.motion_source import MotionSource
@@ -213,7 +218,7 @@ def _check(options: StreamOptions) -> None:
         find_task(options.task)
     check_model_name(options.encoder)
     if options.device is not None:
-        named_device(options.device)
+        check_device_options(given_device_options(options), [options.device])
     check_output(options.json)
     if (options.file is None) == (options.device is None):
         raise InputError(

@@ -118,6 +118,8 @@ def test_options_of_another_device_are_refused_from_python_and_for_touches(
         run_trial("box-to-goal", leap_at="0,0,0")
     assert main(["touches", "show", "--device", "evdev", "--port", "4"]) == 2
     assert "--port: this is an option of another device" in capsys.readouterr().err
+    assert main(["stream", "--device", "leap", "--print", "--grab"]) == 2
+    assert "--grab: this is an option of another device" in capsys.readouterr().err
 
 
 def test_an_option_with_the_name_of_another_is_refused(
