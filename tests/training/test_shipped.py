@@ -42,7 +42,7 @@ def test_all_files_are_made_to_the_byte_or_within_their_bounds(
 ) -> None:
     assert main(["all", "--out", str(tmp_path)]) == 0
     said = capsys.readouterr().out
-    assert said.count("agrees") == len(FILES) and "differs" not in said
+    assert said.count(" agrees with ") == len(FILES) and " differs from " not in said
     assert {path.name for path in tmp_path.iterdir()} == {f.file.name for f in FILES.values()}
 
 
