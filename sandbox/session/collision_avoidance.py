@@ -161,7 +161,7 @@ class CollisionAvoidance:
             return reconstruction
         q = reconstruction.q + self.offset
         joints = q[JOINTS]
-        np.minimum(np.maximum(joints, self._low, joints), self._high, joints)
+        np.minimum(np.maximum(joints, self._low, out=joints), self._high, out=joints)
         return replace(reconstruction, q=q)
 
     def _towards(self, wanted: Array | None) -> Array | None:
