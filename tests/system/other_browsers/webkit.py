@@ -77,16 +77,17 @@ class WebKit:
         )
         self._session = f"/session/{begun['sessionId']}"
         self._down: dict[int, tuple[float, float]] = {}
-        # The window has a frame, whose size is not known before.
-        for _ in range(2):
-            inner = self.evaluate("[innerWidth, innerHeight]")
+        # The window has a frame, whose size is not known before, and takes its size after a while.
+        deadline = time.monotonic() + PATIENCE
+        while (inner := self.evaluate("[innerWidth, innerHeight]")) != [width, height]:
+            assert time.monotonic() < deadline, f"the page has {inner}, not {[width, height]}"
             rect = self._ask("GET", "/window/rect")
             outer = {
                 "width": rect["width"] + width - inner[0],
                 "height": rect["height"] + height - inner[1],
             }
             self._ask("POST", "/window/rect", {"x": 0, "y": 0, **outer})
-        assert self.evaluate("[innerWidth, innerHeight]") == [width, height]
+            time.sleep(0.2)
 
     def _wait(self) -> None:
         until = time.monotonic() + PATIENCE
