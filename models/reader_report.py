@@ -1,7 +1,6 @@
 """What a reader of somebody's file left out and what it assumed.
 
-A reader returns its report with its result, and every command that reads the file prints it in one
-line. Where nothing usable is left, the error names the main reason.
+A reader returns its report with its result, and a command that reads the file prints it in one line.
 """
 
 from __future__ import annotations
@@ -37,11 +36,6 @@ class ReaderReport:
         self.left_out.update(report.left_out)
         for sentence in report.assumed:
             self.assume(sentence)
-
-    @property
-    def main_reason(self) -> str:
-        """The most frequent reason with its count; empty if nothing was left out."""
-        return "".join(f"{count} {reason}" for reason, count in self.left_out.most_common(1))
 
     def line(self) -> str:
         """Everything in one line; empty if nothing was left out or assumed."""
