@@ -1,6 +1,7 @@
 """What a reader of somebody's file left out and what it assumed.
 
-A reader returns its report with its result, and a command that reads the file prints it in one line.
+A reader returns its report with its result, and a command that reads the file prints it in one
+line.
 """
 
 from __future__ import annotations
