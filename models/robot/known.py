@@ -19,8 +19,8 @@ def find_robot(name: str) -> RobotMapping:
     """The mapping of a robot's hand.
 
     Args:
-        name: One of `ROBOTS`, or a file: a mapping (`.toml`), or a model (`.xml`) with a mapping of
-            the same name beside it.
+        name: One of `ROBOTS`, or a file: a mapping (`.toml`), or a model (`.xml`, `.urdf`) with a
+            mapping of the same name beside it.
 
     Raises:
         InputError: There is no such hand, or its mapping cannot be used.
@@ -28,8 +28,8 @@ def find_robot(name: str) -> RobotMapping:
     if name in ROBOTS:
         return load_mapping(Path(__file__).parent / f"{name}.toml")
     path = Path(name)
-    if path.suffix not in (".xml", ".toml"):
-        others = "FILE.xml or FILE.toml"
+    if path.suffix not in (".xml", ".urdf", ".toml"):
+        others = "FILE.xml, FILE.urdf or FILE.toml"
         raise unknown_name("no such robot", name, ROBOTS, where="--robot", others=others)
     if not path.is_file():
         raise InputError("no such file", where="--robot", got=name)

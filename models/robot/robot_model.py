@@ -66,9 +66,9 @@ class RobotModel:
     """A robot's hand.
 
     Args:
-        path: Its MJCF file.
-        palm: Name of the body that carries all fingers; `world` where the model has none: MuJoCo
-            makes the first link of a URDF a part of the world.
+        path: Its MJCF or URDF file.
+        palm: Name of the body that carries all fingers; `world` where the palm is a part of the
+            world.
         tips: Names of the sites or bodies at the middle of the fingertips, thumb first.
         places: (3,) m each, the middle of the fingertips in the frames of these bodies; without
             them, their origins.
@@ -76,7 +76,7 @@ class RobotModel:
     Attributes:
         path: Its MJCF file.
         model: MuJoCo's model of the whole description.
-        joints: Numbers of the hinges below the palm, in MuJoCo's order.
+        joints: Numbers of the hinges and slides below the palm, in MuJoCo's order.
         links: Links with a length of their own, finger by finger, from the palm outwards.
 
     Raises:
@@ -487,7 +487,11 @@ def compiled(path: Path) -> Any:
         InputError: MuJoCo cannot compile it.
     """
     try:
-        return mujoco.MjSpec.from_file(str(path)).compile()
+        spec = mujoco.MjSpec.from_file(str(path))
+        if path.suffix.lower() == ".urdf":
+            # MuJoCo would make fixed links, such as palms and fingertips, a part of others.
+            spec.compiler.fusestatic = False
+        return spec.compile()
     except (ValueError, OSError) as error:
         raise InputError(
             "MuJoCo cannot read this robot",

@@ -13,6 +13,7 @@ from hypothesis import strategies as st
 from models.errors import InputError
 from models.frames import FINGERS
 from models.robot.constraints import coupling_laws, not_followed
+from models.robot.known import find_robot
 from models.robot.mapping import load_mapping
 from models.robot.mapping_fit import MappingFit, fit_mapping
 from models.robot.robot_hand import RobotHand
@@ -305,3 +306,51 @@ def test_one_fingertip_for_two_fingers_and_a_palm_without_a_name_are_refused(
     nameless = edited(tmp_path, ('<body name="palm">', "<body>"))
     with pytest.raises(InputError, match="the palm's body has no name"):
         fitted(nameless)
+
+
+_INERTIAL = (
+    '<inertial><mass value=".02"/>'
+    '<inertia ixx="1e-5" iyy="1e-5" izz="1e-5" ixy="0" ixz="0" iyz="0"/></inertial>'
+)
+
+
+def urdf_hand(folder: Path) -> Path:
+    """Five fingers of three joints, the last following the middle one; palm and tips are fixed
+    links."""
+    bases = ("-.03 .03 -.008", "-.028 .09 0", "-.005 .093 0", ".018 .09 0", ".038 .08 0")
+    parts = [
+        f'<link name="base">{_INERTIAL}</link><link name="palm">{_INERTIAL}</link>'
+        '<joint name="mount" type="fixed"><parent link="base"/><child link="palm"/></joint>'
+    ]
+    for label, base in zip(FINGERS, bases, strict=True):
+        turn = ' rpy="-.43 0 .7"' if label == "thumb" else ""
+        above, places = "palm", (f'xyz="{base}"{turn}', 'xyz="0 .045 0"', 'xyz="0 .028 0"')
+        for link, place in zip(("near", "middle", "far"), places, strict=True):
+            mimic = f'<mimic joint="{label}_middle" multiplier=".7" offset=".1"/>'
+            parts.append(
+                f'<link name="{label}_{link}_link">{_INERTIAL}</link>'
+                f'<joint name="{label}_{link}" type="revolute"><parent link="{above}"/>'
+                f'<child link="{label}_{link}_link"/><origin {place}/><axis xyz="-1 0 0"/>'
+                '<limit lower="0" upper="1.5" effort=".5" velocity="3"/>'
+                f"{mimic if link == 'far' else ''}</joint>"
+            )
+            above = f"{label}_{link}_link"
+        parts.append(
+            f'<link name="{label}_tip"/><joint name="{label}_end" type="fixed">'
+            f'<parent link="{above}"/><child link="{label}_tip"/><origin xyz="0 .022 0"/></joint>'
+        )
+    path = folder / "hand.urdf"
+    path.write_text(f'<robot name="hand">{"".join(parts)}</robot>', encoding="utf-8")
+    return path
+
+
+def test_a_urdf_keeps_its_fixed_links_and_follows_mimic_with_its_offset(tmp_path: Path) -> None:
+    path = urdf_hand(tmp_path)
+    result = fitted(path)
+    assert result.mapping.palm == "palm" and result.mapping.side == "right"
+    assert result.mapping.coupled["index_far"] == ("index_middle", pytest.approx((0.1, 0.7)))
+    assert result.not_followed == ()
+    path.with_suffix(".toml").write_text(result.mapping.as_toml(), encoding="utf-8")
+    hand = RobotHand("right", find_robot(str(path)))
+    assert greatest_distance(hand, 50) < 1e-6
+    assert max(hand.robot.force_limits()) == 0.5
