@@ -193,7 +193,12 @@ FAULTS = (
     ),
     Change(
         "steps of physics of 4 ms",
-        (("    timestep: float = 0.002\n", "    timestep: float = 0.004\n"),),
+        (
+            (
+                "timestep: Annotated[float, msgspec.Meta(gt=0.0, lt=1.0)] = 0.002",
+                "timestep: Annotated[float, msgspec.Meta(gt=0.0, lt=1.0)] = 0.004",
+            ),
+        ),
     ),
     Change(
         "a score that never drops",
