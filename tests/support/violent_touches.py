@@ -30,9 +30,8 @@ from sandbox.trial.settings import Settings
 TRIAL = 30.0
 """s of simulated time, after which another seed begins."""
 
-PATIENCE = AWAY + 2.0
-"""s out of reach after which an object counts as lost for good. Hands that lie on every free place
-kept one away for 1.75 s (stack-vertical, whole hand, seed 102)."""
+PATIENCE = AWAY + 1.0
+"""s out of reach after which an object counts as lost for good."""
 
 DEEPEST = 0.004
 """m, aim for `safe`."""
