@@ -196,6 +196,7 @@ def _assert(report: Report, at_least: float | None) -> None:
         key=lambda t: (not (crashed and t["status"] == CRASHED), (t["task"], t["seed"]) not in lost)
     )
     lines = [f"seed {t['seed']}: {t['reason']}\n  {report.command(t)}" for t in failed[:MOST_NAMED]]
+    lines += [f"{at}: {what}\n  {again}" for at, what, again in report.moved_most()[:MOST_NAMED]]
     raise AssertionError("\n".join([*reasons, *lines]))
 
 

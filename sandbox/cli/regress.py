@@ -440,25 +440,13 @@ def _run(
 def _repeated(plan: RegressionPlan, executor: Executor, interrupt: Interrupt) -> list[Trial]:
     """Some of a plan's trials with a change that makes nothing harder."""
     from sandbox.regress.power import REPEATED, REPEATS
-    from sandbox.regress.show import progress_shown
 
     varied = plan.scene.get("vary") or ""
     if "friction" in varied:
         return []
     scene = {**plan.scene, "vary": f"{varied},{REPEATED}".strip(",")}
     again = replace(plan, seeds=plan.seeds[:REPEATS], scene=scene, record=None)
-    jobs = again.jobs()
-    found = []
-    with (
-        suppress(KeyboardInterrupt),
-        progress_shown("repeated", len(jobs), 0) as tell,
-        interrupt.while_running(),
-        closing(executor.run(jobs, lambda: interrupt.requested)) as running,
-    ):
-        for trial in running:
-            found.append(trial)
-            tell(len(found), sum(t["success"] for t in found))
-    return found
+    return _run(again, executor=executor, interrupt=interrupt, kept=None, sweeps=True)
 
 
 def _show_power(

@@ -32,7 +32,7 @@ class Change:
     Attributes:
         measure: Name of the measure.
         pairs: Number of seeds at which it is known before and now.
-        before, now: Means; geometric ones for time.
+        before, now: Means.
         change, low, high: Mean change and its interval: a share of the value before for time, of
             all trials for success, and else a difference.
         p_loss, p_gain: P values of both one-sided tests, adjusted by Holm for what decides.

@@ -11,6 +11,7 @@ from math import log
 from typing import Any
 
 from models.arithmetic.products import length
+from models.scene import CONTROL_PERIOD
 from sandbox.session.messages import Snapshot
 
 SUCCESS, TIME = "success", "time"
@@ -151,7 +152,8 @@ def value(measure: str, trial: Mapping[str, Any], limit: float) -> float | None:
     if measure == SUCCESS:
         return float(trial["success"])
     if measure == TIME:
-        return float(trial["time_s"]) if trial["success"] else limit
+        # A baseline may have been edited; no trial takes less than a control period.
+        return max(float(trial["time_s"]), CONTROL_PERIOD) if trial["success"] else limit
     if measure == "progress":
         return float(trial["progress"])
     found = trial["measures"].get(measure)

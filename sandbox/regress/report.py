@@ -420,7 +420,7 @@ _ILLEGAL = re.compile("[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
 
 
 def junit(report: Report) -> str:
-    """XML with a test for every task.
+    """XML with a test for every task, and for all together where several are compared.
 
     A loss beyond chance is a failure, and trials that crashed are an error; both together are an
     error that names both. Crashes that are allowed are only told of. The output names failed seeds
@@ -428,6 +428,8 @@ def junit(report: Report) -> str:
     """
     suite = ElementTree.Element("testsuite", name="sandbox regress")
     outcomes = [_add_test(suite, report, task) for task in report.tasks]
+    if report.together:
+        outcomes.append(_add_together(suite, report))
     for attribute, outcome in (
         ("tests", None),
         ("failures", "failure"),
@@ -477,6 +479,21 @@ def _add_test(suite: ElementTree.Element, report: Report, task: TaskResult) -> s
         wrong.text = _legal("\n".join([*said, *again]))
     ElementTree.SubElement(case, "system-out").text = _legal(_failed_text(report, task))
     return outcome
+
+
+def _add_together(suite: ElementTree.Element, report: Report) -> str | None:
+    """Adds the test of all tasks together; returns the tag of its outcome, None if it passed."""
+    case = ElementTree.SubElement(suite, "testcase", classname="sandbox.regress", name=TOGETHER)
+    if not report.complete:
+        ElementTree.SubElement(case, "skipped", message="the run broke off: nothing is judged")
+        return "skipped"
+    broken = [r for r in report.reasons if r.startswith(f"{TOGETHER}: ")]
+    if not broken:
+        return None
+    wrong = ElementTree.SubElement(case, "failure", message="; ".join(broken))
+    moved = [f"{at}: {what}\n  {again}" for at, what, again in report.moved_most()]
+    wrong.text = _legal("\n".join([*broken, *moved]))
+    return "failure"
 
 
 def _failed_text(report: Report, task: TaskResult) -> str:

@@ -279,6 +279,14 @@ def test_junit_is_xml_whatever_a_reason_says(reason: str) -> None:
     assert "seed 5: timeout" in case.find("system-out").text
 
 
+@pytest.mark.parametrize("lost", range(0, 11))
+def test_junit_fails_wherever_the_gate_fails(lost: int) -> None:
+    """Five lost of each of two tasks are a loss of both together alone."""
+    report = judged(range(lost), plan=BOTH)
+    suite = ElementTree.fromstring(junit(report).encode())[0]
+    assert (int(suite.get("failures", "0")) > 0) == (not report.passed)
+
+
 @given(reason=st.text(max_size=30), failed=st.sets(st.integers(0, 9)))
 def test_the_summary_is_a_table_that_any_reader_of_markdown_reads(
     reason: str, failed: set[int]
