@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from models.errors import InputError, unknown_name
-from models.robot.mapping import RobotMapping, load_mapping
+from models.robot.mapping import MODEL_SUFFIXES, RobotMapping, load_mapping
 
 ROBOTS = ("shadow", "adroit", "inspire", "allegro", "leap")
 """Hands that are known by name. The first two are in the package gymnasium-robotics, the extra
@@ -28,7 +28,7 @@ def find_robot(name: str) -> RobotMapping:
     if name in ROBOTS:
         return load_mapping(Path(__file__).parent / f"{name}.toml")
     path = Path(name)
-    if path.suffix not in (".xml", ".urdf", ".toml"):
+    if path.suffix not in (*MODEL_SUFFIXES, ".toml"):
         others = "FILE.xml, FILE.urdf or FILE.toml"
         raise unknown_name("no such robot", name, ROBOTS, where="--robot", others=others)
     if not path.is_file():

@@ -49,6 +49,10 @@ MENAGERIE = "mujoco_menagerie"
 loads into a folder of its own."""
 
 
+URDF = ".urdf"
+MODEL_SUFFIXES = (".xml", URDF)
+"""Suffixes of the kinds of models that MuJoCo reads."""
+
 LEAST_FINGERS = 3
 """Fingers, the thumb among them, that a hand must have: with fewer, its side cannot be told."""
 

@@ -23,7 +23,7 @@ from models.errors import InputError
 from models.frames import FINGERS
 from models.mjcf_object import drawn_colour
 from models.objects import mjcf_text
-from models.robot.mapping import RobotMapping
+from models.robot.mapping import MODEL_SUFFIXES, URDF, RobotMapping
 from models.rotations import matrix_to_quaternion
 
 _GEOM = mujoco.mjtGeom
@@ -484,11 +484,18 @@ def compiled(path: Path) -> Any:
     """MuJoCo's model of a file.
 
     Raises:
-        InputError: MuJoCo cannot compile it.
+        InputError: It is of another kind, or MuJoCo cannot compile it.
     """
+    if path.suffix.lower() not in MODEL_SUFFIXES:
+        # MuJoCo would print a warning of its own beside its error.
+        raise InputError(
+            "this is no model of a robot",
+            where=str(path),
+            expected="an MJCF file (.xml) or a URDF (.urdf)",
+        )
     try:
         spec = mujoco.MjSpec.from_file(str(path))
-        if path.suffix.lower() == ".urdf":
+        if path.suffix.lower() == URDF:
             # MuJoCo would make fixed links, such as palms and fingertips, a part of others.
             spec.compiler.fusestatic = False
         return spec.compile()

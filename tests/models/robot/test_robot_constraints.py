@@ -308,6 +308,16 @@ def test_one_fingertip_for_two_fingers_and_a_palm_without_a_name_are_refused(
         fitted(nameless)
 
 
+def test_a_file_of_another_kind_is_refused_in_one_line(
+    tmp_path: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    path = tmp_path / "hand.txt"
+    path.write_text("no model", encoding="utf-8")
+    with pytest.raises(InputError, match=r"no model of a robot.*\.urdf"):
+        fitted(path)
+    assert capfd.readouterr().err == ""
+
+
 _INERTIAL = (
     '<inertial><mass value=".02"/>'
     '<inertia ixx="1e-5" iyy="1e-5" izz="1e-5" ixy="0" ixz="0" iyz="0"/></inertial>'
