@@ -20,7 +20,7 @@ from scipy.interpolate import CubicSpline
 
 from benchmarks.bullet_hand import BulletHand
 from benchmarks.machine import describe_machine
-from models.arithmetic.arrays import Array
+from models.arithmetic import Array
 from models.hand import IMPULSE_PERIOD, SERVOS, Hand
 from models.kinematics import Kinematics
 from models.pose import JOINTS, ROOT_POSITION, ROOT_ROTATION

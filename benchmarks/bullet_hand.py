@@ -18,7 +18,7 @@ import mujoco
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from models.arithmetic.arrays import Array
+from models.arithmetic import Array
 from models.errors import InputError
 from models.hand import ROOT_INERTIA, ROOT_MASS, Hand
 from models.rotations import quaternion_exp, quaternion_log

@@ -21,7 +21,7 @@ import numpy as np
 import pytest
 
 from benchmarks.machine import describe_machine
-from models.arithmetic.arrays import Array
+from models.arithmetic import Array
 from models.motion.armature import ORDERS, Y_UP, Z_UP, Armature, chunks
 from models.motion.output import MotionWriter
 from models.motion.points import HandPoints

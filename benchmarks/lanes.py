@@ -19,7 +19,7 @@ import numpy as np
 
 from encoders.regression.model_registry import pca_ik_model
 from encoders.regression.polynomial import FLAGS
-from models.arithmetic.arrays import Array
+from models.arithmetic import Array
 
 Job = TypeVar("Job")
 Result = TypeVar("Result")

@@ -45,8 +45,8 @@ from sandbox.figures.canvas import COLOURS, FAINT, STYLE, figure, need_matplotli
 from sandbox.regress.plan import parse_seeds
 from sandbox.regress.statistics import holm
 from sandbox.session.session import Session
+from sandbox.trial.assembly import device_makers
 from sandbox.trial.driver import ViewMaker, play_trial
-from sandbox.trial.open_devices import device_makers
 from sandbox.trial.result import TrialResult
 from sandbox.trial.trial_options import TrialOptions, trial_settings
 from tasks.registry import TASKS, find_task

@@ -33,9 +33,8 @@ from sandbox.server.page_server import PageServer
 from sandbox.server.web import WebDevice
 from sandbox.session.messages import Snapshot
 from sandbox.trial.assembly import build
-from sandbox.trial.driver import Trial
-from sandbox.trial.latency import TimedDevice, Timing
-from sandbox.trial.live_run import LiveRun
+from sandbox.trial.driver import LiveRun, Trial
+from sandbox.trial.logs import TimedDevice, Timing
 from sandbox.trial.settings import SOLID, Settings
 from tasks.task import Task
 
@@ -60,7 +59,7 @@ def served(server: PageServer, solid: str) -> tuple[Trial, LiveRun]:
 
     def on_step(snapshot: Snapshot) -> None:
         timing.stepped(snapshot)
-        server.publish_step(session, snapshot)
+        server.publish(snapshot)
 
     trial = Trial(session, [on_step])
     return trial, LiveRun(trial)

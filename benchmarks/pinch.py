@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from encoders.correction import FingertipCorrection
-from models.arithmetic.arrays import Array
+from models.arithmetic import Array
 from models.kinematics import Kinematics
 from models.objects import Box
 from models.skeleton import ADULT

@@ -125,7 +125,7 @@ class Run:
         self.trials = folder / "out.trials.jsonl"
         task = folder / "quick.py"
         task.write_text(TASK)
-        words = ["--tasks", str(task), "--seeds", f"0:{seeds}", "--workers", "2"]
+        words = ["--tasks", str(task), "--arm", "plain", "--seeds", f"0:{seeds}", "--workers", "2"]
         self.command = [sys.executable, "-m", "sandbox.cli.main", "regress", *words, *more]
         self.process: subprocess.Popen[bytes] | None = None
         self.nodes: list[Any] = []

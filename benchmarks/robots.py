@@ -2,14 +2,18 @@
 
     python -m benchmarks.robots --seeds 25
     python -m benchmarks.robots --judged 600 --only trials
+    python -m benchmarks.robots --fit FILE.xml th_tip,ff_tip,mf_tip --fit OTHER.urdf th,ff,mf ends
 
 Everything is simulated. *Tips*: every frame of the first takes of the simulated subject, in order,
 retargeted as in a session, with the fingers that touch named; a tip is out of reach if it is more
 than 5 mm off. *Trials*: the simulated user with three fingers, seeds of training from --first on,
 or with --judged the first judged seeds. Finished trials are kept in a file of JSON lines and not
 run again. *The other hand*: the same model fitted to a person's left hand, which it is not. Prints
-Markdown. Fingers that a hand lacks are left out of *tips*. The Inspire Hand needs `pip install
---no-deps robosuite==1.5.2` besides the extra, and Allegro and LEAP need mujoco_menagerie.
+Markdown. *Fit*: models of other people are fitted, and compared with themselves in a scene at 1,000
+random angles: the greatest distance of a fingertip, and how far coupled joints are from the model's
+couplings; refused models have their error instead. Fingers that a hand lacks are left out of
+*tips*. The Inspire Hand needs `pip install --no-deps robosuite==1.5.2` besides the extra, and
+Allegro and LEAP need mujoco_menagerie.
 """
 
 from __future__ import annotations
@@ -27,14 +31,19 @@ from benchmarks.judged import judged_seeds
 from benchmarks.machine import describe_machine
 from benchmarks.one_line import run
 from encoders import builtin_capture
-from models.arithmetic.arrays import Array
+from models.arithmetic import Array
+from models.errors import InputError
 from models.robot.known import ROBOTS, find_robot
+from models.robot.mapping import located
 from models.robot.mapping_fit import fit_mapping
 from models.robot.retargeting import REACHED
 from models.robot.robot_hand import RobotHand
 from sandbox import run_trial
 from sandbox.regress.statistics import wilson
+from tests.support.robot_tips import greatest_break, greatest_distance
 
+ANGLES = 1000
+"""Number of random angles at which a hand is compared with its own model."""
 TASKS = ("box-to-goal", "wrench-slide", "stack")
 
 
@@ -95,6 +104,33 @@ def other_hand_rows(robots: Sequence[str]) -> Iterator[str]:
         yield (
             f"| {robot} | {fit.shape * 1e3:.1f} | {fit.mirrored * 1e3:.1f} | {ratio:.1f} | "
             f"{sides} |"
+        )
+
+
+def fit_rows(models: Sequence[Sequence[str]]) -> Iterator[str]:
+    """Lines of the table of other people's models: FILE TIPS, and `ends`, `left` or `right`."""
+    yield (
+        "| model | side | joints | coupled | fingertips, mm | couplings, rad | "
+        "off a person's, mm | not followed |"
+    )
+    yield "| --- | --- | --- | --- | --- | --- | --- | --- |"
+    for model, tips, *words in models:
+        file = located(model, Path())
+        name = "/".join(file.parts[-2:])
+        side = "".join({"left", "right"} & set(words))
+        try:
+            fit = fit_mapping(
+                file, tips.split(","), model=str(file), ends="ends" in words, hand=side
+            )
+        except InputError as error:
+            yield f"| {name} | refused: {error} |"
+            continue
+        hand = RobotHand("fit", fit.mapping)
+        yield (
+            f"| {name} | {fit.mapping.side} | {len(hand.robot.joints)} | "
+            f"{len(fit.mapping.coupled)} | {greatest_distance(hand, ANGLES) * 1e3:.6f} | "
+            f"{greatest_break(hand, ANGLES):.1e} | {np.median(fit.errors) * 1e3:.2f} | "
+            f"{'; '.join(fit.not_followed) or 'none'} |"
         )
 
 
@@ -165,7 +201,17 @@ def main() -> None:
     parser.add_argument("--out", type=Path, default=Path("out/robots.jsonl"))
     parser.add_argument("--tasks", nargs="+", choices=TASKS, default=list(TASKS))
     parser.add_argument("--robots", nargs="+", choices=ROBOTS, default=list(ROBOTS))
+    parser.add_argument(
+        "--fit",
+        nargs="+",
+        action="append",
+        metavar="WORD",
+        help="FILE TIPS, and ends, left or right; models of other people, alone",
+    )
     options = parser.parse_args()
+    if options.fit:
+        print(describe_machine(), *fit_rows(options.fit), sep="\n", flush=True)
+        return
     robots: Sequence[str] = options.robots
     training = range(options.first, options.first + options.seeds)
     seeds = {

@@ -6,16 +6,19 @@
     python -m benchmarks.strangers --population people.npz      # and both generators held out
 
 Three questions. Both frozen subjects by names that were trained on people of the other sources
-alone (held-out generator). People to judge on, drawn with the digest of the names that ship, at
-first and after one touch with five fingers. And how true the probabilities are. The belief is
-called at every frame and begins anew with every take; nothing is carried from take to take.
+alone (held-out generator). Pinned people, at first, after one touch with five fingers, and with
+their sets of fingers declared: every set that occurs in more than 5 % of their takes, and the very
+set that touches. And how true the probabilities are. The belief is called at every frame and begins
+anew with every take; nothing is carried from take to take.
 """
 
 from __future__ import annotations
 
 import argparse
+from collections import Counter
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
+from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -25,10 +28,17 @@ from rich.table import Table
 
 from benchmarks.one_line import run
 from encoders.capture import Capture
-from encoders.labels.belief import BeliefLabels, PopulationBelief, builtin_population_belief
-from encoders.labels.own_layouts import OwnLayouts
+from encoders.labels.belief import (
+    BeliefLabels,
+    OwnLayouts,
+    PopulationBelief,
+    builtin_population_belief,
+)
+from encoders.labels.finger_use import LogOdds, odds_of_sets
+from encoders.labels.pair_network import USUAL_SETS
 from training.names import train_names
-from training.population import Population, load_population, simulate_population
+from training.population import Population, load_population
+from training.population.pinned import JUDGED, NEXT, pinned_people
 from training.population.population import PEOPLE
 from training.subjects import subject
 
@@ -41,6 +51,10 @@ SURE = 0.99
 _BARS = Console(stderr=True)
 
 Maker = Callable[[OwnLayouts | None], BeliefLabels]
+Fingers = tuple[int, ...]
+
+OFTEN = 0.05
+"""Share of a person's takes above which a set of fingers is in the person's list."""
 
 
 @dataclass
@@ -58,15 +72,30 @@ class Frames:
     claimed: list[float] = field(default_factory=list)
 
 
-def answers(capture: Capture, make: Maker, known: OwnLayouts | None = None) -> Frames:
-    """Names all frames of a capture, each take from the beginning."""
+def answers(
+    capture: Capture,
+    make: Maker,
+    known: OwnLayouts | None = None,
+    declared: Callable[[Fingers], LogOdds] | None = None,
+) -> Frames:
+    """Names all frames of a capture, each take from the beginning.
+
+    Args:
+        capture: Takes of one person.
+        make: Makes the labeller.
+        known: Layouts of the person that are known.
+        declared: Log factors of the fingers in use, by the fingers that touch.
+    """
     frames, labeller, take = Frames(), make(known), None
     rng = np.random.default_rng(0)
     for t in range(len(capture)):
         if capture.trial[t] != take:
             labeller.restart()
             take = capture.trial[t]
-        fingers = rng.permutation(np.flatnonzero(capture.down[t]))
+        down = np.flatnonzero(capture.down[t])
+        if declared is not None:
+            labeller.odds = declared(tuple(down.tolist()))
+        fingers = rng.permutation(down)
         places = {int(capture.ids[t, f]): tuple(capture.xy[t, f].tolist()) for f in fingers}
         labelling = labeller.assign(places, {})
         truth = {int(capture.ids[t, f]): int(f) for f in fingers}
@@ -102,6 +131,33 @@ def row(table: Table, name: str, people: Sequence[Frames]) -> None:
         f"{100 * sure[several].mean():.0f}",
         f"{100 * gap:.1f}",
     )
+
+
+def sets_in_use(person: Capture) -> list[Fingers]:
+    """Sets of fingers that occur in more than 5 % of a person's takes."""
+    takes = np.unique(person.trial)
+    in_takes: Counter[Fingers] = Counter()
+    for take in takes:
+        down = np.unique(person.down[person.trial == take], axis=0)
+        in_takes.update(tuple(np.flatnonzero(row).tolist()) for row in down)
+    return [fingers for fingers, n in in_takes.items() if n > OFTEN * len(takes)]
+
+
+@cache
+def odds_of_one(fingers: Fingers) -> LogOdds:
+    """Log factors if a single set of fingers is in use."""
+    return odds_of_sets({fingers: 1.0}, USUAL_SETS)
+
+
+def with_list(person: Capture) -> Frames:
+    """Answers about a person who has declared a list of sets, without likelihoods."""
+    odds = odds_of_sets(dict.fromkeys(sets_in_use(person), 1.0), USUAL_SETS)
+    return answers(person, builtin_population_belief, declared=lambda _: odds)
+
+
+def with_very_set(person: Capture) -> Frames:
+    """Answers about a person whose touching set of fingers is declared at every moment."""
+    return answers(person, builtin_population_belief, declared=odds_of_one)
 
 
 def after_five(person: Capture) -> OwnLayouts:
@@ -154,6 +210,9 @@ def main() -> None:
     )
     parser.add_argument("--days", type=int, default=12, help="judged days of each frozen subject")
     parser.add_argument("--people", type=int, default=None, help="people of each generator")
+    parser.add_argument(
+        "--group", choices=(JUDGED, NEXT), default=JUDGED, help="pinned people to judge on"
+    )
     options = parser.parse_args()
     table = Table(
         "names, % of frames right",
@@ -171,13 +230,14 @@ def main() -> None:
         held_out(table, load_population(options.population).of(group="train"), options.days)
     count = options.people
     groups = {g: count if count is not None else n for g, n in PEOPLE["judge"].items() if n}
-    salt = builtin_population_belief().trained.digest
     with _BARS.status("drawing people to judge on"):
-        judged = list(simulate_population(salt, {"judge": groups}).people)
+        judged = pinned_people(options.group, groups)
     seen = [p for p in judged if p.down.all(axis=1).any()]
-    row(table, f"{len(seen)} judged people", [answers(p, builtin_population_belief) for p in seen])
+    row(table, f"{len(seen)} pinned people", [answers(p, builtin_population_belief) for p in seen])
     primed = [answers(p, builtin_population_belief, after_five(p)) for p in seen]
     row(table, "the same after one touch with five", primed)
+    row(table, "the same, the person's list declared", [with_list(p) for p in seen])
+    row(table, "the same, the very set declared", [with_very_set(p) for p in seen])
     Console(width=130).print(table)
 
 

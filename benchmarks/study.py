@@ -6,12 +6,11 @@ python -m benchmarks.study [--seconds 10]
 from __future__ import annotations
 
 import argparse
-import json
 import tempfile
 import time
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -23,19 +22,19 @@ from sandbox.session.session import Session
 from sandbox.study.design.design import Design
 from sandbox.study.design.design_file import load_design
 from sandbox.study.design.plan import TrialStep
-from sandbox.study.measures.compute import VERSION
-from sandbox.study.measures.registry import measures
 from sandbox.study.record.folder import SIMULATED, StudyFolder
 from sandbox.study.record.journal import Journal, SyncThread
 from sandbox.study.record.session_folder import SessionFolder
-from sandbox.study.run.simulate import simulated_person
+from sandbox.study.run.controls import Controls
+from sandbox.study.run.forms import SimulatedForms
+from sandbox.study.run.players import HeadlessPlayer, PlayedAttempt, TrialRequest
+from sandbox.study.run.runner import SessionRunner
+from sandbox.study.run.simulate import simulated_devices, simulated_person
 from sandbox.study.tables.frames import FrameTable
-from sandbox.study.tables.tables import rebuild_session, rebuild_study
+from sandbox.study.tables.tables import make_tables
 from sandbox.system.files import sync_file
-from sandbox.trial.assembly import build
-from sandbox.trial.driver import TrialRecorder, trial_header, undisturbed
-from sandbox.trial.live_run import RealTime
-from sandbox.trial.open_devices import DeviceMaker
+from sandbox.trial.assembly import DeviceMaker, build
+from sandbox.trial.driver import RealTime, TrialRecorder, trial_header, undisturbed
 from sandbox.trial.replay import replay, settings_of
 from sandbox.trial.settings import Settings
 from tasks.user import UserConfiguration
@@ -64,6 +63,7 @@ def main() -> None:
         difference(Path(folder))
         replaying(Path(folder))
         journal(Path(folder))
+        between(Path(folder))
         opening(Path(folder))
 
 
@@ -116,16 +116,16 @@ def logging(folder: Path, seconds: float) -> None:
                 pace.wait(snapshot.time)
         syncing.close()
         simulated += session.time
-        result = trial_recorder.end(session)
+        trial_recorder.end(session)
         trial_recorder.close()
         began = time.perf_counter()
-        table.write(folder, record.stem, result)
+        data = table.data()
         writing.append(time.perf_counter() - began)
         size += record.stat().st_size
         began = time.perf_counter()
         small += len(packed(record.read_bytes()))
         packing.append(time.perf_counter() - began)
-        frames += sum(p.stat().st_size for p in folder.glob(f"*_{record.stem}.*"))
+        frames += len(data)
     to_rate = 60.0 / simulated / 1e6
     for (what, _, _), values in zip(CASES, costs, strict=True):
         p50, p99, most = 1e6 * np.percentile(values, [50, 99, 100])
@@ -216,17 +216,58 @@ def look(session: Session) -> None:
 
 def journal(folder: Path) -> None:
     """Time of a record."""
-    book = Journal(folder / "journal.jsonl")
+    book = Journal(folder / "session.jsonl")
     for durable in (False, True):
         costs = []
         for i in range(300):
             began = time.perf_counter()
-            book.append("note", durable, text=f"note {i}", trial=i)
+            book.append("command", durable, command="note", text=f"note {i}", trial=i)
             costs.append(time.perf_counter() - began)
         p50, p99 = 1e6 * np.percentile(costs, [50, 99])
         what = "on the disk" if durable else "written"
         print(f"journal record, {what}: median {p50:.0f}, p99 {p99:.0f} microseconds")
     book.close()
+
+
+class Waiting(HeadlessPlayer):
+    """A player that notes how long it waits from the end of a trial until the next may begin.
+
+    Attributes:
+        waited: That time, by the clock and of the processor, s.
+    """
+
+    waited: ClassVar[list[tuple[float, float]]] = []
+    _since: tuple[float, float] | None = None
+
+    def play(self, request: TrialRequest) -> PlayedAttempt:
+        if self._since is not None:
+            now = time.perf_counter(), time.thread_time()
+            self.waited.append((now[0] - self._since[0], now[1] - self._since[1]))
+        played = super().play(request)
+        self._since = time.perf_counter(), time.thread_time()
+        return played
+
+
+def between(folder: Path, trials: int = 12) -> None:
+    """Time between two trials of a session, beyond what a page shows."""
+    study = StudyFolder(folder / "between", load_design(DESIGN), SIMULATED)
+    person, controls = study.add(**simulated_person(study.design, 0)), Controls()
+
+    def say(line: str) -> None:
+        if len(Waiting.waited) >= trials:
+            controls.type("q")
+
+    with SessionFolder(study, person) as session:
+        devices = simulated_devices(person)
+        SessionRunner(
+            session, Waiting(), devices, SimulatedForms(1), controls, say, makes_tables=False
+        ).run()
+    wall, worked = 1e3 * np.array(Waiting.waited).T
+    print(
+        f"between two trials: median {np.median(wall):.0f} ms, largest {wall.max():.0f} ms by the "
+        f"clock, {np.median(worked):.0f} and {worked.max():.0f} ms of processor time "
+        f"({len(wall)} times)"
+    )
 
 
 def opening(folder: Path) -> None:
@@ -238,11 +279,9 @@ def opening(folder: Path) -> None:
     loaded = time.perf_counter()
     study = StudyFolder(folder, design, SIMULATED)
     # Nothing changes when nothing is new; the worst case is that all of it has to be written.
-    for name in ("trial_results.csv", "participants.csv", "questionnaires.csv", "codebook.csv"):
-        (study.path / name).unlink(missing_ok=True)
-    found = rebuild_study(study)
-    with SessionFolder(study, study.participants()[-1]) as session:
-        rebuild_session(session)
+    for name in ("trials.csv", "participants.csv", "answers.csv", "codebook.csv"):
+        (study.path / "tables" / name).unlink(missing_ok=True)
+    found = make_tables(study)
     ended = time.perf_counter()
     print(
         f"opening a study of {found['participants']} people and {found['trials']} trials that "
@@ -277,12 +316,9 @@ def fill(folder: Path, design: Design) -> StudyFolder:
         with SessionFolder(study, person) as session:
             for step in session.steps:
                 if not isinstance(step, TrialStep):
-                    session.write("step_done", step=step.id)
+                    session.write("done", step=step.id)
                     continue
                 file = session.begin(step)
-                values = {m.name: 0.123456 for m in measures() if m.of_trial is not None}
-                data = json.dumps({"version": VERSION, **values}).encode()
-                (session.path / "trackers" / f"measures_{file.stem}.json").write_bytes(data)
                 session.write(
                     "trial_end",
                     step=step.id,
@@ -291,7 +327,7 @@ def fill(folder: Path, design: Design) -> StudyFolder:
                     file=f"trials/{file.name}",
                     result=result,
                 )
-            session.write("session_end", complete=True)
+            session.write("end", complete=True)
     return study
 
 

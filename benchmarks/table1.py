@@ -21,7 +21,7 @@ from encoders.capture import Capture
 from encoders.captures.subject import FROZEN, simulate
 from encoders.regression.polynomial import PolynomialEncoder
 from encoders.regression.train import train
-from models.arithmetic.arrays import Array
+from models.arithmetic import Array
 from models.pose import ROOT_POSITION, joint_vectors
 from models.rotations import geodesic_angle
 

@@ -24,7 +24,7 @@ from typing import Any, Literal, get_args
 import mujoco
 from threadpoolctl import threadpool_limits
 
-from sandbox.trial.open_devices import device_makers
+from sandbox.trial.assembly import device_makers
 
 Solid = Literal["fingertips", "hand"]
 

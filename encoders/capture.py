@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from encoders.input_vector import contact_vectors
-from models.arithmetic.arrays import Array
+from models.arithmetic import Array
 from models.errors import CaptureError
 from models.frames import FINGERS
 from models.pose import POSE_SIZE, relative_pose

@@ -16,8 +16,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from models.arithmetic.arrays import Array
-from models.arithmetic.products import (
+from models.arithmetic import (
+    Array,
     matrix_product,
     matrix_vector,
     solve_positive,
@@ -26,8 +26,8 @@ from models.arithmetic.products import (
 )
 from models.errors import EncoderError
 from models.frames import FINGERS
-from models.one_pose import OnePose
 from models.pose import JOINTS
+from models.single_pose import SinglePose
 from models.skeleton import Skeleton
 
 PAD_HEIGHT = 0.006
@@ -55,6 +55,8 @@ class Corrected(NamedTuple):
 class _Seen:
     """Touching fingertips at a pose, and their Jacobian, which is computed once it is needed.
 
+    The kinematics must not place another pose before that.
+
     Args:
         kinematics: Kinematics of the touching fingers.
         q: (48,) the pose.
@@ -62,7 +64,7 @@ class _Seen:
     """
 
     def __init__(
-        self, kinematics: OnePose, q: Array, tips: Array, jacobian: Array | None = None
+        self, kinematics: SinglePose, q: Array, tips: Array, jacobian: Array | None = None
     ) -> None:
         self.kinematics, self.q, self.tips = kinematics, q, tips
         self._jacobian = jacobian
@@ -70,8 +72,7 @@ class _Seen:
     def jacobian(self) -> Array:
         """(3 k, 48) derivative of the fingertips by the pose."""
         if self._jacobian is None:
-            _, jacobian = self.kinematics.tips_and_jacobian(self.q)
-            self._jacobian = jacobian.reshape(-1, 48)
+            self._jacobian = self.kinematics.jacobian(self.q).reshape(-1, 48)
         return self._jacobian
 
     def shifted(self, q: Array) -> _Seen:
@@ -118,7 +119,7 @@ class FingertipCorrection:
     ) -> None:
         self._skeleton = skeleton
         # One for every set of fingers that has touched, in the order of its contacts.
-        self._kinematics: dict[tuple[int, ...], OnePose] = {}
+        self._kinematics: dict[tuple[int, ...], SinglePose] = {}
         self.settings = settings or CorrectionSettings()
         floor = np.full(48, self.settings.floor_angle**2)
         floor[:3] = self.settings.floor_position**2
@@ -179,13 +180,13 @@ class FingertipCorrection:
             q = new
         return best
 
-    def _kinematics_of(self, labels: tuple[int, ...]) -> OnePose:
+    def _kinematics_of(self, labels: tuple[int, ...]) -> SinglePose:
         kinematics = self._kinematics.get(labels)
         if kinematics is None:
-            kinematics = self._kinematics[labels] = OnePose(self._skeleton, labels)
+            kinematics = self._kinematics[labels] = SinglePose(self._skeleton, labels)
         return kinematics
 
-    def _carried(self, kinematics: OnePose, q: Array) -> _Seen:
+    def _carried(self, kinematics: SinglePose, q: Array) -> _Seen:
         """Touching fingertips and their Jacobian at the pose where a frame begins.
 
         Mostly it is the pose where the last one ended, shifted with the touches: that moves the
@@ -200,7 +201,7 @@ class FingertipCorrection:
             return last.shifted(q)
         return self._seen(kinematics, q)
 
-    def _seen(self, kinematics: OnePose, q: Array) -> _Seen:
+    def _seen(self, kinematics: SinglePose, q: Array) -> _Seen:
         """Touching fingertips and their Jacobian at a pose."""
         self._last = _Seen(kinematics, q.copy(), kinematics.tips(q))
         return self._last

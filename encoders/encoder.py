@@ -22,7 +22,7 @@ from typing import Any, Protocol, Self, runtime_checkable
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from models.arithmetic.arrays import Array
+from models.arithmetic import Array
 
 
 class Predictor(Protocol):

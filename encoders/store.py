@@ -8,7 +8,7 @@ import numpy as np
 
 from encoders.capture import Capture
 from encoders.npz import read_npz, write_npz
-from models.arithmetic.products import squared_lengths
+from models.arithmetic import squared_lengths
 from models.errors import CaptureError
 from models.pose import JOINTS
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from models.arithmetic.arrays import Array
+from models.arithmetic import Array
 from models.errors import EncoderError
 from models.pose import ROOT_POSITION, joint_vectors
 from models.rotations import geodesic_angle

@@ -1,6 +1,7 @@
 """Behaviour cloning: a policy that learns from demonstrations, and how often it succeeds.
 
-    sandbox regress --tasks box-to-goal --seeds 20000:20200 --record demonstrations --record-all
+    sandbox regress --tasks box-to-goal --arm plain --seeds 20000:20200 \\
+        --record demonstrations --record-all
     sandbox export demonstrations --to demonstrations.npz --successes
     python examples/behaviour_cloning.py demonstrations.npz --seeds 30000:30100
 
@@ -42,7 +43,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from models import InputError, Surface
-from models.arithmetic.arrays import Array
+from models.arithmetic import Array
 from models.frames import FINGERS
 from models.scene import CONTROL_PERIOD
 from sandbox.datasets.demonstration import Demonstration

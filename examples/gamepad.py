@@ -38,6 +38,8 @@ class Gamepad(TouchDevice):
         except OSError as error:
             raise DeviceError("no gamepad", where=node, got=error.strerror) from None
         self.state = {}  # (BUTTON or AXIS, number) -> value
+        self.rest = b""  # the beginning of an event whose end has not come
+        self.error = None  # why the gamepad is gone
         self.places = [[0.35, 0.5], [0.65, 0.5]]  # shares of the surface
         self.ids = [None, None]
         self.time, self.touches = 0.0, 0
@@ -46,7 +48,11 @@ class Gamepad(TouchDevice):
         """One frame for every call, with the fingers that are down."""
         if self.finished:
             return []
+        if self.error:
+            raise self.error
         self.read()
+        if self.error:  # first the touches are cancelled, then the next poll says why
+            return [TouchFrame(now, cancelled=frozenset(id for id in self.ids if id is not None))]
         passed, self.time = now - self.time, now
         size, contacts = self.surface.size, []
         for finger, place in enumerate(self.places):
@@ -65,13 +71,16 @@ class Gamepad(TouchDevice):
     def read(self):
         """Takes in the events that wait; never waits for one."""
         try:
-            while event := os.read(self.node, EVENT.size):
-                _, value, kind, number = EVENT.unpack(event)
-                self.state[kind & 3, number] = value  # 128 marks the state at the beginning
+            while data := os.read(self.node, 64 * EVENT.size):
+                data = self.rest + data
+                whole = len(data) - len(data) % EVENT.size
+                self.rest = data[whole:]
+                for _, value, kind, number in EVENT.iter_unpack(data[:whole]):
+                    self.state[kind & 3, number] = value  # 128 marks the state at the beginning
         except BlockingIOError:
             pass
         except OSError as error:
-            raise DeviceError("it is gone", where=self.argument, got=error.strerror) from None
+            self.error = DeviceError("it is gone", where=self.argument, got=error.strerror)
 
     def close(self):
         if not self.finished:

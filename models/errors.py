@@ -144,7 +144,7 @@ class StudyError(InputError):
     """A user study's design, folder or journal cannot be used as requested."""
 
 
-class OtherPlanError(StudyError):
+class DifferentPlanError(StudyError):
     """A session, or a participant's earlier one, was run by another plan than the study has now."""
 
 

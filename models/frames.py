@@ -20,11 +20,18 @@ def finger_bits(fingers: frozenset[int]) -> int:
     return sum(1 << f for f in fingers)
 
 
+SURE = 0.8
+"""Probability of a label below which views show that it is not sure."""
+
+
 @dataclass(frozen=True, slots=True)
 class Contact:
-    """One finger on the surface.
+    """One finger on the surface, from the device to the views.
 
-    Numbers of NumPy and the like become Python's own, as recordings hold nothing else.
+    A device gives an id and a place, and what else it measures. The reconstructor smooths the
+    place, and gives the label, its probability, and the state; what devices put into these last two
+    has no effect. Numbers of NumPy and the like become Python's own, as recordings hold nothing
+    else.
 
     Attributes:
         id: Constant from touch-down to touch-up; unique among the contacts of one frame.
@@ -32,9 +39,13 @@ class Contact:
         y: Surface position, metres down from the top left corner.
         size: Contact diameter in metres; None where the device does not measure it. A size that
             is not a number above 0, as some hardware sends without measuring it, becomes None.
-        label: Finger (thumb 0 .. little 4), where the *device* knows it; None otherwise.
+        label: Finger (thumb 0 .. little 4). Of a device: where the *device* knows it. Of a
+            reconstruction: what the labeller gave; None before that, and for what is no finger.
         extent: Width and height of the contact in metres, both above 0; None where the device does
             not measure both. Palms are told from fingers by it.
+        state: `active`; `lost` during the grace period after it was lost; `palm` (drawn as a faint
+            patch); `ignored` (drawn grey).
+        probability: Probability of the label, 0 to 1; 1 without one, and for the device's own.
 
     Raises:
         FrameError: A value is not a number, or cannot be one of a contact.
@@ -46,6 +57,8 @@ class Contact:
     size: float | None = None
     label: int | None = None
     extent: tuple[float, float] | None = None
+    state: str = "active"
+    probability: float = 1.0
 
     def __post_init__(self) -> None:
         if not (
@@ -75,6 +88,11 @@ class Contact:
                 got=self.extent,
                 expected="metres",
             )
+
+    @property
+    def sure(self) -> bool:
+        """False if the label may well be wrong."""
+        return self.probability >= SURE
 
     def _make_plain(self) -> None:
         """Converts all numbers to Python's own.

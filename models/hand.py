@@ -22,11 +22,10 @@ from xml.etree.ElementTree import Element, SubElement
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from models.arithmetic.arrays import Array
-from models.arithmetic.products import length
+from models.arithmetic import Array, length
 from models.errors import SceneError
-from models.one_pose import OnePose
 from models.rotations import matrix_to_quaternion, quaternion_exp, quaternion_log
+from models.single_pose import SinglePose
 from models.skeleton import ADULT, Bone, Skeleton
 
 
@@ -58,9 +57,9 @@ class Follower(Protocol):
     """Turns the poses of one movement into controls; it may go on from its last result."""
 
     @property
-    def missed(self) -> frozenset[int] | None:
+    def missed(self) -> frozenset[int]:
         """Labels of the fingers that touch and whose tips could not be put where the last pose has
-        them; None for a hand that can take every pose."""
+        them."""
         ...
 
     def __call__(self, q: Array, fingers: Collection[int]) -> Array:
@@ -72,19 +71,6 @@ class Follower(Protocol):
                 pose has them, theirs matter.
         """
         ...
-
-
-class PoseFollower:
-    """A follower whose controls are a function of the pose alone."""
-
-    missed = None
-
-    def __init__(self, controls: Callable[[Array], Array]) -> None:
-        self._controls = controls
-
-    def __call__(self, q: Array, fingers: Collection[int]) -> Array:
-        """Controls (m,) for a pose (48,)."""
-        return self._controls(q)
 
 
 class SceneHand(Protocol):
@@ -142,8 +128,9 @@ class SceneHand(Protocol):
         """Controls (m,) that make it follow a pose q (48,) in the world; m is constant."""
         ...
 
-    def follower(self) -> Follower:
-        """Follower that turns the poses of one movement into controls."""
+    def follower(self) -> Follower | None:
+        """Turns the poses of one movement into controls; None for a hand that can take every pose,
+        whose `controls` depend on the pose alone."""
         ...
 
     def coordinates(self, qpos: Array) -> Array:
@@ -286,9 +273,8 @@ class Hand:
         """No assets."""
         return []
 
-    def follower(self) -> Follower:
-        """Follower whose controls are the pose itself."""
-        return PoseFollower(self.controls)
+    def follower(self) -> None:
+        """None: the hand can take every pose."""
 
     def coordinates(self, qpos: Array) -> Array:
         """Poses (..., 48) of joint positions (..., 63)."""
@@ -301,7 +287,7 @@ class Hand:
 
     def tips_of(self) -> Callable[[Array], Array]:
         """Forward kinematics: a function from a pose (48,) to the fingertips (5, 3) m."""
-        return OnePose(self.skeleton).tips
+        return SinglePose(self.skeleton).tips
 
 
 def is_gentle(impulse: float) -> bool:
@@ -513,10 +499,10 @@ def _palm_geoms(palm: Element, hand: Hand) -> None:
                 **({"contype": str(CONTACT_HAND)} if hand.solid_palm else {}),
             },
         )
-    _palm_look(palm, knuckles, radius)
+    _add_palm_geoms(palm, knuckles, radius)
 
 
-def _palm_look(palm: Element, knuckles: list[NDArray[np.float64]], radius: float) -> None:
+def _add_palm_geoms(palm: Element, knuckles: list[NDArray[np.float64]], radius: float) -> None:
     """The visible palm: geoms without mass and collisions.
 
     Args:

@@ -23,7 +23,7 @@ LARGEST = 1 << 26
 """Bytes of the largest file that is read whole."""
 
 _BYTE_ORDER_MARK = b"\xef\xbb\xbf"
-_SHOWN = 40
+_LONGEST = 40
 """Characters of a wrong value that a message shows."""
 
 _PLAIN = {
@@ -102,6 +102,40 @@ def numbered_lines(path: Path, longest: int) -> Iterator[tuple[int, bytes]]:
                 yield number, line
 
 
+def whole_json(data: bytes) -> bool:
+    """True if a text is whole JSON; NaN and Infinity, which some programs write, count."""
+    try:
+        any_json(data)
+    except _UNREADABLE:
+        return False
+    return True
+
+
+def any_json(data: bytes) -> Any:
+    """The value of a text, as far as another program may write it otherwise than the standard.
+
+    NaN and Infinity are numbers, and names that are not UTF-8 are read as Latin-1.
+
+    Raises:
+        msgspec.DecodeError: It is not JSON.
+        RecursionError: It is nested too deeply.
+    """
+    try:
+        return msgspec.json.decode(data)
+    except (msgspec.DecodeError, UnicodeDecodeError) as error:
+        try:
+            text = data.decode()
+        except UnicodeDecodeError:
+            text = data.decode("latin-1")
+        else:
+            if "NaN" not in text and "Infinity" not in text:
+                raise
+        try:
+            return json.loads(text)
+        except ValueError:
+            raise msgspec.DecodeError(str(error)) from None
+
+
 def decoded(
     data: bytes,
     form: type[T],
@@ -163,6 +197,23 @@ def checked(
         raise _error(fault, error, what, where, expected, remedy) from None
 
 
+def loosely_decoded(data: bytes) -> Any:
+    """A JSON value, in which a number may be NaN or infinite, as Python writes it, and text may be
+    in any bytes; None if the data are no JSON."""
+    try:
+        return json.loads(data.removeprefix(_BYTE_ORDER_MARK).decode(errors="replace"))
+    except (ValueError, RecursionError):
+        return None
+
+
+def converted(value: object, form: type[T]) -> T | None:
+    """A decoded value as an object of a type; None if it is none."""
+    try:
+        return msgspec.convert(value, form)
+    except (msgspec.ValidationError, OverflowError):
+        return None
+
+
 def check_layout(
     data: bytes,
     kind: str | None,
@@ -201,7 +252,7 @@ def check_layout(
         raise error(
             "the file has another version",
             where=f"{where}, schema",
-            got=_shown(head.schema),
+            got=_shortened(head.schema),
             expected=f"version {schema}",
             remedy=remedy,
         )
@@ -315,13 +366,13 @@ def _fault_of_text(data: bytes, problem: Exception, form: Any) -> _Fault:
     elif malformed is not None:
         reason, byte = malformed[1], int(malformed[2])
     else:
-        got = data[-_SHOWN:].decode(errors="replace") or None
+        got = data[-_LONGEST:].decode(errors="replace") or None
         return _Fault("it is not JSON, or it is cut short", got=got)
     line = data.count(b"\n", 0, byte) + 1
     return _Fault(
         f"it is not JSON, {reason[0].lower()}{reason[1:]}",
         f"line {line}" if b"\n" in data.strip() else "",
-        data[byte : byte + _SHOWN].decode(errors="replace") or None,
+        data[byte : byte + _LONGEST].decode(errors="replace") or None,
     )
 
 
@@ -338,9 +389,9 @@ def _fault(value: Any, problem: Exception, form: Any) -> _Fault:
     if unknown := _UNKNOWN.fullmatch(message):
         return _Fault(f"{_name(unknown[1])} is not known here", field)
     if wanted := _EXPECTED.fullmatch(message):
-        return _Fault("", field, _shown(actual), in_plain_words(wanted[1]))
+        return _Fault("", field, _shortened(actual), in_plain_words(wanted[1]))
     if message.startswith("Invalid enum value"):
-        return _Fault("this value is not known here", field, _shown(actual))
+        return _Fault("this value is not known here", field, _shortened(actual))
     if message.endswith("out of range"):
         return _Fault("the number is too large", field)
     # This message comes from a struct's own check.
@@ -378,7 +429,7 @@ def _field_at(value: Any, path: str, text: str, form: Any, key: bool) -> tuple[s
             elif field is None and index is None and isinstance(current, dict):
                 emptied.append((current, dict(current)))
                 tried = _culprit(current, lambda: _msgspec_error(value, form) == _without_got(text))
-                current, name = current.get(tried), f"{name}[{tried[:_SHOWN]!r}]"
+                current, name = current.get(tried), f"{name}[{tried[:_LONGEST]!r}]"
             else:
                 # The value itself could not be decoded.
                 return path.lstrip("."), None
@@ -427,15 +478,15 @@ def in_plain_words(expected: str) -> str:
 
 def _name(field: str) -> str:
     """The name of a field in an error, quoted unless it is a plain word."""
-    return field[:_SHOWN] if field.isidentifier() else repr(field[:_SHOWN])
+    return field[:_LONGEST] if field.isidentifier() else repr(field[:_LONGEST])
 
 
-def _shown(value: Any) -> object:
+def _shortened(value: Any) -> object:
     """A wrong value for a message, shortened."""
     if isinstance(value, str):
-        return value[:_SHOWN]
+        return value[:_LONGEST]
     if value is None or isinstance(value, bool):
         return json.dumps(value)
     if isinstance(value, int | float):
-        return value if abs(value) < 1e15 else repr(value)[:_SHOWN]
-    return reprlib.repr(value)[:_SHOWN]
+        return value if abs(value) < 1e15 else repr(value)[:_LONGEST]
+    return reprlib.repr(value)[:_LONGEST]

@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from models.arithmetic.arrays import Array
+from models.arithmetic import Array
 from models.frames import FINGERS
 from models.pose import POSE_SIZE, ROOT_POSITION, ROOT_ROTATION, joint_vectors
 from models.rotations import exp, exp_and_left_jacobian, skew

@@ -20,8 +20,7 @@ import mujoco
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from models.arithmetic.arrays import Array
-from models.arithmetic.products import matrix_product, stacked_applied
+from models.arithmetic import Array, matrix_product, stacked_applied
 from models.errors import InputError
 from models.hand import CONTACT_HAND, CONTACT_OBJECT, CONTACT_TABLE
 from models.objects import mjcf_text

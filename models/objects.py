@@ -12,8 +12,7 @@ from xml.etree.ElementTree import Element, SubElement
 import numpy as np
 from numpy.typing import ArrayLike
 
-from models.arithmetic.arrays import Array
-from models.arithmetic.products import matrix_product, squared_lengths
+from models.arithmetic import Array, matrix_product, squared_lengths
 from models.hand import CONTACT_OBJECT, CONTACT_TABLE
 
 RED = (0.86, 0.30, 0.24)
@@ -474,7 +473,9 @@ class Wrench:
                 "quat": mjcf_text(quat),
             },
         )
-        _shown(plate, "cylinder", (self.size * 0.012, BOLT_LIFT / 2), BOLT_LIFT / 2, DARK_STEEL)
+        _add_visible_part(
+            plate, "cylinder", (self.size * 0.012, BOLT_LIFT / 2), BOLT_LIFT / 2, DARK_STEEL
+        )
         # Within the plate's frame, which is turned as the wrench is at the start.
         body.set("pos", mjcf_text((-self.jaw, 0.0, self.position[2])))
         body.set("quat", "1 0 0 0")
@@ -484,9 +485,11 @@ class Wrench:
             # Three crossed boxes form a hexagon; tops of equal height would flicker.
             half = self.thickness / 2 + 0.0014 + 0.0001 * third
             flats = (flat / np.sqrt(3.0), flat, half)
-            _shown(head, "box", flats, half - self.thickness / 2, STEEL, third * np.pi / 3)
+            _add_visible_part(
+                head, "box", flats, half - self.thickness / 2, STEEL, third * np.pi / 3
+            )
         top = self.thickness / 2 + 0.0036
-        _shown(head, "cylinder", (0.93 * flat, 0.0004), top, BRIGHT_STEEL)
+        _add_visible_part(head, "cylinder", (0.93 * flat, 0.0004), top, BRIGHT_STEEL)
         plate.append(body)
         return plate
 
@@ -514,7 +517,7 @@ def bolt_place(middle: ArrayLike, yaw: float, jaw: float = JAW) -> tuple[float, 
     return float(x + jaw * cos(yaw)), float(y + jaw * sin(yaw))
 
 
-def _shown(
+def _add_visible_part(
     body: Element,
     kind: str,
     size: ArrayLike,

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from models.arithmetic.arrays import Array
+from models.arithmetic import Array
 from models.errors import InputError
 from models.pose import ROOT_POSITION, ROOT_ROTATION, mirrored
 from models.rotations import exp, log
@@ -75,7 +75,7 @@ class Person:
 
 
 @dataclass(frozen=True)
-class Look:
+class RestSample:
     """Touches and pose of a person's hand at one moment; JSON values only.
 
     Both are in the 3-D surface frame of the screen's lower edge, of the person's own size, as of a
@@ -90,7 +90,7 @@ class Look:
     pose: tuple[float, ...]
 
 
-Looks = tuple[Look, ...]
+RestSamples = tuple[RestSample, ...]
 
 
 class PersonFrame:

@@ -1,4 +1,4 @@
-"""Layout of the pose `q` (N = 48), its frames, its legal range, and the speed of a commanded one.
+"""Layout of the pose `q` (N = 48), its frames and its legal range.
 
 q = root position (3, m), root rotation vector (3, rad), then 14 ball joints x rotation vector
 (3, rad) in the order of the skeleton's table: thumb CMC, MCP; index, middle, ring, little MCP, PIP,
@@ -8,17 +8,12 @@ with its root moved so that the leftmost contact is the origin. Encoders learn t
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from math import inf, sqrt
-
 import numpy as np
 from numpy.typing import ArrayLike
 
-from models.arithmetic.arrays import Array
-from models.arithmetic.products import stacked_applied, stacked_product
-from models.rotations import exp, log, unwrap_near, unwrapped
+from models.arithmetic import Array
+from models.rotations import unwrap_near
 from models.skeleton import Skeleton
-from models.surface import Surface
 
 POSE_SIZE = 48
 """N, degrees of freedom of the hand."""
@@ -42,21 +37,6 @@ def mirrored(q: ArrayLike) -> Array:
     In positions, x changes its sign; in rotation vectors, which are axial, y and z do.
     """
     return np.asarray(q, float) * _MIRROR
-
-
-def surface_to_world(q: ArrayLike, surface: Surface) -> Array:
-    """Transforms poses (..., 48) from the 3-D surface frame to the world."""
-    moved = np.array(q, float)
-    if surface.aligned:
-        # Exact to the bit: multiplying by an identity matrix would round.
-        moved[..., ROOT_POSITION] += surface.corner
-    else:
-        rotation = surface.rotation
-        moved[..., ROOT_POSITION] = (
-            stacked_applied(rotation, moved[..., ROOT_POSITION]) + surface.corner
-        )
-        moved[..., ROOT_ROTATION] = log(stacked_product(rotation, exp(moved[..., ROOT_ROTATION])))
-    return moved
 
 
 def relative_pose(q: ArrayLike, leftmost: ArrayLike) -> Array:
@@ -106,46 +86,3 @@ def violations(q: ArrayLike, skeleton: Skeleton, tolerance: float = 1e-9) -> Arr
     return np.sum(
         (joints < skeleton.lower - tolerance) | (joints > skeleton.upper + tolerance), axis=-1
     )
-
-
-@dataclass(frozen=True)
-class RateLimit:
-    """Speed limits of a commanded pose, a safety net against jumps of the input.
-
-    Attributes:
-        linear: m/s of the root.
-        angular: rad/s of the root and of every ball joint.
-    """
-
-    linear: float = 1.0
-    angular: float = 12.0
-
-    def or_faster(self, other: RateLimit) -> RateLimit:
-        """Limits that allow the higher speed of both, for linear and angular motion."""
-        return RateLimit(max(self.linear, other.linear), max(self.angular, other.angular))
-
-    def __call__(self, previous: Array, target: Array, dt: float) -> Array:
-        """Pose (48,) that moves from previous towards target as far as dt seconds allow.
-
-        All parts are slowed by the same share, so that the fingers stay in step with the wrist.
-        """
-        if dt <= 0:
-            return previous
-        goal = target.copy()
-        turn = target[ROOT_ROTATION]
-        near = unwrapped(turn, previous[ROOT_ROTATION])
-        if near is not turn:
-            goal[ROOT_ROTATION] = near
-        if self.linear == self.angular == inf:
-            return goal
-        step = goal - previous
-        squares = step * step
-        # Recorded sessions depend on the order in which the three are added: do not change it.
-        linear, *angular = (squares[::3] + squares[2::3] + squares[1::3]).tolist()
-        share = sqrt(max(linear / self.linear**2, max(angular) / self.angular**2)) / dt
-        return previous + step / share if share > 1.0 else goal
-
-
-GENTLE = RateLimit(0.6, 7.0)
-"""Speed limits of hands no stronger than the profile `safe`. At 1 m/s and 12 rad/s, 30 N or 6000 N,
-a tip may meet an object at 1.6 m/s, which is 3 mm in one physics step (measured at db485e42)."""

@@ -11,9 +11,8 @@ from math import atan2, cos, pi, sin, sqrt
 import numpy as np
 from numpy.typing import ArrayLike
 
-from models.arithmetic import functions
-from models.arithmetic.arrays import Array
-from models.arithmetic.products import squared_lengths, stacked_product
+from models import arithmetic
+from models.arithmetic import Array, squared_lengths, stacked_product
 
 Vector = tuple[float, float, float]
 
@@ -51,9 +50,9 @@ def _series(w: Array) -> tuple[Array, Array, Array, Array, Array]:
     small = t < _SMALL
     t_safe = np.where(small, 1.0, t)
     t2_safe = t_safe * t_safe
-    a = np.where(small, 1.0 - t2 / 6.0, functions.sin(t_safe) / t_safe)
+    a = np.where(small, 1.0 - t2 / 6.0, arithmetic.sin(t_safe) / t_safe)
     # 1 - cos loses half the digits for small angles; 2 sin^2(t/2) does not.
-    half = functions.sin(0.5 * t_safe)
+    half = arithmetic.sin(0.5 * t_safe)
     b = np.where(small, 0.5 - t2 / 24.0, 2.0 * half * half / t2_safe)
     c = np.where(small, 1.0 / 6.0 - t2 / 120.0, (1.0 - a) / t2_safe)
     k = skew(w)
@@ -122,7 +121,7 @@ def quaternion_log(q: ArrayLike) -> Array:
     v = q[..., 1:]
     n = np.sqrt(squared_lengths(v))[..., None]
     small = n < _SMALL
-    scale = np.where(small, 2.0, 2.0 * functions.atan2(n, q[..., :1]) / np.where(small, 1.0, n))
+    scale = np.where(small, 2.0, 2.0 * arithmetic.atan2(n, q[..., :1]) / np.where(small, 1.0, n))
     return scale * v
 
 
@@ -131,8 +130,8 @@ def quaternion_exp(w: ArrayLike) -> Array:
     w = np.asarray(w, float)
     t = np.sqrt(squared_lengths(w))[..., None]
     small = t < _SMALL
-    share = np.where(small, 0.5, functions.sin(0.5 * t) / np.where(small, 1.0, t))
-    return np.concatenate([functions.cos(0.5 * t), share * w], axis=-1)
+    share = np.where(small, 0.5, arithmetic.sin(0.5 * t) / np.where(small, 1.0, t))
+    return np.concatenate([arithmetic.cos(0.5 * t), share * w], axis=-1)
 
 
 def quaternion_to_matrix(q: ArrayLike) -> Array:

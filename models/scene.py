@@ -11,8 +11,7 @@ from xml.etree.ElementTree import Element, SubElement, indent, tostring
 import mujoco
 import numpy as np
 
-from models.arithmetic.arrays import Array
-from models.arithmetic.products import squared_lengths
+from models.arithmetic import Array, squared_lengths
 from models.errors import SceneError
 from models.hand import CONTACT_HAND, CONTACT_HANDS, CONTACT_TABLE, SceneHand
 from models.objects import MechanismPart, SceneObject, WithAssets
@@ -306,7 +305,7 @@ def scene_xml(spec: SceneSpec) -> str:
     )
     # An automatic reset would be silent; the simulation stops with an error instead.
     SubElement(option, "flag", {"autoreset": "disable"})
-    _look(root)
+    _add_visual_settings(root)
     defaults = SubElement(root, "default")
     classes = {element.get("class"): element for element in (h.defaults() for h in spec.hands)}
     defaults.extend(classes.values())
@@ -424,7 +423,7 @@ def _touch_sensors(root: Element, spec: SceneSpec) -> None:
                 )
 
 
-def _look(root: Element) -> None:
+def _add_visual_settings(root: Element) -> None:
     """Colours, textures and render quality; without effect on the physics."""
     SubElement(root, "statistic", {"extent": ".45", "center": "0 .0 .05"})
     visual = SubElement(root, "visual")

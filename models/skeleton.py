@@ -19,8 +19,7 @@ from math import cos, fsum, radians, sin
 import numpy as np
 from numpy.typing import ArrayLike
 
-from models.arithmetic.arrays import Array
-from models.arithmetic.products import length, stacked_product
+from models.arithmetic import Array, length, stacked_product
 from models.frames import FINGERS
 from models.rotations import exp
 

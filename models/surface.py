@@ -17,8 +17,10 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from models.arithmetic.products import stacked_applied
+from models.arithmetic import stacked_applied, stacked_product
 from models.errors import InputError, unknown_name
+from models.pose import ROOT_POSITION, ROOT_ROTATION
+from models.rotations import exp, log
 
 METRES_PER_INCH = 0.0254
 """Metres in one inch (exact, by definition). The contact vector alone is in inches."""
@@ -124,6 +126,20 @@ class Surface:
         local = np.empty((*points.shape[:-1], 3))
         local[..., 0], local[..., 1], local[..., 2] = points[..., 0], -points[..., 1], height
         return stacked_applied(self.rotation, local) + self.corner
+
+    def pose_to_world(self, q: ArrayLike) -> NDArray[np.float64]:
+        """Poses (..., 48) in the world, of poses in the 3-D surface frame."""
+        moved = np.array(q, float)
+        if self.aligned:
+            # Exact to the bit: multiplying by an identity matrix would round.
+            moved[..., ROOT_POSITION] += self.corner
+        else:
+            moved[..., ROOT_POSITION] = (
+                stacked_applied(self.rotation, moved[..., ROOT_POSITION]) + self.corner
+            )
+            turned = stacked_product(self.rotation, exp(moved[..., ROOT_ROTATION]))
+            moved[..., ROOT_ROTATION] = log(turned)
+        return moved
 
     def to_surface(self, world: ArrayLike) -> NDArray[np.float64]:
         """Surface points (..., 2) under world positions (..., 3): the foot of the normal."""

@@ -81,7 +81,7 @@ def _refuse_shadowed_neighbours() -> None:
             )
 
 
-def _look_for_strangers() -> None:
+def _check_for_foreign_files() -> None:
     """Says in one line that another package's files are among those of our neighbours.
 
     Raises:
@@ -123,7 +123,7 @@ def _is_own_command() -> bool:
 
 try:
     _refuse_shadowed_neighbours()
-    _look_for_strangers()
+    _check_for_foreign_files()
 except ShadowedPackageError as _error:
     if not _is_own_command():
         raise

@@ -25,7 +25,7 @@ from uuid import uuid4
 
 import numpy as np
 
-from models.arithmetic.arrays import Array
+from models.arithmetic import Array
 from models.errors import DeviceError
 from models.frames import Frame, TouchFrame
 from models.pose import POSE_SIZE
@@ -274,7 +274,7 @@ def forwarding_to(listener: SessionListener) -> Iterator[None]:
         LISTENERS.remove(listener)
 
 
-def tell(what: str, details: Mapping[str, Any]) -> None:
+def send_event(what: str, details: Mapping[str, Any]) -> None:
     """Sends all listeners an event outside of trials, such as a break."""
     for listener in LISTENERS:
         listener.event(what, details)

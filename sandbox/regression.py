@@ -12,7 +12,7 @@ from __future__ import annotations
 import warnings
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import pytest
 
@@ -22,6 +22,7 @@ from encoders.regression.trained import TrainedModel
 from models.errors import InputError
 from models.message import counted
 from sandbox.regress import statistics
+from sandbox.regress.arms import ARMS
 from sandbox.regress.baseline import Baseline, load_baseline, replaceable, update
 from sandbox.regress.comparison import level_of
 from sandbox.regress.execute import CRASHED, Processes, Serial
@@ -61,6 +62,7 @@ class Regression:
         exact: bool = False,
         across_encoders: bool = False,
         allow_crashes: int = 0,
+        arm: Literal["plain", "hard", "both"] = "plain",
         **scene: Any,
     ) -> Report:
         """Runs the trials.
@@ -76,6 +78,7 @@ class Regression:
             exact: States must be equal where MuJoCo, architecture and libm are the baseline's.
             across_encoders: The baseline may be another encoder's.
             allow_crashes: Number of trials that may crash; more fail the test.
+            arm: Which arms are played: the task as it is, the task made hard, or both.
             scene: Options of `sandbox run` with underscores: `fingers=5`, `bare=True`.
 
         Returns:
@@ -90,6 +93,7 @@ class Regression:
             find_tasks([self._beside(task)]) if isinstance(task, str) else (task,),
             parse_seeds(seeds),
             {"encoder": self._encoder(encoder), **scene},
+            arms=ARMS[arm],
         )
         try:
             plan.check_drawn()
@@ -161,7 +165,7 @@ class Regression:
 
 def _toothless(report: Report, at_least: float | None) -> Iterator[str]:
     """Sentences on what cannot fail with so few seeds, whatever is lost."""
-    needed = statistics.fewest_losses(level_of(len(report.comparisons)))
+    needed = statistics.fewest_losses(level_of(report.comparisons))
     for name, comparison in report.comparisons.items():
         if comparison.pairs < needed:
             yield (
@@ -196,7 +200,7 @@ def _assert(report: Report, at_least: float | None) -> None:
         key=lambda t: (not (crashed and t["status"] == CRASHED), (t["task"], t["seed"]) not in lost)
     )
     lines = [f"seed {t['seed']}: {t['reason']}\n  {report.command(t)}" for t in failed[:MOST_NAMED]]
-    lines += [f"{at}: {what}\n  {again}" for at, what, again in report.moved_most()[:MOST_NAMED]]
+    lines += [f"{trial}\n  {trial.command}" for trial in report.moved_most()[:MOST_NAMED]]
     raise AssertionError("\n".join([*reasons, *lines]))
 
 

@@ -8,7 +8,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from models.arithmetic.products import distance, length
+from models.arithmetic import distance, length
 from models.errors import SurfaceTooSmallError
 from models.message import Message
 from models.objects import Box

@@ -8,7 +8,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from models.arithmetic.products import distance
+from models.arithmetic import distance
 from models.errors import SurfaceTooSmallError
 from models.message import Message
 from models.objects import TRAY_GRIP, TRAY_HANDLE, Tray
@@ -69,6 +69,7 @@ class CarryTogether(TaskDefaults):
     lift_range: ClassVar[float] = 0.12
     plane: ClassVar[str] = "table"
     hands: ClassVar[int] = 2
+    fewest_fingers: ClassVar[int] = 2
 
     seed: int
     objects: tuple[Tray, ...]

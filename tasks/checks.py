@@ -26,8 +26,9 @@ from models.mjcf_object import check_object_name
 from models.objects import Box, Cylinder, MechanismPart, SceneObject, Wrench
 from models.scene import PaintedRing, Scene, SceneSpec
 from models.surface import Surface
-from tasks.guarded import build_scene, check_apart, draw_task, measure
+from tasks.guarded import build_scene, check_apart, draw_task
 from tasks.registry import TASK_PLUGINS, completed, find_task
+from tasks.score import measure
 from tasks.sensing import Sensing
 from tasks.task import Task, over_a_side, place_surface
 

@@ -30,8 +30,7 @@ from zlib import crc32
 import mujoco
 import numpy as np
 
-from models.arithmetic.arrays import Array
-from models.arithmetic.products import length
+from models.arithmetic import Array, length
 from models.errors import InputError, SurfaceTooSmallError
 from models.objects import MechanismPart, SceneObject
 from models.scene import Scene, SceneSpec

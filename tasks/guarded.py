@@ -1,4 +1,5 @@
-"""Calls of a task's own code, whose errors become one line: drawing, building its scene, measuring.
+"""Calls of a task's own code, whose errors become one line: drawing and building its scene.
+`tasks.score` measures it.
 
 What a task must keep to beyond that, its author finds with `tasks.check_task`. Objects of a varied
 trial that overlap at the start, which physics would throw apart, are refused here.
@@ -7,21 +8,19 @@ trial that overlap at the start, which physics would throw apart, are refused he
 from __future__ import annotations
 
 from collections.abc import Sequence
-from math import isfinite, nan
+from math import isfinite
 
 import mujoco
 import numpy as np
 
-from models.arithmetic.products import length
-from models.errors import HandSandboxError, InputError
+from models.arithmetic import length
+from models.errors import InputError
 from models.hand import SceneHand
 from models.objects import MechanismPart
-from models.plugins import failure
 from models.scene import TABLE, Scene, SceneSpec
 from models.surface import Surface
-from tasks.registry import TASK_PLUGINS, is_built_in
-from tasks.sensing import Sensing
-from tasks.task import Measure, Task
+from tasks.registry import TASK_PLUGINS
+from tasks.task import Task
 
 _OBJECT = ("name", "mass", "position", "yaw", "body")
 _GOAL = ("object", "position", "yaw", "on", "shown")
@@ -95,106 +94,6 @@ def build_scene(
             remedy="`tasks.check_task` names it",
         )
     return scene
-
-
-def measure(task: Task, sensing: Sensing) -> Measure:
-    """Calls a task's `measure`, and checks its result.
-
-    A progress below 0 or above 1 becomes the nearest of the two.
-
-    Raises:
-        InputError: `measure` of somebody else's task fails, or returns something else, such as
-            nothing, or a progress that is no number; or it would end the program, which then ended
-            as if all were well.
-    """
-    try:
-        result = task.measure(sensing)
-    except HandSandboxError:
-        raise
-    except (Exception, SystemExit) as error:
-        if is_built_in(type(task)):
-            raise
-        ends = isinstance(error, SystemExit)
-        raise InputError(
-            "`measure` ends the program" if ends else "`measure` of this task fails",
-            where=task.name,
-            got=failure(error),
-            expected="a Measure, such as `return judge(...)`" if ends else None,
-        ) from error
-    if not isinstance(result, Measure):
-        raise InputError(
-            "`measure` did not return a Measure",
-            where=task.name,
-            got=repr(result)[:80],
-            expected="a Measure, such as `return judge(...)`",
-            remedy="Every branch of `measure` needs a `return`",
-        )
-    return result if _plain(result) else _made_plain(result, task.name)
-
-
-def _plain(result: Measure) -> bool:
-    """True if all values are Python's own, and sound."""
-    return (
-        type(result.reached) is bool
-        and type(result.lost) is bool
-        and type(result.progress) is float
-        and 0.0 <= result.progress <= 1.0
-        and isinstance(result.reason, str)
-        and (result.first is None or (isinstance(result.first, Measure) and _plain(result.first)))
-    )
-
-
-def _made_plain(result: Measure, task: str) -> Measure:
-    """The same measure in Python's own values: NumPy's cannot be written into a recording.
-
-    Raises:
-        InputError: `reached` or `lost` is neither true nor false, `progress` is no finite number,
-            or `reason` no text.
-    """
-    first, returned = result.first, "of what `measure` returned"
-    if first is not None and not isinstance(first, Measure):
-        raise InputError(
-            f"`first` {returned} is no Measure",
-            where=task,
-            got=repr(first)[:80],
-            expected="a Measure",
-        )
-    if not isinstance(result.reason, str):
-        raise InputError(
-            f"`reason` {returned} is no text",
-            where=task,
-            got=repr(result.reason)[:80],
-            expected="text",
-        )
-    try:
-        reached, lost = bool(result.reached), bool(result.lost)
-    except ValueError:
-        raise InputError(
-            f"`reached` or `lost` {returned} is neither true nor false",
-            where=task,
-            got=f"{result.reached!r} and {result.lost!r}"[:80],
-            expected="one truth value each",
-            remedy="`(...).all()` makes one of several",
-        ) from None
-    try:
-        progress = float(result.progress)
-    except (TypeError, ValueError):
-        progress = nan
-    if not isfinite(progress):
-        raise InputError(
-            f"`progress` {returned} is no finite number",
-            where=task,
-            got=repr(result.progress)[:80],
-            expected="0 to 1",
-            remedy="A division by zero gives such a number",
-        )
-    return Measure(
-        reached,
-        min(max(progress, 0.0), 1.0),
-        result.reason,
-        lost,
-        None if first is None else _made_plain(first, task),
-    )
 
 
 def _check_parts(

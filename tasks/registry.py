@@ -44,7 +44,16 @@ TASKS: Registry[type[Task]] = Registry(
 
 _NAME = re.compile(r"[a-z0-9]+(-[a-z0-9]+)*")
 _NUMBERS = ("version", "time_limit", "hold_time", "table_friction", "touch_height", "lift_range")
-_OPTIONAL = ("hands", "user", "painted", "pressed", "own_friction", "with_room", "shifted")
+_OPTIONAL = (
+    "hands",
+    "fewest_fingers",
+    "user",
+    "painted",
+    "pressed",
+    "own_friction",
+    "with_room",
+    "shifted",
+)
 
 
 def is_task(value: Any) -> bool:

@@ -1,10 +1,15 @@
-"""Scores a trial: goal reached at one moment, held, and still reached a second later."""
+"""Measures and scores a trial: goal reached at one moment, held, still reached a second later."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from enum import StrEnum
+from math import isfinite, nan
 
+from models.errors import HandSandboxError, InputError
+from models.plugins import failure
+from tasks.registry import is_built_in
+from tasks.sensing import Sensing
 from tasks.task import Measure, Task
 
 AFTERMATH = 1.0
@@ -73,6 +78,106 @@ def points(success: bool, progress: float, seconds: float, limit: float) -> floa
     if not success:
         return 50.0 * progress
     return 50.0 + 50.0 * max(1.0 - seconds / limit, 0.0)
+
+
+def measure(task: Task, sensing: Sensing) -> Measure:
+    """Calls a task's `measure`, and checks its result.
+
+    A progress below 0 or above 1 becomes the nearest of the two.
+
+    Raises:
+        InputError: `measure` of somebody else's task fails, or returns something else, such as
+            nothing, or a progress that is no number; or it would end the program, which then ended
+            as if all were well.
+    """
+    try:
+        result = task.measure(sensing)
+    except HandSandboxError:
+        raise
+    except (Exception, SystemExit) as error:
+        if is_built_in(type(task)):
+            raise
+        ends = isinstance(error, SystemExit)
+        raise InputError(
+            "`measure` ends the program" if ends else "`measure` of this task fails",
+            where=task.name,
+            got=failure(error),
+            expected="a Measure, such as `return judge(...)`" if ends else None,
+        ) from error
+    if not isinstance(result, Measure):
+        raise InputError(
+            "`measure` did not return a Measure",
+            where=task.name,
+            got=repr(result)[:80],
+            expected="a Measure, such as `return judge(...)`",
+            remedy="Every branch of `measure` needs a `return`",
+        )
+    return result if _plain(result) else _made_plain(result, task.name)
+
+
+def _plain(result: Measure) -> bool:
+    """True if all values are Python's own, and sound."""
+    return (
+        type(result.reached) is bool
+        and type(result.lost) is bool
+        and type(result.progress) is float
+        and 0.0 <= result.progress <= 1.0
+        and isinstance(result.reason, str)
+        and (result.first is None or (isinstance(result.first, Measure) and _plain(result.first)))
+    )
+
+
+def _made_plain(result: Measure, task: str) -> Measure:
+    """The same measure in Python's own values: NumPy's cannot be written into a recording.
+
+    Raises:
+        InputError: `reached` or `lost` is neither true nor false, `progress` is no finite number,
+            or `reason` no text.
+    """
+    first, returned = result.first, "of what `measure` returned"
+    if first is not None and not isinstance(first, Measure):
+        raise InputError(
+            f"`first` {returned} is no Measure",
+            where=task,
+            got=repr(first)[:80],
+            expected="a Measure",
+        )
+    if not isinstance(result.reason, str):
+        raise InputError(
+            f"`reason` {returned} is no text",
+            where=task,
+            got=repr(result.reason)[:80],
+            expected="text",
+        )
+    try:
+        reached, lost = bool(result.reached), bool(result.lost)
+    except ValueError:
+        raise InputError(
+            f"`reached` or `lost` {returned} is neither true nor false",
+            where=task,
+            got=f"{result.reached!r} and {result.lost!r}"[:80],
+            expected="one truth value each",
+            remedy="`(...).all()` makes one of several",
+        ) from None
+    try:
+        progress = float(result.progress)
+    except (TypeError, ValueError):
+        progress = nan
+    if not isfinite(progress):
+        raise InputError(
+            f"`progress` {returned} is no finite number",
+            where=task,
+            got=repr(result.progress)[:80],
+            expected="0 to 1",
+            remedy="A division by zero gives such a number",
+        )
+    return Measure(
+        reached,
+        min(max(progress, 0.0), 1.0),
+        result.reason,
+        lost,
+        None if first is None else _made_plain(first, task),
+    )
 
 
 class Scorer:

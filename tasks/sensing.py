@@ -13,8 +13,7 @@ from math import acos, atan2
 import mujoco
 import numpy as np
 
-from models.arithmetic.arrays import Array
-from models.arithmetic.products import length
+from models.arithmetic import Array, length
 from models.errors import InputError
 from models.objects import Joint, MechanismPart
 from models.scene import TABLE, Scene, finger_sensor, first_bodies, touching_sensor

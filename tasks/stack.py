@@ -15,8 +15,7 @@ from typing import ClassVar, Self
 
 import numpy as np
 
-from models.arithmetic.arrays import Array
-from models.arithmetic.products import length
+from models.arithmetic import Array, length
 from models.errors import SurfaceTooSmallError
 from models.message import Message
 from models.objects import Box
@@ -58,6 +57,7 @@ class Stacking(TaskDefaults):
     name: ClassVar[str]
     version: ClassVar[int] = 1
     count: ClassVar[int] = 2
+    fewest_fingers: ClassVar[int] = 2
     time_limit: ClassVar[float] = 60.0
     hold_time: ClassVar[float] = 0.5
     table_friction: ClassVar[float] = 0.5

@@ -13,8 +13,7 @@ from typing import TYPE_CHECKING, ClassVar, Protocol
 
 import numpy as np
 
-from models.arithmetic.arrays import Array
-from models.arithmetic.products import length, stacked_applied
+from models.arithmetic import Array, length, stacked_applied
 from models.errors import InputError
 from models.objects import SceneObject
 from models.scene import PaintedRing
@@ -125,9 +124,11 @@ class TaskDefaults(Protocol):
         pressed: Its objects are pressed from above: hands turn solid on their way down, rather than
             once they are down.
         own_friction: The friction of its objects counts against hands and table; see `SceneSpec`.
+        fewest_fingers: Number of different fingers without which it cannot be played.
     """
 
     hands: ClassVar[int] = 1
+    fewest_fingers: ClassVar[int] = 1
     user: ClassVar[UserMaker | None] = None
     pressed: ClassVar[bool] = False
     own_friction: ClassVar[bool] = False

@@ -14,9 +14,8 @@ from math import cos, sin
 
 import numpy as np
 
-from models.arithmetic import functions
-from models.arithmetic.arrays import Array
-from models.arithmetic.products import length
+from models import arithmetic
+from models.arithmetic import Array, length
 from models.errors import HandSandboxError, InputError
 from models.objects import Box, MechanismPart, Scalable, SceneObject, Wrench
 from models.plugins import failure
@@ -324,7 +323,7 @@ def _moved(
             steps = np.sign(angles)[:, None] * [1.0, 0.0, 0.0]
         else:
             steps = np.column_stack(
-                [functions.cos(angles), functions.sin(angles), np.zeros(len(own))]
+                [arithmetic.cos(angles), arithmetic.sin(angles), np.zeros(len(own))]
             )
         new = places.copy()
         new[own] += way * steps

@@ -9,9 +9,8 @@ from typing import ClassVar, Self
 
 import numpy as np
 
-from models.arithmetic import functions
-from models.arithmetic.arrays import Array
-from models.arithmetic.products import length
+from models import arithmetic
+from models.arithmetic import Array, length
 from models.errors import SurfaceTooSmallError
 from models.message import Message
 from models.objects import BOLT_LIFT, HANDLE, JAW, THICKNESS, Wrench
@@ -334,7 +333,7 @@ class WrenchTurn(WrenchTask):
 
 def _in_reach(bolt: Array, yaws: Array, size: Array) -> bool:
     """True if grip and handle's end stay on the surface (in its frame, y down) at these yaws."""
-    ways = np.stack([functions.cos(yaws), -functions.sin(yaws)], axis=1)
+    ways = np.stack([arithmetic.cos(yaws), -arithmetic.sin(yaws)], axis=1)
     for along, border in ((GRIP, GRIP_BORDER), (HANDLE[1], END_BORDER)):
         places = bolt + (along - JAW) * ways
         if np.any(places < border) or np.any(places > size - border):

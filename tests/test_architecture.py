@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 import json
-import os
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
 
 from tests.support.import_graph import imported_names, modules
+from tests.support.processes import printed
 
 ROOT = Path(__file__).resolve().parent.parent
 PACKAGES = ("models", "encoders", "tasks", "sandbox")
@@ -52,16 +50,9 @@ print(json.dumps(sorted({name.partition(".")[0] for name in sys.modules})))
 
 @pytest.mark.parametrize("package", MAY_LOAD)
 def test_a_package_loads_nothing_above_it_and_nothing_that_shows_or_serves(package: str) -> None:
-    done = subprocess.run(
-        [sys.executable, "-c", LOAD_ALL, package],
-        # MuJoCo itself would load glfw or OpenGL with its renderer.
-        env={**os.environ, "PYTHONPATH": str(ROOT), "MUJOCO_GL": "disable"},
-        capture_output=True,
-        text=True,
-        check=False,
-    )
-    assert done.returncode == 0, done.stderr
-    loaded = set(json.loads(done.stdout.splitlines()[-1]))
+    # MuJoCo itself would load glfw or OpenGL with its renderer.
+    told = printed("-c", LOAD_ALL, package, MUJOCO_GL="disable")
+    loaded = set(json.loads(told.splitlines()[-1]))
     above = loaded & {*PACKAGES, *CHECKOUT_ONLY} - MAY_LOAD[package]
     shows = loaded & SHOWS_OR_SERVES
     assert not above and not shows

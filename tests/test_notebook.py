@@ -10,7 +10,7 @@ from typing import Any
 
 import pytest
 
-from tools.docs.notebook import EXTRA, NOTEBOOK, PAGE, ROOT, page
+from tools.docs.notebook import NOTEBOOK, PAGE, page
 
 SEEN = re.compile(
     r"^```text\n.*?^```\n\n|^!\[[^\n]*\]\(pictures/[^\n]*\)\n\n?", re.MULTILINE | re.DOTALL
@@ -45,11 +45,3 @@ def test_every_step_is_python_without_words_of_notebooks(cells: list[dict[str, A
     for cell in cells:
         if cell["cell_type"] == "code":
             ast.parse("".join(cell["source"]))
-
-
-def test_ci_runs_the_notebook_with_the_extra_that_it_needs() -> None:
-    ci = (ROOT / ".ci" / "run").read_text(encoding="utf-8")
-    assert re.search(r"^[^#\n]*-m tools\.docs\.notebook --check$", ci, re.MULTILINE)
-    project = (ROOT / "pyproject.toml").read_text(encoding="utf-8")
-    [extra] = re.findall(r"^notebook = \[(.*)\]$", project, re.MULTILINE)
-    assert re.findall(r'"([a-z]+)>=', extra) == list(EXTRA)

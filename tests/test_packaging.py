@@ -135,9 +135,3 @@ def test_the_source_archive_has_what_the_tests_need() -> None:
 
 def test_no_archive_of_a_package_lies_beside_the_sources() -> None:
     assert not [file.name for end in ("whl", "tar.gz") for file in ROOT.glob(f"*.{end}")]
-
-
-def test_the_licence_is_whole() -> None:
-    text = (ROOT / "LICENSE").read_text(encoding="utf-8")
-    assert "Apache License" in text
-    assert "END OF TERMS AND CONDITIONS" in text

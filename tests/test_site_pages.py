@@ -55,8 +55,6 @@ def test_the_page_of_a_task_has_its_contract_its_spaces_and_what_was_measured(na
     page = page_of(kind, tables)
     told = described(kind)
     assert all(text[1:] in page for text in (told.first, told.more, *told.parts.values()))
-    words_told = sum(len(text.split()) for text in (told.first, told.more, *told.parts.values()))
-    assert words_told + len(told.parts) == len((kind.__doc__ or "").split())
     words = "".join(word.capitalize() for word in name.split("-"))
     assert f"`hand_sandbox/{words}-v{kind.version}`" in page
     assert f"| Time limit | {kind.time_limit:g} s |" in page

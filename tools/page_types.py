@@ -12,6 +12,8 @@ from typing import Any
 import msgspec.inspect as inspect
 from msgspec import Struct
 
+from models.frames import FINGERS
+from sandbox.devices.mouse import mouse
 from sandbox.server import protocol
 from sandbox.server.frames import KIND, POSE_BYTES, SKIN_KIND
 
@@ -19,6 +21,9 @@ FILE = Path(__file__).resolve().parents[1] / "sandbox" / "views" / "page" / "src
 
 _NUMBERS = ("LIFT_STRIP_PX", "LIFT_NOTCH", "LIFT_KEY", "LIFT_PAGE", "NOTCH_PX")
 """Numbers of the protocol that the page uses as well."""
+
+_OF_MOUSE = ("GRAB_RADIUS", "WHEEL_FACTOR", "WHEEL_TURN", "NARROWEST", "WIDEST")
+"""Numbers of the mouse in the window that the page uses as well."""
 
 _SIMPLE: dict[type, str] = {
     inspect.IntType: "number",
@@ -38,7 +43,11 @@ def typescript() -> str:
         f"export const FRAME_KIND = {KIND};",
         f"export const POSE_BYTES = {POSE_BYTES};",
         f"export const SKIN_KIND = {SKIN_KIND};",
+        f"export const DEMONSTRATION_KIND = {protocol.DEMONSTRATION_KIND};",
         *(f"export const {name} = {getattr(protocol, name):g};" for name in _NUMBERS),
+        *(f"export const {name} = {getattr(mouse, name):.6g};" for name in _OF_MOUSE),
+        "/** Fingers of a right hand of one to five: label, and x and y (m) from its middle. */",
+        f"export const HANDS: readonly (readonly [number, number, number])[][] = {_hands()};",
     ]
     for struct in vars(protocol).values():
         if isinstance(struct, type) and issubclass(struct, Struct) and struct is not Struct:
@@ -47,6 +56,16 @@ def typescript() -> str:
         members = " | ".join(s.__name__ for s in getattr(protocol, name).__args__)
         lines += ["", f"export type {name} = {members};"]
     return "\n".join(lines) + "\n"
+
+
+def _hands() -> str:
+    """Layouts of hands of one finger to five."""
+    layouts = [mouse.default_hand(count) for count in range(1, len(FINGERS) + 1)]
+    hands = [
+        [f"[{label}, {x:.4f}, {y:.4f}]" for label, (x, y) in sorted(layout.items())]
+        for layout in layouts
+    ]
+    return "[" + ", ".join(f"[{', '.join(fingers)}]" for fingers in hands) + "]"
 
 
 def _interface(struct: type[Struct]) -> list[str]:
@@ -66,6 +85,11 @@ def _type(kind: Any) -> str:
     if simple:
         return simple
     match kind:
+        case inspect.Metadata(extra=extra) if extra and "page" in extra:
+            # What our page sends is narrower than what the server accepts from others.
+            return str(extra["page"])
+        case inspect.Metadata():
+            return _type(kind.type)
         case inspect.LiteralType():
             return " | ".join(f'"{value}"' for value in kind.values)
         case inspect.UnionType():

@@ -18,7 +18,7 @@ from encoders.labels.belief import load_population_belief
 from encoders.labels.labelling import true_row
 from encoders.regression.trained import TrainedModel, load_model
 from encoders.store import load_capture
-from models.arithmetic.arrays import Array
+from models.arithmetic import Array
 from models.skin.skin import dense
 from training.population.surface_people import surface_person
 

@@ -27,7 +27,7 @@ from encoders.labels.pair_network import (
     pair_features,
     score_places,
 )
-from models.arithmetic.arrays import Array
+from models.arithmetic import Array
 
 Weights = dict[str, NDArray[np.float32]]
 

@@ -13,8 +13,8 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from encoders.capture import Capture
-from encoders.reconstruction.palms import place_inputs
-from models.arithmetic.arrays import Array
+from encoders.reconstruction.contact_tracker import place_inputs
+from models.arithmetic import Array
 from models.errors import InputError
 from models.rotations import exp
 from training.population import simulate_population
@@ -50,7 +50,7 @@ Weights = dict[str, list[list[float]] | list[float]]
 def train_palm_places(
     progress: Callable[[float], None] = lambda share: None, contacts: int = CONTACTS
 ) -> Weights:
-    """Trains the network of `encoders.reconstruction.palms`.
+    """Trains the network of `encoders.reconstruction.contact_tracker`.
 
     Args:
         progress: Called with the share done, 0 to 1.

@@ -25,7 +25,7 @@ from encoders.regression.train import rounded
 from encoders.regression.trained import POPULATION, PersonCorrection, TrainedModel
 from encoders.regression.yaw_normalised import YawNormalisedEncoder, turned_root, yaw_of
 from encoders.validation import bounded_errors, error_product
-from models.arithmetic.arrays import Array
+from models.arithmetic import Array
 from models.errors import EncoderError
 from models.kinematics import Kinematics
 from models.pose import ROOT_POSITION, absolute_pose, relative_pose

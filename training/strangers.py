@@ -21,7 +21,7 @@ from encoders.evaluation.labels import takes
 from encoders.evaluation.person_model import estimated
 from encoders.labels.belief import BeliefLabels
 from encoders.regression.trained import TrainedModel
-from models.arithmetic.arrays import Array
+from models.arithmetic import Array
 
 BINS = 10
 """Bins of the reliability curve, equally wide from 0 to 1."""

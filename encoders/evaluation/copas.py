@@ -26,7 +26,7 @@ from numpy.typing import NDArray
 
 from encoders.encoder import Encoder
 from encoders.validation import trial_folds
-from models.arithmetic.arrays import Array
+from models.arithmetic import Array
 from models.errors import EncoderError
 
 FOLDS = 10

@@ -13,7 +13,7 @@ from functools import cached_property
 import numpy as np
 
 from encoders.correction import PAD_HEIGHT
-from models.arithmetic.arrays import Array
+from models.arithmetic import Array
 from models.kinematics import Kinematics
 from models.pose import JOINTS, ROOT_POSITION, ROOT_ROTATION, joint_vectors, violations
 from models.rotations import geodesic_angle

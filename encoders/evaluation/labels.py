@@ -23,7 +23,7 @@ from numpy.typing import NDArray
 
 from encoders.capture import Capture
 from encoders.labels.labelling import Labeller
-from models.arithmetic.arrays import Array
+from models.arithmetic import Array
 
 Contacts = dict[int, tuple[float, float]]
 

@@ -16,7 +16,7 @@ from encoders.evaluation.labels import COUNTS, OwnLabels, Verdicts, own_labels, 
 from encoders.evaluation.methods import Method
 from encoders.evaluation.smoothness import Smoothness, joined, smoothness
 from encoders.evaluation.timing import us_in_batch, us_per_call
-from models.arithmetic.arrays import Array
+from models.arithmetic import Array
 from models.errors import EncoderError
 
 Progress = Callable[[float], None]

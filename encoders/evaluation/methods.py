@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from encoders.encoder import Encoder
 from encoders.input_vector import contact_vectors
 from encoders.labels.labelling import Labeller
-from models.arithmetic.arrays import Array
+from models.arithmetic import Array
 from models.pose import absolute_pose
 
 

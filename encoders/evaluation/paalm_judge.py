@@ -22,7 +22,7 @@ from encoders.paalm.paalm import Paalm
 from encoders.paalm.simulated.air import FROZEN_AIR
 from encoders.paalm.simulated.forward import LeapTake
 from encoders.paalm.simulated.leap_configuration import FROZEN_LEAP
-from models.arithmetic.arrays import Array
+from models.arithmetic import Array
 from models.errors import EncoderError
 from models.frames import FINGERS
 

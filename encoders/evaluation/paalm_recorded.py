@@ -12,7 +12,7 @@ from encoders.paalm.angles import angles_of_joints
 from encoders.paalm.calibration import EQUAL_BENDS, MOST_BENT, measure, pointing
 from encoders.paalm.palm import palm_of
 from encoders.paalm.simulated.forward import LeapTake
-from models.arithmetic.arrays import Array
+from models.arithmetic import Array
 from models.errors import EncoderError
 from models.frames import FINGERS, HandFrame, TrackedFinger, TrackedHand
 

@@ -21,6 +21,7 @@ from numpy.typing import NDArray
 from encoders.capture import Capture
 from encoders.encoder import Encoder
 from encoders.input_vector import contact_vectors
+from encoders.reconstruction.hand_motion import PoseFilter, rigid_motion
 from encoders.regression.bone_fit import fitted_skeleton
 from encoders.regression.model_registry import cache_folder, keep_model
 from encoders.regression.person_correction import blocked_variance, train_correction
@@ -28,9 +29,8 @@ from encoders.regression.polynomial import PolynomialEncoder
 from encoders.regression.train import blocked_predictions, origin, rounded
 from encoders.regression.trained import PersonCorrection, TrainedModel, load_model
 from encoders.regression.yaw_normalised import YawNormalisedEncoder
-from encoders.smoothing import PoseFilter, rigid_motion
 from encoders.validation import error_product, robust_covariance
-from models.arithmetic.arrays import Array
+from models.arithmetic import Array
 from models.errors import EncoderError
 from models.pose import absolute_pose
 from models.skeleton import ADULT

@@ -19,7 +19,7 @@ from encoders.evaluation.intervals import block_interval, standard_error
 from encoders.evaluation.labels import COUNTS, SEVERAL, Verdicts
 from encoders.evaluation.measure import LABELS, TRUE, MethodResult, Tests, counts_of
 from encoders.evaluation.smoothness import Smoothness
-from models.arithmetic.arrays import Array
+from models.arithmetic import Array
 from models.pose import JOINTS
 
 SCHEMA = 1

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from encoders.capture import Capture
-from models.arithmetic.arrays import Array
+from models.arithmetic import Array
 from models.pose import JOINTS, joint_vectors
 from models.rotations import geodesic_angle
 

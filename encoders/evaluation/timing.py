@@ -7,7 +7,7 @@ from time import perf_counter_ns
 
 import numpy as np
 
-from models.arithmetic.arrays import Array
+from models.arithmetic import Array
 
 BATCH = 120
 """Number of poses in a batch: the number of labellings of five contacts."""

@@ -26,7 +26,7 @@ from encoders.regression.registry import (
 )
 from encoders.regression.train import predicted
 from encoders.regression.trained import TrainedModel, load_model
-from models.arithmetic.arrays import Array
+from models.arithmetic import Array
 from models.errors import EncoderError, InputError, unknown_name
 from models.pose import POSE_SIZE
 
@@ -77,7 +77,7 @@ class Training:
         if name == "mean":
             return self._fitted(name, MeanEncoder, metric="touches")
         if is_external(name):
-            return self._fitted(_shown(name), find_encoder(name))
+            return self._fitted(_table_name(name), find_encoder(name))
         if name == TRAINED:
             model = person_model(self.capture, progress)
             fresh = CANDIDATES[model.meta["winner"]]
@@ -129,7 +129,7 @@ class PersonMethod(EncoderMethod):
         return self._estimate.estimate(time, trial, xy)
 
 
-def _shown(name: str) -> str:
+def _table_name(name: str) -> str:
     """Name of a method in tables: a file's stem, or the class of an encoder at a place."""
     if ENCODER_PLUGINS.place_in(name) is not None:
         return find_encoder(name).__qualname__
@@ -153,7 +153,7 @@ def check_names(names: tuple[str, ...]) -> None:
             raise _unknown(name)
         if not path.is_file():
             raise EncoderError("no such file", where="--encoders", got=name)
-    shown = [_shown(name) for name in names]
+    shown = [_table_name(name) for name in names]
     twice = sorted({n for n in shown if shown.count(n) > 1})
     if twice or not names:
         raise EncoderError(

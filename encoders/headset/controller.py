@@ -14,8 +14,7 @@ import numpy as np
 from encoders.headset.joint_fit import JointFit, JointFitSettings
 from encoders.headset.joint_points import KNUCKLES, PALM, TIPS, JointPoints
 from encoders.paalm.hand_pose import PALM_CENTRE
-from models.arithmetic.arrays import Array
-from models.arithmetic.products import small_product
+from models.arithmetic import Array, small_product
 from models.pose import POSE_SIZE
 from models.rotations import quaternion_to_matrix
 from models.skeleton import ADULT

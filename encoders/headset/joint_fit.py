@@ -20,8 +20,9 @@ import numpy as np
 from encoders.headset.joint_points import KNUCKLES, PALM, SPREAD, TIPS, JointPoints
 from encoders.webcam.bounded_step import bounded_step, stepped
 from encoders.webcam.first_guess import turn_between
-from models.arithmetic.arrays import Array, Mask
-from models.arithmetic.products import (
+from models.arithmetic import (
+    Array,
+    Mask,
     length,
     small_product,
     squared_lengths,

@@ -10,11 +10,10 @@ from itertools import pairwise
 
 import numpy as np
 
-from models.arithmetic.arrays import Array
-from models.arithmetic.products import distance
+from models.arithmetic import Array, distance
 from models.frames import FINGERS, TrackedHand
-from models.one_pose import OnePose
 from models.pose import POSE_SIZE, ROOT_POSITION
+from models.single_pose import SinglePose
 from models.skeleton import Skeleton
 
 WRIST, THUMB, KNUCKLES, TIPS = 0, 1, (3, 6, 9, 12), 15
@@ -40,7 +39,7 @@ class JointPoints:
     """
 
     def __init__(self, skeleton: Skeleton) -> None:
-        self._pose = OnePose(skeleton)
+        self._pose = SinglePose(skeleton)
         self._wrist = np.zeros((1, 3, POSE_SIZE))
         self._wrist[0, :, ROOT_POSITION] = np.eye(3)
 
@@ -52,8 +51,8 @@ class JointPoints:
     def points_and_jacobian(self, q: Array) -> tuple[Array, Array]:
         """Points (20, 3), and their derivative (20, 3, 48).
 
-        By the root's rotation it is as in `OnePose.joints_and_jacobian`, and by its position along
-        the world's axes.
+        By the root's rotation it is as in `SinglePose.joints_and_jacobian`, and by its position
+        along the world's axes.
         """
         points, jacobian = self._pose.joints_and_jacobian(q)
         whole = np.concatenate([q[None, ROOT_POSITION], points])

@@ -14,11 +14,12 @@ import numpy as np
 from encoders.headset.joint_fit import JointFit, JointFitSettings
 from encoders.headset.joint_points import seen_points
 from encoders.reconstruction.followed_hand import FollowedHand, FollowingSettings
+from encoders.reconstruction.hand_motion import RateLimit
 from encoders.reconstruction.reconstructor import Reconstruction
-from models.arithmetic.arrays import Array
+from models.arithmetic import Array
 from models.frames import HandFrame, TrackedHand
 from models.person import Person
-from models.pose import POSE_SIZE, ROOT_POSITION, RateLimit, mirrored
+from models.pose import POSE_SIZE, ROOT_POSITION, mirrored
 from models.skeleton import ADULT
 from models.surface import Surface
 

@@ -15,7 +15,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from models.arithmetic.arrays import Array
+from models.arithmetic import Array
 from models.frames import FINGERS, Contact, TouchFrame
 
 

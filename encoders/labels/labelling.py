@@ -17,8 +17,8 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from models.arithmetic import functions
-from models.arithmetic.arrays import Array
+from models import arithmetic
+from models.arithmetic import Array
 from models.errors import EncoderError
 from models.frames import FINGERS
 
@@ -194,14 +194,14 @@ def summed(log_weights: Array, count: int, places: Sequence[int]) -> Array:
         return np.zeros(1)
     highest = log_weights.max()
     rows = rows_of(count, tuple(places))
-    sums = np.bincount(rows, functions.exp(log_weights - highest), len(hypotheses(len(places))))
-    return np.asarray(highest + functions.log(np.maximum(sums, _NEVER)))
+    sums = np.bincount(rows, arithmetic.exp(log_weights - highest), len(hypotheses(len(places))))
+    return np.asarray(highest + arithmetic.log(np.maximum(sums, _NEVER)))
 
 
 def normalised(log_weights: Array) -> Array:
     """Normalises logarithms of weights (P,) to logarithms of probabilities that sum to 1."""
     shifted = log_weights - log_weights.max()
-    return shifted - log(fsum(functions.exp(shifted).tolist()))
+    return shifted - log(fsum(arithmetic.exp(shifted).tolist()))
 
 
 def bounded(log_weights: Array) -> Array:

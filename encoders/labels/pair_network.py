@@ -24,8 +24,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from encoders.labels.labelling import finger_sets, hypotheses, normalised, set_of_labelling
-from models.arithmetic.arrays import Array
-from models.arithmetic.products import matrix_product, vector_matrix
+from models.arithmetic import Array, matrix_product, vector_matrix
 from models.errors import EncoderError
 from models.frames import FINGERS
 from models.surface import METRES_PER_INCH

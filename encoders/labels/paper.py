@@ -27,8 +27,7 @@ from numpy.typing import NDArray
 from encoders.input_vector import CONTACT_VECTOR_SIZE, LIFTED, leftmost
 from encoders.labels.labelling import Labelling, Labels, allowed, arranged, hypotheses
 from encoders.regression.trained import TrainedModel
-from models.arithmetic.arrays import Array
-from models.arithmetic.products import matrix_product, squared_lengths
+from models.arithmetic import Array, matrix_product, squared_lengths
 from models.errors import EncoderError
 from models.frames import FINGERS
 from models.pose import JOINTS

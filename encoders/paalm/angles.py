@@ -12,9 +12,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from models.arithmetic import functions
-from models.arithmetic.arrays import Array
-from models.arithmetic.products import stacked_applied
+from models import arithmetic
+from models.arithmetic import Array, stacked_applied
 from models.frames import FINGERS
 from models.skeleton import ADULT
 
@@ -86,13 +85,13 @@ def joints_of_angles(angles: ArrayLike, knuckles: ArrayLike, lengths: ArrayLike)
     f, s, p, d = np.moveaxis(np.deg2rad(np.asarray(angles, float)), -1, 0)
     lengths = np.asarray(lengths, float)
     bend = np.stack([np.zeros_like(p), p, p + d], axis=-1)
-    flat = np.stack([np.zeros_like(bend), functions.cos(bend), -functions.sin(bend)], axis=-1)
+    flat = np.stack([np.zeros_like(bend), arithmetic.cos(bend), -arithmetic.sin(bend)], axis=-1)
     x, y, z = flat[..., 0], flat[..., 1], flat[..., 2]
     # exp(-f about x) exp(s about z)
-    sx = x * functions.cos(s)[..., None] - y * functions.sin(s)[..., None]
-    sy = x * functions.sin(s)[..., None] + y * functions.cos(s)[..., None]
-    fy = sy * functions.cos(f)[..., None] + z * functions.sin(f)[..., None]
-    fz = -sy * functions.sin(f)[..., None] + z * functions.cos(f)[..., None]
+    sx = x * arithmetic.cos(s)[..., None] - y * arithmetic.sin(s)[..., None]
+    sy = x * arithmetic.sin(s)[..., None] + y * arithmetic.cos(s)[..., None]
+    fy = sy * arithmetic.cos(f)[..., None] + z * arithmetic.sin(f)[..., None]
+    fz = -sy * arithmetic.sin(f)[..., None] + z * arithmetic.cos(f)[..., None]
     local = np.stack([sx, fy, fz], axis=-1) * lengths[..., None]
     bones = stacked_applied(FRAMES[:, None], local)
     start = np.broadcast_to(np.asarray(knuckles, float), (*bones.shape[:-2], 3))

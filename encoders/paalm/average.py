@@ -13,8 +13,7 @@ from encoders.paalm.hand_pose import PALM_CENTRE
 from encoders.paalm.options import PaalmOptions
 from encoders.paalm.rig import bone_lengths
 from encoders.paalm.seen_palm import FIRST_SHIFT
-from models.arithmetic.arrays import Array
-from models.arithmetic.products import squared_lengths
+from models.arithmetic import Array, squared_lengths
 from models.frames import FINGERS, HandFrame
 from models.skeleton import ADULT
 

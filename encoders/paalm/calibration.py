@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from encoders.paalm.coupling import LEAST_BENT, Coupling
 from encoders.paalm.palm import palm_of
-from models.arithmetic.arrays import Array
+from models.arithmetic import Array
 from models.errors import EncoderError
 from models.frames import FINGERS, TrackedFinger, TrackedHand, Vector
 

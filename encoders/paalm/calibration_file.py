@@ -13,7 +13,7 @@ from msgspec import Meta, Struct
 
 from encoders.paalm.calibration import HandCalibration
 from encoders.paalm.coupling import Coupling
-from models.arithmetic.products import total
+from models.arithmetic import total
 from models.errors import EncoderError
 from models.frames import SIDES
 from models.json_input import checked, decoded, read_bytes

@@ -16,8 +16,8 @@ from typing import NamedTuple
 import numpy as np
 
 from encoders.paalm.coupling import Coupling
-from models.arithmetic import functions
-from models.arithmetic.arrays import Array
+from models import arithmetic
+from models.arithmetic import Array
 from models.errors import EncoderError
 from models.frames import FINGERS, Vector
 
@@ -87,9 +87,11 @@ class FingerChain:
         pip = np.linspace(radians(limits.pip[0]), radians(limits.pip[1]), _ENTRIES)
         dip = np.clip(coupling.slope * pip + np.deg2rad(coupling.offset), *np.deg2rad(limits.dip))
         along = (
-            first * (1.0 - hidden) + second * functions.cos(pip) + third * functions.cos(pip + dip)
+            first * (1.0 - hidden)
+            + second * arithmetic.cos(pip)
+            + third * arithmetic.cos(pip + dip)
         )
-        below = second * functions.sin(pip) + third * functions.sin(pip + dip)
+        below = second * arithmetic.sin(pip) + third * arithmetic.sin(pip + dip)
         chord = np.sqrt(along * along + below * below)
         # Past the shortest distance, or before the longest, a length has two bends: the first
         # piece that falls is kept.
@@ -225,12 +227,12 @@ class FingerChain:
         dip = self._dips(degrees_pip)
         bend = pip + dip * _RADIANS
         _, second, third = self.lengths
-        along = self._seen + second * functions.cos(pip) + third * functions.cos(bend)
-        below = second * functions.sin(pip) + third * functions.sin(bend)
+        along = self._seen + second * arithmetic.cos(pip) + third * arithmetic.cos(bend)
+        below = second * arithmetic.sin(pip) + third * arithmetic.sin(bend)
         forward = np.abs(along) > _NOTHING
         aside = -x / np.where(forward, along, 1.0)
-        spread = functions.asin(np.minimum(np.maximum(aside, -1.0), 1.0))
-        flexion = functions.atan2(-z, y) - functions.atan2(below, along * functions.cos(spread))
+        spread = arithmetic.asin(np.minimum(np.maximum(aside, -1.0), 1.0))
+        flexion = arithmetic.atan2(-z, y) - arithmetic.atan2(below, along * arithmetic.cos(spread))
         rows = np.stack([flexion * _DEGREES, spread * _DEGREES, degrees_pip, dip], axis=1)
         low, high, left, right = self._first_limits
         free = (low <= rows[:, 0]) & (rows[:, 0] <= high) & (left <= rows[:, 1])
@@ -257,8 +259,8 @@ class FingerChain:
             pip, reach = bends[left], chord[left]
             free = slope * (pip * _DEGREES) + offset
             bend = pip + np.minimum(np.maximum(free, low), high) * _RADIANS
-            cos_pip, sin_pip = functions.cos(pip), functions.sin(pip)
-            cos_bend, sin_bend = functions.cos(bend), functions.sin(bend)
+            cos_pip, sin_pip = arithmetic.cos(pip), arithmetic.sin(pip)
+            cos_bend, sin_bend = arithmetic.cos(bend), arithmetic.sin(bend)
             along = self._seen + second * cos_pip + third * cos_bend
             below = second * sin_pip + third * sin_bend
             turning = third * np.where((low < free) & (free < high), 1.0 + slope, 1.0)
@@ -275,7 +277,7 @@ class FingerChain:
         return bends
 
 
-class AskedBend:
+class DeferredBend:
     """The bend of a finger, solved when it is first asked for.
 
     Most of a recording is never looked at alone: `tables_of` solves many bends at once.
@@ -308,14 +310,14 @@ class AskedBend:
         return self.chain if self._bend is None else None
 
 
-def tables_of(hands: Sequence[Sequence[AskedBend]]) -> Array:
+def tables_of(hands: Sequence[Sequence[DeferredBend]]) -> Array:
     """Angles (n, 5, 4) in degrees of n hands with five bends each, to the bit those of
-    `AskedBend.bend`."""
+    `DeferredBend.bend`."""
     flat = [asked for hand in hands for asked in hand]
     # A finger that is held has the same bend in many frames.
     place = {asked: i for i, asked in enumerate(dict.fromkeys(flat))}
     rows = np.empty((len(place), 4))
-    waiting: dict[FingerChain, list[AskedBend]] = {}
+    waiting: dict[FingerChain, list[DeferredBend]] = {}
     for asked, i in place.items():
         if asked.waits_for is None:
             rows[i] = asked.bend[:4]

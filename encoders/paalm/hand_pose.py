@@ -9,9 +9,8 @@ from numpy.typing import ArrayLike
 
 from encoders.paalm.angles import FRAMES
 from encoders.paalm.palm import Palm
-from models.arithmetic import functions
-from models.arithmetic.arrays import Array
-from models.arithmetic.products import stacked_applied, stacked_product
+from models import arithmetic
+from models.arithmetic import Array, stacked_applied, stacked_product
 from models.frames import FINGERS, Vector
 from models.pose import JOINTS, POSE_SIZE, ROOT_POSITION, ROOT_ROTATION, mirrored, within_limits
 from models.rotations import log_of_axes, matrix_to_quaternion, quaternion_log
@@ -68,7 +67,7 @@ class HandPoser:
         angles = np.zeros((len(palms), 4 * len(FINGERS) + 1))
         angles[:, :-1] = np.asarray(tables, float).reshape(-1, 4 * len(FINGERS))
         half = _HALF * angles
-        cosines, sines = functions.cos(half), functions.sin(half)
+        cosines, sines = arithmetic.cos(half), arithmetic.sin(half)
         bent, spread = cosines[:, self._flexion], cosines[:, self._spread]
         bent_s, spread_s = -sines[:, self._flexion], sines[:, self._spread]
         # (bent + bent_s i) (spread + spread_s k)

@@ -16,13 +16,13 @@ from encoders.paalm.hand_pose import hand_pose
 from encoders.paalm.paalm import Paalm, PaalmHand
 from encoders.paalm.palm import Palm
 from encoders.reconstruction.followed_hand import FollowedHand, FollowingSettings
+from encoders.reconstruction.hand_motion import RateLimit
 from encoders.reconstruction.reconstructor import Reconstruction
-from models.arithmetic.arrays import Array
+from models.arithmetic import Array
 from models.errors import EncoderError
 from models.frames import FINGERS, HandFrame, Vector
 from models.message import Message
 from models.person import Person
-from models.pose import RateLimit
 from models.skeleton import ADULT
 from models.surface import Surface
 
@@ -146,7 +146,7 @@ class HandReconstructor:
         """
         dt = 0.0 if self._time is None else max(frame.time - self._time, 0.0)
         self._time = frame.time if self._time is None else max(frame.time, self._time)
-        hand = self._look(frame)
+        hand = self._reconstruct(frame)
         if hand is not None and hand.seen:
             self._hand.follow(self._pose(hand.table, hand.palm), dt)
         else:
@@ -155,7 +155,7 @@ class HandReconstructor:
             float(hand.miss.max()) if hand is not None else float("nan")
         )
 
-    def _look(self, frame: HandFrame) -> PaalmHand | None:
+    def _reconstruct(self, frame: HandFrame) -> PaalmHand | None:
         if self._assume and self.side not in self.paalm.calibration:
             if not any(h.side in (None, self.side) for h in frame.hands):
                 return None

@@ -18,8 +18,7 @@ from numpy.typing import ArrayLike
 
 from encoders.paalm.calibration import HandCalibration
 from encoders.paalm.palm import Palm
-from models.arithmetic.arrays import Array
-from models.arithmetic.products import squared_lengths
+from models.arithmetic import Array, squared_lengths
 from models.frames import FINGERS, TrackedFinger, Vector
 
 _FIVE = len(FINGERS)

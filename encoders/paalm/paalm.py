@@ -27,7 +27,7 @@ from encoders.paalm.calibration import (
     measure,
     pointing,
 )
-from encoders.paalm.chain import AskedBend, Bend
+from encoders.paalm.chain import Bend, DeferredBend
 from encoders.paalm.fingertip_noise import STEADY, TIP_STEADY, FingertipNoise
 from encoders.paalm.identity import TrackedIdentity, paper_order
 from encoders.paalm.learned_coupling import LearnedCoupling
@@ -43,7 +43,7 @@ from encoders.paalm.rig import (
 )
 from encoders.paalm.seen_palm import OVERREACH, LearnedPalm, slip
 from encoders.paalm.sides import HandSides
-from models.arithmetic.arrays import Array
+from models.arithmetic import Array
 from models.errors import EncoderError
 from models.frames import FINGERS, HandFrame, TrackedHand, Vector
 
@@ -73,7 +73,7 @@ class PaalmHand:
     """
 
     side: str
-    bends: tuple[AskedBend, ...]
+    bends: tuple[DeferredBend, ...]
     ratios: dict[str, float]
     ids: dict[str, int | None]
     held: frozenset[str]
@@ -203,7 +203,7 @@ class Paalm:
         """Uses earlier calibrations, by side."""
         self.calibration = dict(calibration)
         self._hands = {s: _Hand(c, self.options) for s, c in calibration.items()}
-        self._sides = HandSides(tuple(calibration))
+        self._sides = HandSides(tuple(calibration), self.counts)
         self.reset()
 
     def reset(self) -> None:
@@ -234,7 +234,6 @@ class Paalm:
         self._time = frame.time
         chosen = self._sides.choose(frame)
         self.counts["frames"] += 1
-        self.counts["hands that are not configured"] += len(frame.hands) - len(chosen)
         results: dict[str, PaalmHand] = {}
         for side, hand in self._hands.items():
             seen = chosen.get(side)
@@ -278,7 +277,7 @@ class _Hand:
             x, y, z = (c * rigged.open_length for c in along)
             self._targets.append((x, y, z))
         self._latest = list(self._targets)
-        self._bends = [AskedBend(Bend(0.0, 0.0, 0.0, 0.0, 0.0))] * len(FINGERS)
+        self._bends = [DeferredBend(Bend(0.0, 0.0, 0.0, 0.0, 0.0))] * len(FINGERS)
         self._ratios = [1.0] * len(FINGERS)
         self._unseen = [0.0] * len(FINGERS)
         # What a tip says is quieter than what a length says. Older sessions knew no difference.
@@ -400,7 +399,7 @@ class _Hand:
             flexion, spread, pip, _, miss = self._bends[name].bend
             pip += share * max(_FIST - pip, 0.0)
             dip = self._rig[name].chain.dip(pip)
-            self._bends[name] = AskedBend(Bend(flexion, spread, pip, dip, miss))
+            self._bends[name] = DeferredBend(Bend(flexion, spread, pip, dip, miss))
 
     def _result(self, palm: Palm, ids: dict[str, int | None], seen: bool) -> PaalmHand:
         shift, m = self._calibration.palm_shift, self._moved

@@ -7,8 +7,7 @@ from math import sqrt
 
 import numpy as np
 
-from models.arithmetic.arrays import Array
-from models.arithmetic.products import distance
+from models.arithmetic import Array, distance
 from models.frames import TrackedHand, Vector
 
 STACKED = 0.10

@@ -18,7 +18,7 @@ from math import atan2, degrees, inf, sqrt
 
 from encoders.paalm.calibration import LONGEST, NEARLY
 from encoders.paalm.chain import FingerChain
-from models.arithmetic.products import total
+from models.arithmetic import total
 from models.frames import FINGERS, Vector
 
 FIRST_SHIFT = (0.007, -0.031, 0.005)

@@ -4,14 +4,19 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Sequence
+from dataclasses import replace
 
 from encoders.paalm.palm import palm_of
-from models.arithmetic.products import distance
+from models.arithmetic import distance
 from models.frames import HandFrame, TrackedHand, Vector
+from models.reader_report import SIDE_MENDED
 
 _FAR = 0.30
 """m, distance from a hand's last place beyond which a new hand does not take over its side while
 both are possible."""
+_NEAR = 0.10
+"""m from a hand's last place within which it is the same one, if the device names its other side
+for a moment."""
 _THUMB_BEHIND = 0.020
 """m by which a thumb's tip is nearer to the palm than those of the fingers."""
 _SURE = 5
@@ -32,12 +37,18 @@ class HandSides:
     stays with it until its thumb says otherwise; a new id gets the side whose last place is
     nearest.
 
+    A device that knows sides mistakes them for moments: a hand of the same id, or a single one,
+    near its last place keeps its side for up to `_MOST` frames. Of two hands of one side, the one
+    that was chosen before stays, and else the device's more certain one.
+
     Args:
         sides: The wanted sides.
+        counts: Receives numbers of hands that are left out or mended, by reason.
     """
 
-    def __init__(self, sides: tuple[str, ...]) -> None:
+    def __init__(self, sides: tuple[str, ...], counts: Counter[str] | None = None) -> None:
         self.sides = sides
+        self.counts: Counter[str] = Counter() if counts is None else counts
         self.reset()
 
     def reset(self) -> None:
@@ -45,17 +56,18 @@ class HandSides:
         self._ids: dict[str, int] = {}
         self._thumbs: dict[int, int] = {}
         self._places: dict[str, Vector] = {}
+        self._mistaken: Counter[str] = Counter()
 
     def choose(self, frame: HandFrame) -> dict[str, TrackedHand]:
         """The wanted hands that are visible, by side."""
         chosen: dict[str, TrackedHand] = {}
-        for hand in frame.hands:
-            if hand.side in self.sides:
-                # The more certain one, if a device reports the same side for two hands.
-                known = chosen.get(hand.side or "")
-                if known is None or hand.confidence > known.confidence:
-                    chosen[hand.side or ""] = hand
-        unknown = [h for h in frame.hands if h.side is None]
+        hands = [self._steady(hand, len(frame.hands) == 1) for hand in frame.hands]
+        for side in self.sides:
+            same = [h for h in hands if h.side == side]
+            if same:
+                before = self._ids.get(side)
+                chosen[side] = max(same, key=lambda h: (h.id == before, h.confidence))
+        unknown = [h for h in hands if h.side is None]
         free = [s for s in self.sides if s not in chosen]
         if len(self.sides) == 2:
             for hand in list(unknown):
@@ -77,7 +89,27 @@ class HandSides:
             self._nearest(chosen, unknown, free)
         for side, hand in chosen.items():
             self._ids[side], self._places[side] = hand.id, hand.palm
+        if len(chosen) < len(hands):
+            others = sum(h.side not in (None, *self.sides) for h in hands)
+            self.counts["hands of another side"] += others
+            self.counts["hands beside the one of their side"] += len(hands) - len(chosen) - others
         return chosen
+
+    def _steady(self, hand: TrackedHand, alone: bool) -> TrackedHand:
+        """The hand, of the side that it just had."""
+        for side, known in self._ids.items():
+            if (
+                (alone or known == hand.id)
+                and hand.side not in (None, side)
+                and self._mistaken[side] < _MOST
+                and distance(hand.palm, self._places[side]) < _NEAR
+            ):
+                self._mistaken[side] += 1
+                self.counts[SIDE_MENDED] += 1
+                return replace(hand, side=side)
+        if hand.side is not None:
+            self._mistaken[hand.side] = 0
+        return hand
 
     def _by_thumb(self, hand: TrackedHand) -> str:
         """Side of a hand by its thumb in this and in past frames; empty where it is not known."""

@@ -23,7 +23,7 @@ from numpy.typing import ArrayLike
 from encoders.capture import Capture
 from encoders.person.natural_layout import NaturalLayout, of_capture
 from encoders.regression.trained import builtin_capture
-from models.arithmetic.arrays import Array
+from models.arithmetic import Array
 from models.errors import InputError
 from models.frames import FINGERS
 from models.person import SIZES

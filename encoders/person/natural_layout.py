@@ -6,13 +6,23 @@ knowledge of either, for a hand of any size from any side. (Labellers, which als
 fingers, need prior knowledge of the usual yaw of hands.)
 
 Layouts are complex numbers here, x + iy with y up the screen: a product then turns and scales.
+
+Warns if a hand's yaw is outside the range of the encoder's training data.
+
+Encoders are not rotation-invariant: the paper's device lay in front of the person, and so did ours.
+A hand's yaw must be estimated from the touches. The yaw of the encoder's pose cannot be used: it is
+learned from hands with the usual yaw, and for other touches the encoder gives wrong fingers at the
+usual yaw. The natural layout, in contrast, gives the yaw of four or five touches without prior
+knowledge of fingers or yaw. Two or three touches fit it in several ways; there the yaw follows from
+their labels, so that at least a hand that turns further after it has come down is noticed.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
 from functools import reduce
-from math import atan2, fsum, sqrt
+from math import atan2, fsum, pi, remainder, sqrt
 from operator import add
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -20,13 +30,14 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from encoders.labels.labelling import hypotheses
-from models.arithmetic import functions
-from models.arithmetic.arrays import Array
-from models.arithmetic.products import matrix_vector, squared_lengths
+from models import arithmetic
+from models.arithmetic import Array, matrix_vector, squared_lengths
 from models.errors import CaptureError
+from models.message import Message
 
 if TYPE_CHECKING:
     from encoders.capture import Capture
+
 
 Complex = NDArray[np.complex128]
 
@@ -73,7 +84,7 @@ class NaturalLayout:
             mean = _turned(z, -_angles(_inner(mean, z))[:, None]).mean(axis=0)
         # The shape does not define straight ahead: it is the hands' average yaw.
         yaw = _angles(_inner(mean, z))
-        ahead = atan2(fsum(functions.sin(yaw).tolist()), fsum(functions.cos(yaw).tolist()))
+        ahead = atan2(fsum(arithmetic.sin(yaw).tolist()), fsum(arithmetic.cos(yaw).tolist()))
         self.places: Complex = _turned(mean, np.full(len(mean), ahead))
         self.turns: Array = _angles(_inner(self.places, z))
         self._place_of = [(z.real, z.imag) for z in self.places.tolist()]
@@ -141,12 +152,12 @@ def _inner(a: Complex, b: Complex) -> Complex:
 
 def _angles(z: Complex) -> Array:
     """Angles (...) in rad of complex numbers (...)."""
-    return functions.atan2(z.imag, z.real)
+    return arithmetic.atan2(z.imag, z.real)
 
 
 def _turned(z: Complex, angle: Array) -> Complex:
     """Complex numbers (...) turned by angles (...) in rad."""
-    c, s = functions.cos(angle), functions.sin(angle)
+    c, s = arithmetic.cos(angle), arithmetic.sin(angle)
     real, imaginary = z.real * c - z.imag * s, z.real * s + z.imag * c
     turned = np.empty(real.shape, complex)
     turned.real, turned.imag = real, imaginary
@@ -173,3 +184,148 @@ def of_capture(capture: Capture) -> NaturalLayout:
 def _complex(xy: ArrayLike) -> Complex:
     xy = np.asarray(xy, float)
     return np.asarray(xy[..., 0] - 1j * xy[..., 1])
+
+
+RARE = 0.005
+"""Share of the training frames on either side that are left out of the range as outliers."""
+
+_FIVE = 50
+"""Least number of frames with five fingers from which a range can be estimated."""
+
+
+_LATEST: dict[str, tuple[Array, YawRange]] = {}
+"""The last computed range, with its input."""
+
+
+@dataclass(frozen=True)
+class YawRange:
+    """Range of the hands' yaw in an encoder's training data.
+
+    Attributes:
+        layout: Their natural layout, which gives the yaw.
+        low, high: rad, counterclockwise; 0 is the average yaw.
+    """
+
+    layout: NaturalLayout
+    low: float
+    high: float
+
+    @classmethod
+    def of(cls, U: Array) -> YawRange:
+        """Computes the range from contact vectors (T, 15) of the training data.
+
+        Raises:
+            CaptureError: Too few of them have five fingers.
+        """
+        known = _LATEST.get("range")
+        if known is not None and known[0] is U:
+            # All trials of a run need the same range.
+            return known[1]
+        five = U[U[:, 10:].all(axis=1)]
+        if len(five) < _FIVE:
+            raise CaptureError(
+                "too few frames with five fingers to estimate the range of yaw",
+                got=len(five),
+                expected=f"{_FIVE} or more",
+            )
+        layout = NaturalLayout(five[:, :10].reshape(-1, 5, 2))
+        turns = np.sort(layout.turns)
+        places = np.array([RARE, 1.0 - RARE]) * (len(turns) - 1)
+        low, high = np.interp(places, np.arange(len(turns)), turns)
+        yaw_range = cls(layout, float(low), float(high))
+        _LATEST["range"] = (U, yaw_range)
+        return yaw_range
+
+    def turn(self, u: Array) -> float | None:
+        """Yaw in rad of a contact vector's hand; None for a single touch."""
+        numbers = u.tolist()
+        fingers = [f for f in range(5) if numbers[10 + f]]
+        if len(fingers) < 2:
+            return None
+        if len(fingers) < LEAST:
+            return self.layout.turn([numbers[2 * f : 2 * f + 2] for f in fingers], fingers)
+        return self.layout.match(u[:10].reshape(5, 2)[fingers]).turn
+
+    def beyond(self, turn: float) -> float:
+        """Angle in rad by which a yaw is outside of the range; 0 inside."""
+        if self.low <= turn <= self.high:
+            return 0.0
+        # The range has two ends, and from outside both can be reached.
+        return min(abs(remainder(end - turn, 2 * pi)) for end in (self.low, self.high))
+
+
+@dataclass(frozen=True)
+class YawWarningSettings:
+    """Settings of the yaw warning.
+
+    Attributes:
+        outside: rad beyond the range from which on a hand counts as outside.
+        inside: rad beyond the range below which it counts as back inside.
+        lasting: s that it must be outside before the warning starts, and inside before it ends.
+        apart: s, least time between the beginnings of two warnings.
+        every: s between two looks at a hand, which need not be at every control step.
+    """
+
+    outside: float = float(np.deg2rad(15.0))
+    inside: float = float(np.deg2rad(5.0))
+    lasting: float = 0.4
+    apart: float = 10.0
+    every: float = 0.1
+
+
+class YawMonitor:
+    """Watches one hand's yaw.
+
+    Args:
+        range: Range of the training data.
+        settings: Settings of the warning.
+
+    Attributes:
+        notice: Notice to the person; empty while all is well.
+        warnings: Number of warnings so far.
+    """
+
+    def __init__(self, range: YawRange, settings: YawWarningSettings | None = None) -> None:
+        self.range, self.settings = range, settings or YawWarningSettings()
+        self.reset()
+
+    def reset(self) -> None:
+        """Returns to the initial state."""
+        self.notice: str = ""
+        self.warnings = 0
+        self._since: float | None = None
+        self._warned = self._looked = -np.inf
+
+    def step(self, time: float, u: Array | None) -> str:
+        """Processes a contact vector (15,), None without labelled touches; returns the notice."""
+        if time - self._looked < self.settings.every - 1e-9:
+            return self.notice
+        self._looked = time
+        turn = None if u is None else self.range.turn(u)
+        if turn is None:
+            # A hand that has left has no yaw; the notice stays until the next one is seen.
+            self._since = None
+            return self.notice
+        s, beyond = self.settings, self.range.beyond(turn)
+        changed = beyond < s.inside if self.notice else beyond > s.outside
+        if not changed:
+            self._since = None
+            return self.notice
+        self._since = time if self._since is None else self._since
+        if time - self._since < s.lasting - 1e-9:
+            return self.notice
+        if self.notice:
+            self.notice, self._since = "", None
+        elif time - self._warned >= s.apart:
+            low, high = np.rad2deg([self.range.low, self.range.high])
+            self.notice = Message(
+                "hand_turned",
+                "the hand seems turned by {degrees} degrees, beyond the {low} to {high} that were "
+                "trained: see --turn",
+                degrees=f"{np.rad2deg(turn):.0f}",
+                low=f"{low:.0f}",
+                high=f"{high:.0f}",
+            )
+            self.warnings += 1
+            self._warned, self._since = time, None
+        return self.notice

@@ -1,14 +1,14 @@
 """Rest posture: what a person's hand looks like while it touches, seen once.
 
 Touches leave a constant of every person open: how high the wrist is held, how far fingers bend at
-rest, where a device has its zero. An encoder for any person errs by it in all frames. Whoever sees
-the hand on the surface for a moment, with a camera or a Leap, can tell it: the difference between
-the seen pose and the encoder's, averaged over a few looks. A single look also shows what the hand
-happens to do just then, so the difference counts only for as much as it is likely to stay
-(a random effect whose variance the population gives).
+rest, where a device has its zero. An encoder for any person errs by it in all frames. A camera or a
+Leap that sees the hand on the surface for a moment gives it: the difference between the seen pose
+and the encoder's, averaged over a few samples. A single sample also has what the hand happens to do
+just then, so the difference counts only for as much as it is likely to stay (a random effect whose
+variance the population gives).
 
-A look has the touches and the pose of one moment, in metres and radians, of the person's own size,
-in the 3-D surface frame of the screen's lower edge, as of a right hand.
+A sample has the touches and the pose of one moment, in metres and radians, of the person's own
+size, in the 3-D surface frame of the screen's lower edge, as of a right hand.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from pathlib import Path
 from typing import Any, Self
 
 import numpy as np
-from msgspec import Struct
+from msgspec import Struct, field
 from numpy.typing import ArrayLike, NDArray
 
 from encoders.capture import Capture
@@ -30,13 +30,12 @@ from encoders.input_vector import contact_vectors
 from encoders.regression.trained import TrainedModel
 from encoders.regression.yaw_normalised import turned_root, yaw_of
 from encoders.store import load_capture
-from models.arithmetic.arrays import Array
-from models.arithmetic.products import matrix_product, matrix_vector, solve_positive
+from models.arithmetic import Array, matrix_product, matrix_vector, solve_positive
 from models.errors import EncoderError, InputError
 from models.frames import FINGERS
 from models.json_input import check_layout, decoded, read_bytes
 from models.kinematics import Kinematics
-from models.person import Look, Looks
+from models.person import RestSample, RestSamples
 from models.pose import JOINTS, POSE_SIZE, ROOT_POSITION, mirrored, relative_pose
 from models.skeleton import ADULT
 
@@ -46,7 +45,7 @@ SCHEMA = 1
 KIND = "hand-sandbox rest posture"
 
 MOST = 12
-"""Most looks of a posture; more tell hardly more."""
+"""Most samples of a posture; more hardly improve it."""
 
 LEAST_FINGERS = 2
 """A single touch has no layout, from which an encoder could predict a pose."""
@@ -62,7 +61,7 @@ DIGITS = 5
 """Decimals of metres and radians in files."""
 
 _WHAT = "the rest posture cannot be used"
-_REMEDY = "docs/strangers.md says how a rest posture is made"
+_REMEDY = "docs/playing.md says how a rest posture is made"
 
 
 class _RestFile(Struct, forbid_unknown_fields=True):
@@ -70,56 +69,59 @@ class _RestFile(Struct, forbid_unknown_fields=True):
     schema: int
     hand: str
     simulated: bool
-    looks: list[Look]
+    samples: list[RestSample] = field(name="looks")
 
 
-def looks_of(capture: Capture, most: int = MOST) -> Looks:
+def rest_samples(capture: Capture, most: int = MOST) -> RestSamples:
     """The last frame of takes of a capture, evenly spaced among all takes."""
     last = np.flatnonzero(np.diff(capture.trial, append=capture.trial[-1] + 1))
     last = last[capture.down[last].sum(axis=1) >= LEAST_FINGERS]
     chosen = last[np.unique(np.linspace(0, len(last) - 1, most).astype(int))] if len(last) else last
-    return tuple(_look(capture.xy[t], capture.q[t]) for t in chosen)
+    return tuple(_rest_sample(capture.xy[t], capture.q[t]) for t in chosen)
 
 
-def _look(xy: Array, q: Array) -> Look:
+def _rest_sample(xy: Array, q: Array) -> RestSample:
     places = [None if np.isnan(x) else (x, y) for x, y in xy.round(DIGITS).tolist()]
-    return Look(tuple(places), tuple(q.round(DIGITS).tolist()))
+    return RestSample(tuple(places), tuple(q.round(DIGITS).tolist()))
 
 
-def check_looks(looks: Sequence[Look], size: float) -> None:
-    """Checks the looks of a right hand of a size.
+def check_rest_samples(samples: Sequence[RestSample], size: float) -> None:
+    """Checks the samples of a right hand of a size.
 
     Raises:
         EncoderError: There are none or too many, or no such hand has the joints or touches.
     """
-    if not 1 <= len(looks) <= MOST:
+    if not 1 <= len(samples) <= MOST:
         raise EncoderError(
-            "a rest posture has another number of looks",
-            got=len(looks),
+            "a rest posture has another number of samples",
+            got=len(samples),
             expected=f"1 to {MOST}",
         )
-    for number, look in enumerate(looks, 1):
-        where = f"look {number}"
-        touching = sum(place is not None for place in look.touches)
-        if len(look.touches) != len(FINGERS) or touching < LEAST_FINGERS:
+    for number, sample in enumerate(samples, 1):
+        where = f"sample {number}"
+        touching = sum(place is not None for place in sample.touches)
+        if len(sample.touches) != len(FINGERS) or touching < LEAST_FINGERS:
             raise EncoderError(
-                "a look has too few touches",
+                "a sample has too few touches",
                 where=where,
-                got=f"{touching} of {len(look.touches)} fingers",
+                got=f"{touching} of {len(sample.touches)} fingers",
                 expected=f"{LEAST_FINGERS} to 5 touches, null for lifted fingers",
             )
-        if len(look.pose) != POSE_SIZE:
+        if len(sample.pose) != POSE_SIZE:
             raise EncoderError(
-                "a look's pose is not one", where=where, got=len(look.pose), expected="48 numbers"
+                "a sample's pose is not one",
+                where=where,
+                got=len(sample.pose),
+                expected="48 numbers",
             )
-    xy, q = _arrays(looks, size)
+    xy, q = _arrays(samples, size)
     joints = q[:, JOINTS]
     beyond = np.maximum(ADULT.lower - joints, joints - ADULT.upper)
     number, component = divmod(int(beyond.argmax()), beyond.shape[1])
     if beyond[number, component] > SLACK:
         raise EncoderError(
             "no hand has such a joint",
-            where=f"look {number + 1}, number {JOINTS.start + component + 1} of the pose",
+            where=f"sample {number + 1}, number {JOINTS.start + component + 1} of the pose",
             got=f"{joints[number, component]:.2f} rad",
             expected=f"{ADULT.lower[component]:.2f} to {ADULT.upper[component]:.2f} rad",
         )
@@ -128,22 +130,24 @@ def check_looks(looks: Sequence[Look], size: float) -> None:
         number, finger = divmod(int(np.nanargmax(off)), len(FINGERS))
         raise EncoderError(
             "the pose's fingertip is far from its touch",
-            where=f"look {number + 1}, {FINGERS[finger]}",
+            where=f"sample {number + 1}, {FINGERS[finger]}",
             got=f"{100 * off[number, finger]:.1f} cm",
             expected=f"{100 * FAR:.0f} cm or less, of a hand of size {size:.2f}",
         )
 
 
-def _arrays(looks: Sequence[Look], size: float) -> tuple[Array, Array]:
+def _arrays(samples: Sequence[RestSample], size: float) -> tuple[Array, Array]:
     """Touches (n, 5, 2) and poses (n, 48) of a hand of a size, at the trained hand's."""
     nothing = (np.nan, np.nan)
-    xy = np.array([[nothing if p is None else p for p in look.touches] for look in looks], float)
-    q = np.array([look.pose for look in looks], float)
+    xy = np.array(
+        [[nothing if p is None else p for p in sample.touches] for sample in samples], float
+    )
+    q = np.array([sample.pose for sample in samples], float)
     q[:, ROOT_POSITION] /= size
     return xy / size, q
 
 
-def read_rest(path: Path, hand: str) -> Looks:
+def read_rest(path: Path, hand: str) -> RestSamples:
     """Reads a rest posture, before the size of the person's hand is known; see `load_rest`.
 
     Raises:
@@ -153,9 +157,9 @@ def read_rest(path: Path, hand: str) -> Looks:
         capture = load_capture(path)
         # A capture's poses are a right hand's; that of a left hand is mirrored, and says so.
         side = str(capture.meta.get("recorded_side") or capture.meta.get("side", hand))
-        looks = looks_of(capture)
+        samples = rest_samples(capture)
     else:
-        side, looks = _read(path)
+        side, samples = _read(path)
     if side != hand:
         raise InputError(
             "the rest posture is of the other hand",
@@ -164,11 +168,11 @@ def read_rest(path: Path, hand: str) -> Looks:
             expected=hand,
             remedy=f"Use it with --hand {side}, or see the {hand} hand",
         )
-    return looks
+    return samples
 
 
-def load_rest(path: Path, hand: str, size: float) -> Looks:
-    """Reads a rest posture: a file of looks, or a capture (.npz), of whose takes the last frames.
+def load_rest(path: Path, hand: str, size: float) -> RestSamples:
+    """Reads a rest posture: a file of samples, or a capture (.npz), of whose takes the last frames.
 
     Args:
         path: The file.
@@ -179,9 +183,9 @@ def load_rest(path: Path, hand: str, size: float) -> Looks:
         InputError: The file is missing, of another version or kind, of the other hand, or no hand
             has its joints.
     """
-    looks = read_rest(path, hand)
+    samples = read_rest(path, hand)
     try:
-        check_looks(looks, size)
+        check_rest_samples(samples, size)
     except EncoderError as error:
         raise InputError(
             f"{_WHAT}: {error.what}",
@@ -190,34 +194,34 @@ def load_rest(path: Path, hand: str, size: float) -> Looks:
             expected=error.expected,
             remedy=_REMEDY,
         ) from None
-    return looks
+    return samples
 
 
-def _read(path: Path) -> tuple[str, Looks]:
+def _read(path: Path) -> tuple[str, RestSamples]:
     where = str(path)
     data = read_bytes(path, InputError, what="the rest posture cannot be read", remedy=_REMEDY)
     what = "this is not a rest posture"
     check_layout(data, KIND, SCHEMA, InputError, what=what, where=where, remedy=_REMEDY)
     values = decoded(data, _RestFile, InputError, what=_WHAT, where=where, remedy=_REMEDY)
-    looks = tuple(values.looks)
-    return values.hand, tuple(map(_mirrored, looks)) if values.hand == "left" else looks
+    samples = tuple(values.samples)
+    return values.hand, tuple(map(_mirrored, samples)) if values.hand == "left" else samples
 
 
-def save_rest(looks: Sequence[Look], path: Path, hand: str, simulated: bool) -> None:
-    """Writes a rest posture, with the looks of the person's own hand.
+def save_rest(samples: Sequence[RestSample], path: Path, hand: str, simulated: bool) -> None:
+    """Writes a rest posture, with the samples of the person's own hand.
 
     Args:
-        looks: As of a right hand.
+        samples: As of a right hand.
         path: The file.
-        hand: `right` or `left`; a left hand's looks are mirrored.
+        hand: `right` or `left`; a left hand's samples are mirrored.
         simulated: True if nobody was seen.
 
     Raises:
         InputError: The file cannot be written; what was there stays.
     """
-    own = [_mirrored(look) for look in looks] if hand == "left" else list(looks)
+    own = [_mirrored(sample) for sample in samples] if hand == "left" else list(samples)
     values: dict[str, Any] = {"kind": KIND, "schema": SCHEMA, "hand": hand, "simulated": simulated}
-    text = json.dumps(values | {"looks": [asdict(look) for look in own]}, indent=1)
+    text = json.dumps(values | {"looks": [asdict(sample) for sample in own]}, indent=1)
     beside = path.with_name(f"{path.name}.new")
     try:
         beside.write_text(text, encoding="utf-8")
@@ -228,11 +232,11 @@ def save_rest(looks: Sequence[Look], path: Path, hand: str, simulated: bool) -> 
         ) from None
 
 
-def _mirrored(look: Look) -> Look:
-    if len(look.pose) != POSE_SIZE:
-        return look
-    touches = tuple(place and (-place[0], place[1]) for place in look.touches)
-    return Look(touches, tuple(mirrored(look.pose).tolist()))
+def _mirrored(sample: RestSample) -> RestSample:
+    if len(sample.pose) != POSE_SIZE:
+        return sample
+    touches = tuple(place and (-place[0], place[1]) for place in sample.touches)
+    return RestSample(touches, tuple(mirrored(sample.pose).tolist()))
 
 
 class _Shifted(Encoder):
@@ -263,16 +267,16 @@ class _Shifted(Encoder):
         return self.plain.arrays() | {"offset": self.offset}
 
 
-def knowing_rest(model: TrainedModel, looks: Sequence[Look], size: float) -> TrainedModel:
+def knowing_rest(model: TrainedModel, samples: Sequence[RestSample], size: float) -> TrainedModel:
     """The model for a person whose rest posture was seen.
 
     Args:
         model: A model for any person.
-        looks: Looks of the person's hand, as of a right hand.
+        samples: Samples of the person's hand, as of a right hand.
         size: Size of the person's hand.
 
     Raises:
-        EncoderError: The model is of one person and knows nothing of others, or no hand has looks
+        EncoderError: The model is of one person and knows nothing of others, or no hand has samples
             such as these.
     """
     personal = model.personal_covariance
@@ -282,8 +286,8 @@ def knowing_rest(model: TrainedModel, looks: Sequence[Look], size: float) -> Tra
             where=f"--encoder {model.name}",
             expected="an encoder for any person, such as population",
         )
-    check_looks(looks, size)
-    xy, q = _arrays(looks, size)
+    check_rest_samples(samples, size)
+    xy, q = _arrays(samples, size)
     u, leftmost = contact_vectors(xy)
     guess = model.encoder.predict(u)
     off = turned_root(relative_pose(q, leftmost) - guess, -yaw_of(guess))
@@ -291,7 +295,7 @@ def knowing_rest(model: TrainedModel, looks: Sequence[Look], size: float) -> Tra
     for row in off[1:]:
         mean += row
     mean /= len(off)
-    # Covariance of a mean: what stays, and what differs from look to look.
+    # Covariance of a mean: what stays, and what differs from sample to sample.
     varying = model.residual_covariance - personal
     spread = personal + varying / len(off) + _LEAST * np.eye(POSE_SIZE)
     gain = np.array([solve_positive(spread.copy(), row) for row in personal])

@@ -3,7 +3,7 @@
 The person holds the hand still for a second, relaxed, with all fingertips on one level: on a table,
 on the switched-off screen, or above the device. The pose is the median of that second. The level of
 the fingertips stands for the screen, and the places over which they are for the touches: that is
-one look of `encoders.person.rest_posture`.
+one sample of `encoders.person.rest_posture`.
 """
 
 from __future__ import annotations
@@ -14,12 +14,11 @@ import numpy as np
 
 from encoders.correction import PAD_HEIGHT
 from encoders.person.rest_posture import DIGITS
-from models.arithmetic.arrays import Array
-from models.arithmetic.products import squared_lengths
+from models.arithmetic import Array, squared_lengths
 from models.errors import EncoderError
 from models.frames import FINGERS
 from models.kinematics import Kinematics
-from models.person import Look
+from models.person import RestSample
 from models.pose import ROOT_POSITION, ROOT_ROTATION
 from models.rotations import unwrap_near
 from models.skeleton import Skeleton
@@ -33,25 +32,25 @@ LEVEL = 0.030
 """m from their median height within which the fingertips of a resting hand are, so that all of them
 may touch. Thumbs lie lower than fingers stand, and a device errs by a centimetre."""
 MOVED = 0.040
-"""m by which a hand moves between two looks."""
+"""m by which a hand moves between two samples."""
 
 
 class SeenRest:
-    """Waits for a hand that is held still, look after look.
+    """Waits for a hand that is held still, sample after sample.
 
     Args:
         skeleton: The right hand's skeleton, of the person's size.
 
     Attributes:
-        looks: The looks so far.
-        trouble: Why the last hand that was held still is not a look; empty if it is one.
+        samples: The samples so far.
+        trouble: Why the last hand that was held still is not a sample; empty if it is one.
     """
 
     def __init__(self, skeleton: Skeleton) -> None:
         self._kinematics = Kinematics(skeleton)
         self._frames: deque[tuple[float, Array, Array]] = deque()
         self._taken: Array | None = None
-        self.looks: list[Look] = []
+        self.samples: list[RestSample] = []
         self.trouble = ""
 
     def lose(self) -> None:
@@ -66,7 +65,7 @@ class SeenRest:
             q: (48,) pose as of a right hand; x right, y away from the person, z up.
 
         Returns:
-            True if a look was taken.
+            True if a sample was taken.
         """
         self._frames.append((time, q, self._kinematics.tips(q)))
         while time - self._frames[0][0] > SECONDS:
@@ -80,18 +79,20 @@ class SeenRest:
         if self._taken is not None and _moved(middle, self._taken) < MOVED:
             return False
         try:
-            look = look_of(np.array([frame[1] for frame in self._frames]), self._kinematics)
+            sample = rest_sample_of(
+                np.array([frame[1] for frame in self._frames]), self._kinematics
+            )
         except EncoderError as error:
             self.trouble = str(error)
             return False
         self.trouble = ""
-        self.looks.append(look)
+        self.samples.append(sample)
         self._taken = middle
         return True
 
 
-def look_of(poses: Array, kinematics: Kinematics) -> Look:
-    """The look of a hand that was held still.
+def rest_sample_of(poses: Array, kinematics: Kinematics) -> RestSample:
+    """The sample of a hand that was held still.
 
     Args:
         poses: (n, 48) as of a right hand; z is up.
@@ -116,7 +117,7 @@ def look_of(poses: Array, kinematics: Kinematics) -> Look:
     # The screen begins at the leftmost and farthest touch; only what is relative to it counts.
     q[ROOT_POSITION] -= [tips[:, 0].min(), tips[:, 1].max(), np.median(tips[:, 2]) - PAD_HEIGHT]
     places = (kinematics.tips(q)[:, :2] * [1.0, -1.0]).round(DIGITS).tolist()
-    return Look(tuple((x, y) for x, y in places), tuple(q.round(DIGITS).tolist()))
+    return RestSample(tuple((x, y) for x, y in places), tuple(q.round(DIGITS).tolist()))
 
 
 def _moved(tips: Array, before: Array) -> float:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from models.arithmetic.arrays import Array
+from models.arithmetic import Array
 from models.frames import FINGERS, TouchFrame
 
 REST = 0.5

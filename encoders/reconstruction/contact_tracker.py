@@ -3,19 +3,332 @@
 A lost finger is kept for a moment, shifted with the others, and a new id close by inherits it:
 touch screens lose and find resting fingers, and a grasp must survive that. The person did not lift
 a touch that the system *cancelled*, so it is kept longer.
+
+Tells palms from fingers by width and height of contacts, their growth, and where they lie.
+
+Only contacts with an extent are judged; a device that measures none has no palms here. A judgement
+uses nothing but what was reported so far. Until it is sure, a contact is unsure: it must get no
+label. A palm stays one until it leaves; a finger may still become a palm.
+
+Size: the diameter of the circle of equal area. Fingertips have 5 to 28 mm, whether they come down
+at once or flatten; palms have 25 to 120 mm, and half of them begin as small as a fingertip and grow
+for 0.1 to 0.4 s. A course is one such way in the first half second of a touch; how well a contact's
+reports fit the best course of a palm, against the best of a fingertip, tells how likely it is a
+palm.
+
+Place: a hand that touches with its fingertips rests its heel well below them; the thumb's tip is
+nearer to the others and higher. The odds are those of a small network, a layer of rectifiers, whose
+inputs are how many others there are, how far and in which directions the nearest four and the
+outermost two lie, and how far they spread. It was trained on fingertips and heels of simulated
+people; `python -m training palm_places` in a checkout makes the file of its weights.
 """
 
 from __future__ import annotations
 
+import json
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
-from math import expm1, inf
+from enum import StrEnum
+from functools import cache
+from itertools import product
+from math import exp, expm1, inf, log
+from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 
-from encoders.reconstruction.palms import Kind, PalmJudge
-from models.arithmetic.arrays import Array
-from models.arithmetic.products import distance, length
+from models.arithmetic import Array, distance, matrix_vector, small_product
 from models.frames import FINGERS, Contact, TouchFrame
+
+_LANDED, _DECIDED_BY = 0.10, 0.45
+"""s after touch-down. From the first on a contact's place counts too, as the other fingers of a
+grip have landed. At the second the likelier of both is taken, after the slowest growth of a palm
+and a few reports more."""
+
+_PALM_ODDS, _FINGER_ODDS = 4.0, -4.5
+"""Log-odds by size beyond which a contact is a palm, and by size and place below which it is a
+finger, before `_DECIDED_BY`. A place alone makes no palm by then: fingers may still land."""
+
+_LATE_ODDS = 0.0
+"""Log-odds by size and place above which it is a palm from then on. Sizes of 25 to 28 mm, which
+either may have, give -1.4."""
+
+_CERTAIN = 8.0
+"""Log-odds by size that no place changes."""
+
+_LARGE = 0.020
+"""m, least width or height that makes a finger that is certain looked at again; saves time."""
+
+_ROUNDING = 1e-9
+"""s; times are sums of control periods."""
+
+_GRID = 0.01
+"""s between the times at which courses are known."""
+
+_LONGEST = 0.4
+"""s of the slowest growth of a palm."""
+
+_NOISE = 0.12
+"""Deviation of the logarithm of a reported size. With 15 % in width and in height it is 11 %."""
+
+_OUTLIER = 9.0
+"""Largest squared deviation of a report, in squared deviations of the noise, that counts."""
+
+_MEMORY = 0.5
+"""s after which a report counts 1/e, so that a finger may become a palm later."""
+
+_REPEATED = 0.5
+"""Weight of a report that is equal to the last one: the contact does not grow, but the noise is
+that of the last report too."""
+
+_GROWING = log(0.25)
+"""Log-odds of growing against coming down at once, by the best of a dozen courses."""
+
+_ONTO = (100.0, 150.0, 200.0, 250.0, 300.0, 400.0)
+"""ms that growth takes."""
+
+_FINGERTIPS, _PALMS = (5.0, 28.0), (25.0, 120.0)
+"""mm of fingertips and palms at rest."""
+
+Place = tuple[float, float]
+
+_FILE = Path(__file__).parents[1] / "data" / "palm_places.json"
+"""Weights of the network, lists of numbers by name."""
+
+_UNIT = 0.1
+"""m, unit of the network's lengths."""
+
+_NEAREST = 4
+"""Others that the network looks at one by one."""
+
+LARGEST = 4.0
+"""Bound on the log-odds: beyond it, simulated people prove nothing about real ones."""
+
+
+class Kind(StrEnum):
+    """Kinds of contacts."""
+
+    UNSURE = "unsure"
+    FINGER = "finger"
+    PALM = "palm"
+
+
+@dataclass
+class _Judged:
+    """A contact's sizes, what it is taken for, and its last log-odds by size.
+
+    `settled`: its last report changed nothing.
+    """
+
+    course: SizeCourse
+    kind: Kind = Kind.UNSURE
+    odds: float = 0.0
+    settled: bool = False
+
+    def certain(self, time: float) -> bool:
+        """True if only a large report can change anything."""
+        if self.kind is Kind.PALM:
+            return True
+        late = time - self.course.began >= _DECIDED_BY
+        return late and self.kind is Kind.FINGER and self.odds < -_CERTAIN
+
+
+@dataclass
+class PalmJudge:
+    """Judges the contacts of one device, frame by frame."""
+
+    _judged: dict[int, _Judged] = field(default_factory=dict)
+
+    def reset(self) -> None:
+        """Forgets all contacts."""
+        self._judged = {}
+
+    @property
+    def judges(self) -> bool:
+        """True if a contact that is down has an extent; otherwise all are fingers."""
+        return bool(self._judged)
+
+    def kind(self, contact: int) -> Kind:
+        """Kind of the contact with this id; a finger if it has no extent."""
+        judged = self._judged.get(contact)
+        return Kind.FINGER if judged is None else judged.kind
+
+    def step(self, time: float, contacts: Iterable[Contact]) -> None:
+        """Judges the contacts of the next frame.
+
+        Args:
+            time: s, session time, which never runs backwards.
+            contacts: All contacts that are down.
+        """
+        down = {c.id: c for c in contacts}
+        if self._judged:
+            self._judged = {i: judged for i, judged in self._judged.items() if i in down}
+        for contact in down.values():
+            if contact.extent is None:
+                continue
+            if contact.id not in self._judged:
+                self._judged[contact.id] = _Judged(SizeCourse(time))
+            judged = self._judged[contact.id]
+            judged.settled = judged.certain(time) and max(contact.extent) < _LARGE
+            if judged.settled:
+                judged.course.pause(time)
+            else:
+                judged.course.report(time, contact.extent)
+        for i in sorted(self._judged):
+            judged = self._judged[i]
+            if judged.kind is not Kind.PALM and not judged.settled:
+                judged.kind = self._decision(judged, down[i], down, time)
+
+    def _decision(
+        self, judged: _Judged, contact: Contact, down: dict[int, Contact], time: float
+    ) -> Kind:
+        size = odds = judged.odds = judged.course.odds
+        age = time - judged.course.began + _ROUNDING
+        if age >= _LANDED and -_CERTAIN < size < _CERTAIN:
+            others = [
+                (c.x, c.y)
+                for i, c in down.items()
+                if i != contact.id and self.kind(i) is not Kind.PALM
+            ]
+            odds += place_odds((contact.x, contact.y), others)
+        late = age >= _DECIDED_BY
+        if odds > _LATE_ODDS if late else size > _PALM_ODDS:
+            return Kind.PALM
+        if late or odds < _FINGER_ODDS:
+            return Kind.FINGER
+        return judged.kind
+
+
+class _Course(NamedTuple):
+    """A way from one size to another in mm, within some ms."""
+
+    first: float
+    last: float
+    takes: float
+    palm: bool
+
+    def size(self, time: float) -> float:
+        """mm, some seconds after touch-down."""
+        share = 1.0 if self.takes <= 0 else min(1000.0 * time / self.takes, 1.0)
+        return self.first + share * (self.last - self.first)
+
+    @property
+    def prior(self) -> float:
+        """Log of the density of its last size, and of growing."""
+        low, high = _PALMS if self.palm else _FINGERTIPS
+        return -log(high - low) + (_GROWING if self.takes else 0.0)
+
+
+def _courses() -> list[_Course]:
+    tips = [5.0, 6.0, 7.0, 8.0, 9.0, *(float(d) for d in range(10, 29))]
+    palms = [25.0, 26.0, 27.0, 28.0, 29.0, 31.0, 33.0, 36.0, 40.0, 45.0, 52.0, 60.0, 70.0, 85.0]
+    courses = [_Course(d, d, 0.0, False) for d in tips]
+    courses += [_Course(d, d, 0.0, True) for d in (*palms, 100.0, 120.0)]
+    small = (6.0, 8.0, 10.0, 12.5, 15.0, 18.0, 21.0)
+    courses += [
+        _Course(first, last, takes, False)
+        for first, last, takes in product(small, tips[6::2], _ONTO)
+        if last >= 1.2 * first
+    ]
+    courses += [
+        _Course(first, last, takes, True)
+        for first, last, takes in product(small[1:], palms[::2], _ONTO)
+        if last >= 1.2 * first
+    ]
+    return courses
+
+
+_ALL = _courses()
+_IS_PALM = np.array([c.palm for c in _ALL])
+_PRIOR = np.array([c.prior for c in _ALL])
+_TIMES = round(_LONGEST / _GRID) + 1
+_LOG_SIZES = np.array([[log(c.size(_GRID * t)) for c in _ALL] for t in range(_TIMES)])
+"""(times, courses) logarithms of mm."""
+
+_LEAST, _MOST = log(_FINGERTIPS[0]), log(_PALMS[1])
+"""Logarithms of mm."""
+
+
+class SizeCourse:
+    """The reports of one contact's size so far.
+
+    Args:
+        began: s, time of touch-down.
+
+    Attributes:
+        began: As given.
+    """
+
+    def __init__(self, began: float) -> None:
+        self.began = began
+        self._time = began
+        self._misfit: Array = np.zeros(len(_ALL))
+        self._last: tuple[float, float] | None = None
+
+    def report(self, time: float, extent: tuple[float, float]) -> None:
+        """Takes the width and height in m at a time in s."""
+        weight = _REPEATED if extent == self._last else 1.0
+        size = 0.5 * (log(1000.0 * extent[0]) + log(1000.0 * extent[1]))
+        # What is smaller or larger than all courses is like the smallest or largest of them.
+        size = min(max(size, _LEAST), _MOST)
+        row = min(round((time - self.began) / _GRID), _TIMES - 1)
+        off = (_LOG_SIZES[row] - size) / _NOISE
+        kept = exp(-(time - self._time) / _MEMORY)
+        self._misfit = kept * self._misfit + weight * np.minimum(off * off, _OUTLIER)
+        self._time, self._last = time, extent
+
+    def pause(self, time: float) -> None:
+        """Leaves out a report; what was reported before is remembered as it is now."""
+        self._time = time
+
+    @property
+    def odds(self) -> float:
+        """Log-odds of a palm against a fingertip, by its size alone."""
+        fit = _PRIOR - 0.5 * self._misfit
+        return float(fit[_IS_PALM].max(initial=-inf) - fit[~_IS_PALM].max(initial=-inf))
+
+
+@cache
+def _weights() -> dict[str, Array]:
+    """The weights that ship: `first` (hidden, inputs), `bias` (hidden,), `second` (hidden,) and
+    `constant` (1,)."""
+    return {name: np.array(values) for name, values in json.loads(_FILE.read_text()).items()}
+
+
+def place_inputs(place: Place, others: Sequence[Place]) -> list[float]:
+    """The network's inputs (23,).
+
+    Args:
+        place: (x, y) m on the surface, y down, as a right hand from below would touch.
+        others: Places of the other contacts, one or more.
+    """
+    x, y = place
+    order = sorted(others, key=lambda other: (distance(place, other), other))
+    inputs = [len(order) / _NEAREST]
+    for i in range(_NEAREST):
+        if i < len(order):
+            right, down = order[i]
+            away = distance(place, order[i]) / _UNIT
+            inputs += [1.0, (x - right) / _UNIT, (y - down) / _UNIT, away]
+        else:
+            inputs += [0.0, 0.0, 0.0, 0.0]
+    for right, down in (min(order), max(order)):
+        inputs += [(x - right) / _UNIT, (y - down) / _UNIT]
+    for axis in (0, 1):
+        along = [other[axis] for other in order]
+        inputs.append((max(along) - min(along)) / _UNIT)
+    return inputs
+
+
+def place_odds(place: Place, others: Sequence[Place]) -> float:
+    """Log-odds of a palm against a fingertip by its place alone; 0 without other contacts."""
+    if not others:
+        return 0.0
+    w = _weights()
+    hidden = matrix_vector(w["first"], np.array(place_inputs(place, others))) + w["bias"]
+    odds = float(small_product(w["second"], np.maximum(hidden, 0.0)) + w["constant"][0])
+    return min(max(odds, -LARGEST), LARGEST)
+
 
 PALM = "palm"
 """Why a contact is ignored that is none of a finger."""
@@ -73,11 +386,6 @@ class Track:
     device_label: int | None = None
     unsure: bool = False
     joins: float = -inf
-
-    @property
-    def xy(self) -> Array:
-        """`place` as an array (2,), m."""
-        return np.array(self.place)
 
     @property
     def active(self) -> bool:
@@ -213,16 +521,16 @@ class ContactTracker:
         self._follow(track, contact, share)
 
     def _arrive(self, contact: Contact, time: float, share: float) -> None:
-        xy = np.array([contact.x, contact.y])
-        why = self._reason_to_ignore(contact, xy)
+        place = contact.x, contact.y
+        why = self._reason_to_ignore(contact)
         if why:
             self._ignored_ids[contact.id] = why
             self._count(why)
             return
         lost = [t for t in self.tracks.values() if not t.active]
         if lost and self.settings.grace > 0:
-            nearest = min(lost, key=lambda t: (length(t.xy - xy), t.id))
-            if length(nearest.xy - xy) <= self.settings.inherit:
+            nearest = min(lost, key=lambda t: (distance(t.place, place), t.id))
+            if distance(nearest.place, place) <= self.settings.inherit:
                 self._find(nearest, contact, share)
                 return
         if len(self.tracks) >= len(FINGERS):
@@ -232,7 +540,7 @@ class ContactTracker:
         self.tracks[self._next_id] = Track(
             self._next_id,
             contact.id,
-            (contact.x, contact.y),
+            place,
             time,
             device_label=contact.label,
             unsure=self._judge.kind(contact.id) is Kind.UNSURE,
@@ -240,7 +548,7 @@ class ContactTracker:
         )
         self._next_id += 1
 
-    def _reason_to_ignore(self, contact: Contact, xy: Array) -> str:
+    def _reason_to_ignore(self, contact: Contact) -> str:
         """Reason why a new contact is not a finger of this hand; empty if it is one."""
         if contact.extent is not None:
             if self._judge.kind(contact.id) is Kind.PALM:
@@ -250,7 +558,7 @@ class ContactTracker:
         active = [t for t in self.tracks.values() if t.active]
         if len(active) >= len(FINGERS):
             return "more than five"
-        if any(length(t.xy - xy) > self.settings.span for t in active):
+        if any(distance(t.place, (contact.x, contact.y)) > self.settings.span for t in active):
             return "farther away than a hand reaches"
         return ""
 

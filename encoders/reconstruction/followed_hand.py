@@ -8,15 +8,14 @@ from math import exp, inf
 
 import numpy as np
 
-from encoders.reconstruction.arrival import Phase
+from encoders.reconstruction.hand_motion import Phase, RateLimit
 from encoders.reconstruction.reconstructor import Reconstruction
-from models.arithmetic.arrays import Array
-from models.arithmetic.products import length
+from models.arithmetic import Array, length
 from models.frames import FINGERS
 from models.message import Message
-from models.one_pose import OnePose
-from models.pose import JOINTS, ROOT_POSITION, ROOT_ROTATION, RateLimit
+from models.pose import JOINTS, ROOT_POSITION, ROOT_ROTATION
 from models.rotations import unwrapped
+from models.single_pose import SinglePose
 from models.skeleton import Skeleton
 
 _ALL = frozenset(range(len(FINGERS)))
@@ -67,7 +66,7 @@ class FollowedHand:
 
     def __init__(self, skeleton: Skeleton, settings: FollowingSettings, start: Array) -> None:
         self.settings = settings
-        self._tips, self._radius = OnePose(skeleton), skeleton.tip_radius
+        self._tips, self._radius = SinglePose(skeleton), skeleton.tip_radius
         self._start = start
         self.reset()
 
@@ -129,7 +128,7 @@ class FollowedHand:
         if not self._here and self.unseen == 0.0:
             phase = Phase.COMING_DOWN
         fingers = _ALL if self._here else frozenset()
-        return Reconstruction(self._commanded, phase, fingers, None, 1.0, error, ())
+        return Reconstruction(self._commanded, phase, fingers, None, 1.0, error)
 
     def _above_floor(self, q: Array) -> Array:
         if self.settings.floor == -inf:

@@ -11,29 +11,14 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
-from typing import NamedTuple, Protocol, TypeGuard, TypeVar
+from functools import cached_property
+from typing import Protocol, TypeGuard, TypeVar
 
-from encoders.reconstruction.arrival import Phase
-from models.arithmetic.arrays import Array
+from encoders.reconstruction.hand_motion import Phase
+from models.arithmetic import Array
 from models.frames import Contact, Frame, HandFrame, LandmarkFrame, TouchFrame
 from models.person import Person, PersonFrame
-from models.pose import surface_to_world
 from models.surface import Surface
-
-
-class ReconstructedContact(NamedTuple):
-    """A contact with its label and state."""
-
-    id: int
-    """The device's id."""
-    xy: tuple[float, float]
-    """m on the surface, smoothed."""
-    label: int | None
-    """Its finger; None while unlabelled or ignored."""
-    state: str
-    """`active`, `lost` (living on for a moment), `palm` or `ignored`."""
-    probability: float = 1.0
-    """Probability of the label, 0 to 1; 1 without one, and for the device's own."""
 
 
 @dataclass(frozen=True)
@@ -48,7 +33,7 @@ class Reconstruction:
         probability: Probability of the labels, 0 to 1.
         tip_error: m, largest distance between a corrected fingertip and its touch, or the place
             beside it that it was led to.
-        contacts: All contacts on the surface.
+        see: Returns `contacts`; they are of this moment, whenever they are looked at.
         touches: (x, y) m on the surface, smoothed, by the label of the touching finger.
         tip_height: m over the surface, where touching fingertips are once the hand is down.
     """
@@ -59,9 +44,14 @@ class Reconstruction:
     u: Array | None
     probability: float
     tip_error: float
-    contacts: tuple[ReconstructedContact, ...]
+    see: Callable[[], tuple[Contact, ...]] = tuple
     touches: Mapping[int, tuple[float, float]] = field(default_factory=dict)
     tip_height: float = 0.0
+
+    @cached_property
+    def contacts(self) -> tuple[Contact, ...]:
+        """All contacts on the surface, with their labels and states; places are smoothed."""
+        return self.see()
 
     @property
     def down(self) -> bool:
@@ -196,13 +186,12 @@ class PersonalReconstructor:
             encoder got it.
         """
         reconstruction = self.trained.step(self._inward(frame))
-        contacts = tuple(c._replace(xy=self._place_outward(c.xy)) for c in reconstruction.contacts)
         size = self.frame.person.hand_size
         return replace(
             reconstruction,
             q=self._outward(reconstruction.q),
             tip_error=reconstruction.tip_error * size,
-            contacts=contacts,
+            see=lambda: tuple(self._outward_contact(c) for c in reconstruction.contacts),
             touches={f: self._place_outward(xy) for f, xy in reconstruction.touches.items()},
             tip_height=reconstruction.tip_height * size,
         )
@@ -225,12 +214,16 @@ class PersonalReconstructor:
         )
         return replace(frame, contacts=contacts)
 
+    def _outward_contact(self, contact: Contact) -> Contact:
+        x, y = self._place_outward((contact.x, contact.y))
+        return replace(contact, x=x, y=y)
+
     def _place_outward(self, xy: tuple[float, float]) -> tuple[float, float]:
         x, y = self.frame.outwards(xy).tolist()
         return x, y
 
     def _outward(self, q: Array) -> Array:
-        return surface_to_world(self.frame.outward_pose(q), self._surface)
+        return self._surface.pose_to_world(self.frame.outward_pose(q))
 
 
 def personal(person: Person, surface: Surface, make: ReconstructorMaker) -> Reconstructor:

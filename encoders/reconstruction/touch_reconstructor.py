@@ -1,13 +1,15 @@
 """Reconstructor that turns touch frames, one after another, into poses of the whole hand.
 
 Touches -> tracks -> labels -> contact vector -> encoder -> smoothing -> fingertip correction ->
-arrival -> rate limit -> commanded pose. Session, evaluation and replay all use this one object.
+lift -> rate limit -> commanded pose, and the height of the next step by the arrival. Session,
+evaluation and replay all use this one object.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import partial
 from math import inf, isfinite, sqrt
 
 import numpy as np
@@ -15,24 +17,26 @@ import numpy as np
 from encoders.correction import PAD_HEIGHT, CorrectionSettings, FingertipCorrection
 from encoders.input_vector import contact_vector
 from encoders.labels.labelling import Labeller, Labelling
-from encoders.reconstruction.arrival import (
+from encoders.reconstruction.contact_tracker import ContactTracker, TrackerSettings
+from encoders.reconstruction.hand_motion import (
     Arrival,
     ArrivalSettings,
     Lift,
     LiftSettings,
+    Motion,
     Phase,
+    PoseFilter,
+    RateLimit,
     RecentPlaces,
+    common_motion,
 )
-from encoders.reconstruction.contact_tracker import ContactTracker, TrackerSettings
-from encoders.reconstruction.reconstructor import ReconstructedContact, Reconstruction
+from encoders.reconstruction.reconstructor import Reconstruction
 from encoders.regression.trained import TrainedModel
-from encoders.smoothing import Motion, PoseFilter, common_motion
-from models.arithmetic.arrays import Array
-from models.arithmetic.products import distance
+from models.arithmetic import Array, distance
 from models.errors import EncoderError
-from models.frames import TouchFrame
-from models.one_pose import OnePose
-from models.pose import ROOT_POSITION, RateLimit, absolute_pose, surface_to_world, within_limits
+from models.frames import Contact, TouchFrame
+from models.pose import ROOT_POSITION, absolute_pose, within_limits
+from models.single_pose import SinglePose
 from models.skeleton import Skeleton
 from models.surface import METRES_PER_INCH, Surface
 
@@ -105,7 +109,7 @@ class TouchReconstructor:
         self.model, self.labeller, self.surface = model, labeller, surface
         self.settings = settings or ReconstructorSettings()
         self._rate_above = self.settings.rate.or_faster(RateLimit())
-        self._skeleton, self._hand = skeleton, OnePose(skeleton)
+        self._skeleton, self._hand = skeleton, SinglePose(skeleton)
         s = self.settings
         self._correction = (
             FingertipCorrection(skeleton, model.residual_covariance, s.correction)
@@ -128,7 +132,7 @@ class TouchReconstructor:
     @property
     def commanded(self) -> Array:
         """The pose last commanded (48,), in the world; a simulation starts its hand there."""
-        return surface_to_world(self._commanded, self.surface)
+        return self.surface.pose_to_world(self._commanded)
 
     def set_tip_offsets(self, offsets: Array | None) -> None:
         """Sets the offsets from touches to fingertips, from the next step on.
@@ -174,9 +178,8 @@ class TouchReconstructor:
         self._tracker.step(frame)
         tracks = self._tracker.tracks
         self._labels = {i: f for i, f in self._labels.items() if i in tracks}
-        self._name(frame.time)
-
-        low = self._low
+        low = self._arrival.phase in _LOW
+        self._name(frame.time, low)
         motion, speed = self._motion(dt, low)
         self._recent.step(frame.time, self._last_xy)
         self._same_grasp = self._labels == self._previous_labels
@@ -184,7 +187,12 @@ class TouchReconstructor:
         named = {i: tracks[i].place for i in self._labels}
         u = None
         if named:
-            u = self._contact_vector(named)
+            u = contact_vector(
+                {
+                    self._labels[i]: (x / METRES_PER_INCH, y / METRES_PER_INCH)
+                    for i, (x, y) in named.items()
+                }
+            )
             self._place = self._reconstruct(named, u, motion, dt)
         self._lift.step(frame.lift, dt)
         goal = self._raised(self._place)
@@ -203,27 +211,23 @@ class TouchReconstructor:
             self._filter.reset()
             self.labeller.reset()
         return Reconstruction(
-            q=surface_to_world(self._commanded, self.surface),
+            q=self.surface.pose_to_world(self._commanded),
             phase=self._arrival.phase,
             fingers=frozenset(self._labels.values()),
             u=u,
             probability=self._labelling.probability,
             tip_error=self._tip_error,
-            contacts=self._contacts(),
+            see=self._contacts(),
             touches={self._labels[i]: place for i, place in named.items()},
             tip_height=PAD_HEIGHT + self._lift.height,
         )
 
-    @property
-    def _low(self) -> bool:
-        return self._arrival.phase in _LOW
-
-    def _name(self, time: float) -> None:
+    def _name(self, time: float, low: bool) -> None:
         """Labels the contacts once their set has been stable for a while.
 
-        Until the hand comes down, labels may change; the posture filter blends them in. A hand that
-        is down keeps its labels: a change would break the grasp. A finger that joins gets one of
-        the free labels.
+        Until the hand comes down, labels may change; the posture filter blends them in. From
+        then on they stay: a change would break the grasp. A finger that joins gets one of the free
+        labels.
         """
         tracks = self._tracker.tracks
         present = frozenset(tracks)
@@ -231,7 +235,6 @@ class TouchReconstructor:
             self._changed_at = time
         self._known = present
         settle = self.settings.arrival.settle if self.settings.arrival.hover > 0 else 0.0
-        low = self._low
         unsure = [
             i
             for i, t in tracks.items()
@@ -271,13 +274,6 @@ class TouchReconstructor:
             return motion, 0.0
         return motion, max(map(distance, before, after)) / dt
 
-    def _contact_vector(self, named: dict[int, tuple[float, float]]) -> Array:
-        inches = {
-            self._labels[i]: (x / METRES_PER_INCH, y / METRES_PER_INCH)
-            for i, (x, y) in named.items()
-        }
-        return contact_vector(inches)
-
     def _reconstruct(
         self, named: dict[int, tuple[float, float]], u: Array, motion: Motion, dt: float
     ) -> Array:
@@ -298,7 +294,7 @@ class TouchReconstructor:
         if len(ids) == 1:
             # Without a layout there is no information: the posture stays, and the hand follows the
             # finger.
-            guess = self._filter.step(self._held(carried), (0.0, 0.0), dt)
+            guess = self._filter.step(_carried(self._place, *carried), (0.0, 0.0), dt)
             guess = self._shifted(guess, labels, targets)
         else:
             relative = self._predicted(u) if self.settings.encode else self._mean
@@ -309,8 +305,9 @@ class TouchReconstructor:
         if self._correction is None:
             self._tip_error = float("nan")
             return within_limits(guess, self._skeleton)
-        # Far from the last pose, its linearisation would be worse than that of the guess.
-        start = self._held(carried) if self._same_grasp else None
+        # It begins at the last pose, shifted with the touches; but far from there the linearisation
+        # would be worse than at the guess.
+        start = _carried(self._place, *carried) if self._same_grasp else None
         settled = None if start is None else _SETTLED
         corrected = self._correction.correct(guess, labels, targets, start, settled)
         self._tip_error = corrected.error
@@ -332,10 +329,6 @@ class TouchReconstructor:
                 got=f"of the contact vector {np.round(u, 3).tolist()}",
             )
         return relative
-
-    def _held(self, carried: tuple[float, float]) -> Array:
-        """The last pose, shifted with the touches."""
-        return _carried(self._place, *carried)
 
     def _shifted(self, q: Array, labels: list[int], targets: Array) -> Array:
         """The pose moved so that its tips lie on their targets on average."""
@@ -364,25 +357,38 @@ class TouchReconstructor:
         x, y = rest[:2].tolist()
         return sqrt(x * x + y * y) + TURN_LENGTH * float(np.maximum.reduce(rest[3:]))
 
-    def _contacts(self) -> tuple[ReconstructedContact, ...]:
-        """All contacts on the surface now."""
-        labels, palms = self._labels, self._tracker.palms
-        probabilities = self._labelling.label_probabilities
-        tracked = [
-            ReconstructedContact(
-                t.device_id,
-                t.place,
-                labels.get(i),
-                "active" if t.lost_at is None else "lost",
-                probabilities[i] if i in labels else 1.0,
-            )
-            for i, t in self._tracker.tracks.items()
-        ]
-        ignored = [
-            ReconstructedContact(c.id, (c.x, c.y), None, "palm" if c.id in palms else "ignored")
-            for c in self._tracker.ignored
-        ]
-        return (*tracked, *ignored)
+    def _contacts(self) -> Callable[[], tuple[Contact, ...]]:
+        """Function that returns all contacts on the surface now; few frames are looked at."""
+        tracker = self._tracker
+        tracks = [(i, t.device_id, t.place, t.lost_at is None) for i, t in tracker.tracks.items()]
+        return partial(
+            _labelled, tracks, self._labels, self._labelling, tracker.ignored, tracker.palms
+        )
+
+
+def _labelled(
+    tracks: Sequence[tuple[int, int, tuple[float, float], bool]],
+    labels: Mapping[int, int],
+    labelling: Labelling,
+    ignored: Sequence[Contact],
+    palms: frozenset[int],
+) -> tuple[Contact, ...]:
+    """Contacts with their labels and states, of a tracker's tracks and what it ignores."""
+    probabilities = labelling.label_probabilities
+    tracked = [
+        Contact(
+            device_id,
+            *place,
+            label=labels.get(i),
+            state="active" if active else "lost",
+            probability=probabilities[i] if i in labels else 1.0,
+        )
+        for i, device_id, place, active in tracks
+    ]
+    return (
+        *tracked,
+        *(Contact(c.id, c.x, c.y, state="palm" if c.id in palms else "ignored") for c in ignored),
+    )
 
 
 def _carried(q: Array, right: float, down: float) -> Array:

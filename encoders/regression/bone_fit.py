@@ -14,7 +14,7 @@ import numpy as np
 
 from encoders.capture import Capture
 from encoders.correction import tip_targets
-from models.arithmetic.arrays import Array
+from models.arithmetic import Array
 from models.frames import FINGERS
 from models.kinematics import Kinematics
 from models.pose import ROOT_POSITION, ROOT_ROTATION

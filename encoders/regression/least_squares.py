@@ -15,7 +15,7 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from encoders.regression.polynomial import SETS, collapse, set_code, set_codes
-from models.arithmetic.arrays import Array
+from models.arithmetic import Array
 
 RCOND = 1e-10
 """Share of the largest singular value below which others count as zero: far below those of
@@ -40,7 +40,7 @@ class LeastSquares:
         frames: Number of frames so far.
         codes: Codes of the finger sets of all contact vectors so far
             (`encoders.regression.polynomial`).
-        others: True if some inputs were not contact vectors.
+        has_unknown_sets: True if some inputs were not contact vectors.
         least, greatest: (width,) least and greatest value of each input.
     """
 
@@ -54,7 +54,7 @@ class LeastSquares:
         return frozenset(self._triangles) - {0}
 
     @property
-    def others(self) -> bool:
+    def has_unknown_sets(self) -> bool:
         return 0 in self._triangles
 
     def add(self, U: Array, Q: Array) -> None:

@@ -43,9 +43,10 @@ from typing import Any
 import numpy as np
 
 from encoders.regression.touch_ik import TouchIkEncoder
-from models.arithmetic.arrays import Array, Mask
-from models.arithmetic.functions import eigen
-from models.arithmetic.products import (
+from models.arithmetic import (
+    Array,
+    Mask,
+    eigen,
     matrix_product,
     matrix_vector,
     solve_positive,

@@ -15,7 +15,7 @@ from encoders.capture import Capture
 from encoders.regression.bone_fit import fitted_skeleton, perturbed_skeleton, tip_misses
 from encoders.regression.trained import PersonCorrection
 from encoders.validation import error_product, trial_folds
-from models.arithmetic.arrays import Array
+from models.arithmetic import Array
 from models.kinematics import Kinematics
 from models.pose import absolute_pose
 from models.skeleton import Skeleton

@@ -31,8 +31,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from encoders.encoder import Encoder
 from encoders.input_vector import CONTACT_VECTOR_SIZE, LIFTED
-from models.arithmetic.arrays import Array
-from models.arithmetic.products import matrix_product
+from models.arithmetic import Array, matrix_product
 from models.errors import EncoderError
 from models.frames import FINGERS
 
@@ -121,7 +120,7 @@ class PolynomialEncoder(Encoder):
         else:
             self.coef_, self.rank_ = sums.solve()
         self.constant_inputs_ = tuple(np.flatnonzero(sums.least == sums.greatest).tolist())
-        self._codes = None if sums.others else sums.codes
+        self._codes = None if sums.has_unknown_sets else sums.codes
         self._learned = True
         return self
 

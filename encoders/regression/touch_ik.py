@@ -19,12 +19,11 @@ from numpy.typing import ArrayLike, NDArray
 
 from encoders.encoder import Encoder
 from encoders.input_vector import CONTACT_VECTOR_SIZE, contact_vectors
-from models.arithmetic.arrays import Array, Mask
-from models.arithmetic.products import squared_lengths, times_transposed
+from models.arithmetic import Array, Mask, squared_lengths, times_transposed
 from models.errors import EncoderError
 from models.frames import FINGERS
-from models.one_pose import OnePose, tips_and_jacobians
 from models.pose import POSE_SIZE, relative_pose
+from models.single_pose import SinglePose, tips_and_jacobians
 from models.skeleton import ADULT, Skeleton
 from models.surface import METRES_PER_INCH
 
@@ -98,7 +97,7 @@ class TouchIkEncoder(Encoder):
         if not np.isfinite(Q).all():
             raise EncoderError("poses must be finite")
         self._neighbours = TouchNeighbours(down, places, Q)
-        hand = OnePose(self.skeleton)
+        hand = SinglePose(self.skeleton)
         tips = np.array([hand.tips(q) for q in Q])
         height = float(np.median(tips[down][:, 2])) if self.pad_height is None else self.pad_height
         misfit = (tips - _targets(places, height))[down]
@@ -144,7 +143,7 @@ class TouchIkEncoder(Encoder):
 
     def _iterate(self, start: Array, fingers: Mask, targets: Array) -> IkSolution:
         """Iterates from poses (n, 48) until fingertips are at their targets (n, k, 3)."""
-        hand = OnePose(self.skeleton, np.flatnonzero(fingers).tolist())
+        hand = SinglePose(self.skeleton, np.flatnonzero(fingers).tolist())
         q = start.copy()
         taken = np.zeros(len(q), np.int64)
         # All rows first, as a slice, which makes no copies.

@@ -31,7 +31,7 @@ from encoders.regression.trained import (
     skeleton_of,
 )
 from encoders.validation import FOLDS, error_product, robust_covariance, trial_folds
-from models.arithmetic.arrays import Array
+from models.arithmetic import Array
 from models.errors import EncoderError
 from models.pose import POSE_SIZE
 

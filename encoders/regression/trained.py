@@ -30,7 +30,7 @@ from encoders.regression.registry import (
     find_encoder,
     source_digest,
 )
-from models.arithmetic.arrays import Array
+from models.arithmetic import Array
 from models.errors import EncoderError
 from models.frames import FINGERS
 from models.kinematics import Kinematics

@@ -31,9 +31,8 @@ from encoders.regression.polynomial import (
     is_ridge,
     stored_coefficients,
 )
-from models.arithmetic import functions
-from models.arithmetic.arrays import Array
-from models.arithmetic.products import stacked_applied, stacked_product, vector_matrix
+from models import arithmetic
+from models.arithmetic import Array, stacked_applied, stacked_product, vector_matrix
 from models.errors import EncoderError
 from models.frames import FINGERS
 from models.pose import POSE_SIZE, ROOT_POSITION, ROOT_ROTATION
@@ -180,7 +179,7 @@ def yaw_of(q: ArrayLike) -> Array:
     It is the rotation about the normal that is nearest to the root's rotation.
     """
     R = exp(np.asarray(q, float)[..., ROOT_ROTATION])
-    return functions.atan2(R[..., 1, 0] - R[..., 0, 1], R[..., 0, 0] + R[..., 1, 1])
+    return arithmetic.atan2(R[..., 1, 0] - R[..., 0, 1], R[..., 0, 0] + R[..., 1, 1])
 
 
 def normalised_touches(U: Array, turn: Array) -> tuple[Array, Array]:
@@ -199,7 +198,7 @@ def normalised_touches(U: Array, turn: Array) -> tuple[Array, Array]:
     touching = down[..., None]
     middle = (places * touching).sum(axis=1) / np.maximum(down.sum(axis=1), 1.0)[:, None]
     x, y = np.moveaxis((places - middle[:, None]) * touching, -1, 0)
-    c, s = functions.cos(turn)[:, None], functions.sin(turn)[:, None]
+    c, s = arithmetic.cos(turn)[:, None], arithmetic.sin(turn)[:, None]
     turned = np.stack([c * x + s * y, c * y - s * x], axis=-1)
     return np.hstack([turned.reshape(len(U), -1), down]), middle * METRES_PER_INCH
 

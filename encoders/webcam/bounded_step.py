@@ -5,8 +5,7 @@ from __future__ import annotations
 import mujoco
 import numpy as np
 
-from models.arithmetic.arrays import Array, Mask
-from models.arithmetic.products import solve_positive
+from models.arithmetic import Array, Mask, solve_positive
 from models.pose import JOINTS, POSE_SIZE, ROOT_ROTATION
 from models.rotations import quaternion_exp, quaternion_log
 

@@ -17,8 +17,7 @@ from math import cos, isfinite, radians, sin, tan
 
 import numpy as np
 
-from models.arithmetic.arrays import Array
-from models.arithmetic.products import small_product
+from models.arithmetic import Array, small_product
 from models.errors import InputError
 from models.frames import Vector
 

@@ -6,9 +6,14 @@ from __future__ import annotations
 import numpy as np
 
 from encoders.webcam.landmarks import PALM
-from models.arithmetic.arrays import Array
-from models.arithmetic.functions import eigen
-from models.arithmetic.products import length, solve_positive, stacked_applied, transposed_times
+from models.arithmetic import (
+    Array,
+    eigen,
+    length,
+    solve_positive,
+    stacked_applied,
+    transposed_times,
+)
 from models.pose import POSE_SIZE, ROOT_POSITION, ROOT_ROTATION
 from models.rotations import exp, quaternion_log
 

@@ -27,8 +27,8 @@ from encoders.paalm.coupling import TWO_THIRDS, Coupling
 from encoders.webcam.bounded_step import bounded_step, stepped
 from encoders.webcam.first_guess import first_guess
 from encoders.webcam.landmarks import OF_POINTS, PALM, HandPoints
-from models.arithmetic.arrays import Array
-from models.arithmetic.products import (
+from models.arithmetic import (
+    Array,
     small_product,
     solve_positive,
     squared_lengths,

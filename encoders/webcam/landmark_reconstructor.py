@@ -14,11 +14,11 @@ from encoders.reconstruction.followed_hand import FollowedHand, FollowingSetting
 from encoders.reconstruction.reconstructor import Reconstruction
 from encoders.webcam.camera import Camera
 from encoders.webcam.landmark_fit import FitSettings, LandmarkFit
-from models.arithmetic.arrays import Array
-from models.arithmetic.products import small_product
+from models.arithmetic import Array, small_product
 from models.frames import LandmarkFrame, SeenHand
 from models.person import Person
 from models.pose import POSE_SIZE, ROOT_POSITION, ROOT_ROTATION, mirrored
+from models.reader_report import SIDE_MENDED
 from models.rotations import exp, log
 from models.skeleton import ADULT
 from models.surface import Surface
@@ -27,6 +27,9 @@ _START = (0.0, -0.10, 0.12)
 """m, wrist of the right hand before it is seen: over the table, fingers away from the person."""
 _FORGET = 0.5
 """s without a picture of the hand after which the next one is solved from the beginning."""
+
+WITHOUT = "pictures without the hand"
+"""Count of a reconstructor."""
 
 
 class LandmarkReconstructor:
@@ -96,7 +99,7 @@ class LandmarkReconstructor:
         before_the_first = self._taken is None and not frame.hands
         if frame.taken != (self.empty.taken if before_the_first else self._taken):
             self._taken = frame.taken
-            self._look(frame)
+            self._solve(frame)
         elif not frame.hands:
             # A device that fell silent.
             self._goal = None
@@ -106,7 +109,7 @@ class LandmarkReconstructor:
             self._hand.follow(self._goal, dt)
         return self._hand.reconstruction(self._error)
 
-    def _look(self, frame: LandmarkFrame) -> None:
+    def _solve(self, frame: LandmarkFrame) -> None:
         """Solves a new picture; without the hand in it there is no goal."""
         hand = self._choose(frame)
         if hand is None:
@@ -129,19 +132,19 @@ class LandmarkReconstructor:
         """This reconstructor's hand among those of a picture; None if it is not there.
 
         Of several, the one nearest to where the hand was, or the surest where it was nowhere. A
-        single hand of the other side is taken for this one where this one just was: the engine
-        mistakes the side of a hand for moments.
+        hand of the other side is taken for this one where this one just was, if no hand of its own
+        side is there: the engine mistakes the side of a hand for moments.
         """
         own = [h for h in frame.hands if h.side == self.side]
         if len(own) > 1:
-            self.counts["several hands of one side"] += 1
-        if not own and len(frame.hands) == 1 and self._followed(frame):
-            (other,) = frame.hands
-            palm = np.array(other.image)
-            if self._off(other) < float(np.abs(palm - palm.mean(axis=0)).max()):
-                return other
+            self.counts["hands beside the one of their side"] += len(own) - 1
+        if frame.hands and self._followed(frame) and not any(map(self._is_near, own)):
+            nearest = min(frame.hands, key=self._off)
+            if self._is_near(nearest):
+                self.counts[SIDE_MENDED] += 1
+                return nearest
         if not own:
-            self.counts["pictures without the hand"] += 1
+            self.counts[WITHOUT] += 1
             return None
         if self._followed(frame):
             return min(own, key=self._off)
@@ -151,6 +154,11 @@ class LandmarkReconstructor:
         """True if the hand was seen just before this picture."""
         before = self._solved is not None and 0.0 <= frame.taken - self._solved <= _FORGET
         return before and self._place is not None
+
+    def _is_near(self, hand: SeenHand) -> bool:
+        """True if a hand lies over the place where this one was."""
+        palm = np.array(hand.image)
+        return self._off(hand) < float(np.abs(palm - palm.mean(axis=0)).max())
 
     def _off(self, hand: SeenHand) -> float:
         """Pixels from where the hand was, along the farther axis."""

@@ -10,9 +10,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from models.arithmetic.arrays import Array
-from models.one_pose import OnePose
+from models.arithmetic import Array
 from models.pose import POSE_SIZE, ROOT_POSITION
+from models.single_pose import SinglePose
 from models.skeleton import Skeleton
 
 WRIST = 0
@@ -42,7 +42,7 @@ class HandPoints:
             replace(b, length=b.length + TIP_BEYOND * b.radius) if id(b) in last else b
             for b in skeleton.bones
         )
-        self._pose = OnePose(replace(skeleton, bones=longer))
+        self._pose = SinglePose(replace(skeleton, bones=longer))
         self._wrist = np.zeros((1, 3, POSE_SIZE))
         self._wrist[0, :, ROOT_POSITION] = np.eye(3)
         self.count = len(OF_POINTS)
@@ -55,8 +55,8 @@ class HandPoints:
     def points_and_jacobian(self, q: Array) -> tuple[Array, Array]:
         """Points (20, 3), and their derivative (20, 3, 48).
 
-        By the root's rotation it is as in `OnePose.joints_and_jacobian`, and by its position along
-        the axes of the pose's frame.
+        By the root's rotation it is as in `SinglePose.joints_and_jacobian`, and by its position
+        along the axes of the pose's frame.
         """
         points, jacobian = self._pose.joints_and_jacobian(q)
         whole = np.concatenate([q[None, ROOT_POSITION], points])

@@ -6,8 +6,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from models.arithmetic.arrays import Array
-from models.arithmetic.products import squared_lengths
+from models.arithmetic import Array, squared_lengths
 
 
 def sphere(points: Array, size: Array) -> Array:

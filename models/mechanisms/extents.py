@@ -7,8 +7,7 @@ from math import sqrt
 
 import numpy as np
 
-from models.arithmetic.arrays import Array
-from models.arithmetic.products import length, stacked_applied
+from models.arithmetic import Array, length, stacked_applied
 
 
 def sphere(way: Array, size: Array) -> float:

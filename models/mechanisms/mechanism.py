@@ -19,8 +19,7 @@ import mujoco
 import numpy as np
 from numpy.typing import ArrayLike
 
-from models.arithmetic.arrays import Array
-from models.arithmetic.products import matrix_product, stacked_applied
+from models.arithmetic import Array, matrix_product, stacked_applied
 from models.errors import InputError
 from models.hand import CONTACT_HAND, CONTACT_OBJECT, CONTACT_TABLE
 from models.mechanisms.description import PROBE, PROBE_RADIUS, Compiled, compile_mechanism

@@ -17,7 +17,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from models.arithmetic.arrays import Array
+from models.arithmetic import Array
 from models.errors import MotionError
 from models.hand import SceneHand
 from models.pose import ROOT_POSITION, ROOT_ROTATION, joint_vectors

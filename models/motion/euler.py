@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from models.arithmetic.arrays import Array
+from models.arithmetic import Array
 
 POLE = 1e-7
 """Cosine of the middle angle below which the outer two cannot be told apart."""
@@ -72,7 +72,7 @@ class ContinuousEuler:
         calm = np.asarray((np.abs(raw[..., 1]) < ZONE).all(axis=0))
         out[:, calm] = _unwrapped(raw[:, calm], before[calm])
         if not calm.all():
-            out[:, ~calm] = self._one_by_one(raw[:, ~calm], before[~calm])
+            out[:, ~calm] = self._frame_by_frame(raw[:, ~calm], before[~calm])
         whole = out if self._last is None else np.concatenate([before[None], out])
         if len(whole) > 1:
             steps = np.abs(np.diff(whole, axis=0)).max(axis=-1)
@@ -85,10 +85,10 @@ class ContinuousEuler:
         self._last = out[-1].copy()
         return out
 
-    def _one_by_one(self, raw: Array, before: Array) -> Array:
+    def _frame_by_frame(self, raw: Array, before: Array) -> Array:
         """Angles of joints that come near a pole: at each moment the family nearer to the last is
         chosen."""
-        other = _other(raw)
+        other = _second_family(raw)
         poles = np.abs(np.cos(raw[..., 1])) < POLE
         near = np.abs(raw[..., 1]) >= ZONE
         out = np.empty_like(raw)
@@ -117,7 +117,7 @@ def _nearest(angles: Array, before: Array) -> Array:
     return np.asarray(angles + TURN * np.round((before - angles) / TURN))
 
 
-def _other(angles: Array) -> Array:
+def _second_family(angles: Array) -> Array:
     """The other family's angles for the same rotations."""
     return np.asarray(angles * [1.0, -1.0, 1.0] + np.pi)
 
@@ -126,5 +126,5 @@ def _unwrapped(raw: Array, before: Array) -> Array:
     """Angles (n, J, 3) in the family of the previous angles (J, 3), without jumps by whole
     turns."""
     second = np.cos(before[..., 1]) < 0
-    chosen = np.where(second[..., None], _other(raw), raw)
+    chosen = np.where(second[..., None], _second_family(raw), raw)
     return np.asarray(np.unwrap(np.concatenate([before[None], chosen]), axis=0)[1:])

@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from models.arithmetic.arrays import Array
+from models.arithmetic import Array
 from models.errors import MotionError
 from models.reader_report import ReaderReport
 

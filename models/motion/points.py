@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from models.arithmetic.arrays import Array
+from models.arithmetic import Array
 from models.errors import MotionError
 from models.frames import FINGERS
 from models.motion.armature import WRIST, Armature, Keys

@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from models.arithmetic.arrays import Array
+from models.arithmetic import Array
 from models.errors import MotionError
 from models.motion.armature import Armature, Keys
 from models.motion.output import checked_rate

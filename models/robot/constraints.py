@@ -14,6 +14,7 @@ import mujoco
 import numpy as np
 from numpy.polynomial import Polynomial
 
+from models.robot.mapping import coefficients
 from models.robot.robot_model import LEAST_ARMATURE, RobotModel
 
 if TYPE_CHECKING:
@@ -50,6 +51,8 @@ _FIELDS = {
 }
 """Fields of a compiled model that are compared, with their names for people: all that decide where
 the parts of a hand are and how they move. Contacts and shapes are those of every hand here."""
+_TRIES = 4
+"""Poses at which couplings are compared."""
 _NAMES = 4
 """Most names in a text."""
 _SAME = 1e-6
@@ -78,7 +81,13 @@ def coupling_laws(robot: RobotModel) -> Iterator[tuple[str, str, Law]]:
 def not_followed(hand: RobotHand) -> list[str]:
     """What a hand in a scene has not, or has otherwise, than the robot's model: one text a kind."""
     found: dict[str, list[str]] = {}
-    for kind, name in (*_constraints(hand), *_actuators(hand.robot), *_differences(hand)):
+    robot = hand.robot
+    for kind, name in (
+        *robot.mended,
+        *_constraints(hand),
+        *_actuators(robot),
+        *_differences(hand),
+    ):
         found.setdefault(kind, []).append(name)
     return [
         f"{kind}: {', '.join(names[:_NAMES])}"
@@ -99,7 +108,7 @@ def _constraints(hand: RobotHand) -> Iterator[tuple[str, str]]:
         name = model.equality(e).name
         if kind == int(_EQUAL.mjEQ_JOINT):
             ends = [model.joint(j).name for j in (one, two) if j >= 0]
-            if one not in robot.joints or ends[0] in coupled or (two >= 0 and ends[1] in coupled):
+            if one not in robot.joints or _is_followed(hand, e):
                 continue
             what = "joints held by an equality" if two < 0 else "couplings of joints"
         elif kind == int(_EQUAL.mjEQ_TENDON):
@@ -127,6 +136,27 @@ def _constraints(hand: RobotHand) -> Iterator[tuple[str, str]]:
             yield "springs of tendons", name
         if model.tendon_frictionloss[t]:
             yield "friction of tendons", name
+
+
+def _is_followed(hand: RobotHand, equality: int) -> bool:
+    """True if joints that are coupled as in the hand hold an equality of two joints."""
+    robot, model = hand.robot, hand.robot.model
+    joints = [int(model.eq_obj1id[equality]), int(model.eq_obj2id[equality])]
+    if not set(joints) <= set(robot.joints):
+        return False
+    names = robot.joint_names()
+    one, two = (names[robot.joints.index(j)] for j in joints)
+    curve = Polynomial(model.eq_data[equality, :5])
+    low, high = robot.limits().T
+    rng = np.random.default_rng(0)
+    for _ in range(_TRIES):
+        angles = dict(zip(names, rng.uniform(low, high), strict=True))
+        for joint, (other, law) in hand.mapping.coupled.items():
+            angles[joint] = float(Polynomial(coefficients(law))(angles[other]))
+        y, x = angles[one] - _zero(model, joints[0]), angles[two] - _zero(model, joints[1])
+        if not abs(y - float(curve(x))) < _SAME:
+            return False
+    return True
 
 
 def _actuators(robot: RobotModel) -> Iterator[tuple[str, str]]:

@@ -4,25 +4,28 @@ Three directions of a hand are as long as one: across the knuckles from its last
 index, along the straight fingers, and the way that fingertips go when fingers bend. Their triple
 product is a volume between -1 and 1, positive for right hands and negative for left ones. It does
 not depend on the size of the hand or its proportions, which differ between robots and people more
-than their sides do.
+than their sides do. It changes its sign if the fingers are given from the other side on, so their
+order is looked at, too: the thumb's tip is nearest to that of the index finger.
 """
 
 from __future__ import annotations
 
 import math
+from itertools import combinations
 
 import numpy as np
 
-from models.arithmetic.arrays import Array
-from models.arithmetic.products import length
+from models.arithmetic import Array, length
 from models.frames import FINGERS
-from models.one_pose import OnePose
 from models.pose import JOINTS, POSE_SIZE
 from models.robot.robot_model import RobotModel
+from models.single_pose import SinglePose
 from models.skeleton import Skeleton
 
 STRAIGHT, BENT = 0.1, 0.7
 """Shares of the range of flexion."""
+NEARER = 0.03
+"""Share of its distance by which a thumb's tip must be nearer to a finger's to lie on its side."""
 LEAST_WAY = 1e-6
 """m, below which a direction has none."""
 
@@ -51,10 +54,28 @@ def robot_volume(robot: RobotModel) -> float:
     return volume(knuckles[1:], straight[1:], robot.bent(BENT)[1][1:])
 
 
+def order_of(robot: RobotModel) -> list[int]:
+    """The numbers of the fingers without the thumb, 1 to n - 1, as they lie in the hand.
+
+    The first is the one beside the thumb. If the thumb is about as far from both outer fingers, it
+    is that with the smaller number.
+    """
+    knuckles, tips = robot.bent(STRAIGHT)
+    fingers = range(1, len(knuckles))
+    ends = max(
+        combinations(fingers, 2), key=lambda pair: length(knuckles[pair[1]] - knuckles[pair[0]])
+    )
+    across = knuckles[ends[1]] - knuckles[ends[0]]
+    order = sorted(fingers, key=lambda finger: float(np.sum(knuckles[finger] * across)))
+    near, far = (length(tips[0] - tips[order[end]]) for end in (0, -1))
+    beside = near > far if abs(near - far) > NEARER * max(near, far) else order[0] > order[-1]
+    return order[::-1] if beside else order
+
+
 def person_volume(person: Skeleton, fingers: int = len(FINGERS)) -> float:
     """The volume of a person's hand, by the first of its fingers, the thumb among them."""
     knuckles = np.array([person.bones[bone].anchor for bone in person.first_bone])
-    straight, bent = (OnePose(person).tips(flexed(person, share)) for share in (STRAIGHT, BENT))
+    straight, bent = (SinglePose(person).tips(flexed(person, share)) for share in (STRAIGHT, BENT))
     own = slice(1, fingers)
     return volume(knuckles[own], straight[own], bent[own])
 

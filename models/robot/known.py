@@ -11,8 +11,8 @@ ROBOTS = ("shadow", "adroit", "inspire", "allegro", "leap")
 """Hands that are known by name. The first two are in the package gymnasium-robotics, the extra
 `robots`: the Shadow Dexterous Hand, and Adroit, which is a Shadow Hand on an arm with other limits.
 The Inspire Hand is in the package robosuite, whose other needs clash with ours, so no extra brings
-it. The Allegro Hand and the LEAP Hand, which have no little finger, are in mujoco_menagerie, which
-no package index has: it is looked for where the package robot_descriptions keeps it."""
+it. The Allegro Hand and the LEAP Hand, which have no little finger, are in mujoco_menagerie: in a
+clone where the package robot_descriptions keeps it, or in the package mujoco-menagerie."""
 
 
 def find_robot(name: str) -> RobotMapping:

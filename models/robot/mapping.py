@@ -26,6 +26,7 @@ import os
 import tomllib
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from importlib import import_module
 from importlib.util import find_spec
 from math import isfinite
 from pathlib import Path
@@ -33,7 +34,7 @@ from typing import Any
 
 import msgspec
 
-from models.arithmetic.products import total
+from models.arithmetic import total
 from models.errors import InputError
 from models.frames import FINGERS
 from models.person import HANDS
@@ -45,8 +46,8 @@ REMEDIES = {
 """Package -> command that installs it. Of robosuite, the files of its models are enough; what it
 needs to run asks for NumPy before 2."""
 MENAGERIE = "mujoco_menagerie"
-"""Models by Google DeepMind: no package, but a repository, which the package robot_descriptions
-loads into a folder of its own."""
+"""Models by Google DeepMind: a repository, which the package robot_descriptions loads into a folder
+of its own, and a package, which loads a model when it is first used."""
 
 
 URDF = ".urdf"
@@ -223,15 +224,7 @@ def located(model: str, folder: Path) -> Path:
     package, _, inside = model.partition(":")
     path = folder / model
     if inside and package == MENAGERIE:
-        path = menagerie() / inside
-        if not path.is_file():
-            raise InputError(
-                "mujoco_menagerie with this hand's model is not there",
-                where="--robot",
-                got=str(path),
-                remedy="git clone --depth 1 https://github.com/google-deepmind/mujoco_menagerie "
-                f"{menagerie()}",
-            )
+        path = _in_menagerie(inside)
     elif inside and len(package) > 1:
         try:
             spec = find_spec(package)
@@ -254,6 +247,29 @@ def menagerie() -> Path:
     """Folder of mujoco_menagerie, where the package robot_descriptions puts it."""
     cache = os.environ.get("ROBOT_DESCRIPTIONS_CACHE") or "~/.cache/robot_descriptions"
     return Path(cache).expanduser() / MENAGERIE
+
+
+def _in_menagerie(inside: str) -> Path:
+    """A file of mujoco_menagerie: of a clone, or of the package."""
+    path = menagerie() / inside
+    if path.is_file():
+        return path
+    if find_spec(MENAGERIE) is None:
+        raise InputError(
+            "mujoco_menagerie with this hand's model is not there",
+            where="--robot",
+            got=str(path),
+            remedy="pip install mujoco-menagerie, or git clone --depth 1 "
+            f"https://github.com/google-deepmind/mujoco_menagerie {menagerie()}",
+        )
+    package = import_module(MENAGERIE)
+    robot, _, file = inside.partition("/")
+    try:
+        return Path(package.get(robot).path()) / file
+    except package.MenagerieError as error:
+        raise InputError(
+            "mujoco_menagerie cannot give this hand's model", where="--robot", got=str(error)
+        ) from None
 
 
 def load_mapping(path: Path) -> RobotMapping:

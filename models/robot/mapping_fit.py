@@ -16,18 +16,18 @@ import mujoco
 import numpy as np
 from numpy.polynomial import Polynomial
 
-from models.arithmetic.arrays import Array
+from models.arithmetic import Array
 from models.errors import InputError
-from models.one_pose import OnePose
 from models.pose import JOINTS, POSE_SIZE
 from models.robot.constraints import Law, coupling_laws, not_followed
-from models.robot.handedness import flexed, person_volume, robot_volume
+from models.robot.handedness import flexed, order_of, person_volume, robot_volume
 from models.robot.mapping import RobotMapping, check_tips
 from models.robot.retargeting import Retargeter
 from models.robot.robot_hand import RobotHand
 from models.robot.robot_model import RobotModel, compiled
 from models.robot.tip_ends import tip_ends
 from models.rotations import matrix_to_quaternion, quaternion_to_matrix
+from models.single_pose import SinglePose
 from models.skeleton import ADULT, Skeleton
 
 _GEOM = mujoco.mjtGeom
@@ -51,6 +51,25 @@ _BENT = (0.1, 0.4, 0.7)
 """Shares of the range of flexion at which hands are laid over each other."""
 _MOST_LINKS = 3
 """Links of a finger that count for its length; one before them is within the palm."""
+
+
+def _check_order(robot: RobotModel, tips: Sequence[str]) -> None:
+    """Checks that fingertips are given from the finger beside the thumb on.
+
+    In another order a hand would be one of the other side.
+
+    Raises:
+        InputError: They are given in another order.
+    """
+    order = [tips[0], *(tips[finger] for finger in order_of(robot))]
+    if order != list(tips):
+        raise InputError(
+            "the fingertips are in another order than the fingers",
+            where="--tips",
+            got=",".join(tips),
+            expected="the thumb, and then from the finger beside it on",
+            remedy=f"--tips {','.join(order)}, or --hand right or left for this order",
+        )
 
 
 @dataclass(frozen=True)
@@ -102,7 +121,7 @@ def fit_mapping(
     """
     check_tips(tips, "--tips")
     palm = palm or _carrier(path, tips)
-    rounded = tip_ends(compiled(path), tips) if ends else []
+    rounded = tip_ends(compiled(path)[0], tips) if ends else []
     places = tuple(end.place for end in rounded)
     robot = RobotModel(path, palm, tips, places)
     people = {"right": ADULT, "left": ADULT.mirrored()}
@@ -116,6 +135,8 @@ def fit_mapping(
             where=str(path),
             remedy="Give it: --hand right or --hand left",
         )
+    if not hand:
+        _check_order(robot, tips)
     side = hand or min(apart, key=lambda name: apart[name])
     other = "left" if side == "right" else "right"
     laid = {name: _laid_over(robot, person) for name, person in people.items()}
@@ -171,7 +192,7 @@ def _moved(mapping: RobotMapping, person: Skeleton) -> tuple[RobotMapping, Array
             turns.append(qpos[3:7])
         # The scales move the palm away from the fingertips; the offset is what is left.
         scales = np.array(mapping.scales)[:, None]
-        tips = [OnePose(person).tips(q)[: len(scales)] for q in poses]
+        tips = [SinglePose(person).tips(q)[: len(scales)] for q in poses]
         rest = [p - np.mean((1.0 - scales) * t, axis=0) for p, t in zip(places, tips, strict=True)]
         offset = np.mean(rest, axis=0) / np.mean(scales)
         turn = _mean_turn(np.array(turns))
@@ -210,7 +231,7 @@ def _laid_over(robot: RobotModel, person: Skeleton) -> _Laid:
     for share in _BENT:
         # Thumbs have joints of other kinds in every hand: where they begin says enough.
         bases, tips = robot.bent(share)
-        theirs += [knuckles, OnePose(person).tips(flexed(person, share))[1:fingers]]
+        theirs += [knuckles, SinglePose(person).tips(flexed(person, share))[1:fingers]]
         own += [bases, tips[1:]]
     there, here = np.concatenate(theirs), np.concatenate(own)
     centre, middle = there.mean(axis=0), here.mean(axis=0)
@@ -224,7 +245,7 @@ def _laid_over(robot: RobotModel, person: Skeleton) -> _Laid:
 
 def _carrier(path: Path, tips: Sequence[str]) -> str:
     """Name of the last body that is above all fingertips."""
-    model = compiled(path)
+    model, _ = compiled(path)
     above: list[int] | None = None
     for name in tips:
         site = int(mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_SITE, name))
@@ -295,7 +316,7 @@ def _coupled(robot: RobotModel) -> dict[str, tuple[str, float | tuple[float, ...
         if straight and first in driven and second not in driven:
             first, second, law = second, first, (-law[0] / law[1], 1.0 / law[1])
         circle = second == first or (second in out and _free_joint(second, out)[0] == first)
-        if {first, second} <= names and not circle:
+        if {first, second} <= names and not circle and first not in out:
             out[first] = second, law
     return {name: _rounded(*_free_joint(name, out)) for name in out}
 

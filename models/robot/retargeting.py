@@ -18,8 +18,8 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from models.arithmetic.arrays import Array
-from models.arithmetic.products import (
+from models.arithmetic import (
+    Array,
     matrix_product,
     matrix_vector,
     solve_positive,
@@ -30,9 +30,9 @@ from models.arithmetic.products import (
 )
 from models.errors import InputError
 from models.frames import FINGERS
-from models.one_pose import OnePose
 from models.pose import ROOT_POSITION, ROOT_ROTATION
 from models.rotations import exp, quaternion_exp
+from models.single_pose import SinglePose
 from models.skeleton import Skeleton
 
 ROOT = 6
@@ -96,7 +96,7 @@ class Retargeter:
         palm: tuple[float, float] = (PALM_MOVES, PALM_TURNS),
     ) -> None:
         self._model, self._data = model, mujoco.MjData(model)
-        self._tips = OnePose(skeleton).tips
+        self._tips = SinglePose(skeleton).tips
         self._scales, self._offset, self._turn = scales, offset, turn
         count = model.nv
         self._master, laws = followers

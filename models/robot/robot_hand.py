@@ -11,8 +11,7 @@ from xml.etree.ElementTree import Element, SubElement, tostring
 import mujoco
 import numpy as np
 
-from models.arithmetic.arrays import Array
-from models.arithmetic.products import length
+from models.arithmetic import Array, length
 from models.errors import InputError
 from models.frames import FINGERS
 from models.hand import (
@@ -26,11 +25,11 @@ from models.hand import (
     Link,
 )
 from models.objects import mjcf_text
-from models.one_pose import OnePose
 from models.robot.mapping import RobotMapping, coefficients, digest
 from models.robot.retargeting import PALM_MOVES, PALM_TURNS, ROOT_PLACE, Retargeter
 from models.robot.robot_model import RobotModel, link_turn, of_mapping
 from models.rotations import quaternion_log
+from models.single_pose import SinglePose
 from models.skeleton import ADULT, Skeleton
 
 STIFFNESS = 4.0
@@ -213,7 +212,7 @@ class RobotHand:
     def tips_of(self) -> Callable[[Array], Array]:
         """Function from a pose (48,) to the fingertips (5, 3) m of the person's hand, which the
         robot's should reach."""
-        return OnePose(self.person).tips
+        return SinglePose(self.person).tips
 
     def retargeter(self, palm: tuple[float, float] = (PALM_MOVES, PALM_TURNS)) -> Retargeter:
         """A new retargeter of this hand.

@@ -7,7 +7,8 @@ below the palm goes into our scene as plain MJCF, so neither names nor settings 
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from pathlib import Path
@@ -17,12 +18,12 @@ from xml.etree.ElementTree import Element, SubElement
 import mujoco
 import numpy as np
 
-from models.arithmetic.arrays import Array
-from models.arithmetic.products import length, stacked_applied, total
+from models.arithmetic import Array, length, stacked_applied, total
 from models.errors import InputError
 from models.frames import FINGERS
 from models.mjcf_object import drawn_colour
 from models.objects import mjcf_text
+from models.plausible import RANGE, UNITS
 from models.robot.mapping import MODEL_SUFFIXES, URDF, RobotMapping
 from models.rotations import matrix_to_quaternion
 
@@ -37,12 +38,21 @@ _TYPES = {
 }
 """MuJoCo's type of a geom -> its name in MJCF, and its number of sizes."""
 _JOINTS = (int(mujoco.mjtJoint.mjJNT_HINGE), int(mujoco.mjtJoint.mjJNT_SLIDE))
+_HINGE = int(mujoco.mjtJoint.mjJNT_HINGE)
 _SEEN_GROUPS = 3
 """MuJoCo's viewer shows the geoms of groups 0 to 2."""
 _OURS = re.compile(rf"palm|root(_[xyz])?|({'|'.join(FINGERS)})_link\d+")
 """Names that bodies and joints of a hand in a scene have already; a robot's own get others."""
 WORLD_PALM_MASS, WORLD_PALM_INERTIA = 0.3, 3e-4
 """kg and kg m2, of a palm that is a part of the world: about those of a person's palm."""
+_FINITE = ("body_pos", "body_quat", "body_ipos", "body_inertia", "jnt_pos", "jnt_axis", "jnt_range")
+"""Fields of numbers that decide where fingers are."""
+DEGREES = UNITS["angle"]["deg"]
+RADIANS = 1.0 / DEGREES
+"""Factors of angles that were taken for radians, or for degrees."""
+MESHES = (".obj", ".stl", ".msh")
+"""Suffixes of the meshes that MuJoCo reads."""
+_BALANCED = "inertias that no body can have, made equal about all axes"
 LEAST_LINK = 0.004
 """m, shortest link of a finger: shorter ones are the parts of one joint."""
 
@@ -76,6 +86,7 @@ class RobotModel:
     Attributes:
         path: Its MJCF file.
         model: MuJoCo's model of the whole description.
+        mended: What was mended in the description: kinds of faults and names of bodies.
         joints: Numbers of the hinges and slides below the palm, in MuJoCo's order.
         links: Links with a length of their own, finger by finger, from the palm outwards.
 
@@ -91,7 +102,8 @@ class RobotModel:
         places: Sequence[tuple[float, float, float]] = (),
     ) -> None:
         self.path, self._where = path, str(path)
-        self.model = model = compiled(path)
+        model, self.mended = compiled(path)
+        self.model = model
         if not palm:
             raise InputError(
                 "the palm's body has no name",
@@ -109,6 +121,14 @@ class RobotModel:
                 where=self._where,
                 got=", ".join(wrong) or f"no joints below the body {palm}",
             )
+        for field in _FINITE:
+            if not np.isfinite(getattr(model, field)).all():
+                raise InputError(
+                    "a number of this robot's model is none",
+                    where=self._where,
+                    got=f"nan or inf in {field}",
+                )
+        self._check_ranges()
         # MuJoCo takes such a joint for one without limits.
         empty = [j for j in self.joints if model.jnt_range[j, 0] > model.jnt_range[j, 1]]
         if empty:
@@ -122,6 +142,27 @@ class RobotModel:
             for name, place in zip(tips, places or [(0.0, 0.0, 0.0)] * len(tips), strict=True)
         ]
         self.links = tuple(link for finger in range(len(self.tips)) for link in self._links(finger))
+
+    def _check_ranges(self) -> None:
+        """Refuses ranges of hinges that are degrees taken for radians, or the other way round."""
+        model = self.model
+        hinges = [j for j in self.joints if model.jnt_limited[j] and model.jnt_type[j] == _HINGE]
+        if not hinges:
+            return
+        width = float(np.median(np.abs(np.diff(model.jnt_range[hinges], axis=1))))
+        if width == 0.0 or RANGE.includes(width):
+            return
+        units = [unit for unit in (RADIANS, DEGREES) if RANGE.includes(width * unit)]
+        raise InputError(
+            "the joints of this hand have ranges that no finger has",
+            where=self._where,
+            got=f"{width:.3g} rad in the middle",
+            expected=f"{RANGE.least:g} to {RANGE.most:g} rad",
+            remedy=f"Are they written in {'radians' if units[0] > 1 else 'degrees'}? The model's "
+            "compiler says which unit angles have; those of a URDF are radians"
+            if units
+            else None,
+        )
 
     def joint_names(self) -> list[str]:
         """Names of the joints below the palm."""
@@ -480,8 +521,12 @@ def _of_file(
     return RobotModel(path, palm, tips, places)
 
 
-def compiled(path: Path) -> Any:
-    """MuJoCo's model of a file.
+def compiled(path: Path) -> tuple[Any, tuple[tuple[str, str], ...]]:
+    """MuJoCo's model of a file, and what was mended in it or left out: kinds and names of parts.
+
+    A URDF that MuJoCo refuses is read without shapes whose files it cannot read, where the link's
+    inertia is given, and with inertias that no body can have made possible. In MJCF the author can
+    say so.
 
     Raises:
         InputError: It is of another kind, or MuJoCo cannot compile it.
@@ -494,11 +539,15 @@ def compiled(path: Path) -> Any:
             expected="an MJCF file (.xml) or a URDF (.urdf)",
         )
     try:
-        spec = mujoco.MjSpec.from_file(str(path))
-        if path.suffix.lower() == URDF:
-            # MuJoCo would make fixed links, such as palms and fingertips, a part of others.
-            spec.compiler.fusestatic = False
-        return spec.compile()
+        with _warnings() as warnings:
+            try:
+                model, mended = _spec(path).compile(), []
+            except ValueError:
+                if path.suffix.lower() != URDF:
+                    raise
+                spec = _spec(path)
+                mended = [*_without_unreadable_shapes(spec), *_with_possible_inertias(spec)]
+                model = spec.compile()
     except (ValueError, OSError) as error:
         raise InputError(
             "MuJoCo cannot read this robot",
@@ -506,6 +555,60 @@ def compiled(path: Path) -> Any:
             got=" ".join(str(error).split())[:300],
             remedy="Open it in MuJoCo's viewer (python -m mujoco.viewer) to see what it says",
         ) from None
+    mended += [("warnings of MuJoCo", " ".join(text.split())) for text in dict.fromkeys(warnings)]
+    return model, tuple(mended)
+
+
+@contextmanager
+def _warnings() -> Iterator[list[str]]:
+    """The warnings that MuJoCo would print."""
+    found: list[str] = []
+    before = mujoco.get_mju_user_warning()
+    mujoco.set_mju_user_warning(found.append)
+    try:
+        yield found
+    finally:
+        mujoco.set_mju_user_warning(before)
+
+
+def _spec(path: Path) -> Any:
+    spec = mujoco.MjSpec.from_file(str(path))
+    if path.suffix.lower() == URDF:
+        # MuJoCo would make fixed links, such as palms and fingertips, a part of others.
+        spec.compiler.fusestatic = False
+    return spec
+
+
+def _without_unreadable_shapes(spec: Any) -> list[tuple[str, str]]:
+    """Leaves out meshes of a URDF whose files MuJoCo cannot read; the kind and the links' names."""
+    folder = Path(spec.modelfiledir) / spec.meshdir
+    unreadable = {
+        mesh.name
+        for mesh in spec.meshes
+        if Path(mesh.file).suffix.lower() not in MESHES or not (folder / mesh.file).is_file()
+    }
+    geoms = [g for g in spec.geoms if g.meshname in unreadable and g.parent.explicitinertial]
+    links = [g.parent.name for g in geoms]
+    left = {g.meshname for g in geoms}
+    for geom in geoms:
+        spec.delete(geom)
+    for mesh in [m for m in spec.meshes if m.name in left]:
+        spec.delete(mesh)
+    return [("shapes in files that MuJoCo cannot read", name) for name in dict.fromkeys(links)]
+
+
+def _with_possible_inertias(spec: Any) -> list[tuple[str, str]]:
+    """Lets MuJoCo make inertias possible that break A + B >= C; the kind and the links' names."""
+    spec.compiler.balanceinertia = True
+    found = []
+    for body in spec.bodies:
+        xx, yy, zz, xy, xz, yz = body.fullinertia
+        if body.explicitinertial and np.isfinite(xx):
+            tensor = [[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]
+            small, middle, large = np.linalg.eigvalsh(tensor)  # any order: only compared
+            if small + middle < large:
+                found.append((_BALANCED, body.name))
+    return found
 
 
 def link_turn(end: tuple[float, float, float]) -> Array:

@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 import mujoco
 import numpy as np
 
-from models.arithmetic.arrays import Array
+from models.arithmetic import Array
 from models.errors import InputError
 from models.rotations import quaternion_to_matrix
 

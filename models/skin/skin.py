@@ -16,7 +16,7 @@ from importlib.resources import files
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from models.arithmetic.arrays import Array
+from models.arithmetic import Array
 from models.kinematics import Kinematics
 from models.pose import POSE_SIZE, ROOT_POSITION, ROOT_ROTATION
 from models.rotations import exp

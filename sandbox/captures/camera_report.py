@@ -11,7 +11,7 @@ import numpy as np
 from encoders.captures.overhead.capture_from_camera import NamedTouches
 from encoders.captures.overhead.naming import NamedContact
 from models.frames import FINGERS
-from sandbox.devices.files.paired_capture import Asked
+from sandbox.devices.files.paired_capture import RequestedFingers
 
 SETTLED = 0.3
 """s with as many fingers down as the guide asked for, before they count as those."""
@@ -19,7 +19,7 @@ SCHEMA = 1
 
 
 @dataclass(frozen=True)
-class AskedAgreement:
+class RequestAgreement:
     """Contacts that were down when as many fingers touched as the guide asked for.
 
     Attributes:
@@ -33,7 +33,9 @@ class AskedAgreement:
     as_asked: int
 
 
-def report_of(named: NamedTouches, asked: Sequence[Asked], simulated: bool) -> dict[str, Any]:
+def report_of(
+    named: NamedTouches, asked: Sequence[RequestedFingers], simulated: bool
+) -> dict[str, Any]:
     """The report as JSON values.
 
     Args:
@@ -71,7 +73,9 @@ def report_of(named: NamedTouches, asked: Sequence[Asked], simulated: bool) -> d
     }
 
 
-def agreement_of(contacts: Sequence[NamedContact], asked: Sequence[Asked]) -> AskedAgreement | None:
+def agreement_of(
+    contacts: Sequence[NamedContact], asked: Sequence[RequestedFingers]
+) -> RequestAgreement | None:
     """Share of names that are those of the fingers asked for; None where nobody asked."""
     if not asked:
         return None
@@ -82,17 +86,17 @@ def agreement_of(contacts: Sequence[NamedContact], asked: Sequence[Asked]) -> As
             continue
         counted += 1
         named += one.finger is not None
-        right += one.finger in _asked_at(asked, time)
-    return AskedAgreement(counted, named, right)
+        right += one.finger in _requested_at(asked, time)
+    return RequestAgreement(counted, named, right)
 
 
-def _asked_at(asked: Sequence[Asked], time: float) -> list[int]:
+def _requested_at(asked: Sequence[RequestedFingers], time: float) -> list[int]:
     before = [a for a in asked if a.host <= time]
     return before[-1].asked if before else []
 
 
 def _when_as_many(
-    one: NamedContact, contacts: Sequence[NamedContact], asked: Sequence[Asked]
+    one: NamedContact, contacts: Sequence[NamedContact], asked: Sequence[RequestedFingers]
 ) -> float | None:
     """A time, s, at which the asked number of fingers, this one among them, has been down for a
     while; None if there is none."""
@@ -100,10 +104,14 @@ def _when_as_many(
     time = track.start + SETTLED
     while time < track.end:
         begin = time - SETTLED
-        wanted = _asked_at(asked, time)
+        wanted = _requested_at(asked, time)
         down = [c for c in contacts if c.track.start <= time < c.track.end]
         whole = [c for c in down if c.track.start <= begin]
-        if wanted and wanted == _asked_at(asked, begin) and len(down) == len(whole) == len(wanted):
+        if (
+            wanted
+            and wanted == _requested_at(asked, begin)
+            and len(down) == len(whole) == len(wanted)
+        ):
             return time
         time += SETTLED / 3.0
     return None

@@ -104,9 +104,9 @@ class LiveNaming(Closeable):
             self._moments.append(Moment(image[list(TIPS)], image[list(LAST_JOINTS)], touched))
             self._moments = self._moments[-_MOST:]
             self._next -= 1
-        self._look()
+        self._search_surface()
 
-    def _look(self) -> None:
+    def _search_surface(self) -> None:
         """Looks for the surface beside the recording, which must not wait."""
         if self._search is None and self._next <= 0 and len(self._moments) >= _ENOUGH // 2:
             self._next = _AGAIN

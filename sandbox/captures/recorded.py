@@ -23,10 +23,11 @@ from encoders.captures.paired.open_hand import OPEN_FRAMES, open_hand
 from encoders.paalm.calibration import HandCalibration
 from encoders.paalm.calibration_file import read_hand
 from encoders.webcam.camera import Camera
-from models.arithmetic.arrays import Array
+from models.arithmetic import Array
 from models.errors import EncoderError, InputError, RecordingError
 from models.frames import LandmarkFrame
 from models.surface import Surface
+from sandbox.devices.files.frame_file import touch_surface
 from sandbox.devices.files.paired_capture import (
     HANDS,
     TOUCHES,
@@ -37,7 +38,7 @@ from sandbox.devices.files.paired_capture import (
     read_about,
     read_hands,
 )
-from sandbox.devices.files.touch_log_file import read_touch_log, touch_surface
+from sandbox.devices.files.touch_log_file import read_touch_log
 from sandbox.devices.leap.leap_file import check_side
 from sandbox.devices.webcam.landmarks import read_landmarks
 
@@ -59,7 +60,8 @@ def capture_of_hands(
     touches, hands_file, about = _files(options)
     side = about.side
     log, damage = read_touch_log(touches, surface)
-    hands = read_hands(hands_file)
+    hands = read_hands(hands_file, options.unit)
+    report.add_reading(hands.report)
     check_side(hands.frames, side, str(hands_file), "--side")
     calibration = _calibration(options.calibration, hands, side)
     host_times = arrivals(touches, len(log.time)) if hands.host is not None else None
@@ -181,7 +183,7 @@ def read_session(folder: Path, surface: Surface | None = None) -> CameraSession:
     log, damage = read_touch_log(touches, surface)
     recording = read_landmarks(hands)
     touched = arrivals(touches, len(log.time))
-    seen = picture_arrivals(hands, len(recording.frames))
+    seen = picture_arrivals(hands, recording.lines)
     if touched is None or seen is None:
         raise RecordingError(
             "the files do not say when touches and pictures arrived",
@@ -195,7 +197,11 @@ def read_session(folder: Path, surface: Surface | None = None) -> CameraSession:
     plane = _plane(about, touches, surface, recording.frames[0].size[0])
     if about.side == "left":
         log = replace(log, xy=log.xy * [-1.0, 1.0])
-    tails = ((touches, damage), (hands, str(recording.damage) if recording.damage else ""))
+    tails = (
+        (touches, damage),
+        (hands, str(recording.damage) if recording.damage else ""),
+        (hands, recording.report.line()),
+    )
     return CameraSession(
         about,
         log,

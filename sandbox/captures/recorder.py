@@ -105,13 +105,13 @@ def record_session(
                     guide.picture(seen)
                 if naming is not None:
                     naming.picture(seen, now)
-            if naming is not None and guide is not None and guide.asked != asked:
-                asked = guide.asked
-                writer.asked(asked or (), now)
+            if naming is not None and guide is not None and guide.requested != asked:
+                asked = guide.requested
+                writer.request(asked or (), now)
             if isinstance(hands, WebcamDevice):
                 if hands.corners != marked:
                     marked = hands.corners
-                    writer.tell(corners=marked)
+                    writer.describe(corners=marked)
                     if naming is not None:
                         naming.corners(marked, PICTURE_WIDTH)
                 if hands.notices != told:

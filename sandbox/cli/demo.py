@@ -19,8 +19,7 @@ from sandbox.recording.recording import load_recording
 from sandbox.session.messages import Snapshot
 from sandbox.session.session import Session
 from sandbox.trial.assembly import build
-from sandbox.trial.driver import Trial
-from sandbox.trial.live_run import LiveRun
+from sandbox.trial.driver import LiveRun, Trial
 from sandbox.trial.settings import recorded_settings
 from sandbox.views.display import has_display
 from sandbox.views.errors import GraphicsError

@@ -24,10 +24,9 @@ from sandbox.export.sources import Of, open_source
 from sandbox.export.targets import FORMATS, Exporter, ExportSettings, format_of
 from sandbox.recording.recording import is_dump, is_recording, stored
 from sandbox.recording.versions import bytes_digest
-from sandbox.study.record.folder import STUDY_FILE
+from sandbox.study.record.folder import JOURNAL, is_study
 from sandbox.study.record.journal import read_journal
 from sandbox.study.record.state import SessionState
-from sandbox.study.record.stored_sessions import JOURNAL
 from sandbox.study.record.trial_files import find_recordings
 from sandbox.system.files import resolved
 
@@ -111,6 +110,11 @@ class ExportOptions:
     """Your hands over a Leap as `sandbox paalm calibrate --out FILE` measured them. Default: the
     open hand in the recording, the bones that the device reports, or an average hand."""
 
+    unit: Annotated[str, Parameter(metavar="UNIT,...")] = ""
+    """Units of a recording of a Leap or a camera: m, cm, mm or in; s, ms, us or ns; px or 0..1 for
+    places in a picture; such as cm,ms. Default: those in which the hand has a hand's size and the
+    recording a possible rate, which are reported where they are not the format's own."""
+
     euler: Order = "ZXY"
     """Order of the rotations in a BVH file. The first axis is always that of flexion, the last that
     of spreading (or of twisting, if the order begins with Y), so that angles never jump."""
@@ -148,7 +152,9 @@ def main(argv: list[str]) -> int:
         raise InputError("the output would replace the input", where=f"--to {options.to}")
     with Progress(console=errors, transient=True, disable=not errors.is_terminal) as progress:
         bar = progress.add_task("reading", total=None)
-        source = open_source(file, options.of, options.take, options.hand, options.calibration)
+        source = open_source(
+            file, options.of, options.take, options.hand, options.calibration, options.unit
+        )
         for remark in source.remarks:
             errors.print(f"{file}: {remark}", soft_wrap=True, markup=False, style="yellow")
         progress.update(bar, description="writing keys", total=source.duration or None)
@@ -159,8 +165,8 @@ def main(argv: list[str]) -> int:
                 progress.update(bar, completed=float(poses.time[-1]))
 
             damage = source.play(take)
-    if damage:
-        errors.print(f"{file}: {damage}", soft_wrap=True, markup=False, style="yellow")
+    for text in filter(None, (damage, source.report.line())):
+        errors.print(f"{file}: {text}", soft_wrap=True, markup=False, style="yellow")
     seconds = (exporter.frames - 1) / options.rate
     names = ", ".join(map(str, exporter.paths))
     console.print(
@@ -303,7 +309,7 @@ def _same_twice(files: Sequence[Path]) -> list[str]:
 def _of_study(file: Path, folder: Path) -> bool:
     """True if a file inside a folder belongs to a study, whose trials have attempts."""
     above = [folder, *(p for p in file.parents if p.is_relative_to(folder))]
-    return any((p / name).is_file() for p in above for name in (STUDY_FILE, JOURNAL))
+    return any((p / JOURNAL).is_file() or is_study(p) for p in above)
 
 
 def _counting(sessions: set[Path]) -> dict[Path, set[str]]:

@@ -7,7 +7,7 @@ import importlib
 import sys
 
 from models.errors import HandSandboxError, InputError, unknown_name
-from sandbox.cli.common.printing import HelpShown, prepare, print_no_more
+from sandbox.cli.common.printing import HelpExit, prepare, print_no_more
 from sandbox.cli.removed import refuse_removed
 
 COMMANDS: dict[str, str] = {
@@ -88,7 +88,7 @@ def main(argv: list[str] | None = None) -> int:
     except HandSandboxError as error:
         print(f"sandbox: {error}", file=sys.stderr)
         return EXIT_GATE_FAILED
-    except HelpShown:
+    except HelpExit:
         raise
     except SystemExit as end:
         # None of ours ends so. A task, a device or an encoder of somebody else did, and a command

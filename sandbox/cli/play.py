@@ -15,13 +15,20 @@ from sandbox.cli.common.lsl_options import LslOptions, streaming
 from sandbox.cli.run import RunOptions, perform
 from sandbox.devices.registry import LIVE_HEADSET as LIVE
 from sandbox.devices.registry import is_in_air
+from sandbox.hand.profiles import DEFAULT, default_path, find_profile, uses_touch_profile
 from sandbox.play.own_profile import Learner, with_measured_hand, with_usable_profile
 from sandbox.play.page import play_on_page
-from sandbox.play.reports import checked_limit
+from sandbox.play.play import checked_limit
 from sandbox.server.page_options import PageOptions
-from sandbox.trial.headings import COMMON, OUTPUT, PERSON
-from sandbox.trial.profiles import DEFAULT, default_path, find_profile, uses_touch_profile
-from sandbox.trial.trial_options import TrialOptions, check_labels, check_names, trial_settings
+from sandbox.trial.trial_options import (
+    COMMON,
+    OUTPUT,
+    PERSON,
+    TrialOptions,
+    check_labels,
+    check_names,
+    trial_settings,
+)
 from sandbox.views.display import has_display
 from tasks.registry import find_task
 

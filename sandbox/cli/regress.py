@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import closing, contextmanager, suppress
 from dataclasses import dataclass, fields, replace
 from functools import partial
@@ -21,13 +21,18 @@ from models.message import counted
 from sandbox.cli.common.command_line import parse, picked
 from sandbox.cli.common.json_out import TERMINAL, check_output, refuse_same, write_json
 from sandbox.cli.common.printing import printing
-from sandbox.trial.trial_options import ConditionOptions, SecondOptions, given_options
-from sandbox.trial.variations import KINDS, help_with_names
+from sandbox.trial.trial_options import (
+    KINDS,
+    ConditionOptions,
+    SecondOptions,
+    given_options,
+    help_with_names,
+)
 
 if TYPE_CHECKING:
     from sandbox.regress.baseline import Baseline
     from sandbox.regress.execute import Executor, Interrupt, Trial
-    from sandbox.regress.plan import RegressionPlan
+    from sandbox.regress.plan import RegressionPlan, TrialJob
     from sandbox.regress.report import Report
     from sandbox.regress.sweep import Runner
     from sandbox.regress.trials_file import TrialsFile
@@ -56,6 +61,7 @@ class RegressOptions(SecondOptions, ConditionOptions):
         sandbox regress --seeds 0:20 --json report.json --resume
         sandbox regress --baseline base.json --update-baseline
         sandbox regress --baseline base.json
+        sandbox regress --baseline base.json --arm plain --seeds 0:120
         sandbox regress --tasks box-to-goal --seeds 0:30 --vary size latency=50,100
     """
 
@@ -64,8 +70,12 @@ class RegressOptions(SecondOptions, ConditionOptions):
     ] = ("all",)
     """Which tasks; `sandbox` lists them, and FILE.py has one of your own."""
 
-    seeds: Annotated[str, Parameter(metavar="A:B")] = "0:120"
+    seeds: Annotated[str, Parameter(metavar="A:B")] = "0:40"
     """From A to before B; commas join several."""
+
+    arm: Literal["plain", "hard", "both"] = "both"
+    """plain: the tasks as they are. hard: the tasks with smaller objects, less room or less
+    friction, so that a part of the trials fails. With --vary the plain one."""
 
     executor: Literal["serial", "processes", "ray"] = "processes"
     """Where trials run; the results are the same to the bit. ray: the extra `ray`."""
@@ -121,6 +131,10 @@ class RegressOptions(SecondOptions, ConditionOptions):
     plot: Annotated[Path | None, Parameter(metavar="FILE")] = None
     """Draws what --vary found, .png or .svg; the extra `plots`."""
 
+    film_lost: Annotated[Path | None, Parameter(metavar="DIR")] = None
+    """Films the trials that moved most in a loss, in a new or empty folder, with a page that shows
+    them beside those of the baseline's program, and the lines that film these."""
+
     record: Annotated[Path | None, Parameter(metavar="DIR")] = None
     """Keeps a recording of every trial that fails in a new or empty folder."""
 
@@ -140,6 +154,7 @@ def main(argv: list[str]) -> int:
     """Runs `sandbox regress ...`."""
     options = _parsed(argv)
     _check(options)
+    from sandbox.regress.arms import ARMS, PLAIN
     from sandbox.regress.execute import Interrupt
     from sandbox.regress.plan import RegressionPlan, find_tasks, parse_seeds
     from sandbox.regress.report import make_report, markdown, save_junit
@@ -152,26 +167,29 @@ def main(argv: list[str]) -> int:
         _scene(options),
         options.record,
         options.record_all,
+        ARMS[PLAIN if options.vary else options.arm],
     )
     quiet = str(options.json) == "-"
     console = Console(stderr=quiet)
     console = Console(stderr=quiet, width=max(console.width, 100))
     plan.check_drawn()
     if options.vary:
-        from sandbox.regress.sweep import check_possible, parse_wanted
+        from sandbox.regress.sweep import check_possible, parse_variations
 
-        check_possible(plan, parse_wanted(options.vary))
+        check_possible(plan, parse_variations(options.vary))
     executor = _executor(options)
     old = _compared_with(options, plan, console)
     if options.plan:
         assert old is not None
         return _show_power(options, plan, old, console)
     if options.record is not None and not options.resume:
-        _empty_folder(options.record)
-    with _kept(options, plan, console) as kept, Interrupt() as interrupt:
+        _empty_folder(options.record, "--record")
+    if options.film_lost is not None:
+        _empty_folder(options.film_lost, "--film-lost")
+    with _trials_file(options, plan, console) as kept, Interrupt() as interrupt:
         began = perf_counter()
         sweeps = bool(options.vary)
-        run = partial(_run, executor=executor, interrupt=interrupt, kept=kept, sweeps=sweeps)
+        run = partial(_run, executor=executor, interrupt=interrupt, kept=kept, named=sweeps)
         if options.vary:
             passed = run_vary(options, plan, executor, run, console)
         else:
@@ -200,6 +218,10 @@ def main(argv: list[str]) -> int:
                 save_junit(report, options.junit)
             if options.markdown is not None:
                 write_whole(options.markdown, markdown(report), "--markdown")
+            if options.film_lost is not None and old is not None:
+                from sandbox.regress.films import film_lost
+
+                film_lost(report, old, options.film_lost)
             passed = report.passed if report.complete else None
             if options.update_baseline:
                 again = _repeated(plan, executor, interrupt) if report.passed else []
@@ -275,7 +297,7 @@ def _check(options: RegressOptions) -> None:
     if options.record_all and options.record is None:
         raise InputError("no folder is given", where="--record-all", remedy="Add --record DIR")
     if options.baseline is None:
-        for name in ("update_baseline", "exact", "across_encoders", "margin", "plan"):
+        for name in ("update_baseline", "exact", "across_encoders", "margin", "plan", "film_lost"):
             if getattr(options, name):
                 option = "--" + name.replace("_", "-")
                 raise InputError("no baseline is given", where=option, remedy="Add --baseline FILE")
@@ -297,17 +319,17 @@ def _check(options: RegressOptions) -> None:
         check_output(path, option)
 
 
-def _empty_folder(folder: Path) -> None:
+def _empty_folder(folder: Path, option: str) -> None:
     try:
         folder.mkdir(parents=True, exist_ok=True)
         full = any(folder.iterdir())
     except OSError as error:
-        where = f"--record {folder}"
+        where = f"{option} {folder}"
         raise InputError("no folder can be made", where=where, got=error.strerror) from None
     if full:
         raise InputError(
-            "recordings of an earlier run would be mixed with this one's",
-            where=f"--record {folder}",
+            "files of an earlier run would be mixed with this one's",
+            where=f"{option} {folder}",
             expected="a new or empty folder",
         )
 
@@ -350,7 +372,7 @@ def _compared_with(
 
 
 @contextmanager
-def _kept(
+def _trials_file(
     options: RegressOptions, plan: RegressionPlan, console: Console
 ) -> Iterator[TrialsFile | None]:
     """The file of trials beside the report; None where no report is written."""
@@ -387,7 +409,7 @@ def _kept(
         yield kept
 
 
-def _what(plan: RegressionPlan) -> str:
+def _part_name(plan: RegressionPlan) -> str:
     """The tasks and the variation of a part of a run, for its progress."""
     return f"{', '.join(plan.names)}, {plan.scene.get('vary') or 'nothing varied'}"
 
@@ -397,7 +419,8 @@ def _run(
     executor: Executor,
     interrupt: Interrupt,
     kept: TrialsFile | None,
-    sweeps: bool = False,
+    named: bool = False,
+    changed: Callable[[TrialJob], TrialJob] = lambda job: job,
 ) -> list[Trial]:
     """The trials, those of a resumed run among them; fewer where somebody breaks off.
 
@@ -406,18 +429,19 @@ def _run(
         executor: Where they run.
         interrupt: Says whether somebody wants to break off.
         kept: The file that they are written to, if there is one.
-        sweeps: They are a part of a run, with one variation of one task.
+        named: They are a part of a run, whose progress names its tasks and its variation.
+        changed: Changes every trial.
     """
-    from sandbox.regress.show import progress_shown
+    from sandbox.regress.show import progress_lines
 
     trials = kept.ended(plan) if kept is not None else []
     ended = {(t["task"], t["seed"]) for t in trials}
-    jobs = plan.jobs()
+    jobs = [*map(changed, plan.jobs())]
     missing = [job for job in jobs if (job.name, job.seed) not in ended]
-    what = _what(plan) if sweeps else ""
+    what = _part_name(plan) if named else ""
     with (
         suppress(KeyboardInterrupt),
-        progress_shown(what, len(jobs), len(trials)) as tell,
+        progress_lines(what, len(jobs), len(trials)) as update,
         interrupt.while_running(),
         closing(executor.run(missing, lambda: interrupt.requested)) as running,
     ):
@@ -425,7 +449,7 @@ def _run(
             if kept is not None:
                 kept.append(plan, trial)
             trials.append(trial)
-            tell(len(trials), sum(t["success"] for t in trials))
+            update(len(trials), sum(t["success"] for t in trials))
     if len(trials) < len(jobs):
         by = f" by {interrupt.name}" if interrupt.name else ""
         rest = "; the same command with --resume runs the rest" if kept is not None else ""
@@ -439,14 +463,10 @@ def _run(
 
 def _repeated(plan: RegressionPlan, executor: Executor, interrupt: Interrupt) -> list[Trial]:
     """Some of a plan's trials with a change that makes nothing harder."""
-    from sandbox.regress.power import REPEATED, REPEATS
+    from sandbox.regress.power import REPEATS, repeated
 
-    varied = plan.scene.get("vary") or ""
-    if "friction" in varied:
-        return []
-    scene = {**plan.scene, "vary": f"{varied},{REPEATED}".strip(",")}
-    again = replace(plan, seeds=plan.seeds[:REPEATS], scene=scene, record=None)
-    return _run(again, executor=executor, interrupt=interrupt, kept=None, sweeps=True)
+    again = replace(plan, seeds=plan.seeds[:REPEATS], record=None)
+    return _run(again, executor=executor, interrupt=interrupt, kept=None, changed=repeated)
 
 
 def _show_power(
@@ -458,13 +478,16 @@ def _show_power(
     from sandbox.regress.show import show_power
 
     rows = power_of(baseline, plan.names, plan.seeds, plan.time_limits())
-    first = plan.jobs()[0]
-    # The first trial of a process imports and compiles; the second shows how fast trials are.
-    run_job(first)
-    began = perf_counter()
-    trial = run_job(first)
-    pace = (trial["time_s"] + 1.0) / (perf_counter() - began)
-    minutes = sum(row.seconds + row.pairs for row in rows[: len(plan.names)]) / pace / 60.0
+    jobs = plan.jobs()[: len(plan.names)]
+    # The first trial of a process imports and compiles; later ones show how fast trials are.
+    run_job(jobs[0])
+    seconds = 0.0
+    for job in jobs:
+        began = perf_counter()
+        simulated = run_job(job)["time_s"]
+        pace = (simulated + 1.0) / (perf_counter() - began)
+        seconds += sum(row.seconds + row.pairs for row in rows if row.task == job.name) / pace
+    minutes = seconds / 60.0
     values = {"power": [row.as_json() for row in rows], "minutes_of_one_core": minutes}
     write_json(options.json, values)
     with printing():
@@ -506,6 +529,7 @@ WITHOUT = (
     "update_baseline",
     "exact",
     "across_encoders",
+    "film_lost",
 )
 """Options that mean nothing where trials are varied."""
 
@@ -527,13 +551,13 @@ def check_vary(options: RegressOptions) -> None:
                 "varied trials are compared with those of the same run, and with nothing else",
                 where=f"--vary --{name.replace('_', '-')}",
             )
-    from sandbox.regress.sweep import parse_wanted
+    from sandbox.regress.sweep import parse_variations
 
     if not options.vary:
         raise InputError(
-            "it is not said what to vary", where="--vary", remedy="`--vary size`, for instance"
+            "--vary needs a quantity", where="--vary", remedy="`--vary size`, for instance"
         )
-    parse_wanted(options.vary)
+    parse_variations(options.vary)
     if options.plot is not None:
         from sandbox.figures.variation import check_plot
 
@@ -557,11 +581,11 @@ def run_vary(
         console: For people.
     """
     from sandbox.regress.show import show_crashes, show_sweep
-    from sandbox.regress.sweep import parse_wanted, sweep
+    from sandbox.regress.sweep import parse_variations, sweep
     from sandbox.system.files import write_whole
 
     began = perf_counter()
-    result = sweep(plan, parse_wanted(options.vary or ()), run)
+    result = sweep(plan, parse_variations(options.vary or ()), run)
     wall_s = perf_counter() - began
     show_sweep(result, console)
     crashes = result.crashes(options.allow_crashes)

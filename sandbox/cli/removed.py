@@ -36,10 +36,24 @@ REMOVED = {
     "--without encoder": "`--no-encode` takes its place",
     "--without": "`--no-correction`, `--no-smoothing` and others take its place",
     "--tell-labels": "`--labels device` uses the labels of the simulated user",
-    "study plan --from": "`--spread` takes the standard deviation over people of the difference in "
-    "log time, which `sandbox study report` prints for a pilot",
-    "study plan --preregistration": "The design, `sandbox study plan --power` and `sandbox study "
-    "sheet` have what a preregistration needs",
+    "hand rest --looks": "`--samples` takes its place",
+    "study backup": "`tar -czf FILE STUDY` makes an archive, between two sessions; `sandbox replay "
+    "STUDY --verify` verifies what was unpacked",
+    "study export --bids": "`sandbox study share` makes a folder of CSV tables with a codebook",
+    "study export": "`sandbox study share STUDY --out FOLDER` makes the folder for others; `tar "
+    "-czf FILE STUDY` copies everything as it is",
+    "study run --witness": "The session prints its last digest; write it down, or keep a copy of "
+    "notes/A.jsonl",
+    "study simulate --witness": "Each session prints its last digest",
+    "replay --witness": "`tail -n 1 session.jsonl` of a session has the digest that it printed",
+    "study plan --from": "`study plan --power --detect SD` takes standard deviations over people",
+    "study plan --spread": "`study plan --power` counts in standard deviations over people",
+    "study plan --preregistration": "`sandbox study plan --markdown` prints it",
+    "study merge": "Folders are merged by copying: `cp -r siteB/NAME/* siteA/NAME/`, where each "
+    "site has run with a letter of its own (`sandbox study run --site B`)",
+    "study withdraw": "`sandbox study note STUDY --participant ID --withdraw` deletes their data",
+    "study recover": "`sandbox study note STUDY --participant ID --accept-loss REASON` accepts "
+    "what is there",
 }
 """Words of a command line -> what takes their place. The first words are the command's, if it is
 about one command; an option with one of its values, if any, may stand anywhere behind it."""

@@ -18,19 +18,23 @@ from sandbox.cli.common.json_out import TERMINAL, check_output, refuse_same, wri
 from sandbox.cli.common.lsl_options import LslOptions, streaming
 from sandbox.cli.common.printing import printing
 from sandbox.devices.device import Device
-from sandbox.play.reports import NoticePrinter, address_line, report_end
+from sandbox.play.play import NoticePrinter, address_line, report_end
 from sandbox.session.messages import Snapshot
 from sandbox.session.session import Session
 from sandbox.system.ending import ending_as_by_ctrl_c
-from sandbox.trial.driver import View, play_trial
-from sandbox.trial.events import EventLog, NoticeEvents
-from sandbox.trial.headings import COMMON, OUTPUT
-from sandbox.trial.lift import with_lift
-from sandbox.trial.live_run import RealTime
-from sandbox.trial.open_devices import DeviceMaker, device_makers, is_live
+from sandbox.trial.assembly import DeviceMaker, device_makers, is_live, with_lift
+from sandbox.trial.driver import RealTime, View, play_trial
+from sandbox.trial.logs import EventLog, NoticeEvents
 from sandbox.trial.result import TrialResult
 from sandbox.trial.settings import Settings
-from sandbox.trial.trial_options import TrialOptions, check_labels, check_names, trial_settings
+from sandbox.trial.trial_options import (
+    COMMON,
+    OUTPUT,
+    TrialOptions,
+    check_labels,
+    check_names,
+    trial_settings,
+)
 from tasks.task import Task
 
 
@@ -135,14 +139,14 @@ def _run(options: RunOptions, chosen: Settings, events: EventLog, console: Conso
         address = device.address
         if address:
             console.print(address_line(address), soft_wrap=True)
-            events.tell("listening", address=address)
+            events.write("listening", address=address)
         damage = device.damage
         if damage:
             console.print(f"[yellow]{escape(str(damage))}[/]")
-            events.tell("warning", what=str(damage))
+            events.write("warning", what=str(damage))
         if not started:
             started.append(True)
-            events.tell("trial_start", task=task.name, seed=task.seed)
+            events.write("trial_start", task=task.name, seed=task.seed)
         return device
 
     with ExitStack() as closing:
@@ -169,11 +173,11 @@ def _run(options: RunOptions, chosen: Settings, events: EventLog, console: Conso
         caption = "simulated user" if simulated else ""
         makers = tuple(map(announced, with_lift(device_makers(chosen), keys=False)))
         result = play_trial(chosen, makers, make_views, options.record, dump=options.dump)
-    events.tell("trial_end", **result.as_json())
+    events.write("trial_end", **result.as_json())
     if clock and clock[0].lost > 0:
         what = f"this machine fell behind real time by {clock[0].lost:.1f} s"
         console.print(f"[yellow]{what}[/]")
-        events.tell("warning", what=what)
+        events.write("warning", what=what)
     return result
 
 

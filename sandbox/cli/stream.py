@@ -21,6 +21,7 @@ from sandbox.cli.common.command_line import parse, picked
 from sandbox.cli.common.json_out import check_output, write_json
 from sandbox.cli.common.touch_options import LiveTouchOptions
 from sandbox.devices.device import Sees
+from sandbox.devices.files import show_report
 from sandbox.devices.leap import LeapCommandOptions, OverLeapOptions
 from sandbox.devices.leap.leap import open_leap
 from sandbox.devices.registry import (
@@ -41,12 +42,12 @@ from sandbox.stream.script import script
 from sandbox.stream.sender import Moment, Sender, parse_address
 from sandbox.study.record.trial_files import find_recordings
 from sandbox.system.ending import heeding
-from sandbox.trial.open_devices import device_makers
+from sandbox.trial.assembly import device_makers
 from sandbox.trial.trial_options import TrialOptions, trial_settings
 from tasks.registry import find_task
 
 if TYPE_CHECKING:
-    from sandbox.trial.open_devices import DeviceMakers
+    from sandbox.trial.assembly import DeviceMakers
     from sandbox.trial.settings import Settings
 
 TASK = "box-to-goal"
@@ -154,6 +155,10 @@ class StreamOptions(LeapCommandOptions, PageOptions, LiveTouchOptions, _File):
     out: Annotated[Path, Parameter(metavar="DIR")] = Path("studies")
     """Folder of studies."""
 
+    unit: Annotated[str, Parameter(metavar="UNIT,...")] = ""
+    """Units of a recording of a Leap, such as cm,ms. Default: those in which hand and rate are
+    possible."""
+
     json: Annotated[Path | None, Parameter(metavar="OUT")] = None
     """File for counts of sent and dropped poses and of answers, as JSON; - is the terminal."""
 
@@ -177,7 +182,9 @@ def main(argv: list[str]) -> int:
         for remark in source.remarks:
             console.print(remark, style="yellow", soft_wrap=True, markup=False)
         if address is None:
-            return _print(player, console)
+            status = _print(player, console)
+            show_report(source.report)
+            return status
         host, port = address
         sender = Sender(host, port, player.greeting)
         try:
@@ -195,6 +202,7 @@ def main(argv: list[str]) -> int:
         finally:
             sender.close()
     _report(options, player, sender, reached, damage, console)
+    show_report(source.report)
     return 0
 
 
@@ -294,7 +302,9 @@ def _recorded(options: StreamOptions, path: Path) -> MotionSource:
             where=str(path),
             got=f"{len(files)} recordings",
         )
-    return open_source(files[0], options.of, options.take, options.hand, options.calibration)
+    return open_source(
+        files[0], options.of, options.take, options.hand, options.calibration, options.unit
+    )
 
 
 def _leap_hands(options: StreamOptions) -> tuple[tuple[str, ...], dict[str, HandCalibration]]:
@@ -322,7 +332,7 @@ def _is_capture(path: Path) -> bool:
 
 def _session(options: StreamOptions, console: Console) -> tuple[Settings, DeviceMakers]:
     hand = None if options.hand == "both" else options.hand
-    given = given_device_options(options)
+    given = given_device_options(options) | ({"unit": options.unit} if options.unit else {})
     scene = picked(
         TrialOptions, options, task=options.task or TASK, hand=hand, device_options=given
     )

@@ -78,14 +78,14 @@ def main(argv: list[str]) -> int:
     refuse_replacing(options.out, {"--capture": options.capture})
     try:
         capture = load_capture(options.capture) if options.capture else builtin_capture()
-        return _one(options, capture, console)
+        return _train_encoder(options, capture, console)
     except OSError as error:
         raise InputError(
             "the model cannot be written", where=f"--out {options.out}", got=str(error)
         ) from error
 
 
-def _one(options: TrainOptions, capture: Capture, console: Console) -> int:
+def _train_encoder(options: TrainOptions, capture: Capture, console: Console) -> int:
     degree = 2 if options.degree is None and options.ridge is not None else options.degree
     bars = Console(stderr=True)
     # Without a terminal, a bar would leave an empty line beside an error.

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from gymnasium import spaces
 
-from models.arithmetic.arrays import Array
+from models.arithmetic import Array
 from models.errors import InputError, RecordingError
 from models.frames import Contact, TouchFrame
 from models.plugins import place_file
@@ -60,7 +60,7 @@ def open_demonstration(path: Path) -> Recording:
     """Reads a recording that can become a demonstration.
 
     Raises:
-        OtherStatesError: It was made with other `STATES`, so it would be another trial.
+        DifferentStatesError: It was made with other `STATES`, so it would be another trial.
         RecordingError: It breaks off, is damaged, says no versions, or is of a hand in the air.
     """
     recording = load_recording(path)

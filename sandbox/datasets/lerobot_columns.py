@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from models.arithmetic.arrays import Array
+from models.arithmetic import Array
 from models.frames import FINGERS
 from models.scene import CONTROL_PERIOD
 from sandbox.datasets.demonstration import Demonstration

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from models.arithmetic.arrays import Array
+from models.arithmetic import Array
 from models.errors import InputError
 from sandbox.datasets.data_set import DataSet, check_schema
 from sandbox.datasets.demonstration import Demonstration

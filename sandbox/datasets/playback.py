@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-from models.arithmetic.arrays import Array
+from models.arithmetic import Array
 
 
 def first_difference(env: Any, seed: int, actions: Array, hashes: Sequence[str]) -> int | None:

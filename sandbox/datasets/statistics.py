@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from models.arithmetic.arrays import Array
+from models.arithmetic import Array
 
 QUANTILES = (0.01, 0.10, 0.50, 0.90, 0.99)
 """The quantiles that LeRobot keeps, as q01, q10 and so on."""

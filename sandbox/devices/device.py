@@ -23,16 +23,17 @@ from typing import TYPE_CHECKING, Any, Generic, Self, TypeVar
 
 from models.frames import Frame, HandFrame, LandmarkFrame, TouchFrame
 from models.person import Person
+from models.reader_report import ReaderReport
 from models.surface import Surface
 from tasks.user import UserConfiguration
 
 if TYPE_CHECKING:
     from builtins import property as default
 
-    from models.arithmetic.arrays import Array
+    from models.arithmetic import Array
     from sandbox.devices.hand_input import HandInput
     from sandbox.session.messages import Snapshot
-    from sandbox.trial.latency import LatencyLog
+    from sandbox.trial.logs import LatencyLog
     from tasks.task import Task
 else:
 
@@ -151,8 +152,18 @@ class NoOptions:
     """Options of a device without any."""
 
 
-@dataclass(frozen=True)
-class PlayedOptions:
+@dataclass(frozen=True, kw_only=True)
+class UnitOptions:
+    """Units of a recording of another program."""
+
+    unit: str = field(default="", metadata={"metavar": "UNIT,..."})
+    """Units of a recording, such as cm,ms: m, cm, mm or in; s, ms, us or ns; px or 0..1 for places
+    in a picture. Default: those in which the hand has a hand's size or touches lie on the surface,
+    and the recording has a possible rate; they are reported where they are not the format's own."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class PlayedOptions(UnitOptions):
     """Options of a file that is played, and of somebody's own device."""
 
     user: UserConfiguration | None = None
@@ -171,7 +182,7 @@ def _the_same(options: Any) -> Any:
     return options
 
 
-def _no_surface(argument: str) -> Surface | None:
+def _no_surface(options: Any, argument: str) -> Surface | None:
     """None: the device reports no surface."""
     return None
 
@@ -188,7 +199,8 @@ class DeviceEntry(Generic[O]):
         kind: What it is.
         argument: What may follow its name and a colon, such as NODE; empty if nothing may.
         check: Checks options and argument before anything is built.
-        surface: The surface that it reports, by its argument; None if it reports none.
+        surface: The surface that it reports, by its options on the command line and its argument;
+            None if it reports none.
         command_options: Dataclass of its options on the command line, where they are not `options`:
             they say also how a hand in the air is seen. Members of the same name give the values
             of `options`.
@@ -204,7 +216,7 @@ class DeviceEntry(Generic[O]):
     kind: DeviceKind = DeviceKind()
     argument: str = ""
     check: Callable[[O, str], None] = _anything
-    surface: Callable[[str], Surface | None] = _no_surface
+    surface: Callable[[Any, str], Surface | None] = _no_surface
     command_options: type[Any] | None = None
     hand_input: Callable[[Any, str, str], HandInput] | None = None
     for_second: Callable[[O], O] = _the_same
@@ -274,7 +286,7 @@ class AnyDevice(ABC):
     def mode_requests(self, now: float) -> Sequence[str]:
         """Contact modes requested since the last call, up to session time `now`, s.
 
-        `sandbox.session.contact_modes` lists the modes.
+        `sandbox.session.collision_gating` lists the modes.
         """
         return ()
 
@@ -304,6 +316,11 @@ class AnyDevice(ABC):
     @default
     def damage(self) -> Exception | None:
         """The error that ended a recorded file early; None if the file is undamaged."""
+        return None
+
+    @default
+    def report(self) -> ReaderReport | None:
+        """What it leaves out of its input and assumes about it; None if it keeps none."""
         return None
 
     @default
@@ -365,6 +382,45 @@ class LandmarkDevice(AnyDevice):
     @abstractmethod
     def poll(self, now: float) -> Sequence[LandmarkFrame]:
         """Landmark frames since the last call, oldest first; see `AnyDevice.poll`."""
+
+
+class FilePlayer(AnyDevice):
+    """Plays recorded frames at their times; the first one plays at session time 0.
+
+    Args:
+        frames: Frames in order of time.
+        damage: Error that ended their file early; None without damage.
+        report: What the file's reader left out and assumed.
+    """
+
+    plays_file = True
+    damage: Exception | None
+    report: ReaderReport | None
+
+    def __init__(
+        self,
+        frames: Sequence[Any],
+        damage: Exception | None = None,
+        report: ReaderReport | None = None,
+    ) -> None:
+        self._frames, self.damage, self.report = frames, damage, report
+        self._next = 0
+
+    @property
+    def finished(self) -> bool:
+        """True after the last frame."""
+        return self._next >= len(self._frames)
+
+    def poll(self, now: float) -> Sequence[Any]:
+        """The frames due by `now`, oldest first."""
+        first, start = self._next, self._frames[0].time if self._frames else 0.0
+        while not self.finished and self._frames[self._next].time - start <= now:
+            self._next += 1
+        return self._frames[first : self._next]
+
+    def close(self) -> None:
+        """Ends playback."""
+        self._next = len(self._frames)
 
 
 class TouchDevice(Device):
@@ -481,6 +537,11 @@ class DeviceWrapper(Device):
         return self.device.damage
 
     @property
+    def report(self) -> ReaderReport | None:
+        """The wrapped device's."""
+        return self.device.report
+
+    @property
     def clock_origin(self) -> float | None:
         """The wrapped device's."""
         return self.device.clock_origin
@@ -537,7 +598,7 @@ class LatestFrame:
             self.frame = (
                 _stamped([f for f in frames if isinstance(f, TouchFrame)], time)
                 if frames
-                else replace(last, time=time, cancelled=frozenset())
+                else TouchFrame(time, last.contacts, last.lift, source=last.source)
             )
         elif time - self._heard > SILENCE and isinstance(last, LandmarkFrame):
             self.frame = replace(last, time=time, hands=())

@@ -7,10 +7,10 @@ from dataclasses import dataclass, field
 from math import isfinite
 from typing import TYPE_CHECKING, Any
 
+from encoders.reconstruction.hand_motion import RateLimit
 from encoders.webcam.camera import Camera
 from models.errors import InputError
 from models.person import Person
-from models.pose import RateLimit
 from models.surface import Surface
 
 if TYPE_CHECKING:

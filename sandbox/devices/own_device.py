@@ -20,10 +20,12 @@ from typing import Any
 
 import msgspec
 
-from models.arithmetic.products import length
+from models.arithmetic import length
 from models.errors import DeviceError, InputError
 from models.frames import Contact, HandFrame, LandmarkFrame, TouchFrame
+from models.plausible import JUMPED, ContactSizes, HandJumps
 from models.plugins import failure
+from models.reader_report import ReaderReport
 from models.surface import Surface
 from sandbox.devices.device import (
     AnyDevice,
@@ -36,6 +38,7 @@ from sandbox.devices.device import (
     Sees,
 )
 from sandbox.devices.registry import DEVICE_PLUGINS
+from sandbox.devices.webcam.landmarks import PossibleHands
 
 _REQUIRED_METHODS = ("poll", "close")
 _FRAMES: dict[Sees, type[Any]] = {
@@ -197,8 +200,9 @@ class GuardedDevice(DeviceWrapper):
     """Converts whatever goes wrong in the `poll` of somebody's device to one clear error.
 
     What frames may hold, they check themselves when they are made (`models.frames`). Contacts in
-    another unit than metres are refused here, since a session would show nothing. All other rules
-    for devices are those of `check_device`, which its author runs.
+    another unit than metres are refused here, since a session would show nothing, a size that no
+    finger or hand has is an unknown size, and a hand that jumps is left out. All other rules for
+    devices are those of `check_device`, which its author runs.
 
     Args:
         device: The device.
@@ -212,6 +216,14 @@ class GuardedDevice(DeviceWrapper):
     ) -> None:
         super().__init__(device)
         self._surface, self._where, self._frames = surface, where, frames
+        self._report = ReaderReport()
+        self._sizes = ContactSizes(self._report)
+        self._jumps, self._pictures = HandJumps(), PossibleHands()
+
+    @property
+    def report(self) -> ReaderReport:
+        """The wrapped device's, or what was left out here."""
+        return self.device.report or self._report
 
     def poll(self, now: float) -> Sequence[Any]:
         """The wrapped device's frames.
@@ -240,7 +252,32 @@ class GuardedDevice(DeviceWrapper):
             for contact in frame.contacts if isinstance(frame, TouchFrame) else ():
                 if is_far_off(contact, self._surface):
                     raise far_off(contact, self._surface, self._where)
-        return frames
+        return [self._possible(frame) for frame in frames]
+
+    def _possible(self, frame: Any) -> Any:
+        """The frame without what no hand has or does."""
+        if isinstance(frame, TouchFrame):
+            return self._sized(frame)
+        if isinstance(frame, HandFrame):
+            jumped = self._jumps.find(frame.time, {hand.id: hand.palm for hand in frame.hands})
+            if jumped:
+                self._report.leave_out(JUMPED, len(jumped))
+                return replace(frame, hands=tuple(h for h in frame.hands if h.id not in jumped))
+        elif isinstance(frame, LandmarkFrame):
+            return self._pictures.only(frame, self._report.left_out)
+        return frame
+
+    def _sized(self, frame: TouchFrame) -> TouchFrame:
+        """The frame without sizes that no finger or hand has."""
+        contacts = []
+        for contact in frame.contacts:
+            size = contact.size, contact.extent
+            known = size if size == (None, None) else self._sizes.known(*size)
+            contacts.append(
+                contact if known == size else replace(contact, size=known[0], extent=known[1])
+            )
+        same = all(a is b for a, b in zip(contacts, frame.contacts, strict=True))
+        return frame if same else replace(frame, contacts=tuple(contacts))
 
 
 def is_far_off(contact: Contact, surface: Surface) -> bool:

@@ -82,9 +82,14 @@ class NamedDevice(NamedTuple):
     entry: DeviceEntry[Any]
     argument: str
 
-    def surface(self) -> Surface | None:
-        """The surface that the device reports; None if it reports none."""
-        return self.entry.surface(self.argument)
+    def surface(self, given: Mapping[str, Any] | None = None) -> Surface | None:
+        """The surface that the device reports; None if it reports none.
+
+        Args:
+            given: Values of options on the command line by name; those of other devices are left
+                out.
+        """
+        return self.entry.surface(options_among(self.entry, given or {}), self.argument)
 
 
 def find_device(device: str) -> NamedDevice | None:
@@ -181,10 +186,10 @@ def check_device_options(given: Iterable[str], devices: Sequence[str]) -> None:
     }
     for name in given:
         if name not in known:
-            raise other_device_option(name, devices)
+            raise unavailable_option(name, devices)
 
 
-def other_device_option(name: str, devices: Sequence[str]) -> InputError:
+def unavailable_option(name: str, devices: Sequence[str]) -> InputError:
     """The error for an option that no device that is there has.
 
     Args:
@@ -201,12 +206,16 @@ def other_device_option(name: str, devices: Sequence[str]) -> InputError:
 
 
 def given_device_options(options: Any) -> dict[str, Any]:
-    """Values of the options of built-in devices among those of a command, but for its defaults.
+    """Values of the options of devices among those of a command, but for its defaults.
 
     Args:
-        options: Object of a dataclass that inherits options of devices.
+        options: Object of a dataclass that inherits options of devices: of built-in ones, and of
+            the one that its field `device` names.
     """
-    names = {f.name for entry in DEVICES.values() for f in fields(entry.on_command_line)}
+    entries = list(DEVICES.values())
+    if (named := find_device(getattr(options, "device", "") or "")) is not None:
+        entries.append(named.entry)
+    names = {f.name for entry in entries for f in fields(entry.on_command_line)}
     return {
         each.name: getattr(options, each.name)
         for each in fields(options)

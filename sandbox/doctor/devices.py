@@ -63,7 +63,7 @@ def port_check(kind: str, port: int) -> Check:
 
 
 def _network() -> Check:
-    from sandbox.server.address import local_network_address
+    from sandbox.server.page_options import local_network_address
 
     try:
         ok, address, remedy = True, local_network_address(), ""

@@ -71,7 +71,7 @@ def graphics_checks() -> list[Check]:
                 "pictures",
                 "window",
                 window.ok,
-                _told(window),
+                _answer_text(window),
                 "`sandbox play` in a window",
                 "" if window.ok else OPENGL_REMEDY,
             )
@@ -84,7 +84,9 @@ def graphics_checks() -> list[Check]:
     if answers:
         any_ok = any(a.ok for a in answers.values())
         told = "; ".join(
-            f"{name}: {_told(a)}" if a.ok or not any_ok else f"no {name}, which is not needed then"
+            f"{name}: {_answer_text(a)}"
+            if a.ok or not any_ok
+            else f"no {name}, which is not needed then"
             for name, a in answers.items()
         )
         checks.append(
@@ -108,7 +110,7 @@ def _offscreen(backend: str) -> ProbeResult:
     return run_probe(_OFFSCREEN, MUJOCO_GL=backend, PYOPENGL_PLATFORM=backend)
 
 
-def _told(answer: ProbeResult) -> str:
+def _answer_text(answer: ProbeResult) -> str:
     slow = answer.ok and any(word in answer.text.lower() for word in _BY_SOFTWARE)
     return answer.text + (" (by software: slower, and good enough)" if slow else "")
 

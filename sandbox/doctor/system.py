@@ -13,8 +13,8 @@ from pathlib import Path
 
 from models.errors import HandSandboxError
 from sandbox.doctor.check import Check
+from sandbox.hand.profiles import default_path, find_profile
 from sandbox.recording.versions import versions
-from sandbox.trial.profiles import default_path, find_profile
 
 PYTHON = (3, 11)
 LATE = 0.005

@@ -84,6 +84,8 @@ def judge_folder(folder: Path, shown: Callable[[float], None]) -> dict[str, Any]
             recording = read_leap(path)
             if recording.damage is not None:
                 left_out[f"{path.name} (its end)"] = str(recording.damage)
+            if recording.report:
+                left_out[f"{path.name} (parts)"] = recording.report.line()
             if recording.dialect == "v1" and take_with_truth(recording, str(path)) is None:
                 plausible[path.name] = plausibility(recording.frames)
                 plausible[f"{path.name}, live"] = plausibility(recording.frames, live=True)

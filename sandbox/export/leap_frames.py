@@ -8,7 +8,6 @@ frame by frame here; all others are left to it.
 from __future__ import annotations
 
 import json
-from collections import Counter
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -17,8 +16,11 @@ import msgspec
 
 from models.errors import RecordingError
 from models.frames import HandFrame
+from models.json_input import any_json
+from models.plausible import parse_units, unit_size
+from models.reader_report import ReaderReport
 from sandbox.devices.leap.leap_file import LeapRecording, read_leap
-from sandbox.devices.leap.leap_json import LeapDecoder
+from sandbox.devices.leap.leap_json import LeapDecoder, find_leap_units
 from sandbox.export.json_text import EVERYTHING, LARGEST, JsonText
 
 _DAMAGE = (msgspec.DecodeError, UnicodeDecodeError, RecursionError)
@@ -54,27 +56,45 @@ class LeapFrames:
 
     Args:
         path: The file.
+        unit: Units that a person gave, such as `cm,ms`.
 
     Attributes:
         metadata: Metadata of the file; empty without any.
-        counts: Numbers of frames, fingers and hands that were used or skipped in the latest
-            iteration, by reason.
         damage: Error that ended the latest iteration early; None if there was none.
 
     Raises:
         RecordingError: The file does not exist, is damaged or of another program.
     """
 
-    def __init__(self, path: Path) -> None:
+    def __init__(self, path: Path, unit: str = "") -> None:
         self._path = path
         self._whole: LeapRecording | None = None
         self.metadata: dict[str, Any] = {}
-        self.counts: Counter[str] = Counter()
+        self._assumed = ReaderReport()
+        self._decoder = LeapDecoder()
         self.damage: RecordingError | None = None
         self._lines = _is_lines(path)
         if not (self._lines or self._is_list()):
-            self._whole = read_leap(path)
+            self._whole = read_leap(path, unit)
             self.metadata, self.damage = self._whole.metadata, self._whole.damage
+            self._units, self._stride = self._whole.units, 0
+            return
+        found = find_leap_units(self.messages(), parse_units(unit), str(path), self._assumed)
+        self._units, self._stride = found
+
+    @property
+    def report(self) -> ReaderReport:
+        """What the latest iteration left out, and what is assumed."""
+        if self._whole is not None:
+            return self._whole.report
+        report = self._decoder.report
+        report.add(self._assumed)
+        return report
+
+    @property
+    def second(self) -> float:
+        """s, unit of the messages' times."""
+        return unit_size(self._units, "time")
 
     def messages(self, outlines: bool = False) -> Iterator[Any]:
         """Yields the decoded JSON messages.
@@ -94,13 +114,10 @@ class LeapFrames:
 
     def __iter__(self) -> Iterator[HandFrame]:
         if self._whole is not None:
-            self.counts = self._whole.counts
             yield from self._whole.frames
             return
-        decoder = LeapDecoder(self._path.name)
-        self.counts = decoder.counts
-        for message in self.messages():
-            frame = decoder.feed(message)
+        self._decoder = LeapDecoder(self._path.name, units=self._units, stride=self._stride)
+        for frame in map(self._decoder.feed, self.messages()):
             if frame is not None:
                 yield frame
 
@@ -111,7 +128,7 @@ class LeapFrames:
                 if not line.strip():
                     continue
                 try:
-                    yield msgspec.json.decode(line)
+                    yield any_json(line)
                 except _DAMAGE as error:
                     self.damage = RecordingError(
                         f"the recording is damaged here: {error}",
@@ -189,7 +206,7 @@ def _is_lines(path: Path) -> bool:
                 first = file.readline(LARGEST)
             if not first.lstrip().startswith(b"{") or not file.read(1):
                 return False
-        msgspec.json.decode(first)
+        any_json(first)
     except (OSError, *_DAMAGE):
         return False
     return True

@@ -6,16 +6,17 @@ table, outrun its servos or hide objects while it is lost; here nothing of that 
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from math import inf
 
 from encoders.paalm.calibration import HandCalibration
 from encoders.paalm.hand_reconstructor import HandReconstructor, HandReconstructorSettings
 from encoders.paalm.paalm import Paalm
+from encoders.reconstruction.hand_motion import RateLimit
 from models.frames import SIDES, HandFrame
 from models.motion.armature import Armature
 from models.person import Person
-from models.pose import RateLimit
 from models.skeleton import ADULT
 from sandbox.devices.device import AnyDevice
 from sandbox.devices.leap.two_hands import SplitBySide
@@ -73,11 +74,15 @@ class HandSplitter:
         sides: Sides of the wanted hands.
         pairs: True if frames show two hands. A single hand otherwise keeps its frames whole, and
             PAALM finds it.
+
+    Attributes:
+        counts: Numbers of hands that were left out or mended, by reason.
     """
 
     def __init__(self, sides: Sequence[str], pairs: bool) -> None:
         self._split = SplitBySide(SIDES) if pairs or len(sides) == 2 else None
         self._wanted = [SIDES.index(side) for side in sides]
+        self.counts: Counter[str] = Counter() if self._split is None else self._split.counts
 
     def __call__(self, frame: HandFrame) -> tuple[HandFrame, ...]:
         """A frame for each side."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter, deque
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import islice
 from pathlib import Path
@@ -16,11 +16,15 @@ from encoders.paalm.calibration import HandCalibration
 from encoders.paalm.calibration_file import read_hand
 from encoders.paalm.paalm import Paalm
 from encoders.paalm.recorded import measured_in
-from encoders.reconstruction.arrival import Phase
-from models.arithmetic.arrays import Array
+from encoders.reconstruction.hand_motion import Phase
+from models.arithmetic import Array
 from models.errors import EncoderError, InputError, RecordingError
 from models.frames import SIDES, HandFrame
+from models.message import counted
 from models.motion.armature import CHUNK
+from models.reader_report import ReaderReport
+from sandbox.devices.leap.leap_file import no_finger, no_frame
+from sandbox.devices.leap.leap_json import canonical, side_named
 from sandbox.export.leap_frames import LeapFrames, Outline
 from sandbox.export.leap_hands import (
     HandSplitter,
@@ -50,6 +54,8 @@ class LeapSurvey:
         sides: Numbers of messages with a hand of each side that the device names; under None those
             with a hand of no side.
         pairs: Number of messages with two hands or more of no side.
+        both: Number of messages with hands of both sides.
+        same: Numbers of messages with several hands of one side.
         hands: Number of messages with a hand.
         frames: Number of messages that are frames.
     """
@@ -57,15 +63,23 @@ class LeapSurvey:
     duration: float
     sides: Counter[str | None]
     pairs: int
+    both: int
+    same: Counter[str]
     hands: int
     frames: int
 
     @classmethod
-    def of(cls, messages: Iterable[Any]) -> LeapSurvey:
-        """Looks through the messages of a recording, which may hold anything, or their outlines."""
+    def of(cls, messages: Iterable[Any], second: float = 1e-6) -> LeapSurvey:
+        """Looks through the messages of a recording, which may hold anything, or their outlines.
+
+        Args:
+            messages: The messages.
+            second: s, unit of their times.
+        """
         sides: Counter[str | None] = Counter()
+        same: Counter[str] = Counter()
         begin = end = None
-        pairs = hands = frames = 0
+        pairs = both = hands = frames = 0
         for message in messages:
             time: Any
             if isinstance(message, Outline):
@@ -73,7 +87,8 @@ class LeapSurvey:
                     continue
                 time, kinds = message.timestamp, [hand.type for hand in message.hands]
             else:
-                records = message.get("hands") if isinstance(message, dict) else None
+                message = canonical(message) if isinstance(message, dict) else {}
+                records = message.get("hands")
                 if not isinstance(records, list):
                     continue
                 time = message.get("timestamp")
@@ -81,16 +96,21 @@ class LeapSurvey:
             frames += 1
             if isinstance(time, (int, float)):
                 begin, end = time if begin is None else begin, time
-            named = [k if k in SIDES else None for k in kinds]
+            named = [side_named(kind) for kind in kinds]
             sides.update(set(named))
             pairs += named.count(None) >= 2
+            both += set(SIDES) <= set(named)
+            same.update(side for side in SIDES if named.count(side) >= 2)
             hands += bool(named)
-        duration = 0.0 if begin is None or end is None else max(0.0, 1e-6 * (end - begin))
-        return cls(duration, sides, pairs, hands, frames)
+        duration = 0.0 if begin is None or end is None else max(0.0, second * (end - begin))
+        return cls(duration, sides, pairs, both, same, hands, frames)
 
 
 def open_leap(
-    path: Path, hand: Hand | None = None, calibration: Path | None = None
+    path: Path,
+    hand: Hand | None = None,
+    calibration: Path | None = None,
+    unit: str = "",
 ) -> MotionSource:
     """Opens a Leap recording; poses are in the frame of the device, at the recording's times.
 
@@ -99,16 +119,27 @@ def open_leap(
         hand: Whose hand; None: all hands that are there.
         calibration: File with the measured hands. None: the open hand in the recording, the bones
             that the device reports, or an average hand.
+        unit: Units that a person gave, such as `cm,ms`.
 
     Raises:
-        RecordingError: The file is damaged, of another program, or has no hand.
+        RecordingError: The file is damaged, of another program, or has no hand or no finger.
         InputError: That hand is not in the recording.
         EncoderError: The calibration is damaged, or of the other hand.
     """
-    frames = LeapFrames(path)
-    survey = LeapSurvey.of(frames.messages(outlines=True))
+    frames = LeapFrames(path, unit)
+    survey = LeapSurvey.of(frames.messages(outlines=True), frames.second)
+    if not survey.frames:
+        deque(frames, maxlen=0)
+        raise no_frame(str(path), frames.report)
     sides, remarks = _sides(survey, frames.metadata, hand, str(path))
     recording = _SplitRecording(frames, sides, survey.pairs > FEW * survey.hands)
+    usable = False
+    for parts in recording.beginning():
+        usable = True
+        if any(hand.fingers for part in parts for hand in part.hands):
+            break
+    else:
+        raise (no_finger if usable else no_frame)(str(path), frames.report)
     calibrations = {}
     for i, side in enumerate(sides):
         if calibration is not None:
@@ -117,14 +148,22 @@ def open_leap(
         calibrations[side], remark = _calibration(recording, i)
         remarks += [remark] if remark else []
 
+    report = ReaderReport()
+
     def run(take: PoseCallback) -> str:
         first = _first_poses(recording, calibrations, str(path))
-        for time, q in _poses(recording, calibrations, first):
+        hands = [
+            RecordedHand(side, calibrations[side], q) for side, q in zip(sides, first, strict=True)
+        ]
+        for time, q in _poses(recording, hands):
             take(together([poses_of(time, q[:, i]) for i in range(len(sides))]))
+        report.add(frames.report)
+        for counts in (recording.counts, *(hand.counts for hand in hands)):
+            report.add_counts(counts)
         return "" if frames.damage is None else str(frames.damage)
 
     return MotionSource(
-        leap_armatures(sides), sides, survey.duration, described(sides), run, tuple(remarks)
+        leap_armatures(sides), sides, survey.duration, described(sides), run, tuple(remarks), report
     )
 
 
@@ -135,6 +174,9 @@ class _SplitRecording:
         frames: All frames.
         sides: Sides of the wanted hands.
         pairs: True if frames show two hands.
+
+    Attributes:
+        counts: Numbers of hands that the latest iteration left out or mended, by reason.
     """
 
     def __init__(self, frames: LeapFrames, sides: tuple[str, ...], pairs: bool) -> None:
@@ -143,6 +185,7 @@ class _SplitRecording:
         self._kept: list[tuple[HandFrame, ...]] = []
         self._rest: Iterator[tuple[HandFrame, ...]] = iter(())
         self._begun = False
+        self.counts: Counter[str] = Counter()
 
     def __iter__(self) -> Iterator[tuple[HandFrame, ...]]:
         kept = deque(self._kept)
@@ -169,19 +212,15 @@ class _SplitRecording:
         return (parts[index] for parts in self.beginning())
 
     def _anew(self) -> Iterator[tuple[HandFrame, ...]]:
-        return map(HandSplitter(self.sides, self._pairs), self._frames)
+        splitter = HandSplitter(self.sides, self._pairs)
+        self.counts = splitter.counts
+        return map(splitter, self._frames)
 
 
 def _sides(
     survey: LeapSurvey, metadata: dict[str, Any], hand: Hand | None, where: str
 ) -> tuple[tuple[str, ...], list[str]]:
     """Sides of the hands to be taken, and remarks on them."""
-    if not survey.frames:
-        raise RecordingError(
-            "the file contains no usable Leap frames",
-            where=where,
-            remedy="`sandbox devices leap formats` lists what can be read",
-        )
     if not survey.hands:
         raise RecordingError(
             "no hand is seen in this recording",
@@ -212,19 +251,27 @@ def _sides(
     enough = FEW * survey.hands
     if not named:
         if survey.pairs > enough:
-            return SIDES, []
+            return SIDES, ["this Leap does not say whose hands they are: thumbs and places tell"]
         told = metadata.get("side")
         if told in SIDES:
             return (str(told),), []
         return ("right",), ["this Leap does not say whose hand it is: --hand left, if it is left"]
-    sides = tuple(side for side, count in named.items() if count > enough)
-    few = [
-        f"the {side} hand is left out, since only {count} of {survey.hands} frames show it; "
-        "--hand both takes it in"
+    most = max(named, key=named.__getitem__)
+    # A hand counts beside another only where both were seen at once.
+    sides = tuple(s for s in named if s == most or survey.both > enough)
+    remarks = [
+        f"the {side} hand is not exported: {counted(count, 'frame')} of {survey.hands} name it, "
+        f"and {survey.both} show both hands; --hand both exports it"
         for side, count in named.items()
         if side not in sides
     ]
-    return (sides or tuple(named)), few
+    remarks += [
+        f"{counted(survey.same[side], 'frame')} of {survey.hands} show two {side} hands: the one "
+        "that is seen first is taken, and the other is left out"
+        for side in sides
+        if survey.same[side]
+    ]
+    return sides, remarks
 
 
 def _calibration(recording: _SplitRecording, index: int) -> tuple[HandCalibration, str]:
@@ -268,13 +315,9 @@ def _first_poses(
 
 
 def _poses(
-    recording: _SplitRecording, calibrations: dict[str, HandCalibration], first: list[Array]
+    recording: _SplitRecording, hands: Sequence[RecordedHand]
 ) -> Iterator[tuple[Array, Array]]:
     """Times (n,) s from the first frame, and poses (n, H, 48), in batches."""
-    hands = [
-        RecordedHand(side, calibrations[side], q)
-        for side, q in zip(recording.sides, first, strict=True)
-    ]
     times: list[float] = []
     begin: float | None = None
     for parts in recording:

@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
-from models.arithmetic.arrays import Array
+from models.arithmetic import Array
 from models.motion.armature import Armature
 from models.motion.sampling import Poses
 from models.pose import ROOT_POSITION, ROOT_ROTATION, joint_vectors
+from models.reader_report import ReaderReport
 from models.rotations import quaternion_exp
 
 PoseCallback = Callable[[Poses], None]
@@ -28,6 +29,7 @@ class MotionSource:
         play: Passes all poses, in batches, to a callback; returns an error text for the rest, or an
             empty text.
         remarks: What people must know of these poses, said before they are played.
+        report: What the reader left out and assumed; complete once all is played.
     """
 
     armatures: tuple[Armature, ...]
@@ -36,6 +38,7 @@ class MotionSource:
     what: str
     play: Callable[[PoseCallback], str]
     remarks: tuple[str, ...] = ()
+    report: ReaderReport = field(default_factory=ReaderReport)
 
 
 def poses_of(time: Array, q: Array) -> Poses:

@@ -13,7 +13,7 @@ from encoders.paalm.chain import tables_of
 from encoders.paalm.hand_pose import hand_poses
 from encoders.paalm.paalm import Paalm, PaalmHand
 from encoders.reconstruction.followed_hand import FollowedHand
-from models.arithmetic.arrays import Array
+from models.arithmetic import Array
 from models.frames import HandFrame
 from models.person import Person
 from models.skeleton import ADULT
@@ -35,6 +35,11 @@ class RecordedHand:
         self._hand = FollowedHand(Person(side).skeleton(ADULT), STRAIGHT.following, first)
         self._time: float | None = None
         self._waiting: list[tuple[float, PaalmHand | None]] = []
+
+    @property
+    def counts(self) -> dict[str, int]:
+        """Numbers of hands that were left out or mended, by reason."""
+        return {reason: n for reason, n in self._paalm.counts.items() if reason != "frames"}
 
     def add(self, frame: HandFrame) -> None:
         """Takes in the next frame."""

@@ -18,7 +18,7 @@ from msgspec import Struct
 
 from encoders.capture import Capture
 from encoders.store import load_capture
-from models.arithmetic.arrays import Array
+from models.arithmetic import Array
 from models.errors import InputError, RecordingError
 from models.json_input import checked, decoded_record
 from models.motion.armature import CHUNK, Armature
@@ -38,7 +38,7 @@ from sandbox.recording.recording import (
     read_track_line,
     stored,
 )
-from sandbox.recording.versions import check_states, other_states
+from sandbox.recording.versions import check_states, states_difference
 from sandbox.trial.settings import Settings, recorded_settings
 
 if TYPE_CHECKING:
@@ -58,6 +58,7 @@ def open_source(
     take: int = 1,
     hand: Hand | None = None,
     calibration: Path | None = None,
+    unit: str = "",
 ) -> MotionSource:
     """Opens a recording, a capture, or a recording of a Leap or a camera, distinguished by content.
 
@@ -68,14 +69,17 @@ def open_source(
         take: Number of the take of a capture, from 1.
         hand: Whose hand of a recording of a Leap or a camera; None: all that are there.
         calibration: File with the measured hands of a Leap recording.
+        unit: Units of a recording of a Leap or a camera, such as `cm,ms`; those that are not given
+            are found.
 
     Raises:
         InputError: The file is none of them, or has no poses.
     """
+
     if not stored(path).exists():
         raise InputError("no such file", where=str(path))
     if is_recording(path):
-        _only_leaps(hand, calibration, "a recording of a session")
+        _only_leaps(hand, calibration, unit, "a recording of a session")
         return _commanded(path) if of == "commanded" else _simulated(path)
     try:
         with path.open("rb") as file:
@@ -83,7 +87,7 @@ def open_source(
     except OSError as error:
         raise InputError("cannot be read", where=str(path), got=error.strerror) from error
     if head.startswith(b"PK"):
-        _only_leaps(hand, calibration, "a capture")
+        _only_leaps(hand, calibration, unit, "a capture")
         return _capture(load_capture(path), str(path), take)
     if of is not None:
         raise InputError(
@@ -93,10 +97,10 @@ def open_source(
             remedy="Leave out --of",
         )
     if is_landmark_file(path):
-        _only_leaps(None, calibration, "a recording of landmarks")
-        return open_landmarks(path, hand)
+        _only_leaps(None, calibration, "", "a recording of landmarks")
+        return open_landmarks(path, hand, unit)
     try:
-        return open_leap(path, hand, calibration)
+        return open_leap(path, hand, calibration, unit)
     except RecordingError as error:
         if head.lstrip()[:1] in (b"{", b"[") or path.suffix == ".lz":
             raise
@@ -108,9 +112,9 @@ def open_source(
         ) from error
 
 
-def _only_leaps(hand: Hand | None, calibration: Path | None, what: str) -> None:
+def _only_leaps(hand: Hand | None, calibration: Path | None, unit: str, what: str) -> None:
     """Refuses options that a source has no use for."""
-    given = "--hand" if hand else "--calibration" if calibration else ""
+    given = "--hand" if hand else "--calibration" if calibration else "--unit" if unit else ""
     if given:
         raise InputError(
             "this option is for recordings of a Leap",
@@ -148,7 +152,7 @@ def hands_of(settings: Settings) -> tuple[tuple[Armature, ...], tuple[str, ...]]
 
 def _simulated(path: Path) -> MotionSource:
     header = read_header(first_line(path), path)
-    settings = recorded_settings(header, "hands", "robot", "timestep")
+    settings = recorded_settings(header, "hands", "physics")
     armatures, names = hands_of(settings)
     timestep = settings.physics.timestep
 
@@ -178,7 +182,7 @@ def _simulated(path: Path) -> MotionSource:
             )
         return ""
 
-    remarks = tuple(filter(None, [other_states(header)]))
+    remarks = tuple(filter(None, [states_difference(header)]))
     duration = _length(path, timestep)
     return MotionSource(armatures, names, duration, "the simulated hand", run, remarks)
 

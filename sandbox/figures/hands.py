@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from encoders.evaluation.measure import TRUE, MethodResult, Tests
-from models.arithmetic.arrays import Array
+from models.arithmetic import Array
 from models.kinematics import Kinematics
 from models.pose import ROOT_ROTATION
 from models.rotations import exp
@@ -129,15 +129,14 @@ def _rendered(moments: Sequence[Moment], poses: Sequence[Array]) -> list[list[An
     """
     import mujoco
 
+    from models.frames import Contact
     from models.hand import Hand
-    from models.pose import surface_to_world
     from models.scene import Scene, SceneSpec
     from models.surface import Surface
-    from sandbox.session.messages import ContactView, DrawnScene, HandView, Snapshot
+    from sandbox.session.messages import HandView, Snapshot
     from sandbox.views.drawing import Drawing
     from sandbox.views.graphics import offscreen_context, render_context
     from sandbox.views.renderer import SAMPLES, SHADOW_SIZE, SLICES, STACKS
-    from tasks.score import Score
 
     surface = Surface().centred_at((0.0, 0.0, 0.0))
     scene = Scene(SceneSpec((Hand(),)))
@@ -169,9 +168,10 @@ def _rendered(moments: Sequence[Moment], poses: Sequence[Array]) -> list[list[An
         for moment, row in zip(moments, poses, strict=True):
             down = np.flatnonzero(~np.isnan(moment.xy[:, 0]))
             contacts = tuple(
-                ContactView(f, surface.to_world(moment.xy[f]), f, "active") for f in down.tolist()
+                Contact(f, float(moment.xy[f, 0]), float(moment.xy[f, 1]), label=f)
+                for f in down.tolist()
             )
-            world = surface_to_world(row, surface)
+            world = surface.pose_to_world(row)
             # The captured hand is in the middle of its row, and seen from its thumb's side.
             along = exp(world[0, ROOT_ROTATION])[:, 1]
             middle = _KINEMATICS.place(world[0]).joints.mean(axis=0) - BEHIND * along
@@ -180,10 +180,12 @@ def _rendered(moments: Sequence[Moment], poses: Sequence[Array]) -> list[list[An
             pictures = []
             for q in world:
                 tips = _KINEMATICS.tips(q)
-                hand = HandView(q, tips, frozenset(down.tolist()), "down", contacts)
+                hand = HandView(
+                    q, tips, frozenset(down.tolist()), "down", contacts, surface=surface
+                )
                 qpos = np.zeros(scene.model.nq)
                 qpos[scene.qpos_slice(0)] = scene.pose_to_qpos(0, q)
-                pictures.append(picture(Snapshot(0.0, 0, qpos, DrawnScene((hand,)), Score())))
+                pictures.append(picture(Snapshot(0.0, 0, qpos).with_hands(hand)))
             rows.append(pictures)
     return rows
 

@@ -7,11 +7,11 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from encoders.reconstruction.arrival import Phase
+from encoders.reconstruction.hand_motion import Phase, RateLimit
 from encoders.reconstruction.reconstructor import Reconstruction, Reconstructor
-from models.arithmetic.arrays import Array
+from models.arithmetic import Array
 from models.frames import FINGERS, Contact, TouchFrame
-from models.pose import JOINTS, POSE_SIZE, ROOT_POSITION, ROOT_ROTATION, RateLimit, within_limits
+from models.pose import JOINTS, POSE_SIZE, ROOT_POSITION, ROOT_ROTATION, within_limits
 from models.rotations import exp
 from models.skeleton import Skeleton
 from models.surface import Surface
@@ -182,7 +182,7 @@ class PoseHands(Hands):
         """Returns a reconstructor that follows the poses, from the waiting pose of a hand."""
         return _PoseFollower(self, touched)
 
-    def wanted(self) -> tuple[Array | None, frozenset[int]]:
+    def command(self) -> tuple[Array | None, frozenset[int]]:
         """The pose (48,) last commanded, None before the first, and the fingers to be solid."""
         return self._pose, self._solid
 
@@ -216,7 +216,7 @@ class _PoseFollower:
     def step(self, frame: TouchFrame) -> Reconstruction:
         dt = 0.0 if self._time is None else frame.time - self._time
         self._time = frame.time
-        pose, solid = self._hands.wanted()
+        pose, solid = self._hands.command()
         if pose is not None:
             self._commanded = self._rate(self._commanded, pose, dt)
-        return Reconstruction(self._commanded, Phase.DOWN, solid, None, 1.0, 0.0, ())
+        return Reconstruction(self._commanded, Phase.DOWN, solid, None, 1.0, 0.0)

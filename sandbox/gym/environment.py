@@ -12,7 +12,7 @@ import numpy as np
 from gymnasium import spaces
 from numpy.typing import ArrayLike
 
-from models.arithmetic.arrays import Array
+from models.arithmetic import Array
 from models.errors import InputError
 from models.scene import CONTROL_PERIOD
 from models.skeleton import ADULT
@@ -34,14 +34,11 @@ from sandbox.gym.pictures import Pictures
 from sandbox.gym.rewards import Reward
 from sandbox.session.messages import Snapshot
 from sandbox.session.session import Session
-from sandbox.trial.assembly import build
+from sandbox.trial.assembly import DeviceMaker, build, place_all
 from sandbox.trial.driver import Trial
-from sandbox.trial.open_devices import DeviceMaker
 from sandbox.trial.result import TrialResult
-from sandbox.trial.surfaces import place_all
-from tasks.guarded import measure
 from tasks.registry import find_task
-from tasks.score import Status
+from tasks.score import Status, measure
 from tasks.sensing import Sensing
 from tasks.task import place_surface
 

@@ -11,8 +11,8 @@ import numpy as np
 from gymnasium import spaces
 from numpy.typing import NDArray
 
-from encoders.reconstruction.arrival import Phase
-from models.arithmetic.arrays import Array
+from encoders.reconstruction.hand_motion import Phase
+from models.arithmetic import Array
 from models.errors import InputError
 from models.pose import POSE_SIZE
 from sandbox.gym.actions import SLOTS, Hands

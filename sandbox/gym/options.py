@@ -181,7 +181,7 @@ def run_settings(
             remedy="Disturb the actions",
         )
     if hands_of(kind) > 1 and not others:
-        values = replace(values, hands=(*values.hands, values.hands[0].other))
+        values = replace(values, hands=(*values.hands, values.hands[0].opposite))
     return values
 
 

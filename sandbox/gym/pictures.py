@@ -57,11 +57,12 @@ class Pictures:
 def _alike(scene: Scene, other: Scene) -> bool:
     """True if two scenes differ only in where objects are."""
     return scene is other or all(
-        np.array_equal(one, two) for one, two in zip(_looks(scene), _looks(other), strict=True)
+        np.array_equal(one, two)
+        for one, two in zip(_appearance(scene), _appearance(other), strict=True)
     )
 
 
-def _looks(scene: Scene) -> tuple[NDArray[Any], ...]:
+def _appearance(scene: Scene) -> tuple[NDArray[Any], ...]:
     """Looks of a scene in a picture, besides where objects are."""
     m = scene.model
     return (

@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from models.arithmetic.arrays import Array
+from models.arithmetic import Array
 from sandbox.session.messages import Snapshot
 
 REACH = 0.2

@@ -10,12 +10,12 @@ from rich.console import Console
 from encoders.labels.belief import builtin_population_belief
 from encoders.person.hand_size import SPREADS, HandSize
 from encoders.person.spreads import SpreadCollector
-from models.arithmetic.arrays import Array
+from models.arithmetic import Array
 from models.errors import InputError
 from models.person import Person
 from models.scene import CONTROL_PERIOD
 from sandbox.devices.device import Device
-from sandbox.session.own_layouts import Layouts, kept_layouts
+from sandbox.session.own_layouts import Layouts, stored_layouts
 
 _ASKED = {
     "natural": "put down all five fingertips, relaxed, and hold still",
@@ -81,7 +81,7 @@ def named_layouts(layouts: list[Array], person: Person) -> Layouts:
     for xy in layouts:
         belief.reset()
         belief.assign(dict(enumerate(map(tuple, (xy / person.hand_size).tolist()))), {})
-    return kept_layouts(belief.own, person.hand_size)
+    return stored_layouts(belief.own, person.hand_size)
 
 
 def rounded_interval(size: HandSize, person: Person) -> tuple[float, float]:

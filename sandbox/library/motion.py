@@ -45,6 +45,6 @@ def export_motion(
     chosen = settings or ExportSettings(rate)
     with Exporter(Path(to), opened.armatures, opened.names, chosen) as exporter:
         damage = opened.play(exporter.take)
-    if damage:
-        warnings.warn(f"{source}: {damage}", stacklevel=2)
+    for text in filter(None, (damage, opened.report.line())):
+        warnings.warn(f"{source}: {text}", stacklevel=2)
     return tuple(exporter.paths)

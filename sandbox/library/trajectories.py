@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from models.arithmetic.arrays import Array
+from models.arithmetic import Array
 from models.errors import InputError
 from models.frames import FINGERS
 from models.objects import Joint
@@ -208,7 +208,6 @@ class TrajectoryView:
 
     def __init__(self, session: Session) -> None:
         self._scene = session.scene
-        self._surfaces = [rig.reconstructor.surface for rig in session.rigs]
         self._snapshots: list[Snapshot] = []
 
     def show(self, snapshot: Snapshot) -> None:
@@ -223,7 +222,7 @@ class TrajectoryView:
             np.array([s.time for s in shots]),
             np.array([s.step for s in shots], np.int64),
             objects,
-            tuple(self._of_hand(i) for i in range(len(self._surfaces))),
+            tuple(self._of_hand(i) for i in range(len(self._scene.spec.hands))),
             self._touches(),
             {
                 name: JointTrajectory(np.array([s.qpos[at] for s in shots]), joint)
@@ -250,7 +249,7 @@ class TrajectoryView:
             for number, hand in enumerate(shot.hands)
             for contact in hand.contacts
         ]
-        places = [self._surfaces[number].to_surface(c.position) for _, number, c in rows]
+        places = [(c.x, c.y) for _, _, c in rows]
         fingers = [UNNAMED if c.label is None else c.label for _, _, c in rows]
         return TouchTable(
             np.array([time for time, _, _ in rows], float),

@@ -23,16 +23,14 @@ from sandbox.devices.registry import (
     DeviceSettings,
     devices_with_option,
     find_device,
-    other_device_option,
+    unavailable_option,
 )
 from sandbox.library.trajectories import Trajectories, TrajectoryView
 from sandbox.recording.recording import load_recording
 from sandbox.session.messages import Snapshot
 from sandbox.session.session import Session
-from sandbox.trial.driver import View, play_trial
-from sandbox.trial.lift import with_lift
-from sandbox.trial.live_run import RealTime
-from sandbox.trial.open_devices import DeviceMaker, device_makers, is_live
+from sandbox.trial.assembly import DeviceMaker, device_makers, is_live, with_lift
+from sandbox.trial.driver import RealTime, View, play_trial
 from sandbox.trial.replay import Verification, replay
 from sandbox.trial.settings import recorded_users
 from sandbox.trial.trial_options import TrialOptions, trial_settings
@@ -249,7 +247,7 @@ def _trial_options(device: str, **values: Any) -> TrialOptions:
     unknown = sorted(set(values) - known)
     if unknown:
         if any(devices_with_option(name) for name in unknown):
-            raise other_device_option(unknown[0], [device])
+            raise unavailable_option(unknown[0], [device])
         own = {*signature(run_trial).parameters} - {"options"}
         near = [get_close_matches(name, known | own, 1) for name in unknown]
         raise InputError(

@@ -12,9 +12,7 @@ from rich.text import Text
 
 from models.errors import InputError
 from sandbox.devices.registry import LIVE_LEAP, is_in_air
-from sandbox.session.own_layouts import learned_layouts
-from sandbox.session.session import Session
-from sandbox.trial.profiles import (
+from sandbox.hand.profiles import (
     chosen_calibration,
     find_profile,
     load_profile,
@@ -23,6 +21,8 @@ from sandbox.trial.profiles import (
     save_profile,
     uses_touch_profile,
 )
+from sandbox.session.own_layouts import learned_layouts
+from sandbox.session.session import Session
 from sandbox.trial.trial_options import TrialOptions
 
 Options = TypeVar("Options", bound=TrialOptions)

@@ -15,6 +15,7 @@ from models.errors import InputError
 from models.message import Message
 from sandbox.devices.registry import LIVE_HEADSET as LIVE
 from sandbox.devices.webxr.webxr import HeadsetDevice
+from sandbox.play.demonstration import Demonstrator
 from sandbox.play.own_profile import Learner
 from sandbox.play.pages import (
     SIMULATED_USER,
@@ -24,20 +25,22 @@ from sandbox.play.pages import (
     show_session,
     touched_pages,
 )
-from sandbox.play.play import Play
-from sandbox.play.reports import judge_latency, print_latency, report_end
-from sandbox.server.auto_pause import AutoPause
+from sandbox.play.play import (
+    Play,
+    can_choose_fingers,
+    judge_latency,
+    print_latency,
+    report_end,
+)
 from sandbox.server.page_options import PageOptions
+from sandbox.server.page_server import AutoPause
 from sandbox.server.protocol import LIFT_STRIP_PX, Pause
 from sandbox.server.screen import common, explain_refusal, rectangle, scaled
 from sandbox.session.session import Session
 from sandbox.system.ending import ending_as_by_ctrl_c
-from sandbox.trial.driver import Trial, open_trial
-from sandbox.trial.events import EventLog
-from sandbox.trial.latency import Timing, timed
-from sandbox.trial.lift import lifts
-from sandbox.trial.live_run import TICK, LiveRun
-from sandbox.trial.open_devices import device_makers, is_live, with_first
+from sandbox.trial.assembly import device_makers, is_live, lifts, with_first
+from sandbox.trial.driver import TICK, LiveRun, Trial, open_trial
+from sandbox.trial.logs import EventLog, Timing, timed
 from sandbox.trial.result import TrialResult
 from sandbox.trial.settings import Settings
 from sandbox.trial.trial_options import TrialOptions, trial_settings
@@ -55,15 +58,22 @@ OTHER_PAGE = Message("other_page", "The page of the other hand is not open yet."
 class PagePlay(Play):
     """Play on a page, or on a page for every hand, at addresses of their own; see `Play`."""
 
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        self.demonstrator = Demonstrator(self.servers[0].show_demonstration)
+
     def run(self) -> None:
         """Runs trials until the program is interrupted."""
-        self._wait_for_players()
-        while True:
-            self._trial()
-            while not self.requests.again:
-                self._take_requests()
-                time.sleep(TICK)
-            self.requests.next_trial()
+        try:
+            self._wait_for_players()
+            while True:
+                self._trial()
+                while not self.requests.again:
+                    self._take_requests()
+                    time.sleep(TICK)
+                self.requests.next_trial()
+        finally:
+            self.demonstrator.stop()
 
     def _wait_for_players(self) -> None:
         """Waits until every page is open; an open page is told if the other one is missing."""
@@ -124,7 +134,7 @@ class PagePlay(Play):
 
     def _log_end(self, ended: list[TrialResult]) -> None:
         for result in ended:
-            self.events.tell("trial_end", **result.as_json())
+            self.events.write("trial_end", **result.as_json())
 
     def _play(self, trial: Trial, chosen: Settings, ended: list[TrialResult]) -> None:
         """Plays until the trial is over or a new one is requested; adds its result to `ended`."""
@@ -132,11 +142,17 @@ class PagePlay(Play):
         touched = [device for _, device in touched_pages(session)]
         auto_pause = AutoPause(list(zip(self.servers, touched, strict=False)))
         self.requests.hands = self._show(session, chosen)
+        scene, demonstrated = self.servers[0].next_scene() - 1, False
 
         def turn() -> Pause | None:
+            nonlocal demonstrated
             self._take_requests()
             if self.requests.again:
+                self.demonstrator.stop()
                 return None
+            if self.requests.demonstrate and not demonstrated and self._can_demonstrate(chosen):
+                demonstrated = True
+                self.demonstrator.begin(chosen, scene)
             pause = auto_pause.check(session.time, session.scorer.score.held)
             if pause == "away":
                 # A menu that was open on a page that was left is open no more.
@@ -155,6 +171,10 @@ class PagePlay(Play):
                 self.learner.after(session)
 
         LiveRun(trial, self.servers).play(turn, end)
+
+    def _can_demonstrate(self, settings: Settings) -> bool:
+        """True if one hand plays by touch on one page, as the simulated user would."""
+        return self.options.device == "web" and len(settings.hands) == 1
 
     def _report_hand_size(self, session: Session, settings: Settings) -> None:
         """Prints the size of a hand in a headset that differs from the drawn one."""
@@ -187,11 +207,12 @@ class PagePlay(Play):
         for k, server in enumerate(self.servers):
             own, device = touched[k] if k < len(touched) else (None, None)
             side, scored = hands[own or 0].side, chosen.scored
-            show_session(server, session, side, caption, device, own, scored)
+            sets = chosen.pipeline.finger_sets if can_choose_fingers(chosen) else None
+            show_session(server, session, side, caption, device, own, scored, finger_sets=sets)
             shown.append(own or 0)
         language = self.servers[0].language
         of_page = {"language": language} if language else {}
-        self.events.tell("trial_start", task=session.task.name, seed=session.task.seed, **of_page)
+        self.events.write("trial_start", task=session.task.name, seed=session.task.seed, **of_page)
         return tuple(shown)
 
     def _refuse(self, error: InputError, settings: Settings) -> None:
@@ -199,7 +220,7 @@ class PagePlay(Play):
         for server in self.servers:
             strip = LIFT_STRIP_PX / server.screen.px_per_in if server.screen else 0.0
             server.show_problem(*explain_refusal(error, settings, strip))
-        self.events.tell("warning", what=str(error))
+        self.events.write("warning", what=str(error))
         self.console.print(f"[yellow]{escape(str(error))}[/]")
 
 

@@ -9,6 +9,7 @@ from rich.console import Console
 
 from models.errors import InputError, SurfaceTooSmallError
 from models.frames import TouchFrame
+from models.reader_report import ReaderReport
 from models.surface import Surface, parse_surface
 from sandbox.cli.common.touch_options import TouchOptions
 from sandbox.devices.device import Device
@@ -17,9 +18,8 @@ from sandbox.server.frames import describe_scene
 from sandbox.server.page_server import PageServer
 from sandbox.server.screen import rectangle
 from sandbox.server.web import WebDevice
-from sandbox.trial.assembly import build
-from sandbox.trial.events import EventLog
-from sandbox.trial.open_devices import device_makers
+from sandbox.trial.assembly import build, device_makers
+from sandbox.trial.logs import EventLog
 from sandbox.trial.trial_options import TrialOptions, trial_settings
 
 _PERIOD = 1.0 / 30.0
@@ -75,6 +75,11 @@ class PageTouches(Device):
         )
         server.show_scene(message, scene, self._session_device)
         self._due = 0.0
+
+    @property
+    def report(self) -> ReaderReport:
+        """Touches and sizes that were left out."""
+        return self._session_device.report
 
     @property
     def finished(self) -> bool:

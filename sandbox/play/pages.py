@@ -13,22 +13,46 @@ from encoders.webcam.landmark_reconstructor import LandmarkReconstructor
 from models.errors import DeviceError, InputError
 from models.message import Message
 from sandbox.devices.device import DeviceWrapper
+from sandbox.hand.profiles import default_path
 from sandbox.recording.versions import versions
-from sandbox.server.access import kept_token
-from sandbox.server.address import LOOPBACK, code, hints
+from sandbox.server.access import stored_token
 from sandbox.server.frames import describe_scene, pack_skin, summary
-from sandbox.server.page_options import PageOptions
+from sandbox.server.page_options import LOOPBACK, PageOptions, code, hints
 from sandbox.server.page_server import PageServer, tls_context
 from sandbox.server.protocol import StudyView, TaskName
 from sandbox.server.static import HEADSET, StaticFiles
 from sandbox.server.web import PageDevice
 from sandbox.session.session import Session
-from sandbox.trial.events import EventLog
-from sandbox.trial.profiles import default_path
+from sandbox.trial.logs import EventLog
 from tasks.registry import TASKS, find_task, hands_of
+from tasks.task import Task
 
 SIMULATED_USER = Message("simulated_user", "simulated user")
 """Caption of pictures in which no person plays."""
+
+
+EASIEST_FIRST = (
+    "box-to-goal",
+    "wrench-turn",
+    "dial",
+    "stack-vertical",
+    "wrench-slide",
+    "insert",
+    "stack",
+    "gather",
+    "slalom",
+    "books",
+    "chords",
+    "single-keys",
+    "stack-three",
+)
+"""The order in which the page offers tasks: pushes and turns with any fingers first, then tasks
+that need a grip, a lift or a narrow path, then those that need named fingers or several lifts. It
+is judged by what they need; nobody has measured it with people."""
+
+
+def _difficulty(kind: type[Task]) -> int:
+    return EASIEST_FIRST.index(kind.name) if kind.name in EASIEST_FIRST else len(EASIEST_FIRST)
 
 
 def open_page(
@@ -67,13 +91,13 @@ def open_page(
     tls = None
     if options.tls_cert and options.tls_key:
         tls = tls_context(options.tls_cert, options.tls_key)
-    offered = [kind for kind in TASKS.values() if hands_of(kind) == 1]
+    offered = sorted((k for k in TASKS.values() if hands_of(k) == 1), key=_difficulty)
     own = find_task(task) if task else None
     if own is not None and own not in offered:
         offered.insert(0, own)
     tasks = [TaskName(kind.name, summary(kind), kind.lift_range > 0) for kind in offered]
     program = str(versions()["hand-sandbox"])
-    token = kept_token(default_path().with_name("page-token")) if options.page_port else ""
+    token = stored_token(default_path().with_name("page-token")) if options.page_port else ""
     return PageServer(
         options.page_host,
         options.page_port,
@@ -87,7 +111,7 @@ def open_page(
     )
 
 
-def open_page_beside_window(
+def open_window_page(
     page: PageOptions, touch: bool, events: EventLog, console: Console, task: str = ""
 ) -> PageServer | None:
     """Starts the page beside the window; returns None if it cannot be served, with a warning.
@@ -103,7 +127,7 @@ def open_page_beside_window(
         if page.tablet or page.lan or page.page_port:
             raise
         console.print(f"[yellow]no page beside the window: {error}[/]")
-        events.tell("warning", what=f"no page beside the window: {error}")
+        events.write("warning", what=f"no page beside the window: {error}")
         return None
     if page.page_host == LOOPBACK:
         console.print(
@@ -111,7 +135,7 @@ def open_page_beside_window(
             soft_wrap=True,
             highlight=False,
         )
-        events.tell("listening", address=server.url)
+        events.write("listening", address=server.url)
     else:
         show_address(server, page, events, console)
     return server
@@ -125,7 +149,7 @@ def show_address(server: PageServer, page: PageOptions, events: EventLog, consol
     console.print(f"open [bold]{server.url}[/]", soft_wrap=True, highlight=False)
     for hint in hints(host):
         console.print(f"[dim]{hint}[/]")
-    events.tell("listening", address=server.url)
+    events.write("listening", address=server.url)
 
 
 def short_address(server: PageServer) -> str:
@@ -151,7 +175,8 @@ def show_session(
     device: PageDevice | None = None,
     own: int | None = None,
     scored: bool = True,
-    texts: Callable[[str, str], tuple[str, str]] | None = None,
+    texts: Callable[[str, str], tuple[str, str, str]] | None = None,
+    finger_sets: str | None = None,
 ) -> None:
     """Shows a session that is about to begin on the page.
 
@@ -163,8 +188,9 @@ def show_session(
         device: Device for the page's touches; None: the page only shows.
         own: Index of the hand that touches this page, if the other one touches elsewhere.
         scored: False if the result does not count.
-        texts: Title and goal that the page shows, from the task's name and its own summary; None
-            shows those of the task.
+        texts: Title, goal and hint that the page of a study shows, from the task's name and its own
+            summary; None shows those of the task.
+        finger_sets: Sets of fingers that the player uses; None if they cannot be chosen.
     """
     message = describe_scene(
         server.next_scene(),
@@ -177,8 +203,9 @@ def show_session(
         scored,
     )
     if texts is not None:
-        title, goal = texts(message.task, message.goal)
-        message = msgspec.structs.replace(message, task=title, goal=goal)
+        title, goal, how = texts(message.task, message.goal)
+        message = msgspec.structs.replace(message, task=title, goal=goal, how=how)
+    message = msgspec.structs.replace(message, finger_sets=finger_sets)
     skins = [pack_skin(hand) for hand in session.scene.spec.hands]
     server.show_scene(message, session.scene, device, skins, own)
 

@@ -1,26 +1,175 @@
-"""What play in a window and on pages share: the player's requests, settings and views."""
+"""What play in a window and on pages share: the player's requests, settings and views.
+
+Lines in the terminal about trials: notices, how a trial ended, and the latency of touches.
+
+Notices come from the session's thread while a trial runs. The latency of touches is a table at the
+end, with a limit for scripts.
+"""
 
 from __future__ import annotations
 
+import shlex
+import threading
+import time
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
+from queue import SimpleQueue
 
 from rich.console import Console
+from rich.markup import escape
+from rich.table import Table
+from rich.text import Text
 
+from encoders.labels.finger_use import parse_finger_sets
+from models.errors import InputError
+from models.frames import FINGERS
 from models.person import HANDS
 from sandbox.play.own_profile import Learner
-from sandbox.play.reports import NoticePrinter
 from sandbox.server.page_server import PageServer
 from sandbox.server.protocol import PlayerRequest
 from sandbox.session.messages import Snapshot
 from sandbox.session.session import Session
 from sandbox.trial.driver import View
-from sandbox.trial.events import EventLog, NoticeEvents
-from sandbox.trial.latency import Timing
+from sandbox.trial.logs import EventLog, LatencyLog, NoticeEvents, Percentiles, Timing
+from sandbox.trial.result import TrialResult
 from sandbox.trial.settings import Settings
 from sandbox.trial.trial_options import TrialOptions, trial_settings
 from tasks.registry import TASKS, find_task
+from tasks.score import ending
+
+KINDS = {
+    "waited": "touch received to step",
+    "stepped": "step to frame ready",
+    "acknowledged": "frame sent to page received",
+    "round_trip": "page to server and back",
+    "drawn": "touch event to picture on the page",
+    "window": "touch received to picture in the window",
+    "picture": "drawing a picture in the window",
+}
+"""Kind in a `LatencyLog` -> description, in the order from touch to picture."""
+
+END_TO_END = ("window", "drawn")
+"""Kinds from a touch to a picture, to which a limit applies."""
+
+
+def print_latency(log: LatencyLog, console: Console) -> None:
+    """Prints the latencies as a table, if there are any."""
+    percentiles = log.percentiles()
+    shown = [kind for kind in KINDS if kind in percentiles]
+    if not shown:
+        return
+    table = Table("latency (ms)", "n", "p50", "p95", "p99")
+    for kind in shown:
+        p = percentiles[kind]
+        table.add_row(KINDS[kind], str(p.n), *(f"{v:.1f}" for v in (p.p50, p.p95, p.p99)))
+    console.print(table)
+    console.print("[dim]What the display adds after a picture is drawn is not measured.[/]")
+
+
+def checked_limit(limit: float | None) -> float | None:
+    """Checks a limit in ms and returns it.
+
+    Raises:
+        InputError: The limit is not positive and finite.
+    """
+    if limit is not None and not 0.0 < limit < float("inf"):
+        raise InputError("not a latency", where="--max-latency", got=limit, expected="ms above 0")
+    return limit
+
+
+def judge_latency(log: LatencyLog, limit: float | None, console: Console) -> int:
+    """Returns 0 if the 95th percentile from touch to picture is within the limit, else 1.
+
+    Without a measurement the limit counts as exceeded.
+
+    Args:
+        log: Log of the session.
+        limit: ms; None sets no limit.
+        console: Console for the result.
+    """
+    if limit is None:
+        return 0
+    percentiles = log.percentiles()
+    ways: dict[str, Percentiles] = {
+        kind: percentiles[kind] for kind in END_TO_END if kind in percentiles
+    }
+    if not ways:
+        console.print("[red]latency: no picture followed a touch, so nothing was measured[/]")
+        return 1
+    late = {kind: p for kind, p in ways.items() if p.p95 > limit}
+    for kind, p in ways.items():
+        colour, word = ("red", "above") if kind in late else ("green", "within")
+        console.print(
+            f"[{colour}]{KINDS[kind]}: p95 {p.p95:.1f} ms, {word} the limit of {limit:g} ms[/]"
+        )
+    return int(bool(late))
+
+
+class NoticePrinter:
+    """Prints notices; a terminal that stands still, as by Ctrl-S, does not hold up their session.
+
+    Args:
+        console: Console of the program.
+        wrap: False leaves it to the terminal to break long lines.
+    """
+
+    def __init__(self, console: Console, wrap: bool = True) -> None:
+        self._console, self._wrap = console, wrap
+        self._waiting: SimpleQueue[str] = SimpleQueue()
+        self._thread: threading.Thread | None = None
+        self._said = self._printed = 0
+
+    def say(self, notice: str) -> None:
+        """Prints a notice soon; called from the session's thread."""
+        self._said += 1
+        self._waiting.put(notice)
+        if self._thread is None:
+            self._thread = threading.Thread(target=self._print, name="notices", daemon=True)
+            self._thread.start()
+
+    @property
+    def waiting(self) -> int:
+        """Number of notices that are not printed yet."""
+        return self._said - self._printed
+
+    def wait(self, seconds: float = 1.0) -> None:
+        """Waits until all notices are printed, but no longer than a terminal may take."""
+        end = time.monotonic() + seconds
+        while self.waiting and time.monotonic() < end:
+            time.sleep(0.01)
+
+    def _print(self) -> None:
+        while True:
+            text = Text(self._waiting.get(), style="yellow")
+            self._console.print(text, soft_wrap=not self._wrap)
+            self._printed += 1
+
+
+def address_line(address: str) -> str:
+    """Returns the line about where a device listens: a link to open, or an address to send to."""
+    told = "open" if "://" in address else "listening for TUIO on"
+    return f"{told} [bold]{address}[/]"
+
+
+def report_end(result: TrialResult, console: Console) -> None:
+    """Prints how a trial ended, and the recording of the last states of a diverged simulation."""
+    if result.diverged:
+        console.print(f"[red]the simulation diverged: {result.diverged}[/]")
+    if result.dump:
+        line = shlex.join(["sandbox", "replay", result.dump])
+        console.print(f"its last states: {escape(line)}", soft_wrap=True)
+    elif result.dump_error:
+        console.print(f"[yellow]{escape(result.dump_error)}[/]", soft_wrap=True)
+    colour = "green" if result.success else "red"
+    what = ending(result.status, result.success)
+    line = f"[bold {colour}]{result.task}: {what}[/] after {result.time_s:.1f} s"
+    if result.scored is False:
+        line += ", not scored: the table was scaled"
+    if result.reason:
+        # After success a trial goes on, and what was done may be undone.
+        line += f"{'; afterwards, ' if result.success else ', '}{escape(result.reason)}"
+    console.print(line)
 
 
 @dataclass
@@ -30,9 +179,11 @@ class PlayerRequests:
     Attributes:
         task: Name, or place of a task of the player's own.
         sides: `right` or `left`, of every hand.
+        finger_sets: Sets of fingers that the person uses; None as in the settings.
         trial: Number of trials so far.
         again: True if a new trial is requested.
         paused: True if the trial is to pause.
+        demonstrate: True if a demonstration of the trial is requested.
         seated: Count of changes of the player's page at the start of this trial.
         hands: Index of the hand of every page.
         own: Name in the page's menu of the task that play began with, and its name or place.
@@ -41,9 +192,11 @@ class PlayerRequests:
     task: str
     sides: tuple[str, ...]
     own: tuple[str, str] = ("", "")
+    finger_sets: str | None = None
     trial: int = 0
     again: bool = False
     paused: bool = False
+    demonstrate: bool = False
     seated: int = 0
     hands: tuple[int, ...] = (0, 1)
 
@@ -66,23 +219,53 @@ class PlayerRequests:
                 case "hand" if request.value in HANDS:
                     self.sides = (*self.sides[:hand], request.value, *self.sides[hand + 1 :])
                     self.again = True
+                case "fingers" if _are_sets(request.value):
+                    self.finger_sets, self.again = request.value, True
                 case "pause" | "resume":
                     self.paused = request.what == "pause"
+                case "demo":
+                    self.demonstrate = True
 
     def next_trial(self) -> None:
         """Counts a trial; the next one is neither paused nor over."""
         self.trial += 1
-        self.again = self.paused = False
+        self.again = self.paused = self.demonstrate = False
 
     def applied_to(self, settings: Settings) -> Settings:
-        """The settings with the requested task and hands, and the seed of this trial."""
+        """The settings with the requested task, hands and fingers, and the seed of this trial.
+
+        A task that needs more fingers than were requested is played with any.
+        """
         hands = tuple(hand.on(side) for hand, side in zip(settings.hands, self.sides, strict=False))
-        return replace(
+        changed = replace(
             settings,
             task=self.task,
             hands=hands + settings.hands[len(hands) :],
             seed=settings.seed + self.trial,
         )
+        if self.finger_sets is None or not can_choose_fingers(settings):
+            return changed
+        enough = _fingers_in(self.finger_sets) >= find_task(self.task).fewest_fingers
+        return changed.changed(finger_sets=self.finger_sets if enough else "")
+
+
+def can_choose_fingers(settings: Settings) -> bool:
+    """True if a player may say which fingers they use: labels are those of a whole human hand."""
+    known = settings.pipeline.labels != "paper" and not settings.physics.robot
+    return known and not settings.in_air
+
+
+def _fingers_in(sets: str) -> int:
+    """Number of different fingers in sets of fingers; empty sets mean any fingers."""
+    return len({f for each in parse_finger_sets(sets) for f in each}) if sets else len(FINGERS)
+
+
+def _are_sets(text: str) -> bool:
+    """True for sets of fingers as in the settings; empty for any fingers."""
+    try:
+        return _fingers_in(text) > 0
+    except InputError:
+        return False
 
 
 @dataclass
@@ -126,6 +309,6 @@ class Play:
 
         def on_pages(snapshot: Snapshot) -> None:
             for server in self.servers:
-                server.publish_step(session, snapshot)
+                server.publish(snapshot)
 
         return [timing.stepped, notices.show, on_pages]

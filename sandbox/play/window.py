@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 from dataclasses import dataclass, replace
 from pathlib import Path
+from textwrap import wrap
 
 from rich.console import Console
 from rich.markup import escape
@@ -17,14 +18,13 @@ from sandbox.play.own_profile import Learner
 from sandbox.play.pages import (
     SIMULATED_USER,
     in_air,
-    open_page_beside_window,
+    open_window_page,
     print_refusals,
     short_address,
     show_session,
     touched_pages,
 )
-from sandbox.play.play import Play
-from sandbox.play.reports import address_line, judge_latency, print_latency, report_end
+from sandbox.play.play import Play, address_line, judge_latency, print_latency, report_end
 from sandbox.server.frames import summary
 from sandbox.server.page_options import PageOptions
 from sandbox.server.protocol import Pause
@@ -33,16 +33,21 @@ from sandbox.server.web import PageDevice, WebDevice
 from sandbox.session.messages import Snapshot
 from sandbox.session.session import Session
 from sandbox.system.ending import ending_as_by_ctrl_c
-from sandbox.trial.driver import open_trial
-from sandbox.trial.events import EventLog
-from sandbox.trial.latency import LatencyLog, Timing, timed
-from sandbox.trial.lift import with_lift
-from sandbox.trial.live_run import LiveRun
-from sandbox.trial.open_devices import DeviceMaker, DeviceMakers, device_makers, is_live, with_first
+from sandbox.trial.assembly import (
+    DeviceMaker,
+    DeviceMakers,
+    device_makers,
+    is_live,
+    with_first,
+    with_lift,
+)
+from sandbox.trial.driver import LiveRun, open_trial
+from sandbox.trial.logs import EventLog, LatencyLog, Timing, timed
 from sandbox.trial.result import TrialResult
 from sandbox.trial.settings import Settings
 from sandbox.trial.trial_options import TrialOptions, trial_settings
 from sandbox.views.window.window import SIZE, Window
+from sandbox.words.words import words_in
 from tasks.score import Status
 from tasks.task import Task
 
@@ -53,6 +58,10 @@ RATE_PERIOD = 0.5
 """s between two measurements of the rate of pictures."""
 NOTABLE_DELAY = 0.05
 """s behind real time from which the delay is shown."""
+KNOB = "Here the keys up and down move the knob."
+"""Line of the hint in tasks that lift."""
+LINE = 60
+"""Characters of a line of the hint."""
 
 
 @dataclass
@@ -156,7 +165,7 @@ class WindowPlay(Play):
                 ended.append(trial.end(latency=self.latency.as_json()))
                 # Whoever reads of the end may read the recording.
                 trial.settle()
-                self.events.tell("trial_end", **ended[0].as_json())
+                self.events.write("trial_end", **ended[0].as_json())
                 if self.learner is not None:
                     self.learner.after(session)
 
@@ -216,8 +225,8 @@ class WindowPlay(Play):
         address = session.first_rig.device.address
         if address:
             self.console.print(address_line(address), soft_wrap=True)
-            self.events.tell("listening", address=address)
-        self.events.tell("trial_start", task=session.task.name, seed=session.task.seed)
+            self.events.write("listening", address=address)
+        self.events.write("trial_start", task=session.task.name, seed=session.task.seed)
         return self.window
 
     def _show_on_page(self, session: Session, chosen: Settings) -> int:
@@ -235,7 +244,7 @@ class WindowPlay(Play):
     def _refuse(self, text: str) -> None:
         for server in self.servers:
             server.show_problem(CANNOT_BEGIN)
-        self.events.tell("warning", what=text)
+        self.events.write("warning", what=text)
         self.console.print(f"[yellow]{escape(text)}[/]")
 
 
@@ -256,10 +265,13 @@ class _Turns:
         self._waiting = _waiting(session)
         self._first = session.snapshot()
         """The snapshot to show before the first step."""
+        goal = words_in("en").get(f"goal_{session.task.name}", summary(type(session.task)))
+        window.goal, window.hint = goal, ()
         if self._waiting:
-            score = replace(self._first.score, reason=summary(type(session.task)))
+            lifts = (KNOB,) if session.task.lift_range > 0.0 else ()
+            window.hint = hint_of(session.task.name) + lifts
             how = WITH_MOUSE if play.options.device == "mouse" else ""
-            self._first = replace(self._first, score=score, notices=(how + WAITING,))
+            self._first = replace(self._first, notices=(how + WAITING,))
         self.again = False
 
     def turn(self) -> Pause | None:
@@ -269,6 +281,8 @@ class _Turns:
         if not window.pump(live.newest or self._first):
             return None
         self._waiting = self._waiting and _waiting(session)
+        if not self._waiting:
+            window.hint = ()
         if window.seen is not None and window.seen is not self._seen:
             self._seen = window.seen
             self._timing.drawn(self._seen)
@@ -311,7 +325,7 @@ def play_in_window(
     try:
         mouse, second = options.device == "mouse", options.second_device == "web"
         task = trial_settings(options).task
-        server = open_page_beside_window(page, mouse or second, events, console, task)
+        server = open_window_page(page, mouse or second, events, console, task)
         share = server is not None and mouse and not second
         lan = page.tablet or page.lan is not None
         servers = () if server is None else (server,)
@@ -331,6 +345,12 @@ def play_in_window(
 
 def _from_first_touch(maker: DeviceMaker) -> DeviceMaker:
     return lambda task, surface: FirstTouch(maker(task, surface))
+
+
+def hint_of(task: str) -> tuple[str, ...]:
+    """How a task is done, in the page's words, as lines; of somebody's own task how any is done."""
+    words = words_in("en")
+    return tuple(wrap(words.get(f"how_{task}", words["how_any"]), LINE))
 
 
 def _waiting(session: Session) -> bool:

@@ -31,7 +31,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from models.arithmetic.arrays import Array
+from models.arithmetic import Array
 from models.errors import InputError, RecordingError
 from models.frames import (
     Contact,
@@ -58,7 +58,18 @@ LOOK = 0.01
 """s between two checks of the writing thread for new lines."""
 
 Line = dict[str, Any]
-
+SHARED_FIELDS = {
+    "input": (
+        *("kind", "step", "hand", "time", "contacts", "lift", "cancelled", "hands", "dialect"),
+        *("taken", "size", "seen", "hash"),
+    ),
+    "event": ("kind", "step", "event", "mode", "objects"),
+    "keyframe": ("kind", "step", "state", "hash"),
+    "track": ("kind", "steps", "hands", "joints", "poses"),
+    "end": ("kind", "step", "hash", "result"),
+}
+"""Fields of lines, by kind, that `sandbox study share` lets out. Those of a header are the fields
+of a result that are shared (`sandbox.trial.result`)."""
 
 GRAIN = 2e-5
 """Rounding of joint positions, in m, rad or quaternion units: 0.02 mm, 0.002 degrees."""

@@ -1,7 +1,7 @@
 """Which program made a recording: versions, the fingerprint of a machine, states, and source code.
 
 A state depends on the recording, on MuJoCo's version, on the architecture and on the system's libm,
-and on nothing else (`models/arithmetic`). These three are the fingerprint, each with a digest of
+and on nothing else (`models/arithmetic.py`). These three are the fingerprint, each with a digest of
 what it computes. All other versions are noted for people.
 
 With equal `STATES` and models a recording replays to the bit where the fingerprint is equal. With
@@ -20,7 +20,7 @@ from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any
 
-from models.arithmetic.probe import arithmetic_digest, libm_digest
+from models.arithmetic import arithmetic_digest, libm_digest
 from models.errors import RecordingError
 from sandbox.recording.recording import Recording
 
@@ -31,6 +31,12 @@ DECISIVE = {
     "arithmetic": "the order of sums and products",
 }
 """Versions that states depend on, and their names for people."""
+
+SHARED_VERSIONS = (
+    *("python", "hand-sandbox", "mujoco", "numpy", "scipy", "commit"),
+    *("machine", "libm", "arithmetic", "fingerprint"),
+)
+"""Versions that `sandbox study share` lets out."""
 
 
 @cache
@@ -153,7 +159,7 @@ STATES = 2
 `tools/gate.json`. A header without it has the first."""
 
 
-class OtherStatesError(RecordingError):
+class DifferentStatesError(RecordingError):
     """A recording was made with other `STATES`, so it cannot be played again."""
 
 
@@ -177,7 +183,7 @@ def this_program() -> str:
     return _program(STATES, versions())
 
 
-def other_states(header: Mapping[str, Any]) -> str:
+def states_difference(header: Mapping[str, Any]) -> str:
     """A line on a recording of other `STATES`; empty for one of these."""
     if states_of(header) == STATES:
         return ""
@@ -188,10 +194,10 @@ def check_states(recording: Recording) -> None:
     """Refuses to play a recording of other `STATES` again.
 
     Raises:
-        OtherStatesError: It was made with other states.
+        DifferentStatesError: It was made with other states.
     """
     if states_of(recording.header) != STATES:
-        raise OtherStatesError(
+        raise DifferentStatesError(
             "it cannot be played again",
             where=str(recording.path),
             got=f"made with {made_with(recording.header)}",

@@ -14,10 +14,11 @@ from msgspec import Struct, structs, to_builtins
 
 from models.errors import InputError
 from models.json_input import check_layout, decoded, read_bytes
+from sandbox.regress.arms import setting_of
 from sandbox.regress.execute import CRASHED, Trial
 from sandbox.regress.plan import ENCODER, Origin, flat
 from sandbox.system.files import OPEN, Release, lock, resolved, write_whole
-from sandbox.trial.result import KeptIn, kept_fields
+from sandbox.trial.result import ResultRecord, record_fields
 
 SCHEMA = 2
 """Version of the file's layout."""
@@ -61,6 +62,7 @@ class BaselineTask:
         trials: Results by seed.
         repeats: Results of some seeds with a change that makes nothing harder
             (`sandbox.regress.power`).
+        vary: What was varied; empty in the plain arm.
     """
 
     version: int
@@ -68,6 +70,7 @@ class BaselineTask:
     trials: Mapping[int, BaselineTrial]
     depends_on: Mapping[str, str] = field(default_factory=dict)
     repeats: Mapping[int, BaselineTrial] = field(default_factory=dict)
+    vary: str = ""
 
 
 class _TaskLines(Struct):
@@ -78,6 +81,7 @@ class _TaskLines(Struct):
     trials: dict[int, BaselineTrial]
     depends_on: dict[str, str] = {}
     repeats: dict[int, BaselineTrial] = {}
+    vary: str = ""
 
 
 class _BaselineFile(Struct):
@@ -239,6 +243,7 @@ class Baseline:
                 {t["seed"]: _of_trial(t) for t in own},
                 own[0]["depends_on"] if one_machine else {},
                 {t["seed"]: _of_trial(t) for t in repeats if _repeats(t, name)},
+                setting_of(name),
             )
         return Baseline(origin, tasks, self.path)
 
@@ -254,11 +259,12 @@ class Baseline:
                 for some in (task.trials, task.repeats)
             )
             repeats = f'   "repeats": {{\n{again}\n   }},\n' if again else ""
+            vary = f'   "vary": {json.dumps(task.vary)},\n' if task.vary else ""
             tasks.append(
                 f'  {json.dumps(name)}: {{\n   "version": {task.version},\n'
                 f'   "fingerprint": {json.dumps(task.fingerprint)},\n'
                 f'   "depends_on": {json.dumps(dict(task.depends_on))},\n'
-                f'{repeats}   "trials": {{\n{rows}\n   }}\n  }}'
+                f'{vary}{repeats}   "trials": {{\n{rows}\n   }}\n  }}'
             )
         given, settings, program = (
             json.dumps(part, indent=1, sort_keys=True).replace("\n", "\n ")
@@ -285,7 +291,7 @@ def _repeats(trial: Trial, name: str) -> bool:
 
 
 def _of_trial(trial: Trial) -> BaselineTrial:
-    fields = {name: trial[name] for name in kept_fields(KeptIn.BASELINE)}
+    fields = {name: trial[name] for name in record_fields(ResultRecord.BASELINE)}
     return BaselineTrial(**fields, measures=trial.get("measures") or {})
 
 
@@ -327,6 +333,7 @@ def load_baseline(path: Path) -> Baseline:
             task.trials,
             task.depends_on,
             task.repeats,
+            task.vary,
         )
         for name, task in document.tasks.items()
     }

@@ -173,15 +173,15 @@ class _Cores:
 
     def count(self) -> int:
         """The number of cores when it was last looked at."""
-        self._look()
+        self._count_workers()
         return self._count
 
     def lost(self) -> bool:
         """True once there has been no core for `LOST_AFTER` seconds."""
-        now = self._look()
+        now = self._count_workers()
         return self._since is not None and now - self._since > LOST_AFTER
 
-    def _look(self) -> float:
+    def _count_workers(self) -> float:
         now = monotonic()
         if now - self._looked >= LOOK_EVERY:
             self._looked = now

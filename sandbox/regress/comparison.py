@@ -2,19 +2,21 @@
 
 Trials with the same seed before and after are pairs. Success is compared by McNemar's test, time
 and the other measures by the signed ranks of their differences. Success and time decide: Holm's
-procedure holds over these two of all tasks, and of all tasks together.
+procedure holds over these two of all tasks in every arm, and of all tasks of an arm together.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from itertools import chain
 from math import expm1, isfinite
 from statistics import fmean
 from typing import TYPE_CHECKING, Any
 
 from sandbox.recording.versions import differing_parts
 from sandbox.regress import statistics
+from sandbox.regress.arms import arm_of, row_name, setting_of
 from sandbox.regress.execute import CRASHED, Trial
 from sandbox.regress.measures import DECIDING, MEASURES, SUCCESS, TIME, pairs
 
@@ -22,7 +24,12 @@ if TYPE_CHECKING:
     from sandbox.regress.baseline import Baseline, BaselineTask
 
 TOGETHER = "all tasks"
-"""Stands for all tasks in lists of changes."""
+"""Stands for all tasks of the plain arm in lists of changes."""
+
+
+def together_name(row: str) -> str:
+    """Name of all tasks of a row's arm together: `all tasks`, `all tasks (hard)`."""
+    return row_name(TOGETHER, arm_of(row))
 
 
 @dataclass(frozen=True)
@@ -33,8 +40,8 @@ class Change:
         measure: Name of the measure.
         pairs: Number of seeds at which it is known before and now.
         before, now: Means.
-        change, low, high: Mean change and its interval: a share of the value before for time, of
-            all trials for success, and else a difference.
+        change, low, high: Typical change and its interval (`statistics.typical_change`): a share of
+            the value before for time, and else a difference; of success the mean.
         p_loss, p_gain: P values of both one-sided tests, adjusted by Holm for what decides.
         most: Seeds with the greatest losses, the greatest first, with the value before and now.
         margin: Change that does not matter.
@@ -178,12 +185,12 @@ def compared(
     limits: Mapping[str, float],
     margins: Mapping[str, float],
     states: bool,
-) -> tuple[dict[str, Comparison], dict[str, Change]]:
-    """Comparisons by task, and changes over all tasks if there are several.
+) -> tuple[dict[str, Comparison], dict[str, dict[str, Change]]]:
+    """Comparisons by task, and changes over all tasks of an arm, by its name, if it has several.
 
     Args:
         tasks: Trials of the run by task.
-        baseline: The baseline; tasks that it lacks are left out.
+        baseline: The baseline; tasks that it lacks or has with another hard setting are left out.
         limits: s, time limits by task.
         margins: Changes of what decides that do not matter, as shares, by measure.
         states: True compares states.
@@ -191,7 +198,7 @@ def compared(
     found: dict[str, Comparison] = {}
     rows: dict[str, dict[str, list[tuple[int, float, float]]]] = {}
     for name, trials in tasks.items():
-        if name not in baseline.tasks:
+        if name not in baseline.tasks or baseline.tasks[name].vary != setting_of(name):
             continue
         comparison = _paired(trials, baseline.tasks[name], states)
         if not comparison.pairs:
@@ -199,23 +206,30 @@ def compared(
         before = {seed: trial.values() for seed, trial in baseline.tasks[name].trials.items()}
         now = {trial["seed"]: {"measures": {}, **trial} for trial in trials}
         rows[name] = {m: list(pairs(m, before, now, limits[name])) for m in MEASURES}
-        changes = {m: _change(m, some, margins) for m, some in rows[name].items() if some}
+        changes = {m: _change(m, [some], margins) for m, some in rows[name].items() if some}
         found[name] = replace(comparison, changes=changes)
-    together = {}
-    if len(found) > 1:
-        for measure in DECIDING:
-            every = [row for of_task in rows.values() for row in of_task[measure]]
-            together[measure] = _change(measure, every, margins)
+    together = {
+        name: {m: _change(m, [rows[row][m] for row in own], margins) for m in DECIDING}
+        for name, own in groups(found).items()
+    }
     return _adjusted(found, together)
 
 
-def level_of(tasks: int) -> float:
+def groups(names: Iterable[str]) -> dict[str, list[str]]:
+    """Rows by the arm that they are tested together in, where it has several."""
+    found: dict[str, list[str]] = {}
+    for name in names:
+        found.setdefault(together_name(name), []).append(name)
+    return {name: own for name, own in found.items() if len(own) > 1}
+
+
+def level_of(names: Collection[str]) -> float:
     """P value up to which a loss is called at the hardest of Holm's steps.
 
     Args:
-        tasks: Number of tasks; what decides is tested of each, and of several together.
+        names: Names of the rows; what decides is tested of each, and of an arm's together.
     """
-    return statistics.GATE / (len(DECIDING) * max(tasks + (tasks > 1), 1))
+    return statistics.GATE / (len(DECIDING) * max(len(names) + len(groups(names)), 1))
 
 
 def lacking_measures(
@@ -230,27 +244,31 @@ def lacking_measures(
 
 
 def _change(
-    measure: str, rows: Sequence[tuple[int, float, float]], margins: Mapping[str, float]
+    measure: str,
+    samples: Sequence[Sequence[tuple[int, float, float]]],
+    margins: Mapping[str, float],
 ) -> Change:
-    """Change of a measure; p values are not adjusted."""
+    """Change of a measure over the pairs of one task or several; p values are not adjusted."""
     kind = MEASURES[measure]
-    worse = [kind.change(before, now) for _, before, now in rows]
-    mean, low, high = statistics.mean_change(worse)
+    by_task = [[kind.change(before, now) for _, before, now in rows] for rows in samples]
+    rows, worse = list(chain(*samples)), list(chain(*by_task))
+    change, low, high = statistics.typical_change(*by_task)
     if measure == SUCCESS:
+        change, low, high = statistics.mean_change(worse)
         lost, won = sum(w > 0 for w in worse), sum(w < 0 for w in worse)
         p_loss, p_gain = statistics.mcnemar(lost, won), statistics.mcnemar(won, lost)
     else:
-        p_loss = statistics.signed_rank(worse)
-        p_gain = statistics.signed_rank([-w for w in worse])
+        p_loss = statistics.signed_rank(*by_task)
+        p_gain = statistics.signed_rank(*([-w for w in some] for some in by_task))
     if kind.relative:
-        mean, low, high = expm1(mean), expm1(low), expm1(high) if isfinite(high) else high
+        change, low, high = expm1(change), expm1(low), expm1(high) if isfinite(high) else high
     order = sorted(range(len(rows)), key=lambda i: -worse[i])
     return Change(
         measure,
         len(rows),
         fmean(before for _, before, _ in rows),
         fmean(now for _, _, now in rows),
-        mean,
+        change,
         low,
         high,
         p_loss,
@@ -266,11 +284,11 @@ _MOST = 5
 
 
 def _adjusted(
-    found: dict[str, Comparison], together: dict[str, Change]
-) -> tuple[dict[str, Comparison], dict[str, Change]]:
+    found: dict[str, Comparison], together: dict[str, dict[str, Change]]
+) -> tuple[dict[str, Comparison], dict[str, dict[str, Change]]]:
     """The same with p values adjusted: of what decides over all, of the others by measure."""
     places = {(name, m): c for name, f in found.items() for m, c in f.changes.items()}
-    places |= {(TOGETHER, m): c for m, c in together.items()}
+    places |= {(name, m): c for name, some in together.items() for m, c in some.items()}
     families: list[list[tuple[str, str]]] = [[at for at in places if at[1] in DECIDING]]
     families += [[at for at in places if at[1] == m] for m in MEASURES if m not in DECIDING]
     new: dict[tuple[str, str], Change] = {}
@@ -283,7 +301,7 @@ def _adjusted(
             name: replace(f, changes={m: new[name, m] for m in f.changes})
             for name, f in found.items()
         },
-        {m: new[TOGETHER, m] for m in together},
+        {name: {m: new[name, m] for m in some} for name, some in together.items()},
     )
 
 

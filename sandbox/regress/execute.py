@@ -28,13 +28,14 @@ from sandbox.regress.measures import HandMeter
 from sandbox.regress.plan import TrialJob, registered
 from sandbox.trial.assembly import load_encoder
 from sandbox.trial.driver import never, play_trial
-from sandbox.trial.result import KeptIn, kept_fields
-from tasks.guarded import build_scene, draw_task, measure
+from sandbox.trial.result import ResultRecord, record_fields
+from tasks.guarded import build_scene, draw_task
 from tasks.registry import find_task, is_built_in
+from tasks.score import measure
 
 Trial = dict[str, Any]
-"""JSON of a trial: the fields of its result that `KeptIn.REGRESS` names, its measures, and its
-fingerprint with the parts of it."""
+"""JSON of a trial: the fields of its result that `ResultRecord.REGRESS` names, its measures, and
+its fingerprint with the parts of it."""
 
 CRASHED = "crashed"
 """Status of a trial that has no result: its process died, or its code raised an error."""
@@ -84,7 +85,8 @@ def run_job(job: TrialJob) -> Trial:
     if recording is not None and result.success and not job.record_all:
         recording.unlink(missing_ok=True)
     return {
-        **result.kept_in(KeptIn.REGRESS),
+        **result.values_for(ResultRecord.REGRESS),
+        "task": job.name,
         "measures": meter.values(result.respawned),
         "fingerprint": result.fingerprint,
         "depends_on": decisive_parts(result.versions or {}),
@@ -93,7 +95,9 @@ def run_job(job: TrialJob) -> Trial:
 
 def crashed(job: TrialJob, why: str) -> Trial:
     """A trial without a result, which counts as a failure."""
-    names = (name for name in kept_fields(KeptIn.REGRESS) if name not in ("dump", "dump_error"))
+    names = (
+        name for name in record_fields(ResultRecord.REGRESS) if name not in ("dump", "dump_error")
+    )
     return {
         **dict.fromkeys(names),
         "task": job.name,

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from math import log
 from typing import Any
 
-from models.arithmetic.products import length
+from models.arithmetic import length
 from models.scene import CONTROL_PERIOD
 from sandbox.session.messages import Snapshot
 
@@ -122,11 +122,11 @@ class HandMeter:
     def _touch(self, snapshot: Snapshot) -> None:
         lost = set()
         for number, hand in enumerate(snapshot.hands):
-            for contact in hand.contacts:
+            for contact, place in zip(hand.contacts, hand.places, strict=True):
                 if contact.state == "lost":
                     lost.add((number, contact.id))
                 elif contact.label is not None and contact.label in hand.solid:
-                    self._errors += length(hand.tips[contact.label] - contact.position)
+                    self._errors += length(hand.tips[contact.label] - place)
                     self._tips += 1
         self._losses += len(lost - self._lost)
         self._lost = lost

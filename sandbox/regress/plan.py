@@ -18,6 +18,7 @@ from encoders.regression.model_registry import MODELS
 from models.errors import InputError
 from models.plugins import failure
 from sandbox.recording.versions import STATES, versions
+from sandbox.regress.arms import HARD, PLAIN, row_name, setting_of
 from sandbox.trial.assembly import digests, drawn
 from sandbox.trial.settings import Settings, encoded
 from sandbox.trial.trial_options import SecondOptions, TrialOptions, trial_settings
@@ -52,22 +53,26 @@ class TrialJob:
         record: Folder for a recording, which is kept if the trial fails; None does not record.
         own_task: The task's class if the registry does not know it.
         record_all: The recording is kept if the trial succeeds, too.
+        arm: Arm of the trial.
     """
 
     settings: Settings
     record: Path | None = None
     own_task: type[Task] | None = None
     record_all: bool = False
+    arm: str = PLAIN
 
     @property
     def recording(self) -> Path | None:
         """Path of the recording, of a failed trial or of any."""
-        return None if self.record is None else self.record / f"{self.name}-{self.seed}.jsonl"
+        return None if self.record is None else self.record / file_name(self.name, self.seed)
 
     @property
     def name(self) -> str:
-        """Name of the task."""
-        return self.own_task.name if self.own_task else _name(self.settings.task)
+        """Name of the task in its arm."""
+        return row_name(
+            self.own_task.name if self.own_task else _name(self.settings.task), self.arm
+        )
 
     @property
     def seed(self) -> int:
@@ -76,8 +81,35 @@ class TrialJob:
 
 
 @dataclass(frozen=True)
+class Row:
+    """A task in an arm: a row of the report.
+
+    Attributes:
+        task: See `RegressionPlan`.
+        arm: The arm.
+    """
+
+    task: str | type[Task]
+    arm: str
+
+    @property
+    def name(self) -> str:
+        """Name of the task in its arm."""
+        return row_name(_name(self.task), self.arm)
+
+    @property
+    def kind(self) -> type[Task]:
+        """Class of the task."""
+        return find_task(self.task) if isinstance(self.task, str) else self.task
+
+    def scene(self, scene: Mapping[str, Any]) -> Mapping[str, Any]:
+        """Options of its trials, from those of all trials."""
+        return scene if self.arm == PLAIN else {**scene, "vary": setting_of(self.name)}
+
+
+@dataclass(frozen=True)
 class RegressionPlan:
-    """All combinations of tasks and seeds, with equal settings.
+    """All combinations of tasks and seeds, with equal settings but for those of the hard arm.
 
     Attributes:
         tasks: Names, places such as `FILE.py:Class`, or classes that the registry does not know.
@@ -85,6 +117,10 @@ class RegressionPlan:
         scene: Options of `sandbox run` that differ from its defaults.
         record: Folder for recordings of failed trials.
         record_all: Recordings of successful trials are kept there, too.
+        arms: Arms that are played; tasks that the hard arm lacks are played in the plain one alone.
+
+    Raises:
+        InputError: There is no such option, two tasks have one name, or nothing is left to play.
     """
 
     tasks: tuple[str | type[Task], ...]
@@ -92,6 +128,7 @@ class RegressionPlan:
     scene: Mapping[str, Any] = field(default_factory=dict)
     record: Path | None = None
     record_all: bool = False
+    arms: tuple[str, ...] = (PLAIN,)
 
     def __post_init__(self) -> None:
         unknown = set(self.scene) - {f.name for f in fields(TrialOptions)} | (
@@ -106,11 +143,25 @@ class RegressionPlan:
             with registered(own_task):
                 # Trials of two tasks of one name would be counted as those of one.
                 claim_name(claimed, place, find_task(place))
+        if HARD in self.arms and self.scene.get("vary"):
+            raise InputError("the hard arm has a variation of its own", got=self.scene["vary"])
+        if self.tasks and not self.rows:
+            raise InputError(
+                "none of these tasks has a hard arm",
+                got=", ".join(map(_name, self.tasks)),
+                remedy="Play the plain arm",
+            )
+
+    @property
+    def rows(self) -> tuple[Row, ...]:
+        """Tasks in their arms, in order."""
+        rows = (Row(task, arm) for arm in self.arms for task in self.tasks)
+        return tuple(row for row in rows if row.arm == PLAIN or setting_of(row.name))
 
     @property
     def names(self) -> tuple[str, ...]:
-        """Names of the tasks, in order."""
-        return tuple(_name(t) for t in self.tasks)
+        """Names of the tasks in their arms, in order."""
+        return tuple(row.name for row in self.rows)
 
     def jobs(self) -> list[TrialJob]:
         """All trials, a seed of every task before the next seed: what breaks off is balanced.
@@ -119,28 +170,25 @@ class RegressionPlan:
             InputError: An option has an invalid value.
         """
         return [
-            TrialJob(replace(settings, seed=seed), self.record, _place(task)[1], self.record_all)
+            TrialJob(
+                replace(settings, seed=seed),
+                self.record,
+                _place(row.task)[1],
+                self.record_all,
+                row.arm,
+            )
             for seed in self.seeds
-            for task, settings in zip(self.tasks, self.settings, strict=True)
+            for row, settings in zip(self.rows, self.settings, strict=True)
         ]
 
     @cached_property
     def settings(self) -> tuple[Settings, ...]:
-        """Settings of every task's trials, with seed 0.
+        """Settings of every row's trials, with seed 0.
 
         Raises:
             InputError: An option has an invalid value.
         """
-        made = []
-        for task in self.tasks:
-            place, own_task = _place(task)
-            with registered(own_task):
-                made.append(
-                    trial_settings(
-                        TrialOptions(task=place, given=frozenset(self.scene), **self.scene)
-                    )
-                )
-        return tuple(made)
+        return tuple(_settings(row.task, row.scene(self.scene)) for row in self.rows)
 
     def check_drawn(self) -> None:
         """Checks, before anything is played, that some trial of every task can be drawn.
@@ -155,7 +203,7 @@ class RegressionPlan:
                 # What cannot be drawn ends the run at its first trial.
                 continue
             reasons: list[InputError] = []
-            for job in replace(self, tasks=(task,)).jobs():
+            for job in replace(self, tasks=(task,), arms=(PLAIN,)).jobs():
                 try:
                     with registered(job.own_task):
                         drawn(job.settings)
@@ -170,13 +218,13 @@ class RegressionPlan:
                 raise reasons[0]
 
     def configuration(self) -> dict[str, Any]:
-        """All settings besides task and seed that affect results; results compare only if they are
-        equal.
+        """All settings besides task, seed and the hard arm's that affect results; results compare
+        only if they are equal.
 
         Raises:
             InputError: An option has an invalid value.
         """
-        settings = self.settings[0]
+        settings = _settings(self.tasks[0], self.scene)
         values = encoded(settings)
         for each in ("task", "seed"):
             del values[each]
@@ -208,36 +256,60 @@ class RegressionPlan:
         return Origin(json.loads(json.dumps(given, default=str)), program, settings)
 
     def versions(self) -> dict[str, int]:
-        """Version of every task."""
-        versions = {}
-        for task in self.tasks:
-            kind = find_task(task) if isinstance(task, str) else task
-            versions[kind.name] = kind.version
-        return versions
+        """Version of every row's task."""
+        return {row.name: row.kind.version for row in self.rows}
 
     def time_limits(self) -> dict[str, float]:
-        """s, time limit of every task."""
-        kinds = [find_task(task) if isinstance(task, str) else task for task in self.tasks]
-        return {kind.name: float(kind.time_limit) for kind in kinds}
+        """s, time limit of every row's task."""
+        return {row.name: float(row.kind.time_limit) for row in self.rows}
 
-    def command(self, task: str, seed: int, crashed: bool = False) -> str:
+    def command(self, name: str, seed: int, crashed: bool = False) -> str:
         """One line that runs a trial again, records it and shows what happened.
 
         Of a trial that crashed there is nothing to replay: the line runs it to its error.
+
+        Args:
+            name: Name of the row.
+            seed: Seed of the trial.
+            crashed: True if the trial crashed.
         """
-        asked = next((t for t in self.tasks if _name(t) == task), task)
-        if not isinstance(asked, str):
+        run = self.run_words(name, seed)
+        if not run:
+            asked = next(row.task for row in self.rows if row.name == name)
+            assert not isinstance(asked, str)
             return _python_command(asked, seed, self.scene)
-        kept = None if self.record is None else self.record / f"{_name(asked)}-{seed}.jsonl"
-        run = ["sandbox", "run", asked, "--seed", str(seed), *options(self.scene)]
+        file = file_name(name, seed)
         if crashed:
             return shlex.join(run)
-        if kept is not None:
+        if self.record is not None:
+            kept = self.record / file
             film = kept.with_suffix(".webp")
             return shlex.join(["sandbox", "replay", str(kept), "--film", str(film)])
-        name = f"{task}-{seed}.jsonl"
-        again = shlex.join([*run, "--record", name])
-        return f"{again} && {shlex.join(['sandbox', 'replay', name])}"
+        again = shlex.join([*run, "--record", file])
+        return f"{again} && {shlex.join(['sandbox', 'replay', file])}"
+
+    def run_words(self, name: str, seed: int) -> list[str]:
+        """Words of the command that runs a trial; none for a class that no command can name.
+
+        Args:
+            name: Name of the row.
+            seed: Seed of the trial.
+        """
+        row = next(row for row in self.rows if row.name == name)
+        if not isinstance(row.task, str):
+            return []
+        return ["sandbox", "run", row.task, "--seed", str(seed), *options(row.scene(self.scene))]
+
+
+def file_name(row: str, seed: int) -> str:
+    """Name of a trial's recording: `stack-7.jsonl`, in the hard arm `stack-hard-7.jsonl`."""
+    return f"{row.replace(' (', '-').removesuffix(')')}-{seed}.jsonl"
+
+
+def _settings(task: str | type[Task], scene: Mapping[str, Any]) -> Settings:
+    place, own_task = _place(task)
+    with registered(own_task):
+        return trial_settings(TrialOptions(task=place, given=frozenset(scene), **scene))
 
 
 def _place(task: str | type[Task]) -> tuple[str, type[Task] | None]:

@@ -1,32 +1,38 @@
 """Power of a comparison, before it is made: which changes so many seeds find, and what they cost.
 
 A baseline has some of its trials a second time, with a change that makes nothing harder
-(`REPEATED`). How far apart the times of such pairs are is the churn that any change of the last
-digit brings about, and so the scatter in which a real change has to be found.
+(`repeated`). How far apart such pairs are is the churn that any change of the last digit brings
+about, and so the scatter in which a real change has to be found.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
-from math import isfinite, log, sqrt
+from dataclasses import dataclass, replace
+from math import expm1, inf, isfinite, log
 from statistics import fmean
 from typing import TYPE_CHECKING, Any
 
 from sandbox.regress import statistics
-from sandbox.regress.comparison import TOGETHER, level_of
+from sandbox.regress.arms import arm_of
+from sandbox.regress.comparison import level_of, together_name
+from sandbox.regress.plan import TrialJob
 
 if TYPE_CHECKING:
-    from sandbox.regress.baseline import Baseline, BaselineTask
+    from sandbox.regress.baseline import Baseline, BaselineTask, BaselineTrial
 
 REPEATS = 10
 """Seeds of every task that a baseline has twice."""
 
-REPEATED = "friction=1.0000001"
-"""The variation of repeated trials: it changes their last digits, and nothing else."""
+LEAST_CHANGE = 0.005
+"""Least change of time that is claimed, where few pairs show no churn."""
 
-LEAST_SPREAD = 0.01
-"""Least scatter of the logarithms of times that is assumed, where few pairs show none."""
+
+def repeated(job: TrialJob) -> TrialJob:
+    """A trial with a friction that changes its last digits, and nothing else."""
+    before = job.settings.variation
+    varied = replace(before, friction=1.0000001 * before.friction)
+    return replace(job, settings=job.settings.changed(variation=varied), record=None)
 
 
 @dataclass(frozen=True)
@@ -61,53 +67,55 @@ class Power:
 def power_of(
     baseline: Baseline, names: Sequence[str], seeds: Sequence[int], limits: Mapping[str, float]
 ) -> list[Power]:
-    """Power of every task that the baseline has, and of all together.
+    """Power of every task that the baseline has, and of all of an arm together.
 
     Args:
         baseline: The baseline.
-        names: Tasks of the run.
+        names: Tasks of the run in their arms.
         seeds: Seeds of the run; those that the baseline lacks count as if it had them.
         limits: s, time limits by task.
     """
     tasks = {name: baseline.tasks[name] for name in names if name in baseline.tasks}
-    level = level_of(len(tasks))
-    churn = {name: _churn(task, limits[name]) for name, task in tasks.items()}
-    every = [difference for some in churn.values() for difference in some]
-    rows, pairs, seconds = [], 0, 0.0
-    for name, task in tasks.items():
-        times = [t.time_s if t.success else limits[name] for t in task.trials.values()]
-        spread = _spread(churn[name]) or _spread(every)
-        rows.append(_power(name, len(seeds), spread, level, len(seeds) * fmean(times)))
-        pairs, seconds = pairs + len(seeds), seconds + rows[-1].seconds
-    if len(rows) > 1:
-        rows.append(_power(TOGETHER, pairs, _spread(every), level, seconds))
+    level, rows = level_of(tasks), []
+    for arm in {arm_of(name): None for name in tasks}:
+        own = [name for name in tasks if arm_of(name) == arm]
+        pairs = {name: _pairs(tasks[name]) for name in own}
+        # So few pairs say little on a single task: all of an arm say how often success turns over.
+        some = [pair for name in own for pair in pairs[name]]
+        won = sum(a.success != b.success for a, b in some) / (2.0 * max(len(some), 1))
+        churn = {
+            name: [log(_time(b, limits[name]) / _time(a, limits[name])) for a, b in found]
+            for name, found in pairs.items()
+        }
+        every = [each for each in churn.values() if each]
+        for name in own:
+            mean = fmean(_time(t, limits[name]) for t in tasks[name].trials.values())
+            shown = [churn[name]] if churn[name] else every
+            rows.append(_power(name, len(seeds), won, shown, level, len(seeds) * mean))
+        if len(own) > 1:
+            seconds = sum(row.seconds for row in rows[-len(own) :])
+            all_pairs = len(own) * len(seeds)
+            rows.append(_power(together_name(own[0]), all_pairs, won, every, level, seconds))
     return rows
 
 
-def _churn(task: BaselineTask, limit: float) -> list[float]:
-    """Differences of the logarithms of times between trials and their repetitions."""
-    found = []
-    for seed, again in task.repeats.items():
-        if seed in task.trials:
-            before = task.trials[seed]
-            times = [t.time_s if t.success else limit for t in (before, again)]
-            found.append(log(times[1] / times[0]))
-    return found
+def _pairs(task: BaselineTask) -> list[tuple[BaselineTrial, BaselineTrial]]:
+    """Trials and their repetitions."""
+    return [(task.trials[seed], b) for seed, b in task.repeats.items() if seed in task.trials]
 
 
-def _spread(differences: Sequence[float]) -> float | None:
-    """Root mean square of differences, and some at least; None without any."""
-    if not differences:
-        return None
-    return max(sqrt(fmean(d * d for d in differences)), LEAST_SPREAD)
+def _time(trial: BaselineTrial, limit: float) -> float:
+    return trial.time_s if trial.success else limit
 
 
-def _power(name: str, pairs: int, spread: float | None, level: float, seconds: float) -> Power:
-    shift = None if spread is None else statistics.noticeable_shift(spread, pairs, level)
+def _power(
+    name: str, pairs: int, won: float, churn: Sequence[list[float]], level: float, seconds: float
+) -> Power:
+    shift = statistics.noticeable_shift(churn, pairs, level) if churn else inf
     return Power(
         name,
         pairs,
-        statistics.noticeable_drop(pairs, 0.0, level),
-        None if shift is None or not isfinite(shift) else shift,
+        statistics.noticeable_drop(pairs, won, level),
+        max(expm1(shift), LEAST_CHANGE) if isfinite(shift) else None,
         seconds,
     )

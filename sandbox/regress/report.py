@@ -9,16 +9,17 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from statistics import fmean, median
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 from xml.etree import ElementTree
 
 from models.message import counted
 from sandbox.regress import statistics
+from sandbox.regress.arms import HARD, arm_of, setting_of
 from sandbox.regress.comparison import (
-    TOGETHER,
     Change,
     Comparison,
     compared,
+    groups,
     lacking_measures,
     level_of,
 )
@@ -38,10 +39,10 @@ _MOST_MOVED = 10
 
 @dataclass(frozen=True)
 class TaskResult:
-    """Results of a task.
+    """Results of a task in an arm.
 
     Attributes:
-        name: Name of the task.
+        name: Name of the task in its arm.
         version: Version of the task.
         trials: Trials by seed.
     """
@@ -86,6 +87,7 @@ class TaskResult:
         low, high = statistics.wilson(self.successes, self.n)
         return {
             "version": self.version,
+            "vary": setting_of(self.name),
             "n": self.n,
             "successes": self.successes,
             "wilson_low": low,
@@ -133,6 +135,26 @@ class Crashes:
         }
 
 
+class MovedTrial(NamedTuple):
+    """A trial of what is a loss beyond chance, and how it moved.
+
+    Attributes:
+        name: Name of the task in its arm.
+        seed: Seed of the trial.
+        what: The measure now and before.
+        command: The line that runs it again.
+    """
+
+    name: str
+    seed: int
+    what: str
+    command: str
+
+    def __str__(self) -> str:
+        """The trial and how it moved, in words."""
+        return f"{self.name} seed {self.seed}: {self.what}"
+
+
 @dataclass(frozen=True)
 class Report:
     """A run and its comparison with a baseline.
@@ -143,7 +165,8 @@ class Report:
         tasks: Results of tasks, in order.
         complete: True if every trial was run.
         comparisons: Comparisons by task, for those in the baseline.
-        together: Changes of success and time over all tasks, if several are compared.
+        together: Changes of success and time over all tasks of an arm, by its name, if several are
+            compared.
         notes: Notes for the reader.
         reasons: Reasons why the gate does not hold; empty if it does.
         gains: What is better beyond chance.
@@ -158,7 +181,7 @@ class Report:
     notes: tuple[str, ...]
     reasons: tuple[str, ...]
     allow_crashes: int = 0
-    together: Mapping[str, Change] = field(default_factory=dict)
+    together: Mapping[str, Mapping[str, Change]] = field(default_factory=dict)
     gains: tuple[str, ...] = ()
 
     @property
@@ -182,8 +205,8 @@ class Report:
             return shlex.join(["sandbox", "replay", trial["dump"]])
         return self.plan.command(trial["task"], trial["seed"], trial["status"] == CRASHED)
 
-    def moved_most(self) -> list[tuple[str, str, str]]:
-        """Of every loss beyond chance, the trials that moved most: task and seed, what, command."""
+    def moved_most(self) -> list[MovedTrial]:
+        """Of every loss beyond chance, the trials that moved most."""
         losses = [
             (name, measure)
             for name, comparison in self.comparisons.items()
@@ -192,24 +215,30 @@ class Report:
         ]
         if not losses:
             # A loss of all tasks together is one of each, too small to be called one.
-            every = [m for m, change in self.together.items() if change.is_loss]
-            losses = [(name, measure) for measure in every for name in self.comparisons]
+            losses = [
+                (name, measure)
+                for group, own in groups(self.comparisons).items()
+                for measure, change in self.together[group].items()
+                for name in own
+                if change.is_loss
+            ]
         moved = [
             (MEASURES[measure].change(before, now), name, seed, measure, before, now)
             for name, measure in losses
             for seed, before, now in self.comparisons[name].changes[measure].most
         ]
         trials = {(t["task"], t["seed"]): t for t in self.trials}
-        found: dict[str, tuple[str, str]] = {}
+        found: dict[tuple[str, int], MovedTrial] = {}
         for _, name, seed, measure, before, now in sorted(moved, reverse=True)[:_MOST_MOVED]:
             unit = " s" if measure == TIME else ""
             what = f"{measure} {now:.3g}{unit}, was {before:.3g}{unit}"
-            found.setdefault(f"{name} seed {seed}", (what, self.command(trials[name, seed])))
-        return [(at, *rest) for at, rest in found.items()]
+            again = self.command(trials[name, seed])
+            found.setdefault((name, seed), MovedTrial(name, seed, what, again))
+        return [*found.values()]
 
     def noise_floor(self) -> dict[str, Any]:
         """Smallest loss that a paired comparison of all these tasks and seeds can detect."""
-        pairs, level = len(self.plan.seeds), level_of(len(self.tasks))
+        pairs, level = len(self.plan.seeds), level_of(self.plan.names)
         return {
             "pairs": pairs,
             "level": level,
@@ -220,7 +249,7 @@ class Report:
 
     def as_json(self) -> dict[str, Any]:
         """All of it as JSON values."""
-        level = level_of(len(self.comparisons))
+        level = level_of(self.comparisons)
         tasks = {}
         for task in self.tasks:
             tasks[task.name] = {
@@ -238,7 +267,10 @@ class Report:
             "passed": self.passed if self.complete else None,
             "reasons": list(self.reasons),
             "gains": list(self.gains),
-            "together": {name: change.as_json() for name, change in self.together.items()},
+            "together": {
+                name: {m: change.as_json() for m, change in changes.items()}
+                for name, changes in self.together.items()
+            },
             "notes": list(self.notes),
             "configuration": {**self.configuration, "seeds": list(self.plan.seeds)},
             "noise_floor": self.noise_floor(),
@@ -283,7 +315,7 @@ def make_report(
     )
     complete = len(trials) == len(plan.jobs())
     comparisons: dict[str, Comparison] = {}
-    together: Mapping[str, Change] = {}
+    together: Mapping[str, Mapping[str, Change]] = {}
     notes: list[str] = []
     reasons: list[str] = []
     gains: list[str] = []
@@ -301,9 +333,17 @@ def make_report(
         )
         if lacking_measures(trials_by_task, baseline, comparisons):
             notes.append("the baseline has only success, time and progress of its trials")
+        hard = [task.name for task in tasks if arm_of(task.name) == HARD]
+        alone = bool(hard) and not set(hard) & set(comparisons)
+        if alone:
+            notes.append(
+                "the baseline has no trials of the hard arm as it is now, and is compared in the "
+                "plain arm alone: --update-baseline adds them"
+            )
         for task in tasks:
             if task.name not in comparisons:
-                notes.append(f"{task.name}: the baseline has none of these trials")
+                if not (alone and task.name in hard):
+                    notes.append(f"{task.name}: the baseline has none of these trials")
             elif lacking := comparisons[task.name].unpaired:
                 notes.append(
                     f"{task.name}: {without_baseline(lacking)}. To add them, run all seeds with "
@@ -313,7 +353,7 @@ def make_report(
         if not complete:
             notes.append("the run broke off: nothing is judged")
         else:
-            by_place = {name: c.changes for name, c in comparisons.items()} | {TOGETHER: together}
+            by_place = {name: c.changes for name, c in comparisons.items()} | {**together}
             changes = [
                 (name, change) for name, some in by_place.items() for change in some.values()
             ]
@@ -395,12 +435,12 @@ def markdown(report: Report) -> str:
             c = report.comparisons[task.name]
             cells += [str(len(c.lost)), str(len(c.won)), *_changes(c.changes)]
         lines.append(f"| {' | '.join([*cells, *[''] * (8 - len(cells))])} |")
-    if report.together:
-        lines.append(f"| {TOGETHER} |  |  |  |  | {' | '.join(_changes(report.together))} |")
+    for name, changes in report.together.items():
+        lines.append(f"| {name} |  |  |  |  | {' | '.join(_changes(changes))} |")
     moved = report.moved_most()
     if moved:
         lines += ["", "Trials that moved most:", ""]
-        lines += [f"- {_in_markdown(f'{at}: {what}')}: `{again}`" for at, what, again in moved]
+        lines += [f"- {_in_markdown(str(trial))}: `{trial.command}`" for trial in moved]
     return "\n".join(lines) + "\n"
 
 
@@ -428,8 +468,7 @@ def junit(report: Report) -> str:
     """
     suite = ElementTree.Element("testsuite", name="sandbox regress")
     outcomes = [_add_test(suite, report, task) for task in report.tasks]
-    if report.together:
-        outcomes.append(_add_together(suite, report))
+    outcomes += [_add_together(suite, report, name) for name in report.together]
     for attribute, outcome in (
         ("tests", None),
         ("failures", "failure"),
@@ -481,17 +520,18 @@ def _add_test(suite: ElementTree.Element, report: Report, task: TaskResult) -> s
     return outcome
 
 
-def _add_together(suite: ElementTree.Element, report: Report) -> str | None:
-    """Adds the test of all tasks together; returns the tag of its outcome, None if it passed."""
-    case = ElementTree.SubElement(suite, "testcase", classname="sandbox.regress", name=TOGETHER)
+def _add_together(suite: ElementTree.Element, report: Report, name: str) -> str | None:
+    """Adds the test of an arm's tasks together; returns the tag of its outcome, None if it
+    passed."""
+    case = ElementTree.SubElement(suite, "testcase", classname="sandbox.regress", name=name)
     if not report.complete:
         ElementTree.SubElement(case, "skipped", message="the run broke off: nothing is judged")
         return "skipped"
-    broken = [r for r in report.reasons if r.startswith(f"{TOGETHER}: ")]
+    broken = [r for r in report.reasons if r.startswith(f"{name}: ")]
     if not broken:
         return None
     wrong = ElementTree.SubElement(case, "failure", message="; ".join(broken))
-    moved = [f"{at}: {what}\n  {again}" for at, what, again in report.moved_most()]
+    moved = [f"{trial}\n  {trial.command}" for trial in report.moved_most()]
     wrong.text = _legal("\n".join([*broken, *moved]))
     return "failure"
 

@@ -20,7 +20,7 @@ from rich.table import Table
 
 from models.message import counted
 from sandbox.regress import statistics
-from sandbox.regress.comparison import TOGETHER, Change, Comparison, level_of
+from sandbox.regress.comparison import Change, Comparison, groups, level_of
 from sandbox.regress.execute import CRASHED
 from sandbox.regress.measures import DECIDING, SUCCESS, TIME
 from sandbox.regress.report import Crashes, Report
@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 FIRST, EVERY = 10.0, 30.0
 """s after which the first plain line is due, and each further one."""
 
-Tell = Callable[[int, int], None]
+UpdateProgress = Callable[[int, int], None]
 """Takes how many trials have ended, and how many of them succeeded."""
 
 
@@ -61,7 +61,7 @@ class PlainLines:
         self._began = clock()
         self._due = self._began + FIRST
 
-    def tell(self, ended: int, succeeded: int) -> None:
+    def update(self, ended: int, succeeded: int) -> None:
         """Writes a line if one is due.
 
         Args:
@@ -81,7 +81,7 @@ class PlainLines:
 
 
 @contextmanager
-def progress_shown(what: str, total: int, ended: int) -> Iterator[Tell]:
+def progress_lines(what: str, total: int, ended: int) -> Iterator[UpdateProgress]:
     """Shows the progress on standard error while trials run.
 
     Args:
@@ -91,7 +91,7 @@ def progress_shown(what: str, total: int, ended: int) -> Iterator[Tell]:
     """
     screen = Console(stderr=True)
     if not (sys.stderr.isatty() and screen.is_terminal) or screen.is_dumb_terminal:
-        yield PlainLines(what, total, ended).tell
+        yield PlainLines(what, total, ended).update
         return
     progress = Progress(
         TextColumn("{task.description}", markup=False),
@@ -104,11 +104,11 @@ def progress_shown(what: str, total: int, ended: int) -> Iterator[Tell]:
     with progress:
         bar = progress.add_task(what or "running", total=total, completed=ended)
 
-        def tell(ended: int, succeeded: int) -> None:
+        def update(ended: int, succeeded: int) -> None:
             text = f"{succeeded} of {ended} succeeded"
             progress.update(bar, completed=ended, description=f"{what}: {text}" if what else text)
 
-        yield tell
+        yield update
 
 
 MOST_FAILED = 20
@@ -131,9 +131,9 @@ def show(report: Report, console: Console) -> None:
         console.print(f"[bold green]gain, {escape(gain)}[/]", soft_wrap=True)
     for reason in report.reasons:
         console.print(f"[bold red]loss, {escape(reason)}[/]", soft_wrap=True)
-    for at, what, again in report.moved_most():
-        console.print(escape(f"{at}: {what}"), soft_wrap=True)
-        console.print(f"  {escape(again)}", soft_wrap=True)
+    for trial in report.moved_most():
+        console.print(escape(str(trial)), soft_wrap=True)
+        console.print(f"  {escape(trial.command)}", soft_wrap=True)
     if report.complete and report.comparisons and report.passed:
         console.print("[green]no loss beyond chance[/]")
 
@@ -167,12 +167,12 @@ def _compared(report: Report) -> Table:
     for name, c in report.comparisons.items():
         counts = (str(c.pairs), str(len(c.lost)), str(len(c.won)))
         table.add_row(escape(name), *counts, *_changed(c.changes), _states(c))
-    if report.together:
-        pairs = report.together[SUCCESS].pairs
-        lost = sum(len(c.lost) for c in report.comparisons.values())
-        won = sum(len(c.won) for c in report.comparisons.values())
-        changed = _changed(report.together)
-        table.add_row(TOGETHER, str(pairs), str(lost), str(won), *changed, "")
+    for name, own in groups(report.comparisons).items():
+        changes = report.together[name]
+        lost = sum(len(report.comparisons[row].lost) for row in own)
+        won = sum(len(report.comparisons[row].won) for row in own)
+        counts = (str(changes[SUCCESS].pairs), str(lost), str(won))
+        table.add_row(name, *counts, *_changed(changes), "")
     return table
 
 
@@ -207,7 +207,7 @@ def _states(c: Comparison) -> str:
 
 
 def _noise_floor(report: Report, console: Console) -> None:
-    level = level_of(len(report.comparisons))
+    level = level_of(report.comparisons)
     losses = statistics.fewest_losses(level)
     for name, c in report.comparisons.items():
         drop = statistics.noticeable_drop(c.pairs, 0.0, level)
@@ -290,7 +290,7 @@ def show_sweep(found: Sweep, console: Console) -> None:
     """Prints everything a person has to know."""
     for curve in found.curves:
         console.print(_curve_table(found, curve))
-        for line in said(curve):
+        for line in limit_lines(curve):
             console.print(escape(line), soft_wrap=True)
         broken = next((p for p in curve.points if p.breaks and p.lost), None)
         if broken:
@@ -315,7 +315,7 @@ def show_sweep(found: Sweep, console: Console) -> None:
         console.print(f"[yellow]not finished: {escape(missing)}[/]", soft_wrap=True)
 
 
-def said(curve: Curve) -> list[str]:
+def limit_lines(curve: Curve) -> list[str]:
     """Text of the values at which a task breaks."""
     kind = curve.kind
     lines = [f"{kind.text(p.value)}: {p.refused}" for p in curve.points if p.refused]

@@ -8,7 +8,7 @@ of their differences.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from functools import cache
 from typing import TypeVar
 
@@ -32,6 +32,7 @@ _EQUAL = 1e-9
 """Differences below which pairs are equal."""
 _COUNTED = 400
 """Pairs up to which the distribution of a sum of ranks is counted; more follow the normal one."""
+_QUANTILES = np.linspace(0.0, 1.0, _COUNTED)
 
 
 def wilson(successes: int, n: int) -> tuple[float, float]:
@@ -57,25 +58,26 @@ def mcnemar(lost: int, won: int) -> float:
     return float(binomtest(lost, lost + won, 0.5, alternative="greater").pvalue)
 
 
-def signed_rank(differences: ArrayLike) -> float:
+def signed_rank(*samples: ArrayLike) -> float:
     """Chance of so large positive differences, or larger, were either sign as likely.
 
     Wilcoxon's signed-rank test, one-sided and exact: pairs without a difference are left out, and
     equal differences share their mean rank. The distribution of the sum of ranks is counted.
 
     Args:
-        differences: (n,) differences of pairs; positive ones speak for the effect.
+        samples: (n,) differences of pairs each; positive ones speak for the effect. Each sample is
+            ranked by itself, so that one whose differences scatter little counts as much as others.
 
     Source: Wilcoxon (1945); Streitberg and Roehmel (1986) for ties.
     """
-    every = np.asarray(differences, float)
-    some = every[np.abs(every) > _EQUAL]
-    n = len(some)
+    some = [_differing(differences) for differences in samples]
+    n = sum(map(len, some))
     if n == 0:
         return 1.0
     # Twice the mean ranks are whole numbers. Rounding keeps equal sizes equal.
-    ranks = np.rint(2.0 * rankdata(np.round(np.abs(some), 12))).astype(np.int64)
-    observed = int(ranks[some > 0.0].sum())
+    ranks = np.concatenate([2.0 * rankdata(np.round(np.abs(each), 12)) for each in some])
+    ranks = np.rint(ranks).astype(np.int64)
+    observed = int(ranks[np.concatenate(some) > 0.0].sum())
     if n > _COUNTED:
         middle, spread = 0.5 * ranks.sum(), 0.5 * float(np.sqrt(np.sum(ranks.astype(float) ** 2)))
         return float(norm.sf((observed - 1.0 - middle) / spread))
@@ -85,6 +87,38 @@ def signed_rank(differences: ArrayLike) -> float:
         chances[rank:] += chances[: len(chances) - rank].copy()
         chances *= 0.5
     return float(min(chances[observed:].sum(), 1.0))
+
+
+def _differing(differences: ArrayLike) -> NDArray[np.float64]:
+    every = np.asarray(differences, float)
+    return every[np.abs(every) > _EQUAL]
+
+
+def typical_change(*samples: ArrayLike) -> tuple[float, float, float]:
+    """The shift that the signed ranks estimate, and its interval.
+
+    The median of the means of any two differences of a sample, over pairs that differ, times their
+    share of all pairs. Its sign is that of the effect for which `signed_rank` speaks, which single
+    large differences do not change.
+
+    Args:
+        samples: (n,) differences of pairs each, n at least 1.
+
+    Source: Hodges and Lehmann (1963).
+    """
+    some = [_differing(differences) for differences in samples]
+    n = sum(map(len, some))
+    if n == 0:
+        return 0.0, 0.0, 0.0
+    # Of many pairs, quantiles are enough.
+    few = [each if len(each) <= _COUNTED else np.quantile(each, _QUANTILES) for each in some]
+    upper = [np.add.outer(each, each)[np.triu_indices(len(each))] for each in few]
+    means = np.round(0.5 * np.concatenate(upper), 12)
+    reach = float(norm.ppf(0.5 + 0.5 * CONFIDENCE)) / float(np.sqrt(3.0 * n))
+    ends = (0.5 - reach, 0.5 + reach) if reach < 0.5 else ()
+    low, high = map(float, np.quantile(means, ends)) if ends else (-np.inf, np.inf)
+    share = n / sum(np.size(differences) for differences in samples)
+    return share * float(np.median(means)), share * low, share * high
 
 
 def mean_change(differences: ArrayLike) -> tuple[float, float, float]:
@@ -102,20 +136,35 @@ def mean_change(differences: ArrayLike) -> tuple[float, float, float]:
     return mean, mean - reach, mean + reach
 
 
-def noticeable_shift(spread: float, pairs: int, level: float = ALPHA) -> float:
-    """The smallest mean difference that so many pairs notice with power `POWER`.
+def noticeable_shift(churn: Sequence[ArrayLike], pairs: int, level: float = ALPHA) -> float:
+    """The smallest shift of all pairs that the signed-rank test notices with power `POWER`.
 
-    By the normal approximation of a one-sided test of the mean.
+    By the normal approximation of the sum of ranks: its mean follows from how often the mean of two
+    differences is positive, its variance from how often those of one with two others are.
 
     Args:
-        spread: Standard deviation of the differences of pairs that nothing has changed.
-        pairs: Number of pairs.
+        churn: (n,) differences of pairs that nothing has changed, by sample.
+        pairs: Number of pairs, of all samples together.
         level: P value up to which a loss is called.
+
+    Source: Lehmann (1975), "Nonparametrics", section 2.3.
     """
-    if pairs < 2:
-        return np.inf
-    needed = float(norm.isf(level) + norm.isf(1.0 - POWER))
-    return needed * spread / float(np.sqrt(pairs))
+    n = pairs / len(churn)
+    # Without an effect, either sign of a difference is as likely.
+    both = [np.concatenate([each, np.negative(each)]) for each in map(np.asarray, churn)]
+    sums = [np.add.outer(each, each) for each in both]
+
+    def short(shift: float) -> float:
+        excess = variance = 0.0
+        for each in sums:
+            positive = np.mean(np.heaviside(each + 2.0 * shift, 0.5), axis=1)
+            excess += 0.5 * n**2 * float(np.mean(positive) - 0.5)
+            variance += n**3 * float(np.var(positive))
+        called = norm.isf(level) * np.sqrt(len(churn) * n**3 / 12.0)
+        return float(excess - called + norm.ppf(1.0 - POWER) * np.sqrt(variance))
+
+    most = max(float(np.max(each)) for each in sums) + _EQUAL
+    return np.inf if n < 2 or short(most) < 0.0 else float(brentq(short, 0.0, most, xtol=1e-6))
 
 
 def falls_short(successes: int, n: int, rate: float) -> float:

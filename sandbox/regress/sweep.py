@@ -18,7 +18,7 @@ from sandbox.regress.execute import Trial, is_own_fault
 from sandbox.regress.plan import RegressionPlan, registered
 from sandbox.regress.report import Crashes, TaskResult
 from sandbox.trial.assembly import drawn
-from sandbox.trial.variations import Kind, find_kind, parse_value
+from sandbox.trial.trial_options import Kind, find_kind, parse_value
 
 SCHEMA = 1
 """Version of the report's JSON."""
@@ -28,7 +28,7 @@ Runner = Callable[[RegressionPlan], list[Trial]]
 
 
 @dataclass(frozen=True)
-class Wanted:
+class RequestedVariation:
     """A requested variation.
 
     Attributes:
@@ -47,20 +47,20 @@ class Wanted:
         return self.kind.down, self.kind.up
 
 
-def parse_wanted(words: Sequence[str]) -> tuple[Wanted, ...]:
+def parse_variations(words: Sequence[str]) -> tuple[RequestedVariation, ...]:
     """`size`, `latency=50,100`: what to vary, each once.
 
     Raises:
         InputError: A name or a value is none.
     """
-    wanted: list[Wanted] = []
+    wanted: list[RequestedVariation] = []
     for word in words:
         name, equals, values = word.partition("=")
         kind = find_kind(name)
         if kind in (w.kind for w in wanted):
             raise InputError("it is varied twice", where="--vary", got=name)
         values_wanted = tuple(parse_value(kind, v) for v in values.split(",")) if equals else ()
-        wanted.append(Wanted(kind, values_wanted))
+        wanted.append(RequestedVariation(kind, values_wanted))
     return tuple(wanted)
 
 
@@ -239,7 +239,7 @@ class Sweep:
         }
 
 
-def sweep(plan: RegressionPlan, wanted: Sequence[Wanted], run: Runner) -> Sweep:
+def sweep(plan: RegressionPlan, wanted: Sequence[RequestedVariation], run: Runner) -> Sweep:
     """Runs every task with nothing varied, and then with every value.
 
     A value that a task cannot have (a bolt has one place) is noted, and ends its direction.
@@ -274,13 +274,13 @@ def _curve(task: str, kind: Kind, points: Sequence[Point]) -> Curve:
     return Curve(task, kind, tuple(sorted(points, key=lambda p: p.value)))
 
 
-def _differing(wanted: Wanted) -> tuple[float, ...]:
+def _differing(wanted: RequestedVariation) -> tuple[float, ...]:
     """The values that were asked for; none where they are tried until it breaks."""
     return tuple(v for values in wanted.directions for v in values) if wanted.values else ()
 
 
 def _points(
-    plan: RegressionPlan, name: str, wanted: Wanted, nominal: TaskResult, run: Runner
+    plan: RegressionPlan, name: str, wanted: RequestedVariation, nominal: TaskResult, run: Runner
 ) -> tuple[list[Point], list[Unfinished]]:
     """Points of one task under one kind of variation, and what was not finished of them."""
     points: list[Point] = []
@@ -352,7 +352,7 @@ def refusal(plan: RegressionPlan) -> str:
     return ""
 
 
-def check_possible(plan: RegressionPlan, wanted: Sequence[Wanted]) -> None:
+def check_possible(plan: RegressionPlan, wanted: Sequence[RequestedVariation]) -> None:
     """Checks, before anything is played, that some task can have some value of every kind.
 
     Of every task only the trial of the first seed is drawn.

@@ -53,7 +53,7 @@ class _HeadLine(Struct):
     run: dict[str, Any]
 
 
-class _Kept(Struct):
+class _StoredTrial(Struct):
     """Fields of a trial that are read; others are kept as they are."""
 
     task: str
@@ -69,7 +69,7 @@ class _Kept(Struct):
 
 class _TrialLine(Struct):
     varied: str
-    trial: _Kept
+    trial: _StoredTrial
 
 
 def trials_path(output: Path) -> Path:

@@ -31,6 +31,7 @@ from urllib.parse import parse_qs, urlsplit
 from websockets.asyncio.server import ServerConnection
 
 from models.errors import InputError
+from sandbox.server.protocol import Allowance
 
 TOKEN_BYTES = 16
 TOKEN_NAME = "token"
@@ -95,7 +96,7 @@ class Access:
             return "origin"
         return "" if self.knows_token(path) else "token"
 
-    def asks_to_return(self, path: str, socket: bool) -> bool:
+    def is_return_page(self, path: str, socket: bool) -> bool:
         """True if a request without a token may get the page that finds back by itself."""
         return not socket and path in TOKENLESS
 
@@ -111,7 +112,7 @@ class Access:
 _TOKEN = re.compile(r"[A-Za-z0-9_-]{20,64}")
 
 
-def kept_token(path: Path) -> str:
+def stored_token(path: Path) -> str:
     """The token in a file, which is made if it does not exist.
 
     Raises:
@@ -179,29 +180,6 @@ class Counters:
         """A copy, most frequent first."""
         with self._lock:
             return dict(self._counts.most_common())
-
-
-class Allowance:
-    """A token bucket.
-
-    Args:
-        rate: Long-term limit, per second.
-        burst: Number allowed at once.
-        now: s, time at the start.
-    """
-
-    def __init__(self, rate: float, burst: float, now: float) -> None:
-        self._rate, self._burst = rate, burst
-        self._left, self._at = burst, now
-
-    def take(self, now: float) -> bool:
-        """True if one more is allowed at a time in seconds."""
-        self._left = min(self._burst, self._left + (now - self._at) * self._rate)
-        self._at = now
-        if self._left < 1.0:
-            return False
-        self._left -= 1.0
-        return True
 
 
 MOST_UNAUTHENTICATED = 64

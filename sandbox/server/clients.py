@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
+import math
 import queue
 import threading
 import time
@@ -19,11 +20,12 @@ from websockets.asyncio.server import ServerConnection
 from websockets.exceptions import ConnectionClosed
 
 from models.errors import InputError
-from sandbox.server.access import Allowance, Counters
+from sandbox.server.access import Counters
 from sandbox.server.frames import number_frame
 from sandbox.server.protocol import (
     CREDIT,
     PROTOCOL,
+    Allowance,
     Beat,
     Drawn,
     Echo,
@@ -38,6 +40,7 @@ from sandbox.server.protocol import (
     Presence,
     Resized,
     SceneMessage,
+    Seat,
     Sheet,
     StudyView,
     TaskName,
@@ -48,7 +51,7 @@ from sandbox.server.protocol import (
 )
 from sandbox.server.server_thread import GREETING
 from sandbox.server.web import PageDevice
-from sandbox.trial.latency import LatencyLog
+from sandbox.trial.logs import LatencyLog
 
 MESSAGES_PER_SECOND, BURST = 240.0, 1200.0
 """Rate limit; touches at 120 Hz, acknowledgements at 60 Hz and beats are 185 messages a second.
@@ -64,15 +67,16 @@ MOST_CLIENTS = 8
 SILENT_TOUCHED, SILENT = 1.0, 1.5
 """s without a message after which a page counts as away: with a finger down, when it sends ten
 messages a second, and without, when it sends two."""
-SEAT_KEPT = 60.0
-"""s for which the seat of a player who is away is kept against other pages."""
+SEAT_TIMEOUT, REQUESTED_SEAT_TIMEOUT = 60.0, 10.0
+"""s after which a player who is away loses the seat to a page that waits; the second one while such
+a page requests it."""
 Queued = TypeVar("Queued")
 MOST_QUEUED = 256
 """Number of requests, or of answers to questions, that wait to be read; more than a person gives
 before somebody reads them."""
 
-WRONG_VERSION, TOO_MANY, REPLACED, NONSENSE = 4001, 4002, 4003, 4004
-"""Close codes, which the page explains to the person."""
+WRONG_VERSION, TOO_MANY, REPLACED, NONSENSE, GOODBYE = 4001, 4002, 4003, 4004, 4005
+"""Close codes, which the page explains to the person; the last one when the program ends."""
 
 
 class Client:
@@ -92,6 +96,7 @@ class Client:
         menu: True while its player has a menu open.
         missed: True if its last message was refused unread, as too many came.
         silenced: True if its touches were cancelled, as it fell silent with a finger down.
+        requests_seat: True if it waits and has requested the player's seat.
     """
 
     def __init__(
@@ -103,6 +108,8 @@ class Client:
         self.player = False
         self.last_message = clock()
         self.visible, self.missed, self.menu, self.silenced = True, False, False, False
+        self.requests_seat = False
+        self._seat: Seat | None = None
         self._hidden = self.last_message
         self._clock = clock
         self._counters = counters
@@ -149,6 +156,12 @@ class Client:
             if skin and skin not in self._skins:
                 self.send(skin, text=False)
         self._skins = tuple(skins)
+
+    def send_seat(self, seat: Seat) -> None:
+        """Queues who may play, if that has changed."""
+        if seat != self._seat:
+            self._seat = seat
+            self.send(encode(seat))
 
     def offer(self, frame: bytearray | None) -> None:
         """Queues the newest frame, in place of an older one that has not been sent."""
@@ -241,6 +254,7 @@ class Clients:
         seated: Number of times that another page became the player's.
         requests: Queue of the player's requests; read by another thread.
         inputs: Queue of the player's inputs to a study's sheets; read by another thread.
+        browser: What the player's browser calls itself; empty before a player connected.
         screen: Size of the player's screen; None before a player connected.
         language: Language of the player's page; empty before a player connected.
     """
@@ -266,11 +280,13 @@ class Clients:
         self._study = study
         self._sheet: Sheet | None = None
         self._trouble: bytes | None = None
+        self._demonstration = b""
         self._last_present = float("-inf")
         self._left = float("-inf")
         self.joined = threading.Event()
         self.requests: queue.SimpleQueue[PlayerRequest] = queue.SimpleQueue()
         self.inputs: queue.SimpleQueue[ItemAnswer | Leave] = queue.SimpleQueue()
+        self.browser = ""
         self.screen: PageScreen | None = None
         self.language = ""
 
@@ -288,7 +304,7 @@ class Clients:
             skins: Skins of the hands.
         """
         self._scene, self._device, self._frame, self._skins = scene, device, None, skins
-        self._trouble = None
+        self._trouble, self._demonstration = None, b""
         for client in self._clients:
             client.offer(None)
             if client.hello:
@@ -326,11 +342,16 @@ class Clients:
         if tell:
             self.send_to_player(encode(sheet))
 
-    def send_to_player(self, text: bytes) -> None:
-        """Sends a message to the player alone; viewers do not get it."""
+    def show_demonstration(self, message: bytes) -> None:
+        """Sends the player a demonstration of the scene, also after a reconnection."""
+        self._demonstration = message
+        self.send_to_player(message, text=False)
+
+    def send_to_player(self, message: bytes, text: bool = True) -> None:
+        """Sends a JSON message, or bytes, to the player alone; viewers do not get it."""
         for client in self._clients:
             if client.player:
-                client.send(text)
+                client.send(message, text)
 
     def show(self, frame: bytearray) -> None:
         """Sends the newest frame to all pages."""
@@ -418,8 +439,15 @@ class Clients:
     @property
     def _seat_is_free(self) -> bool:
         """True if the last player has been away for too long, or had no room to play."""
-        kept = self._last_player and time.monotonic() - self._left <= SEAT_KEPT
+        kept = self._last_player and time.monotonic() - self._left <= self._seat_timeout
         return not kept or self._trouble is not None
+
+    @property
+    def _seat_timeout(self) -> float:
+        """s after which a player who is away loses the seat."""
+        return (
+            REQUESTED_SEAT_TIMEOUT if any(c.requests_seat for c in self._clients) else SEAT_TIMEOUT
+        )
 
     def _player(self) -> Client | None:
         return next((c for c in self._clients if c.player), None)
@@ -428,10 +456,13 @@ class Clients:
         assert client.hello is not None
         other = client.hello.client != self._last_player
         client.player, self._last_player = True, client.hello.client
+        client.requests_seat = False
         if self._device:
             self._device.begin_page()
         self.screen, self.seated = client.screen, self.seated + other
         self.language = client.hello.language
+        request = client.connection.request
+        self.browser = request.headers.get("User-Agent", "") if request else ""
 
     def _welcome(self, client: Client) -> None:
         role = "player" if client.player else "spectator"
@@ -454,6 +485,8 @@ class Clients:
             client.send(encode(self._scene))
             client.send_skins(self._skins)
             client.offer(self._frame)
+        if client.player and self._demonstration:
+            client.send(self._demonstration, text=False)
         if self._trouble:
             client.send(self._trouble)
 
@@ -484,14 +517,28 @@ class Clients:
     def _give_up_seat(self, now: float) -> None:
         """Takes the seat from a player who has been hidden for too long, if somebody waits."""
         player = self._player()
-        if player is None or now - player.seen <= SEAT_KEPT:
+        if player is None or now - player.seen <= self._seat_timeout:
             return
-        waiting = [c for c in self._clients if c.hello and c.hello.role == "player"]
-        if len(waiting) > 1:
+        if self._waiting():
             self._leave(player)
             self._left = float("-inf")
             self._fill_seat(player)
             self._welcome(player)
+
+    def _waiting(self) -> list[Client]:
+        """Pages that wait to play."""
+        return [c for c in self._clients if c.hello and c.hello.role == "player" and not c.player]
+
+    def _send_seats(self, now: float) -> None:
+        """Sends who may play, and when, to all pages for which that has changed."""
+        player = self._player()
+        absent = now - (player.seen if player else self._left)
+        there = player is not None and not self._is_away(player, now)
+        wait = None if there else math.ceil(max(self._seat_timeout - absent, 0.0))
+        for client in self._waiting():
+            client.send_seat(Seat(wait))
+        if player is not None:
+            player.send_seat(Seat(requested=any(c.requests_seat for c in self._waiting())))
 
     def _take(self, client: Client, up: Up) -> None:
         """Acts on a valid message."""
@@ -515,7 +562,9 @@ class Clients:
                     self._counters.add("another device's message")
             case Drawn() if client.player:
                 self._latency.add("drawn", up.after_ms)
-            case PlayerRequest() if client.player and not self._study:
+            case PlayerRequest(what="seat") if client in self._waiting() and not self._study:
+                client.requests_seat = True
+            case PlayerRequest() if client.player and up.what != "seat" and not self._study:
                 if up.what in ("pause", "resume"):
                     client.menu = up.what == "pause"
                 self._keep(self.requests, up)
@@ -533,6 +582,13 @@ class Clients:
         else:
             self._counters.add("input that nobody waits for")
 
+    async def part(self) -> None:
+        """Says goodbye to all pages, which do not take the end for a fault then."""
+        for client in self._clients:
+            client.close(GOODBYE, "the session has ended")
+        # The closing handshakes begin.
+        await asyncio.sleep(0)
+
     async def watch(self) -> None:
         """Cancels the touches of a silent page, and ends the keeping of seats; runs until it is
         cancelled."""
@@ -541,6 +597,8 @@ class Clients:
             self._give_up_seat(time.monotonic())
             self._fill_seat()
             device, now = self._device, time.monotonic()
+            if not self._study:
+                self._send_seats(now)
             for client in self._clients:
                 silent = now - client.last_message > SILENT_TOUCHED
                 if client.player and silent and device and device.touched:

@@ -1,4 +1,4 @@
-"""What a page is sent of a session: its scene, the skins of its hands, and 60 frames a second.
+"""What a page gets of a session: its scene, the skins of its hands, a frame a control step.
 
 A frame is binary, little-endian: a header of 32 bytes, one pose of seven float32 per body (position
 in m, quaternion w, x, y, z), and the rest (score, contacts, goals) as JSON of `protocol.State`.
@@ -38,15 +38,12 @@ from __future__ import annotations
 
 import json
 import struct
-from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Any
 
 import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from models.frames import FINGERS
 from models.hand import SceneHand
 from models.message import Message
 from models.pose import POSE_SIZE
@@ -69,43 +66,8 @@ from sandbox.server.protocol import (
     SurfaceView,
     encode,
 )
-from sandbox.session.messages import HandView, Snapshot
-from sandbox.session.session import Session
+from sandbox.session.messages import NO_LOAD, HandLoad, HandView, Snapshot
 from tasks.task import Task
-
-NOTHING = (0.0,) * len(FINGERS)
-
-
-@dataclass(frozen=True)
-class HandFeedback:
-    """Contact forces, grip and label probability of one hand.
-
-    Attributes:
-        forces: N, force of each finger's links on objects, thumb first.
-        probability: Probability of the labels, 0 to 1.
-        stored: N, force that the grip stores in each finger (`FingerLoad.stored`).
-        full: Labels of the fingers that touch objects while a servo of their own or of the palm
-            gives all the force that it may.
-    """
-
-    forces: tuple[float, ...] = NOTHING
-    probability: float = 1.0
-    stored: tuple[float, ...] = NOTHING
-    full: frozenset[int] = frozenset()
-
-
-def hand_feedback(session: Session) -> list[HandFeedback]:
-    """Current contact forces, grips and label probabilities of all hands of a session."""
-    return [
-        HandFeedback(
-            tuple(finger.force for finger in load.fingers),
-            reconstruction.probability,
-            tuple(finger.stored for finger in load.fingers),
-            load.full,
-        )
-        for load, reconstruction in zip(session.loads(), session.reconstructions, strict=True)
-    ]
-
 
 _KINDS: dict[Any, Any] = {
     mujoco.mjtGeom.mjGEOM_PLANE: "plane",
@@ -183,6 +145,7 @@ def describe_scene(
         localised(caption) if caption else None,
         in_air,
         scored,
+        fingers=task.fewest_fingers,
     )
 
 
@@ -214,21 +177,17 @@ def summary(task: type[Task]) -> str:
     return (task.__doc__ or task.name).strip().splitlines()[0]
 
 
-def state_of(
-    snapshot: Snapshot, pause: Pause, feedback: Sequence[HandFeedback] = (), own: int | None = None
-) -> State:
+def state_of(snapshot: Snapshot, pause: Pause, own: int | None = None) -> State:
     """Values of a snapshot besides poses.
 
     Args:
         snapshot: The snapshot.
         pause: Why simulated time stands still; empty while it runs.
-        feedback: Contact forces and label probability of every hand; if empty, forces are 0 and
-            labels certain.
         own: Index of the hand whose contacts come from the page; contacts of others get ids that
             the page's fingers do not use. None if all contacts come from one source.
     """
-    score = snapshot.score
-    feedback = feedback or [HandFeedback()] * len(snapshot.hands)
+    score, hands = snapshot.score, snapshot.hands
+    loads = snapshot.loads or [NO_LOAD] * len(hands)
     return State(
         snapshot.time,
         score.status.value,
@@ -237,8 +196,8 @@ def state_of(
         score.final,
         score.held,
         [
-            _hand(hand, felt, own in (None, i))
-            for i, (hand, felt) in enumerate(zip(snapshot.hands, feedback, strict=True))
+            _hand(hand, load, own in (None, i))
+            for i, (hand, load) in enumerate(zip(hands, loads, strict=True))
         ],
         [GoalState(g.object, _floats(g.position), float(g.yaw)) for g in snapshot.goals if g.shown],
         [localised(notice) for notice in snapshot.notices],
@@ -262,27 +221,24 @@ class BodyKinematics:
         return self._out
 
 
-def _hand(hand: HandView, feedback: HandFeedback, own: bool) -> HandState:
-    contacts = [
-        ContactState(
-            int(c.id) if own else -1 - int(c.id),
-            None if c.label is None else int(c.label),
-            c.state,  # type: ignore[arg-type]
-            _force(feedback.forces, c.label),
-            _floats(c.position),
-            c.sure,
-            c.label in hand.inside,
-            _force(feedback.stored, c.label),
-            c.label in feedback.full,
+def _hand(hand: HandView, load: HandLoad, own: bool) -> HandState:
+    full, contacts = load.full, []
+    for c, place in zip(hand.contacts, hand.places, strict=True):
+        finger = NO_LOAD.fingers[0] if c.label is None else load.fingers[c.label]
+        contacts.append(
+            ContactState(
+                c.id if own else -1 - c.id,
+                c.label,
+                c.state,  # type: ignore[arg-type]
+                round(finger.force, 2),
+                _floats(place),
+                c.sure,
+                c.label in hand.inside,
+                round(finger.stored, 2),
+                c.label in full,
+            )
         )
-        for c in hand.contacts
-    ]
-    solid = sorted(int(f) for f in hand.solid)
-    return HandState(hand.phase, solid, contacts, round(feedback.probability, 3))
-
-
-def _force(forces: Sequence[float], label: int | None) -> float:
-    return 0.0 if label is None else round(float(forces[label]), 2)
+    return HandState(hand.phase, sorted(hand.solid), contacts, round(hand.probability, 3))
 
 
 def _part(scene: SimulatedScene, root: str, things: set[str]) -> Any:

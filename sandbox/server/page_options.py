@@ -1,13 +1,87 @@
-"""Options of commands that serve the browser page."""
+"""Options of commands that serve the browser page, its address in the network and its QR code."""
 
 from __future__ import annotations
 
+import io
+import ipaddress
+import socket
 from dataclasses import dataclass
 from typing import Annotated
 
 from cyclopts import Parameter
 
-from sandbox.trial.headings import COMMON, PAGE
+from models.errors import DeviceError
+from sandbox.trial.trial_options import COMMON, PAGE
+
+LOOPBACK = "127.0.0.1"
+
+
+def local_network_address() -> str:
+    """The IPv4 address of the network card that connects to other machines.
+
+    Raises:
+        DeviceError: This machine is not connected to a network.
+    """
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
+        try:
+            # Connecting a datagram socket sends nothing; it only chooses the card. The address is
+            # reserved for documentation (RFC 5737).
+            probe.connect(("192.0.2.1", 9))
+            address = str(probe.getsockname()[0])
+        except OSError:
+            address = "0.0.0.0"
+    if ipaddress.ip_address(address).is_unspecified or ipaddress.ip_address(address).is_loopback:
+        raise DeviceError(
+            "this machine is not in a network that a tablet could join",
+            where="--tablet",
+            remedy="Join a Wi-Fi network, or give the address by --lan ADDRESS",
+        )
+    return address
+
+
+def checked_address(text: str) -> str:
+    """Checks an IP address to bind.
+
+    Raises:
+        DeviceError: The text is not an IP address, or means all network cards.
+    """
+    try:
+        address = ipaddress.ip_address(text)
+    except ValueError:
+        raise DeviceError(
+            "this is not an IP address", where="--lan", got=text, expected="such as 192.168.1.20"
+        ) from None
+    if address.is_unspecified:
+        raise DeviceError(
+            "the page can only be served on one address, not on all of them",
+            where="--lan",
+            got=text,
+            expected="the address of one network card",
+            remedy="`--tablet` finds it",
+        )
+    return str(address)
+
+
+def code(url: str) -> str:
+    """A QR code of a link in block characters, for a terminal of any background colour."""
+    # Most commands show no code.
+    import segno
+
+    out = io.StringIO()
+    segno.make(url, error="m").terminal(out, compact=True, border=2)
+    return out.getvalue()
+
+
+def hints(host: str) -> list[str]:
+    """Advice on settings before play, and on a page that does not open."""
+    if host == LOOPBACK:
+        return ["Only this machine can open it; `--tablet` lets a tablet in."]
+    return [
+        "iPad: switch off Settings > Multitasking & Gestures > Four & Five Finger Gestures, and "
+        "set Display & Brightness > Auto-Lock to Never.",
+        "If the page does not open: are both in the same Wi-Fi? Does a firewall on this machine "
+        "keep the port closed?",
+    ]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -34,7 +108,6 @@ class PageOptions:
     @property
     def page_host(self) -> str:
         """Address on which the page is served."""
-        from sandbox.server.address import LOOPBACK, checked_address, local_network_address
 
         if self.lan:
             return checked_address(self.lan)

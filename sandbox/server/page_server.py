@@ -1,4 +1,8 @@
-"""The server of the page: one thread with its own event loop; no session waits for it."""
+"""The server of the page: one thread with its own event loop; no session waits for it.
+
+`AutoPause` says when simulated time stands still on pages: before the first touch, and while a
+player is away. Play and studies use this rule. `PageServer.away` says when one page is away.
+"""
 
 from __future__ import annotations
 
@@ -6,6 +10,7 @@ import contextlib
 import errno
 import queue
 import ssl
+import time
 from collections.abc import Sequence
 from dataclasses import dataclass
 from http import HTTPStatus
@@ -20,8 +25,6 @@ from models.scene import Scene as SimulatedScene
 from sandbox.server.clients import MOST_CLIENTS, Clients
 from sandbox.server.frames import (
     BodyKinematics,
-    HandFeedback,
-    hand_feedback,
     localised,
     pack,
     state_of,
@@ -45,15 +48,14 @@ from sandbox.server.server_thread import ServerThread, cannot_serve
 from sandbox.server.static import StaticFiles, plain
 from sandbox.server.web import PageDevice
 from sandbox.session.messages import Snapshot
-from sandbox.session.session import Session
-from sandbox.trial.latency import LatencyLog
+from sandbox.trial.logs import LatencyLog
 from sandbox.words.words import preferred, words_in
 
 _T = TypeVar("_T")
 
 
 @dataclass(frozen=True)
-class _Shown:
+class _ServedScene:
     """The scene that is served now."""
 
     message: SceneMessage
@@ -102,9 +104,9 @@ class PageServer(ServerThread):
         self._language = study.language if study else ""
         self._files = files or StaticFiles()
         self._pages = Clients(tasks, version, self.counters, self.latency, study, touch)
-        self._shown: _Shown | None = None
+        self._shown: _ServedScene | None = None
         self._scenes = 0
-        self._moment: tuple[_Shown, int, Snapshot, Pause, Sequence[HandFeedback]] | None = None
+        self._moment: tuple[_ServedScene, int, Snapshot, Pause] | None = None
         self._scheduled = False
         error = self._start("page", host, port)
         if error is not None:
@@ -125,6 +127,11 @@ class PageServer(ServerThread):
     def language(self) -> str:
         """Language of the player's page, by ISO 639-1; empty before one came."""
         return self._pages.language
+
+    @property
+    def browser(self) -> str:
+        """What the browser of the player's page calls itself; empty before one came."""
+        return self._pages.browser
 
     @property
     def seated(self) -> int:
@@ -194,8 +201,18 @@ class PageServer(ServerThread):
             own: Index of the hand that touches this page, if others touch elsewhere; else None.
         """
         self._scenes = message.scene
-        shown = _Shown(message, device, BodyKinematics(scene), skins, own)
+        shown = _ServedScene(message, device, BodyKinematics(scene), skins, own)
         self._loop.call_soon_threadsafe(self._open_scene, shown)
+
+    def show_demonstration(self, scene: int, message: bytes) -> None:
+        """Sends the player a demonstration for a scene, unless another one is shown by now."""
+
+        def send() -> None:
+            if self._shown is not None and self._shown.message.scene == scene:
+                self._pages.show_demonstration(message)
+
+        with contextlib.suppress(RuntimeError):  # the loop is closed
+            self._loop.call_soon_threadsafe(send)
 
     def show_problem(self, *sentences: str) -> None:
         """Shows on all pages why there is no scene, until there is one.
@@ -206,32 +223,22 @@ class PageServer(ServerThread):
             self._pages.show_problem, encode(Trouble([localised(s) for s in sentences]))
         )
 
-    def publish(
-        self, snapshot: Snapshot, pause: Pause = "", feedback: Sequence[HandFeedback] = ()
-    ) -> None:
+    def publish(self, snapshot: Snapshot, pause: Pause = "") -> None:
         """Publishes the newest snapshot; called from the session's thread, and never waits.
 
         Args:
             snapshot: The snapshot.
             pause: Why simulated time stands still; empty while it runs.
-            feedback: Contact forces and label probability of every hand; empty without a page.
         """
         shown = self._shown
         if shown is None:
             return
         touch = shown.device.applied if shown.device else 0
-        self._moment = (shown, touch, snapshot, pause, feedback)
+        self._moment = (shown, touch, snapshot, pause)
         if not self._scheduled:
             self._scheduled = True
             with contextlib.suppress(RuntimeError):  # the loop is closed
                 self._loop.call_soon_threadsafe(self._spread)
-
-    def publish_step(self, session: Session, snapshot: Snapshot) -> None:
-        """Publishes a session's newest snapshot with the forces at its fingers; see `publish`.
-
-        Forces are only computed if a page is connected.
-        """
-        self.publish(snapshot, feedback=hand_feedback(session) if self.clients else ())
 
     # -- everything below runs in the server's thread ------------------------------------------
 
@@ -241,13 +248,16 @@ class PageServer(ServerThread):
     async def _watch(self) -> None:
         await self._pages.watch()
 
+    async def _part(self) -> None:
+        await self._pages.part()
+
     def _process(self, connection: ServerConnection, request: Request) -> Response | None:
         """Accepts or refuses a request, and answers those for files."""
         if not self._limits.judge(connection):
             return plain(HTTPStatus.SERVICE_UNAVAILABLE, self._words(request)["too_many_pages"])
         wants_socket = request.headers.get("Upgrade", "").lower() == "websocket"
         reason = self._refusal(request, wants_socket)
-        if reason == "token" and self.access.asks_to_return(request.path, wants_socket):
+        if reason == "token" and self.access.is_return_page(request.path, wants_socket):
             # Reloads are among them; strangers, too, so that a flood of them is seen.
             self.counters.add("asked without a token")
             return self._files.way_back()
@@ -263,14 +273,15 @@ class PageServer(ServerThread):
         host = request.headers["Host"]
         origin = f"{'wss' if self._tls else 'ws'}://{host}"
         path = urlsplit(request.path).path
-        return self._files.response(path, origin, self.access.token, self._language)
+        accepted = ", ".join(request.headers.get_all("Accept-Encoding"))
+        return self._files.response(path, origin, self.access.token, self._language, accepted)
 
     def _words(self, request: Request) -> dict[str, str]:
         """Words for somebody who gets no page, in the study's language or the browser's."""
         accepted = request.headers.get_all("Accept-Language")
         return words_in(self._language or preferred(accepted[0] if accepted else ""))
 
-    def _open_scene(self, shown: _Shown) -> None:
+    def _open_scene(self, shown: _ServedScene) -> None:
         self._shown = shown
         self._pages.open_scene(shown.message, shown.device, shown.skins)
 
@@ -279,8 +290,8 @@ class PageServer(ServerThread):
         self._scheduled = False
         if self._moment is None or self._moment[0] is not self._shown or not len(self._pages):
             return
-        shown, touch, snapshot, pause, feedback = self._moment
-        poses, state = shown.poses(snapshot.qpos), state_of(snapshot, pause, feedback, shown.own)
+        shown, touch, snapshot, pause = self._moment
+        poses, state = shown.poses(snapshot.qpos), state_of(snapshot, pause, shown.own)
         self._pages.show(pack(shown.message.scene, touch, snapshot.time, poses, state))
 
 
@@ -309,3 +320,80 @@ def tls_context(certificate: str, key: str) -> ssl.SSLContext:
             got=str(error),
         ) from None
     return context
+
+
+class AutoPause:
+    """Stops simulated time while a player cannot play, and lists for how long.
+
+    Time begins with the first touch on any page. It stops as soon as a page is away, and goes on
+    when that page is back and touched, or touched still. A goal that is held already needs nobody,
+    so the trial is played to its end.
+
+    Args:
+        pages: Server and device of every page; a page without a device counts as touched while it
+            is not away.
+        begun: True if time runs before the first touch.
+        stops: False if time goes on while a page is away.
+
+    Attributes:
+        begun: True once time has begun.
+        away: Indices of the pages that were away at the last check.
+    """
+
+    def __init__(
+        self,
+        pages: Sequence[tuple[PageServer, PageDevice | None]],
+        begun: bool = False,
+        stops: bool = True,
+    ) -> None:
+        self._pages, self._stops = tuple(pages), stops
+        self.begun = begun or not any(device for _, device in self._pages)
+        self._awaits_touch = not self.begun
+        self._awaited: set[int] = set()
+        self._since: tuple[float, float] | None = None
+        self._ended: list[dict[str, float]] = []
+        self.away: set[int] = set()
+
+    def check(self, time_s: float, held: bool, paused: bool = False) -> Pause:
+        """Why simulated time must stand still now; empty if it may run.
+
+        Args:
+            time_s: s, simulated time.
+            held: True if the goal has been held.
+            paused: True during a pause by the experimenter, after which time goes on with the next
+                touch on any page.
+        """
+        self.away = {i for i, (server, _) in enumerate(self._pages) if server.away}
+        if self.begun and self._stops and not held:
+            self._awaited |= self.away
+        if paused:
+            self._awaits_touch = True
+            return "menu"
+        devices = [device for _, device in self._pages]
+        touched = {i for i, d in enumerate(devices) if d is None or d.touched} - self.away
+        if self._awaits_touch and touched:
+            self._awaits_touch, self.begun = False, True
+        if not self.begun:
+            return "start"
+        self._awaited -= touched
+        if held:
+            self._awaited.clear()
+        if self._awaited and self._since is None:
+            self._since = time_s, time.monotonic()
+        elif not self._awaited:
+            self._end()
+        if not (self._awaited or self._awaits_touch):
+            return ""
+        return "away" if self.away else "back"
+
+    def listed(self) -> list[dict[str, float]]:
+        """All absences: `at_s`, simulated time, and `lasted_s`, real time until the next touch."""
+        self._end()
+        return self._ended
+
+    def _end(self) -> None:
+        if self._since is None:
+            return
+        at, began = self._since
+        self._since = None
+        self._ended.append({"at_s": round(at, 3), "lasted_s": round(time.monotonic() - began, 3)})

@@ -2,7 +2,8 @@
 
 From the page: JSON texts, one message each, tagged by `type`. To the page: JSON texts for events,
 and binary frames for motion (see `sandbox.server.frames`). Every message is checked whole
-against the types here; an invalid one is refused, counted, and changes nothing.
+against the types here; an invalid one is refused, counted, and changes nothing. `Allowance` limits
+how many are accepted.
 """
 
 from __future__ import annotations
@@ -13,6 +14,7 @@ import msgspec
 from msgspec import Meta, Struct
 
 from models.errors import InputError
+from models.frames import FINGERS
 
 PROTOCOL = 4
 """Version of all messages; both sides send it first, and disconnect if it differs."""
@@ -24,10 +26,14 @@ CREDIT = 6
 """Largest number of unacknowledged frames on their way to a page. After a stall of the network a
 page gets at most this many old frames; with three, a round trip of 30 ms would halve its rate."""
 
-Number = Annotated[float, Meta(ge=-1e6, le=1e6)]
+Measured = Annotated[float | None, Meta(extra={"page": "number"})]
+"""A number that a screen or headset has measured, which our page knows; null for one that is no
+number, which JSON does not have. A device judges it, so that a wrong one costs itself alone."""
+
 Milliseconds = Annotated[float, Meta(ge=0, le=1e15)]
 Count = Annotated[int, Meta(ge=0, le=2**53)]
 Id = Annotated[int, Meta(ge=-(2**31), lt=2**53)]
+Label = Annotated[int, Meta(ge=0, lt=len(FINGERS))]
 Word = Annotated[str, Meta(max_length=64)]
 LONGEST_ANSWER = 2000
 """Largest number of characters in a text answer."""
@@ -43,6 +49,34 @@ LIFT_NOTCH, LIFT_KEY, LIFT_PAGE = 0.12, 0.05, 0.20
 page up and page down."""
 NOTCH_PX = 100.0
 """CSS pixels that browsers report for a notch."""
+
+
+DEMONSTRATION_KIND = 3
+"""Kind of a binary message with the frames of a demonstration (`sandbox.play.demonstration`); see
+`sandbox.server.frames` for the others."""
+
+
+class Allowance:
+    """A token bucket: how many messages or connections are accepted.
+
+    Args:
+        rate: Long-term limit, per second.
+        burst: Number allowed at once.
+        now: s, time at the start.
+    """
+
+    def __init__(self, rate: float, burst: float, now: float) -> None:
+        self._rate, self._burst = rate, burst
+        self._left, self._at = burst, now
+
+    def take(self, now: float) -> bool:
+        """True if one more is allowed at a time in seconds."""
+        self._left = min(self._burst, self._left + (now - self._at) * self._rate)
+        self._at = now
+        if self._left < 1.0:
+            return False
+        self._left -= 1.0
+        return True
 
 
 class PageScreen(Struct, forbid_unknown_fields=True, frozen=True):
@@ -89,18 +123,20 @@ class PageTouches(Struct, tag="touches", forbid_unknown_fields=True, frozen=True
 
     `contacts` holds id, x, y, width and height in CSS pixels, x right and y down from the touch
     rectangle's top left corner, width and height at most 1 where they are unknown; `cancelled` the
-    ids that the system cancelled since the last message; `lift` the lift control, if the page shows
-    one. `seq` counts up from 1, `t` is the page's clock.
+    ids that the system cancelled since the last message; `lift` the lift control, 0 to 1, if the
+    page shows one; `labels` id and label of fingers that keys put down, with a mouse. `seq` counts
+    up from 1, `t` is the page's clock.
     """
 
     seq: Count
-    t: Milliseconds
-    contacts: Annotated[list[tuple[Id, Number, Number, Number, Number]], Meta(max_length=20)]
-    cancelled: Annotated[list[Id], Meta(max_length=20)] = []
-    lift: Annotated[float, Meta(ge=0, le=1)] | None = None
+    t: Measured
+    contacts: list[tuple[Id, Measured, Measured, Measured, Measured]]
+    cancelled: list[Id] = []
+    lift: float | None = None
+    labels: list[tuple[Id, Label]] = []
 
 
-Vector = tuple[Number, Number, Number]
+Vector = tuple[Measured, Measured, Measured]
 JOINTS_OF_A_HAND = 25
 """WebXR's joints: the wrist, four of the thumb, and five of each finger, thumb to little finger."""
 
@@ -121,8 +157,8 @@ class HeldController(Struct, forbid_unknown_fields=True, frozen=True):
 
     side: Literal["right", "left"]
     position: Vector
-    quaternion: tuple[Number, Number, Number, Number]
-    trigger: Annotated[float, Meta(ge=0, le=1)]
+    quaternion: tuple[Measured, Measured, Measured, Measured]
+    trigger: Measured
 
 
 class PageHands(Struct, tag="hands", forbid_unknown_fields=True, frozen=True):
@@ -130,9 +166,9 @@ class PageHands(Struct, tag="hands", forbid_unknown_fields=True, frozen=True):
     clock."""
 
     seq: Count
-    t: Milliseconds
-    hands: Annotated[list[SeenJoints], Meta(max_length=2)]
-    controllers: Annotated[list[HeldController], Meta(max_length=2)] = []
+    t: Measured
+    hands: list[SeenJoints]
+    controllers: list[HeldController] = []
 
 
 class Got(Struct, tag="got", forbid_unknown_fields=True, frozen=True):
@@ -156,9 +192,10 @@ class Beat(Struct, tag="beat", forbid_unknown_fields=True, frozen=True):
 
 
 class PlayerRequest(Struct, tag="ask", forbid_unknown_fields=True, frozen=True):
-    """Request of the player: try again, another task, the other hand, pause or resume."""
+    """Request of the player: try again, another task, the other hand, sets of fingers as in the
+    settings, pause or resume, or a demonstration; or of a page that waits: the player's seat."""
 
-    what: Literal["retry", "task", "hand", "pause", "resume"]
+    what: Literal["retry", "task", "hand", "fingers", "pause", "resume", "demo", "seat"]
     value: Word = ""
 
 
@@ -218,7 +255,7 @@ class TaskName(Struct, frozen=True):
 class StudyView(Struct, frozen=True):
     """A page in a study, in the participant's language, with the design's own words by key.
 
-    `shows` lists which of task, goal, time, progress, fingers and sound a trial shows.
+    `shows` lists what a trial shows: task, goal, time, progress, fingers, sound, hint and result.
     """
 
     language: str
@@ -227,7 +264,7 @@ class StudyView(Struct, frozen=True):
 
 
 class Welcome(Struct, tag="welcome", frozen=True):
-    """The server's first message: the role of the page, and the tasks to choose from.
+    """The server's first message: the role of the page, and the tasks from easiest to hardest.
 
     In a study there are no menus. `touch` is true if the player's touches drive a hand; otherwise
     another device does, and all pages are spectators.
@@ -274,8 +311,10 @@ class SceneMessage(Struct, tag="scene", frozen=True):
     `bodies` names the rows of a frame's poses. `lift` is the height (m) to which a lift control of
     1 raises the hand; 0 if the task has none. `size` of a geom is as in MuJoCo: half lengths and
     radii. `in_air` is true if hands move over a 3-D device, without touches. `goal` is in English;
-    in a study, `task` and `goal` are what the participant reads. `scored` is false if the result
-    does not count.
+    in a study, `task` and `goal` are what the participant reads, and `how`, if the design shows
+    hints, how it is done. `scored` is false if the result does not count. `fingers` is the least
+    number of different fingers with which the task can be played. `finger_sets` has the sets of
+    fingers that the player uses, as in the settings; null if they cannot be chosen.
     """
 
     scene: int
@@ -291,6 +330,9 @@ class SceneMessage(Struct, tag="scene", frozen=True):
     caption: Localised | None
     in_air: bool = False
     scored: bool = True
+    how: str = ""
+    fingers: int = 1
+    finger_sets: str | None = None
 
 
 class Trouble(Struct, tag="trouble", frozen=True):
@@ -325,17 +367,20 @@ class Sheet(Struct, tag="sheet", frozen=True):
     """A sheet that a study's participant sees instead of the scene; `none` shows the scene.
 
     `answers` has earlier answers by item. A `rest` can be left after `seconds`. `note` says whose
-    wording the questions of a form have, where it is not the published one.
+    wording the questions of a form have, where it is not the published one, and of a `task` which
+    trial of how many it is; `picture` is a data URL with its picture. At `measure`, the size of
+    the screen is measured.
     """
 
     sheet: int
-    kind: Literal["consent", "text", "form", "rest", "wait", "end", "none"]
+    kind: Literal["measure", "consent", "text", "task", "form", "rest", "wait", "end", "none"]
     title: str
     text: str
     items: list[ItemView]
     answers: dict[str, str | float | None]
     seconds: float
     note: str = ""
+    picture: str = ""
 
 
 class Refusal(Struct, tag="refusal", frozen=True):
@@ -346,13 +391,22 @@ class Refusal(Struct, tag="refusal", frozen=True):
     text: str
 
 
+class Seat(Struct, tag="seat", frozen=True):
+    """Who may play: to a page that waits, `wait_s` is in how many seconds it plays if the player
+    stays away, null while the player is there; to the player, `requested` is true while another
+    page requests the seat."""
+
+    wait_s: int | None = None
+    requested: bool = False
+
+
 class Echo(Struct, tag="echo", frozen=True):
     """Answers a beat with its time."""
 
     t: float
 
 
-Down = Welcome | SceneMessage | Trouble | Sheet | Refusal | Echo
+Down = Welcome | SceneMessage | Trouble | Sheet | Refusal | Seat | Echo
 
 
 class ContactState(Struct, frozen=True):

@@ -10,7 +10,7 @@ from models.errors import InputError, SurfaceTooSmallError
 from models.message import Message
 from models.surface import METRES_PER_INCH, PRESETS, Surface
 from sandbox.server.protocol import LIFT_STRIP_PX, PageScreen
-from sandbox.trial.lift import lifts
+from sandbox.trial.assembly import lifts
 from sandbox.trial.settings import Settings
 from tasks.guarded import draw_task
 from tasks.registry import TASKS, hands_of
@@ -124,7 +124,7 @@ def explain_refusal(error: InputError, settings: Settings, strip_in: float = 0.0
         sentences.append(
             Message(
                 "size_is_a_guess",
-                "Its size is a guess: under Tasks you can measure it with a bank card.",
+                "Its size is a guess: under Settings you can measure it with a bank card.",
             )
         )
     return sentences

@@ -1,7 +1,11 @@
-"""The page's static files, read once, and served with headers that forbid loading anything else."""
+"""The page's static files, read once, and served with headers that forbid loading anything else.
+
+To a browser that accepts it they are sent compressed.
+"""
 
 from __future__ import annotations
 
+import gzip
 from base64 import b64encode
 from hashlib import sha256
 from http import HTTPStatus
@@ -31,6 +35,7 @@ _TYPES = {
     ".css": "text/css; charset=utf-8",
     ".svg": "image/svg+xml",
     ".png": "image/png",
+    ".webp": "image/webp",
     ".bin": "application/octet-stream",
     ".glb": "model/gltf-binary",
     ".json": "application/manifest+json",
@@ -51,6 +56,7 @@ class StaticFiles:
 
     def __init__(self, folder: Path = STATIC, index: str = INDEX) -> None:
         self._index = index
+        self._compressed: dict[str, bytes] = {}
         paths = sorted(folder.rglob("*")) if folder.is_dir() else []
         self._files = {
             "/" + p.relative_to(folder).as_posix(): p.read_bytes()
@@ -81,7 +87,12 @@ class StaticFiles:
         return answered(HTTPStatus.OK, headers, body)
 
     def response(
-        self, path: str, websocket_origin: str, token: str = "", language: str = ""
+        self,
+        path: str,
+        websocket_origin: str,
+        token: str = "",
+        language: str = "",
+        accepted: str = "",
     ) -> Response:
         """The response to a GET request.
 
@@ -92,6 +103,7 @@ class StaticFiles:
             token: Token that is written into the links of that page, since all requests need it.
             language: Language of a study's participant, written into it; empty: the page
                 chooses.
+            accepted: The request's `Accept-Encoding`.
         """
         name = self._index if path == "/" else path
         body = self._files.get(name)
@@ -109,6 +121,11 @@ class StaticFiles:
                 "blob:; style-src 'self' 'unsafe-inline'; frame-ancestors 'none'; base-uri 'none'"
             ),
         }
+        if "gzip" in accepted and name != self._index:
+            if name not in self._compressed:
+                self._compressed[name] = gzip.compress(body, mtime=0)
+            body = self._compressed[name]
+            headers |= {"Content-Encoding": "gzip", "Vary": "Accept-Encoding"}
         return answered(HTTPStatus.OK, headers, body)
 
 

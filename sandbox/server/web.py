@@ -2,48 +2,49 @@
 
 from __future__ import annotations
 
+import math
 import threading
 import time
 from abc import ABC, abstractmethod
 from collections import deque
 from collections.abc import Sequence
-from typing import Generic, TypeVar
+from typing import Generic, TypeGuard, TypeVar
 
 from models.frames import Contact, TouchFrame
+from models.plausible import ContactSizes
+from models.reader_report import ReaderReport
 from models.surface import METRES_PER_INCH, Surface
 from sandbox.devices.device import Device
 from sandbox.server.protocol import PageHands, PageScreen, PageTouches
-from sandbox.trial.latency import LatencyLog
 
 QUEUE_FRAMES = 1024
 """Largest number of frames that wait for the session, 8 s at 120 Hz; beyond it the oldest are
 dropped."""
+
+MOST_TOUCHES = 20
+"""Largest number of touches on a page at one moment; four hands have as many fingers."""
+
+TOO_MANY = f"touches beyond {MOST_TOUCHES}"
 
 F = TypeVar("F")
 
 
 class PageDevice(ABC, Generic[F]):
     """A device whose input comes from a page; the server's thread adds frames to its queue, and the
-    session's thread takes them.
-
-    Args:
-        latency: Log of the time that messages waited for the session.
+    session's thread takes them. Times of frames are those of their arrival.
 
     Attributes:
-        latency: The log as given; a server replaces it with its own.
         frame_ready: Event that is set when a message has arrived.
         applied: Sequence number of the newest message that the session has processed.
     """
 
-    latency: LatencyLog
     frame_ready: threading.Event
 
-    def __init__(self, latency: LatencyLog | None = None) -> None:
-        self.latency = latency or LatencyLog()
+    def __init__(self) -> None:
         self.frame_ready = threading.Event()
         self.applied = 0
         self._lock = threading.Lock()
-        self._frames: deque[tuple[F, int, float]] = deque(maxlen=QUEUE_FRAMES)
+        self._frames: deque[tuple[F, int]] = deque(maxlen=QUEUE_FRAMES)
 
     @property
     @abstractmethod
@@ -61,7 +62,7 @@ class PageDevice(ABC, Generic[F]):
     def begin_page(self) -> None:
         """A page begins to send: its messages are counted anew."""
         with self._lock:
-            self._frames = deque(((f, 0, at) for f, _, at in self._frames), maxlen=QUEUE_FRAMES)
+            self._frames = deque(((frame, 0) for frame, _ in self._frames), maxlen=QUEUE_FRAMES)
             self.applied = 0
 
     def _take(self) -> list[F]:
@@ -71,16 +72,18 @@ class PageDevice(ABC, Generic[F]):
             waiting = list(self._frames)
             self._frames.clear()
             # Under the lock: a page that begins now must not get the number of the one before it.
-            self.applied = max([self.applied, *(seq for _, seq, _ in waiting)])
-        at = time.monotonic()
-        for _, _, arrived in waiting:
-            self.latency.take_in(arrived, at)
-        return [frame for frame, _, _ in waiting]
+            self.applied = max([self.applied, *(seq for _, seq in waiting)])
+        return [frame for frame, _ in waiting]
 
-    def _put(self, frame: F, seq: int, arrived: float) -> None:
+    def _put(self, frame: F, seq: int) -> None:
         """Adds a frame; the lock is held."""
-        self._frames.append((frame, seq, arrived))
+        self._frames.append((frame, seq))
         self.frame_ready.set()
+
+
+def _on_screen(position: float | None, length: float) -> TypeGuard[float]:
+    """True for a position that a finger on a screen may be dragged to, from a corner within it."""
+    return position is not None and abs(position) <= 2.0 * length
 
 
 class WebDevice(Device, PageDevice[TouchFrame]):
@@ -91,20 +94,26 @@ class WebDevice(Device, PageDevice[TouchFrame]):
 
     Args:
         surface: The touch rectangle.
-        latency: See `PageDevice`.
     """
 
     name = "web"
     lift = True
-    latency: LatencyLog
     frame_ready: threading.Event
 
-    def __init__(self, surface: Surface, latency: LatencyLog | None = None) -> None:
-        super().__init__(latency)
+    def __init__(self, surface: Surface) -> None:
+        super().__init__()
         self._size, self._scale = surface.size, surface.scale
-        self._inside: set[int] = set()
+        self._inside: dict[int, tuple[float, float]] = {}
         self._present: frozenset[int] = frozenset()
         self._lift: float | None = None
+        self._report = ReaderReport()
+        self._sizes = ContactSizes(self._report)
+
+    @property
+    def report(self) -> ReaderReport:
+        """A copy of the report on touches and sizes that were left out."""
+        with self._lock:
+            return self._report.copy()
 
     @property
     def touched(self) -> bool:
@@ -116,41 +125,49 @@ class WebDevice(Device, PageDevice[TouchFrame]):
         """Takes in touches; called from the server's thread."""
         if not isinstance(message, PageTouches):
             return False
-        self.push(message, screen)
-        return True
-
-    def push(self, touches: PageTouches, screen: PageScreen) -> None:
-        """Adds the touches of a message; called from the server's thread."""
         # Fingers have their true size, also on a scaled table.
         metres = METRES_PER_INCH / screen.px_per_in
         scaled = metres / self._scale
+        width, height = float(self._size[0]), float(self._size[1])
         with self._lock:
-            contacts, ids = [], set()
-            for i, x_px, y_px, width_px, height_px in touches.contacts:
-                x, y = x_px * scaled, y_px * scaled
-                inside = 0.0 <= x <= self._size[0] and 0.0 <= y <= self._size[1]
-                if i in ids or not (inside or i in self._inside):
+            contacts: list[Contact] = []
+            labels = dict(message.labels)
+            places: dict[int, tuple[float, float]] = {}
+            for i, x_px, y_px, width_px, height_px in message.contacts:
+                if i in places:
                     continue
-                ids.add(i)
-                x, y = min(max(x, 0.0), self._size[0]), min(max(y, 0.0), self._size[1])
+                if len(places) >= MOST_TOUCHES:
+                    self._report.leave_out(TOO_MANY)
+                    continue
+                if _on_screen(x_px, screen.width_px) and _on_screen(y_px, screen.height_px):
+                    x, y = x_px * scaled, y_px * scaled
+                else:
+                    self._report.leave_out("positions beyond the screen")
+                    x, y = self._inside.get(i, (math.nan, math.nan))
+                inside = 0.0 <= x <= width and 0.0 <= y <= height
+                if not (inside or i in self._inside):
+                    continue
+                x, y = places[i] = min(max(x, 0.0), width), min(max(y, 0.0), height)
                 # A browser that does not know the width reports one pixel, or zero.
-                size = width_px * metres if width_px > 1.0 else None
-                extent = (
-                    (width_px * metres, height_px * metres)
-                    if width_px > 1.0 and height_px > 1.0
-                    else None
-                )
-                contacts.append(Contact(i, float(x), float(y), size, extent=extent))
-            self._inside = ids
-            self._lift = touches.lift if touches.lift is not None else self._lift
-            gone = frozenset(touches.cancelled) & (self._present - ids)
-            self._put_contacts(tuple(contacts), gone, touches.seq)
+                size = extent = None
+                if width_px is not None and width_px > 1.0:
+                    size = width_px * metres
+                    if height_px is not None and height_px > 1.0:
+                        extent = size, height_px * metres
+                size, extent = self._sizes.known(size, extent)
+                contacts.append(Contact(i, x, y, size, label=labels.get(i), extent=extent))
+            self._inside = places
+            if message.lift is not None:
+                self._lift = min(max(message.lift, 0.0), 1.0)
+            gone = frozenset(message.cancelled) & (self._present - places.keys())
+            self._put_contacts(tuple(contacts), gone, message.seq)
+        return True
 
     def cancel_all(self) -> None:
         """Cancels all touches of a page that was closed or fell silent."""
         with self._lock:
             if self._present:
-                self._inside = set()
+                self._inside = {}
                 self._put_contacts((), self._present, self.applied)
 
     def poll(self, now: float = 0.0) -> Sequence[TouchFrame]:
@@ -158,6 +175,5 @@ class WebDevice(Device, PageDevice[TouchFrame]):
         return self._take()
 
     def _put_contacts(self, contacts: tuple[Contact, ...], gone: frozenset[int], seq: int) -> None:
-        now = time.monotonic()
         self._present = frozenset(c.id for c in contacts)
-        self._put(TouchFrame(now, contacts, self._lift, gone, "page"), seq, now)
+        self._put(TouchFrame(time.monotonic(), contacts, self._lift, gone, "page"), seq)

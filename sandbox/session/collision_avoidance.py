@@ -28,8 +28,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from encoders.reconstruction.reconstructor import Reconstruction
-from models.arithmetic.arrays import Array
-from models.arithmetic.products import (
+from models.arithmetic import (
+    Array,
     length,
     matrix_vector,
     solve_positive,
@@ -37,9 +37,9 @@ from models.arithmetic.products import (
     vector_matrix,
 )
 from models.hand import CONTACT_HAND
-from models.one_pose import OnePose
 from models.pose import JOINTS, POSE_SIZE, ROOT_POSITION, ROOT_ROTATION
 from models.scene import CONTROL_PERIOD, Scene
+from models.single_pose import SinglePose
 from models.skeleton import Skeleton
 from models.surface import Surface
 
@@ -108,7 +108,7 @@ class CollisionAvoidance:
     ) -> None:
         self._distances = distances
         self._skeleton, self._surface = skeleton, surface
-        self._kinematics: dict[tuple[int, ...], OnePose] = {}
+        self._kinematics: dict[tuple[int, ...], SinglePose] = {}
         # Of the hand's joint positions those of the palm and of touching fingers, and where they
         # are in the scene's.
         self._held: dict[tuple[int, ...], tuple[NDArray[np.int64], NDArray[np.int64]]] = {}
@@ -151,7 +151,7 @@ class CollisionAvoidance:
             ghost: True while the hand passes through everything: nothing has to be kept clear of.
         """
         fingers = () if ghost else tuple(sorted(reconstruction.touches))
-        wanted = self._wanted(data, reconstruction, fingers) if fingers else None
+        wanted = self._clear_correction(data, reconstruction, fingers) if fingers else None
         if not fingers:
             self._before = None
         if wanted is None:
@@ -181,7 +181,7 @@ class CollisionAvoidance:
         step += now
         return step
 
-    def _wanted(
+    def _clear_correction(
         self,
         data: mujoco.MjData,
         reconstruction: Reconstruction,
@@ -190,7 +190,7 @@ class CollisionAvoidance:
         """The likeliest correction (48,) at which the hand is clear; None without one."""
         kinematics = self._kinematics.get(fingers)
         if kinematics is None:
-            kinematics = self._kinematics[fingers] = OnePose(self._skeleton, fingers)
+            kinematics = self._kinematics[fingers] = SinglePose(self._skeleton, fingers)
             held = _joints_of(self._skeleton, fingers)
             self._held[fingers] = held, held + self._start
         q0 = reconstruction.q
@@ -551,6 +551,8 @@ class SolidLinks:
         self.fingers: frozenset[int] = frozenset()
         self._touching: frozenset[int] = frozenset()
         self._solid: frozenset[int] = frozenset()
+        # Pressing and touching fingers with which all parts are solid that may be; None before.
+        self._complete: tuple[frozenset[int], frozenset[int]] | None = None
         self.signature = self._mask()
 
     def _mask(self) -> bytes:
@@ -575,7 +577,9 @@ class SolidLinks:
             pressing: Fingers whose tips are solid and touch; none makes the hand a ghost.
             touching: Fingers that touch.
         """
-        before = self._solid
+        if self._complete == (pressing, touching):
+            return
+        before, self._complete = self._solid, None
         solid = self._joined(data, pressing, touching) if pressing else frozenset()
         self._touching = touching
         if solid != before:
@@ -608,6 +612,7 @@ class SolidLinks:
             if f in pressing and self._links[f][-1] not in solid:
                 solid.add(self._ends[f])
         if not missing:
+            self._complete = pressing, touching
             return frozenset(solid)
         parts, distances, _ = self._distances.near(data)
         blocked = {p for p, far in zip(parts, distances, strict=True) if far < CLEARANCE}

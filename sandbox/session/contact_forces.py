@@ -10,85 +10,24 @@ where somebody looks, in any thread.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 from math import sqrt
 
 import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from models.arithmetic.arrays import Array
+from models.arithmetic import Array
 from models.frames import FINGERS
 from models.hand import SceneHand
 from models.scene import Scene
+from sandbox.session.messages import FingerLoad, HandLoad
 
 
 @dataclass(frozen=True)
-class FingerLoad:
-    """Load of one finger.
-
-    Attributes:
-        force: N, sum of the forces of all its contacts with objects.
-        pressing: N, the part across the faces of objects.
-        sideways: N, the part along them, which friction bears.
-        used: Share of its servos' limit that its most loaded servo uses, 0 to 1.
-        stored: N, the part of its force that other fingers on the same objects press back: the
-            squeeze that is let go when the grip opens. 0 for a finger that pushes alone.
-    """
-
-    force: float = 0.0
-    pressing: float = 0.0
-    sideways: float = 0.0
-    used: float = 0.0
-    stored: float = 0.0
-
-    @property
-    def at_limit(self) -> bool:
-        """True if some servo of the finger gives all the force that it may."""
-        return self.used >= FULL
-
-
-@dataclass(frozen=True)
-class HandLoad:
-    """Load of one hand.
-
-    Attributes:
-        fingers: Loads of its fingers, thumb first.
-        used: Share of their limit that the servos of the palm use at most, 0 to 1.
-    """
-
-    fingers: tuple[FingerLoad, ...]
-    used: float
-
-    @property
-    def palm_at_limit(self) -> bool:
-        """True if some servo of the palm, which carries all fingers, gives all that it may."""
-        return self.used >= FULL
-
-    @property
-    def at_limit(self) -> bool:
-        """True if some servo gives all the force that it may."""
-        return self.palm_at_limit or any(finger.at_limit for finger in self.fingers)
-
-    @property
-    def full(self) -> frozenset[int]:
-        """Labels of the fingers that touch objects while a servo of their own or of the palm gives
-        all the force that it may."""
-        return frozenset(
-            label
-            for label, finger in enumerate(self.fingers)
-            if finger.force > 0.0 and (finger.at_limit or self.palm_at_limit)
-        )
-
-
-FULL = 0.999
-"""Share of a servo's limit from which on the limit counts as reached."""
-
-
-@dataclass(frozen=True)
-class _Forces:
+class Forces:
     """Copies of MuJoCo's arrays: of n contacts the geoms (n, 2), frames (n, 9), address and number
     of their rows (n,); the rows; forces of the servos, and their largest (servos,), N or N m."""
 
@@ -109,27 +48,6 @@ class _Forces:
         return force
 
 
-class KeptLoads:
-    """The loads of one moment, read when somebody looks, from any thread.
-
-    Args:
-        loads: Knows the scene.
-        forces: Copies of that moment's arrays.
-    """
-
-    def __init__(self, loads: FingerLoads, forces: _Forces) -> None:
-        self._loads, self._forces = loads, forces
-
-    @cached_property
-    def hands(self) -> tuple[HandLoad, ...]:
-        """The load of each hand."""
-        return self._loads.of(self._forces)
-
-    def force(self, contact: int) -> Array:
-        """(3,) N of a contact in its frame, its normal first."""
-        return self._forces.of(contact)
-
-
 class FingerLoads:
     """Reads the loads of all hands of a scene.
 
@@ -142,12 +60,16 @@ class FingerLoads:
 
     def read(self, data: mujoco.MjData) -> list[HandLoad]:
         """The current load of each hand."""
-        return list(self.keep(data).hands)
+        return list(self.of(self.forces(data)))
 
-    def keep(self, data: mujoco.MjData) -> KeptLoads:
-        """The current loads, to be read later."""
+    def keep(self, data: mujoco.MjData) -> Callable[[], tuple[HandLoad, ...]]:
+        """A function that reads the current loads later, from any thread."""
+        return partial(self.of, self.forces(data))
+
+    def forces(self, data: mujoco.MjData) -> Forces:
+        """Copies of the current forces."""
         contact = data.contact
-        forces = _Forces(
+        return Forces(
             contact.geom.copy(),
             contact.frame.copy(),
             contact.efc_address.copy(),
@@ -156,9 +78,8 @@ class FingerLoads:
             data.actuator_force.copy(),
             self._scene.model.actuator_forcerange[:, 1].copy(),
         )
-        return KeptLoads(self, forces)
 
-    def of(self, kept: _Forces) -> tuple[HandLoad, ...]:
+    def of(self, kept: Forces) -> tuple[HandLoad, ...]:
         """The load of each hand at the moment of some copies."""
         hands, n = len(self._scene.spec.hands), len(FINGERS)
         forces = np.zeros((hands * n, 3))
@@ -186,7 +107,7 @@ class FingerLoads:
             HandLoad(tuple(fingers[n * i : n * (i + 1)]), used[i][-1]) for i in range(hands)
         )
 
-    def _used(self, kept: _Forces) -> list[list[float]]:
+    def _used(self, kept: Forces) -> list[list[float]]:
         """Largest share of a limit, of each finger of each hand, and last of its palm."""
         if not self._servos:
             return [[0.0] * (len(FINGERS) + 1) for _ in self._scene.spec.hands]

@@ -1,54 +1,29 @@
 """Snapshots, which a session sends to its views; a view may drop any but the latest.
 
 A window, a film or a simulated user sees nothing but snapshots. Events, which are ordered and never
-lost, are in `sandbox.trial.events`.
+lost, are in `sandbox.trial.logs`.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
-from typing import Protocol
+from functools import cached_property
 
-from models.arithmetic.arrays import Array
-from sandbox.session.contact_forces import HandLoad, KeptLoads
+import numpy as np
+
+from models.arithmetic import Array
+from models.frames import FINGERS, Contact
+from models.surface import Surface
 from tasks.score import Score
-from tasks.task import Goal
+from tasks.task import Goal, place
 
 MOVE_APART = "Move apart"
 """What a person is told beside a finger that is inside an object."""
 
-SURE = 0.8
-"""Probability of a finger's name below which views show that it is not sure."""
-
 TOLD, STRONGEST = 1.0, 70.0
 """N stored by a grip: below the first views say nothing, as a resting finger presses with as much;
 at the second, the strongest grip that people were tried at, the arc around a finger is closed."""
-
-
-@dataclass(frozen=True)
-class ContactView:
-    """A contact as views draw it.
-
-    Attributes:
-        id: Id of the contact.
-        position: (3,) m, in the world, on the touch surface.
-        label: Its finger, thumb 0 to little 4; None before it is labelled.
-        state: `active`; `lost` during the grace period after it was lost; `palm` (drawn as a faint
-            patch); `ignored` (drawn grey).
-        probability: Probability of the label, 0 to 1; 1 where no label is given.
-    """
-
-    id: int
-    position: Array
-    label: int | None
-    state: str
-    probability: float = 1.0
-
-    @property
-    def sure(self) -> bool:
-        """False if the label may well be wrong."""
-        return self.probability >= SURE
 
 
 @dataclass(frozen=True)
@@ -59,18 +34,27 @@ class HandView:
         target: (48,) commanded pose in the world, drawn as the ghost hand.
         tips: (5, 3) m, fingertips of the simulated hand.
         solid: Labels of the fingers that can collide now; the hand is a ghost while it is empty.
-        phase: Phase between hovering and down (`encoders.reconstruction.arrival.Phase`).
+        phase: Phase between hovering and down (`encoders.reconstruction.hand_motion.Phase`).
         contacts: Contacts on the touch surface.
         inside: Labels of the fingers that are inside an object and therefore not solid; beside them
             a view says `MOVE_APART`.
+        surface: The touch surface of the contacts, in the world.
+        probability: Probability of the labels, 0 to 1.
     """
 
     target: Array
     tips: Array
     solid: frozenset[int]
     phase: str
-    contacts: tuple[ContactView, ...]
+    contacts: tuple[Contact, ...]
     inside: frozenset[int] = frozenset()
+    surface: Surface = field(default_factory=Surface)
+    probability: float = 1.0
+
+    @cached_property
+    def places(self) -> Array:
+        """(contacts, 3) m, where the contacts are in the world, on the touch surface."""
+        return self.surface.to_world([(c.x, c.y) for c in self.contacts] or np.zeros((0, 2)))
 
 
 @dataclass(frozen=True)
@@ -81,32 +65,69 @@ class ObjectView:
     rotation: Array
 
 
-class SceneView(Protocol):
-    """What is drawn of a scene at one moment.
+@dataclass(frozen=True)
+class FingerLoad:
+    """Load of one finger.
 
     Attributes:
-        hands: One view per hand of the scene.
-        objects: Views of the objects by name.
-        goals: Goals of the task, placed in the world.
+        force: N, sum of the forces of all its contacts with objects.
+        pressing: N, the part across the faces of objects.
+        sideways: N, the part along them, which friction bears.
+        used: Share of its servos' limit that its most loaded servo uses, 0 to 1.
+        stored: N, the part of its force that other fingers on the same objects press back: the
+            squeeze that is let go when the grip opens. 0 for a finger that pushes alone.
     """
 
-    @property
-    def hands(self) -> tuple[HandView, ...]: ...
+    force: float = 0.0
+    pressing: float = 0.0
+    sideways: float = 0.0
+    used: float = 0.0
+    stored: float = 0.0
 
     @property
-    def objects(self) -> Mapping[str, ObjectView]: ...
-
-    @property
-    def goals(self) -> tuple[Goal, ...]: ...
+    def at_limit(self) -> bool:
+        """True if some servo of the finger gives all the force that it may."""
+        return self.used >= FULL
 
 
 @dataclass(frozen=True)
-class DrawnScene:
-    """A `SceneView` that is known as a whole."""
+class HandLoad:
+    """Load of one hand.
 
-    hands: tuple[HandView, ...] = ()
-    objects: Mapping[str, ObjectView] = field(default_factory=dict)
-    goals: tuple[Goal, ...] = ()
+    Attributes:
+        fingers: Loads of its fingers, thumb first.
+        used: Share of their limit that the servos of the palm use at most, 0 to 1.
+    """
+
+    fingers: tuple[FingerLoad, ...]
+    used: float
+
+    @property
+    def palm_at_limit(self) -> bool:
+        """True if some servo of the palm, which carries all fingers, gives all that it may."""
+        return self.used >= FULL
+
+    @property
+    def at_limit(self) -> bool:
+        """True if some servo gives all the force that it may."""
+        return self.palm_at_limit or any(finger.at_limit for finger in self.fingers)
+
+    @property
+    def full(self) -> frozenset[int]:
+        """Labels of the fingers that touch objects while a servo of their own or of the palm gives
+        all the force that it may."""
+        return frozenset(
+            label
+            for label, finger in enumerate(self.fingers)
+            if finger.force > 0.0 and (finger.at_limit or self.palm_at_limit)
+        )
+
+
+NO_LOAD = HandLoad((FingerLoad(),) * len(FINGERS), 0.0)
+"""Of a hand that touches nothing."""
+
+FULL = 0.999
+"""Share of a servo's limit from which on the limit counts as reached."""
 
 
 @dataclass(frozen=True)
@@ -117,45 +138,48 @@ class Snapshot:
         time: s of simulated time since the trial's start.
         step: Physics steps since the trial's start.
         qpos: All joint positions of the scene's model, for a view with its own MjData.
-        scene: Hands, objects and goals; a session's are computed at the first look.
         score: Score so far.
+        see_hands, see_objects, see_loads: Return `hands`, `objects` and `loads` of this moment,
+            whenever they are looked at, which for most snapshots is never.
+        task_goals: Goals of the task, as it was drawn.
         notices: Messages for the person.
         contact: Contact mode: `hard`, `soft` or `none`.
-        kept_loads: What the hands press with, for `loads`; None where nobody has kept it.
     """
 
     time: float
     step: int
     qpos: Array
-    scene: SceneView
-    score: Score
+    score: Score = field(default_factory=Score)
+    see_hands: Callable[[], tuple[HandView, ...]] = tuple
+    see_objects: Callable[[], Mapping[str, ObjectView]] = dict
+    task_goals: tuple[Goal, ...] = ()
     notices: tuple[str, ...] = ()
     contact: str = "hard"
-    kept_loads: KeptLoads | None = None
+    see_loads: Callable[[], tuple[HandLoad, ...]] = tuple
 
-    @property
+    @cached_property
     def hands(self) -> tuple[HandView, ...]:
         """One view per hand of the scene."""
-        return self.scene.hands
+        return self.see_hands()
 
-    @property
+    @cached_property
     def objects(self) -> Mapping[str, ObjectView]:
         """Views of the objects by name."""
-        return self.scene.objects
+        return self.see_objects()
 
-    @property
+    @cached_property
     def goals(self) -> tuple[Goal, ...]:
         """Goals of the task, placed in the world."""
-        return self.scene.goals
+        return place(self.task_goals, self.objects)
 
     def with_hands(self, *hands: HandView) -> Snapshot:
         """The same moment with other views of the hands."""
-        return replace(self, scene=DrawnScene(hands, self.objects, self.goals))
+        return replace(self, see_hands=lambda: hands)
 
-    @property
+    @cached_property
     def loads(self) -> tuple[HandLoad, ...]:
-        """Loads of each hand, read at the first look; empty where they are not known."""
-        return () if self.kept_loads is None else self.kept_loads.hands
+        """Loads of each hand; empty where no hand is solid, or nobody has kept them."""
+        return self.see_loads()
 
     def stored(self, hand: int, label: int | None) -> float:
         """N that a grip of a hand stores in a finger; 0 where nothing is worth telling."""

@@ -11,8 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from encoders.labels.belief import BeliefLabels
-from encoders.labels.own_layouts import MOST, OwnLayouts
+from encoders.labels.belief import MOST, BeliefLabels, OwnLayouts
 from encoders.reconstruction.reconstructor import PersonalReconstructor
 from encoders.reconstruction.touch_reconstructor import TouchReconstructor
 from models.errors import EncoderError
@@ -26,7 +25,7 @@ DIGITS = 5
 """Decimals of a place in metres: a hundredth of a millimetre."""
 
 
-def kept_layouts(own: OwnLayouts, size: float) -> Layouts:
+def stored_layouts(own: OwnLayouts, size: float) -> Layouts:
     """Layouts as settings and profiles keep them, of a hand of a size."""
     xy = (own.metres * size).round(DIGITS)
     return tuple(tuple((x, y) for x, y in places) for places in xy.tolist())
@@ -59,7 +58,7 @@ def learned_layouts(session: Session) -> dict[str, Layouts]:
             reconstructor = reconstructor.trained
         own = _new(reconstructor)
         if own is not None:
-            learned[rig.hand.name] = kept_layouts(own, size)
+            learned[rig.hand.name] = stored_layouts(own, size)
     return learned
 
 

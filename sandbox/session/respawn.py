@@ -17,8 +17,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from encoders.correction import PAD_HEIGHT
-from models.arithmetic.arrays import Array
-from models.arithmetic.products import squared_lengths, stacked_applied
+from models.arithmetic import Array, squared_lengths, stacked_applied
 from models.objects import MechanismPart, SceneObject
 from models.scene import CONTROL_PERIOD, Scene
 from models.surface import METRES_PER_INCH, Surface

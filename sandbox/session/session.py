@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import partial
 from hashlib import blake2b
 from math import isfinite
 from typing import TYPE_CHECKING, Any, Protocol
@@ -18,16 +18,15 @@ from typing import TYPE_CHECKING, Any, Protocol
 import mujoco
 import numpy as np
 
-from encoders.person.yaw_range import YawMonitor
-from encoders.reconstruction.arrival import Phase
+from encoders.person.natural_layout import YawMonitor
+from encoders.reconstruction.hand_motion import Phase
 from encoders.reconstruction.reconstructor import (
     AirReconstructor,
     Reconstruction,
     Reconstructor,
     takes_touches,
 )
-from models.arithmetic.arrays import Array
-from models.arithmetic.products import squared_lengths
+from models.arithmetic import Array, squared_lengths
 from models.errors import DivergenceError
 from models.frames import Frame, TouchFrame
 from models.hand import SceneHand
@@ -35,16 +34,21 @@ from models.message import Message
 from models.scene import BodyPoses, Scene, StillPoses
 from models.surface import Surface, enclosing
 from sandbox.devices.device import AnyDevice, LatestFrame
-from sandbox.session.collision_gating import CollisionGate, CollisionGatingRules
-from sandbox.session.contact_forces import FingerLoads, HandLoad
-from sandbox.session.contact_modes import ContactMode, ContactModes, contact_mode
-from sandbox.session.messages import ContactView, HandView, ObjectView, Snapshot
+from sandbox.session.collision_gating import (
+    CollisionGate,
+    CollisionGatingRules,
+    ContactMode,
+    ContactModes,
+    contact_mode,
+)
+from sandbox.session.contact_forces import FingerLoads
+from sandbox.session.messages import HandLoad, HandView, ObjectView, Snapshot
 from sandbox.session.respawn import Respawn
 from sandbox.session.tip_offsets import TipOffsets
-from tasks.guarded import build_scene, measure
-from tasks.score import Scorer, Status
+from tasks.guarded import build_scene
+from tasks.score import Scorer, Status, measure
 from tasks.sensing import Sensing
-from tasks.task import Goal, Task, place
+from tasks.task import Task
 
 if TYPE_CHECKING:
     from sandbox.session.collision_avoidance import CollisionAvoidance, SolidLinks
@@ -116,6 +120,7 @@ class Session:
 
     Attributes:
         diverged: Reason of a divergence; empty without one.
+        shown: False leaves the loads out of snapshots, where nobody looks at them.
     """
 
     def __init__(
@@ -161,7 +166,7 @@ class Session:
         goals = [goal.position for goal in task.goals if goal.shown and goal.on is None]
         self._respawn = Respawn(self.scene, surfaces, goals)
         self._respawn_notice: tuple[float, str] = (-np.inf, "")
-        self.diverged = ""
+        self.diverged, self.shown = "", True
         self._followers = [rig.hand.follower() for rig in rigs]
         # Control periods of hands that cannot take every pose, with touches, and without reach.
         self._followed = self._missed = 0
@@ -178,7 +183,7 @@ class Session:
         self._chain()
         # Views that are shown before the first step see the hand at its start.
         self.reconstructions = [
-            Reconstruction(r.reconstructor.commanded, Phase.AWAY, frozenset(), None, 1.0, 0.0, ())
+            Reconstruction(r.reconstructor.commanded, Phase.AWAY, frozenset(), None, 1.0, 0.0)
             for r in self.rigs
         ]
 
@@ -221,7 +226,7 @@ class Session:
     def unreached(self) -> float | None:
         """Share of the control periods with named touches in which some fingertip could not be put
         at its touch, 5 mm off or more; None for hands that can take every pose."""
-        if all(follower.missed is None for follower in self._followers):
+        if not any(self._followers):
             return None
         return self._missed / self._followed if self._followed else 0.0
 
@@ -326,23 +331,25 @@ class Session:
         return snapshot
 
     def snapshot(self) -> Snapshot:
-        """Snapshot for views; hands, objects and goals are computed at the first look."""
+        """Snapshot for views; hands, objects, goals and loads are computed at the first look.
+
+        It does not hold the session: devices keep snapshots, and a reference cycle would keep
+        MuJoCo's memory after the trial. What it holds does not change, so any thread may look.
+        """
+        poses = StillPoses(self.data.xpos.copy(), self.data.xmat.copy())
+        fingers = [(gate.solid, gate.inside) for gate in self._gates]
+        loaded = self.shown and any(gate.fingers for gate in self._gates)
         return Snapshot(
             self.time,
             self.step,
             self.data.qpos.copy(),
-            _SceneNow(
-                self.scene,
-                self.task,
-                StillPoses(self.data.xpos.copy(), self.data.xmat.copy()),
-                self._hands,
-                self.reconstructions,
-                [(gate.solid, gate.inside) for gate in self._gates],
-            ),
             self.scorer.score,
+            partial(_hands, poses, self._hands, self.reconstructions, fingers),
+            partial(_objects, self.scene, self.task, poses),
+            self.task.goals,
             tuple(self._notices()),
             self.contact,
-            self._loads.keep(self.data) if any(g.fingers for g in self._gates) else None,
+            self._loads.keep(self.data) if loaded else tuple,
         )
 
     def close(self) -> None:
@@ -353,7 +360,7 @@ class Session:
 
     def _notices(self) -> list[str]:
         notices = [rig.yaw.notice for rig in self.rigs if rig.yaw and rig.yaw.notice]
-        notices += [OUT_OF_REACH for follower in self._followers if follower.missed]
+        notices += [OUT_OF_REACH for follower in self._followers if follower and follower.missed]
         if any(gate.inside for gate in self._gates):
             notices += sorted({gate.notice for gate in self._gates if gate.notice})
         inputs: list[str] = []
@@ -407,7 +414,7 @@ class Session:
                 rig.yaw.reset()
             pose = rig.reconstructor.commanded
             self.data.qpos[self.scene.qpos_slice(i)] = self.scene.pose_to_qpos(i, pose)
-            self.data.ctrl[self.scene.control_slice(i)] = self._followers[i](pose, frozenset())
+            self._follow(i, pose, frozenset())
             self.scene.set_solid(i, frozenset())
         mujoco.mj_forward(self.scene.model, self.data)
 
@@ -421,12 +428,7 @@ class Session:
             reconstruction = avoidance.step(self.data, reconstruction, self._contact.ghost)
         if rig.yaw:
             rig.yaw.step(self.time, reconstruction.u)
-        follower = self._followers[i]
-        controls = follower(reconstruction.q, reconstruction.fingers)
-        self.data.ctrl[self.scene.control_slice(i)] = controls
-        if follower.missed is not None and reconstruction.fingers:
-            self._followed += 1
-            self._missed += bool(follower.missed)
+        self._follow(i, reconstruction.q, reconstruction.fingers)
         tip_offsets, touched = self._tip_offsets[i], self._touched[i]
         ghost = self._contact.ghost
         releases = tip_offsets.releases(self.data, reconstruction, ghost) if tip_offsets else False
@@ -434,6 +436,17 @@ class Session:
         if tip_offsets and touched:
             touched.set_tip_offsets(tip_offsets.step(self.data, reconstruction))
         return reconstruction
+
+    def _follow(self, i: int, q: Array, fingers: frozenset[int]) -> None:
+        """Sets the servo targets of a hand for a pose (48,), and the fingers that touch."""
+        follower = self._followers[i]
+        if follower is None:
+            controls = self.rigs[i].hand.controls(q)
+        else:
+            controls = follower(q, fingers)
+            self._followed += bool(fingers)
+            self._missed += bool(fingers and follower.missed)
+        self.data.ctrl[self.scene.control_slice(i)] = controls
 
     def _latest(self, i: int) -> Any:
         """The latest frame of a device, of the kind that its reconstructor takes."""
@@ -470,69 +483,40 @@ class Session:
         )
 
 
-class _SceneNow:
-    """The scene of a snapshot, computed at the first look: a view may drop most snapshots.
-
-    It must not hold the session: devices keep snapshots, and a reference cycle would keep MuJoCo's
-    memory after the trial. What it holds does not change, so any thread may look, at any time.
+def _hands(
+    poses: BodyPoses,
+    hands: Sequence[tuple[Callable[[BodyPoses], Array], Surface]],
+    reconstructions: Sequence[Reconstruction],
+    fingers: Sequence[tuple[frozenset[int], frozenset[int]]],
+) -> tuple[HandView, ...]:
+    """Hands of a snapshot.
 
     Args:
-        scene: The scene.
-        task: The drawn trial.
         poses: Poses of all bodies.
-        hands: Function of each hand's fingertips (5, 3) m in the poses, and its touch surface.
+        hands: Of each hand what finds its fingertips, and the surface of its touches.
         reconstructions: Of each hand; the list is never modified.
         fingers: Of each hand the fingers that are solid, and those that are inside an object.
     """
-
-    def __init__(
-        self,
-        scene: Scene,
-        task: Task,
-        poses: StillPoses,
-        hands: Sequence[tuple[Callable[[BodyPoses], Array], Surface]],
-        reconstructions: Sequence[Reconstruction],
-        fingers: Sequence[tuple[frozenset[int], frozenset[int]]],
-    ) -> None:
-        self._scene, self._task, self._poses = scene, task, poses
-        self._hands, self._reconstructions, self._fingers = hands, reconstructions, fingers
-
-    @cached_property
-    def hands(self) -> tuple[HandView, ...]:
-        return tuple(
-            _hand_view(reconstruction, solid, inside, tips(self._poses), surface)
-            for reconstruction, (solid, inside), (tips, surface) in zip(
-                self._reconstructions, self._fingers, self._hands, strict=True
-            )
+    return tuple(
+        HandView(
+            reconstruction.q,
+            tips(poses),
+            solid,
+            reconstruction.phase.value,
+            reconstruction.contacts,
+            inside,
+            surface,
+            reconstruction.probability,
         )
-
-    @cached_property
-    def objects(self) -> dict[str, ObjectView]:
-        return {
-            thing.name: ObjectView(*self._scene.object_pose(self._poses, thing.name))
-            for thing in self._task.objects
-        }
-
-    @cached_property
-    def goals(self) -> tuple[Goal, ...]:
-        return place(self._task.goals, self.objects)
-
-
-def _hand_view(
-    reconstruction: Reconstruction,
-    solid: frozenset[int],
-    inside: frozenset[int],
-    tips: Array,
-    surface: Surface,
-) -> HandView:
-    touching = reconstruction.contacts
-    positions = surface.to_world([c.xy for c in touching]) if touching else ()
-    contacts = tuple(
-        ContactView(c.id, position, c.label, c.state, c.probability)
-        for c, position in zip(touching, positions, strict=True)
+        for reconstruction, (solid, inside), (tips, surface) in zip(
+            reconstructions, fingers, hands, strict=True
+        )
     )
-    phase = reconstruction.phase.value
-    return HandView(reconstruction.q, tips, solid, phase, contacts, inside)
+
+
+def _objects(scene: Scene, task: Task, poses: BodyPoses) -> dict[str, ObjectView]:
+    """Objects of a snapshot by name."""
+    return {thing.name: ObjectView(*scene.object_pose(poses, thing.name)) for thing in task.objects}
 
 
 FASTEST = 50.0

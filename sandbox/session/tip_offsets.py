@@ -19,10 +19,9 @@ from math import cos, expm1, sin, sqrt
 
 import numpy as np
 
+from encoders.reconstruction.hand_motion import common_motion
 from encoders.reconstruction.reconstructor import Reconstruction
-from encoders.smoothing import common_motion
-from models.arithmetic.arrays import Array
-from models.arithmetic.products import total
+from models.arithmetic import Array, total
 from models.frames import FINGERS
 from models.objects import SceneObject
 from models.scene import CONTROL_PERIOD, BodyPoses, Scene
@@ -53,7 +52,7 @@ class Grip:
     def __init__(self) -> None:
         self._offsets: _Offsets | None = None
         self._narrow: dict[int, float] = {}
-        self._kept: dict[int, float] = {}
+        self._held: dict[int, float] = {}
 
     @property
     def offsets(self) -> Array | None:
@@ -79,17 +78,21 @@ class Grip:
             right, down = touches[finger]
             x, y = x + right, y + down
         x, y = x / n, y / n
-        ways = {f: (touches[f][0] - x, touches[f][1] - y) for f in holding}
-        far = {f: _length(right, down) for f, (right, down) in ways.items()}
+        ways: dict[int, tuple[float, float]] = {}
+        far: dict[int, float] = {}
+        for finger in holding:
+            right, down = touches[finger]
+            right, down = ways[finger] = right - x, down - y
+            far[finger] = sqrt(right * right + down * down)
         if self._narrow.keys() != far.keys():
-            self._narrow, self._kept = far, {}
+            self._narrow, self._held = far, {}
             return False
-        before, kept = self._kept, {}
+        before, kept = self._held, {}
         for finger, now in far.items():
             wider = now - self._narrow[finger]
             self._narrow[finger] += wider if wider < 0.0 else _FORGOTTEN * wider
             kept[finger] = now - self._narrow[finger]
-        self._kept = kept
+        self._held = kept
         opened = total(kept.values()) / n
         if opened > OPENED:
             self._narrow = {}
@@ -114,6 +117,9 @@ def _faded(offsets: _Offsets | None) -> _Offsets | None:
         return None
     faded, any_left = [], False
     for x, y in offsets:
+        if not (x or y):
+            faded.append((x, y))
+            continue
         far = _length(x, y)
         left = max(far - RELEASED_FADING * CONTROL_PERIOD, 0.0)
         share = left / max(far, 1e-12)
@@ -212,7 +218,7 @@ class TipOffsets:
         # A finger that the hand lacks holds nothing.
         touches = {f: xy for f, xy in reconstruction.touches.items() if f in self._radius}
         self._before, self._touches = self._touches, touches
-        self._near = {} if ghost else self._things_near(data)
+        self._near = {} if ghost else self._objects_near(data)
         return self._grip.step(self._touches, self._gate.fingers if self._near else GHOST)
 
     def step(self, data: BodyPoses, reconstruction: Reconstruction) -> Array | None:
@@ -239,7 +245,7 @@ class TipOffsets:
                     continue
                 clear = self._clearance(data, finger, poses)
                 if behind is None or finger in solid:
-                    out[finger] = self._kept(offset, tip, data, clear, finger)
+                    out[finger] = self._next_offset(offset, tip, data, clear, finger)
                 else:
                     out[finger] = self._led_out(offset, tip, behind[:, finger], clear, finger)
             self._out = out if out.any() else None
@@ -248,7 +254,7 @@ class TipOffsets:
             return kept
         return self._out if kept is None else self._out + kept
 
-    def _things_near(self, data: BodyPoses) -> dict[int, list[SceneObject]]:
+    def _objects_near(self, data: BodyPoses) -> dict[int, list[SceneObject]]:
         """Things that each finger may touch. Plain floats: this is computed in every step."""
         near: dict[int, list[SceneObject]] = {}
         for thing, body, reach in self._things:
@@ -301,7 +307,7 @@ class TipOffsets:
 
         return clear
 
-    def _kept(
+    def _next_offset(
         self, offset: Array, tip: Array, data: BodyPoses, clear: _Clearance | None, finger: int
     ) -> Array:
         """The next offset (2,) of a solid finger whose offset is not 0."""
@@ -328,12 +334,12 @@ class TipOffsets:
         way: tuple[float, float] | None = _NONE
         if clear is not None:
             way = self._way_out(tip, behind, clear, self._radius[finger])
-            if way is not None and self._towards_others(finger, way):
+            if way is not None and self._towards_touches(finger, way):
                 way = None
         # Where no way leads out the finger stays, and the person is told.
         return offset if way is None else _towards(offset, way, SPEED)
 
-    def _towards_others(self, finger: int, way: tuple[float, float]) -> bool:
+    def _towards_touches(self, finger: int, way: tuple[float, float]) -> bool:
         """True if an offset (x, y) m leads a finger towards the hand's other touches."""
         others = [touch for f, touch in self._touches.items() if f != finger]
         if not others:

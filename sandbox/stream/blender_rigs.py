@@ -150,7 +150,7 @@ class OwnHand(Keyed):
             self.put(self.names[j], own, frame, place)
 
 
-class OtherRig(Keyed):
+class ForeignRig(Keyed):
     """Chains of somebody's armature, which follow the fingers as far as they can."""
 
     def __init__(

@@ -40,7 +40,7 @@ from typing import Any, Dict, List, Optional, Sequence, Set
 
 import bpy
 
-from sandbox.stream.blender_rigs import OtherRig, OwnHand
+from sandbox.stream.blender_rigs import ForeignRig, OwnHand
 from sandbox.stream.guest_line import LONGEST, Line
 from sandbox.stream.guest_math import Refused
 
@@ -138,7 +138,7 @@ def start(
         said = "no armature has the name %s" % armature if armature else "no armature is selected"
         raise Refused("%s; the file has: %s" % (said, ", ".join(there) or "none"))
     names = chains or [bone.name for bone in bpy.context.selected_pose_bones or []]
-    hands[side] = OtherRig(rig, names, fingers, side, root, scale, absolute)
+    hands[side] = ForeignRig(rig, names, fingers, side, root, scale, absolute)
 
 
 def stop(side: Optional[str] = None) -> None:

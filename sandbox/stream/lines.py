@@ -23,7 +23,7 @@ from secrets import token_hex
 
 import numpy as np
 
-from models.arithmetic.arrays import Array
+from models.arithmetic import Array
 from models.errors import InputError
 from models.frames import FINGERS
 from models.motion.armature import Y_UP, Z_UP, Armature, Keys

@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import threading
 
-from models.arithmetic.arrays import Array
+from models.arithmetic import Array
 from models.errors import DeviceError
 from sandbox.devices.device import Closeable
 from sandbox.session.session import Session
 from sandbox.stream.motion import follow
-from sandbox.trial.driver import Trial
-from sandbox.trial.live_run import Pace
+from sandbox.trial.driver import RealTime, Trial
 
 
 class LiveHand(Closeable):
@@ -60,7 +59,7 @@ class LiveHand(Closeable):
         try:
             if any(rig.device.wants_snapshots for rig in self._session.rigs):
                 views = [lambda snapshot: self._take(snapshot.hands[0].target)]
-                Trial(self._session, views).run(Pace(), stop=self._stop.is_set)
+                Trial(self._session, views).run(RealTime(), stop=self._stop.is_set)
             else:
                 hands = [(rig.device, rig.reconstructor) for rig in self._session.rigs]
                 follow(hands, self._stop, lambda time, poses: self._take(poses[0]))

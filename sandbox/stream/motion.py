@@ -13,7 +13,7 @@ import numpy as np
 
 from encoders.paalm.calibration import HandCalibration
 from encoders.reconstruction.reconstructor import AirReconstructor, Reconstructor
-from models.arithmetic.arrays import Array
+from models.arithmetic import Array
 from models.motion.armature import Armature
 from models.motion.sampling import Poses
 from models.scene import CONTROL_PERIOD
@@ -28,8 +28,7 @@ from sandbox.export.motion_source import MotionSource, PoseCallback, poses_of, t
 from sandbox.export.sources import commanded_poses
 from sandbox.export.view import simulated_poses
 from sandbox.session.session import Session
-from sandbox.trial.driver import Trial
-from sandbox.trial.live_run import Pace, RealTime
+from sandbox.trial.driver import RealTime, Trial
 
 
 def source_of_session(
@@ -88,7 +87,7 @@ def source_of_leap(
 
 def _with_physics(session: Session, stop: threading.Event, of: str, take: PoseCallback) -> str:
     poses: Callable[..., Poses] = commanded_poses if of == "commanded" else simulated_poses
-    Trial(session, [lambda snapshot: take(poses(snapshot))]).run(Pace(), stop=stop.is_set)
+    Trial(session, [lambda snapshot: take(poses(snapshot))]).run(RealTime(), stop=stop.is_set)
     return f"the simulation diverged: {session.diverged}" if session.diverged else ""
 
 

@@ -13,7 +13,7 @@ from models.motion.sampling import Poses, Sampler
 from sandbox.export.motion_source import MotionSource
 from sandbox.stream.lines import HandLines, StreamTarget
 from sandbox.stream.sender import Moment
-from sandbox.trial.live_run import RealTime
+from sandbox.trial.driver import RealTime
 
 
 class CommandReceiver(Protocol):

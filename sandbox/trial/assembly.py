@@ -1,4 +1,10 @@
-"""Builds a session from the settings of a run: task, surfaces, reconstructors, hands, devices."""
+"""Builds a session from the settings of a run: task, surfaces, reconstructors, hands, devices.
+
+`place_all` places the surfaces of all hands in the world. A device maker opens the device of one
+hand, for a drawn task on a placed surface; settings name one device for each hand, or one device
+that both hands share. `with_lift` adds a lift control where a task needs one. `build` does all of
+it.
+"""
 
 from __future__ import annotations
 
@@ -6,41 +12,323 @@ import sys
 from collections.abc import Callable
 from contextlib import ExitStack
 from dataclasses import replace
-from typing import Any
+from functools import partial
+from typing import Any, cast
+
+import numpy as np
 
 from encoders.correction import CorrectionSettings
 from encoders.labels.belief import BeliefLabels, builtin_population_belief
+from encoders.labels.finger_use import odds_of_first, odds_of_sets, parse_finger_sets
 from encoders.labels.labelling import Labeller
-from encoders.person.yaw_range import YawMonitor, YawRange
-from encoders.reconstruction.arrival import ArrivalSettings, LiftSettings
+from encoders.labels.pair_network import USUAL_SETS
+from encoders.person.natural_layout import YawMonitor, YawRange
 from encoders.reconstruction.contact_tracker import TrackerSettings
+from encoders.reconstruction.hand_motion import GENTLE, ArrivalSettings, LiftSettings, RateLimit
 from encoders.reconstruction.reconstructor import AirReconstructor, Reconstructor, personal
 from encoders.reconstruction.touch_reconstructor import ReconstructorSettings, TouchReconstructor
 from encoders.regression.model_registry import find_model
 from encoders.regression.trained import TrainedModel
+from models.arithmetic import Array
 from models.errors import CaptureError, InputError
+from models.frames import FINGERS
 from models.hand import Hand, SceneHand, finger_armature, is_gentle
-from models.pose import GENTLE, RateLimit
 from models.skeleton import ADULT
 from models.surface import Surface
+from sandbox.devices.device import AnyDevice, Device, Place, Sees
+from sandbox.devices.registry import kind_of
+from sandbox.devices.simulated import NEXT_PERSON
 from sandbox.session.collision_gating import CollisionGatingRules
 from sandbox.session.session import Recorder, Rig, Session
-from sandbox.trial.open_devices import DeviceMakers, check_count
 from sandbox.trial.settings import SOLID, HandSettings, Settings
-from sandbox.trial.surfaces import place_all
 from tasks.guarded import check_varied, draw_task
-from tasks.registry import find_task
+from tasks.registry import find_task, hands_of
 from tasks.task import Task, place_surface
 from tasks.variation import vary
 
-__all__ = [
-    "build",
-    "digests",
-    "drawn",
-    "load_encoder",
-    "make_labeller",
-    "reconstructor_settings",
-]
+
+def place_all(
+    placed: Surface, settings: Settings, kind: type[Task]
+) -> tuple[Surface, tuple[Surface, ...]]:
+    """Places the surface that a task is drawn on, and the surface of every hand.
+
+    The two surfaces of a task for two hands lie side by side (see `sides_of`). In a task for one
+    hand they coincide: two people, each with a screen, at one table.
+
+    Args:
+        placed: A single surface, placed for the task.
+        settings: Settings of the run.
+        kind: Class of the task.
+
+    Raises:
+        InputError: The task needs more hands than there are, or two upright surfaces.
+    """
+    hands = len(settings.hands)
+    if hands < hands_of(kind):
+        raise InputError(
+            "this task needs two hands, and there is one",
+            where=kind.name,
+            expected="a device for each hand, or two hands on one device",
+            remedy=f"sandbox run {kind.name} --device simulated --device simulated",
+        )
+    if hands == 1 or hands_of(kind) == 1 or settings.surface.shared:
+        return placed, (placed,) * hands
+    if placed.upright:
+        raise InputError("two upright surfaces are not supported", where=kind.name)
+    width, middle = float(placed.size[0]), placed.to_world(placed.size / 2)
+    whole = replace(placed, width_in=2 * placed.width_in).centred_at(middle)
+    sides = [
+        placed.centred_at(np.add(middle, (0.5 * side * width, 0.0, 0.0)))
+        for side in sides_of(settings)
+    ]
+    return whole, tuple(sides)
+
+
+def sides_of(settings: Settings) -> tuple[int, int]:
+    """Sides of the two hands: 1 is right, -1 left.
+
+    The first hand is on the right, unless it is a left hand and the second a right hand.
+    """
+    first, second = (hand.person.left for hand in settings.hands)
+    return (-1, 1) if first and not second else (1, -1)
+
+
+def home(hand: int, settings: Settings, surface: Surface) -> Array:
+    """(2,) m in the world, centre of a hand's part of its surface.
+
+    Args:
+        hand: Index of the hand.
+        settings: Settings of the run.
+        surface: Surface of the hand.
+    """
+    if not settings.surface.shared or len(settings.hands) == 1:
+        return np.asarray(surface.to_world(surface.size / 2)[:2])
+    return np.asarray(surface.to_world(homes(settings, surface)[hand])[:2])
+
+
+def homes(settings: Settings, surface: Surface) -> Array:
+    """(2, 2) m on a surface that two hands share, centre of each hand's half."""
+    return np.array([surface.size * [0.5 + 0.25 * side, 0.5] for side in sides_of(settings)])
+
+
+DeviceMaker = Callable[[Task, Surface], Device]
+"""Function that opens a device for a drawn task on a placed surface."""
+
+DeviceMakers = tuple[DeviceMaker, ...]
+"""One maker per hand, in the order of `Settings.hands`."""
+
+Around = Callable[[DeviceMaker], DeviceMaker]
+"""Function that puts something around the device that a maker opens."""
+
+
+def device_makers(settings: Settings, around: Around = lambda make: make) -> DeviceMakers:
+    """Makers of the devices that settings name, one for each hand.
+
+    Args:
+        settings: Settings of the run.
+        around: Change of the maker of the first device, beneath all that degrades or shares it.
+
+    Raises:
+        InputError: A device does not exist, or its file cannot be read.
+    """
+    name, second = settings.device.name, settings.second_device
+    first = _degraded(around(_maker(settings, 0)), settings, 0)
+    if len(settings.hands) == 1:
+        return (first,)
+    sees = kind_of(name).sees
+    if second is None:
+        return shared_makers(first, settings, sees)
+    other = _degraded(_maker(settings, 1), settings, 1)
+    one_leap = sees is Sees.LEAP and second.name == name
+    one_screen = name == "simulated" and settings.surface.shared
+    if one_leap or one_screen:
+        return shared_by_users((first, other), settings, sees)
+    return first, other
+
+
+def place_of(settings: Settings, hand: int, task: Task, surface: Surface) -> Place:
+    """Where, and for whom, the device of a hand is opened.
+
+    Args:
+        settings: Settings of the run.
+        hand: Index of the hand.
+        task: The drawn task.
+        surface: Surface of the device, placed in the world.
+    """
+    whose, kind = settings.hands[hand], kind_of(settings.device_of(hand).name)
+    served = settings.hands if settings.shares_device else (whose,)
+    return Place(
+        surface,
+        hand=hand,
+        sides=tuple(each.side for each in served),
+        person=whose.person,
+        task=task,
+        seed=settings.seed,
+        labels=kind.labels and settings.pipeline.labels == "device",
+        home=home(hand, settings, surface),
+        at=(0.0, 0.0, 0.0) if whose.in_air is None else whose.in_air.at,
+    )
+
+
+def shared_makers(make: DeviceMaker, settings: Settings, sees: Sees) -> DeviceMakers:
+    """Makers for two hands that open one device and share it.
+
+    Args:
+        make: Opens the device.
+        settings: Settings of the run.
+        sees: What the device sees, which decides how its frames are divided.
+    """
+    # Most trials have one hand.
+    from sandbox.devices.wrappers.shared import SharedDevice, Split, SplitByPlace
+
+    def split(surface: Surface) -> Split:
+        if sees is Sees.TOUCHES:
+            return SplitByPlace(homes(settings, surface))
+        if sees is Sees.LEAP:
+            from sandbox.devices.leap.two_hands import SplitBySide
+
+            return SplitBySide([hand.side for hand in settings.hands])
+        return Split()
+
+    parts: list[Device] = []
+
+    def first(task: Task, surface: Surface) -> Device:
+        parts[:] = SharedDevice(make(task, surface), split(surface)).parts
+        return parts[0]
+
+    def second(task: Task, surface: Surface) -> Device:
+        return parts[1]
+
+    return first, second
+
+
+def shared_by_users(makers: DeviceMakers, settings: Settings, sees: Sees) -> DeviceMakers:
+    """Makers for two simulated users who share one device.
+
+    Args:
+        makers: Open the device of each user.
+        settings: Settings of the run.
+        sees: What the device sees.
+    """
+    return shared_makers(_merged(makers, sees), settings, sees)
+
+
+def with_first(makers: DeviceMakers, change: Around) -> DeviceMakers:
+    """The makers, with a change to that of the first hand, which is the person at the screen."""
+    first, *others = makers
+    return (change(first), *others)
+
+
+def check_count(makers: DeviceMakers, settings: Settings) -> None:
+    """Checks that there is one maker per hand.
+
+    Raises:
+        InputError: The numbers of makers and hands differ.
+    """
+    if len(makers) != len(settings.hands):
+        raise InputError(
+            "every hand needs its own device, or a share of one",
+            where=settings.task,
+            got=f"{len(makers)} for {len(settings.hands)} hands",
+        )
+
+
+def is_live(settings: Settings) -> bool:
+    """True if a person or another program drives the run, which is then in real time."""
+    devices = filter(None, (settings.device, settings.second_device))
+    return any(kind_of(device.name).live for device in devices)
+
+
+def _maker(settings: Settings, hand: int) -> DeviceMaker:
+    """The maker of the device of one hand."""
+    device = settings.device_of(hand)
+
+    def make(task: Task, surface: Surface) -> Device:
+        return cast(Device, device.open(place_of(settings, hand, task, surface)))
+
+    return make
+
+
+def _merged(makers: DeviceMakers, sees: Sees) -> DeviceMaker:
+    """A maker of one device of two simulated users."""
+
+    def make(task: Task, surface: Surface) -> Device:
+        devices: list[AnyDevice] = [maker(task, surface) for maker in makers]
+        if sees is Sees.LEAP:
+            from sandbox.devices.leap.two_hands import MergedLeaps
+
+            return MergedLeaps(devices)
+        from sandbox.devices.wrappers.shared import MergedTouches
+
+        return MergedTouches(devices)
+
+    return make
+
+
+def _degraded(make: DeviceMaker, settings: Settings, hand: int) -> DeviceMaker:
+    """A maker whose device is disturbed by the settings' variation."""
+    variation, name = settings.variation, settings.device_of(hand).name
+    if not variation.degrades_touches:
+        return make
+    from sandbox.devices.wrappers.degraded import DegradedDevice
+    from sandbox.recording.recorded_device import RecordedDevice
+
+    # Only simulated users and 3-D devices have random numbers that differ between hands.
+    kind = kind_of(name)
+    person = hand if kind.in_air or kind.simulated else 0
+
+    def open_device(task: Task, surface: Surface) -> Device:
+        device = make(task, surface)
+        # Recorded touches were degraded when they were recorded.
+        if isinstance(device, RecordedDevice):
+            return device
+        return DegradedDevice(device, variation, surface, settings.seed + person * NEXT_PERSON)
+
+    return open_device
+
+
+def lifts(settings: Settings) -> bool:
+    """True if a trial needs a lift control: its task lifts, and a hand touches a surface."""
+    return find_task(settings.task).lift_range > 0 and not settings.in_air
+
+
+def with_lift(makers: DeviceMakers, keys: bool) -> DeviceMakers:
+    """Makers that add a lift control to devices without one, if the task needs it.
+
+    The returned makers raise `InputError` if the task needs a lift control and none is available.
+
+    Args:
+        makers: Functions that open the devices.
+        keys: A window's keys can serve as a lift control.
+    """
+
+    # Few tasks lift.
+    from sandbox.devices.wrappers.playing import LiftKeys
+
+    controls: list[LiftKeys] = []
+
+    def lifted(maker: DeviceMaker, task: Task, surface: Surface) -> Device:
+        device = maker(task, surface)
+        if task.lift_range <= 0 or device.lift:
+            return device
+        if keys:
+            controls.append(LiftKeys(device, controls[0] if controls else None))
+            return controls[-1]
+        device.close()
+        raise InputError(
+            "this task needs a lift control, and this device has none",
+            where=task.name,
+            got=device.name,
+            expected="a device with a lift control: simulated, web or a recording",
+            remedy=f"`sandbox play {task.name}` lifts with the keys up and down, with any device",
+        )
+
+    def first(task: Task, surface: Surface) -> Device:
+        controls.clear()
+        return lifted(makers[0], task, surface)
+
+    return (first, *(partial(lifted, maker) for maker in makers[1:]))
+
 
 UPRIGHT_END = 0.0
 """m, solid length of the last links before an upright surface: only the spheres at the fingertips
@@ -135,13 +423,32 @@ def make_labeller(
 
 
 def _belief(settings: Settings, hand: HandSettings | None = None) -> BeliefLabels | None:
-    """The belief over labels that the settings name, about the fingers that a robot's hand has;
-    None for the paper's rule."""
+    """The belief over labels that the settings name, about the fingers that are in use; None for
+    the paper's rule.
+
+    Raises:
+        InputError: A declared set of fingers has one that the robot's hand lacks.
+    """
     belief = _any_belief(settings, hand)
-    if belief and settings.physics.robot:
+    if belief is None:
+        return None
+    fingers = len(FINGERS)
+    if settings.physics.robot:
         from models.robot.known import find_robot
 
-        belief.fingers = len(find_robot(settings.physics.robot).tips)
+        fingers = len(find_robot(settings.physics.robot).tips)
+        belief.odds = odds_of_first(fingers)
+    if settings.pipeline.finger_sets:
+        sets = parse_finger_sets(settings.pipeline.finger_sets)
+        lacking = {finger for each in sets for finger in each if finger >= fingers}
+        if lacking:
+            raise InputError(
+                "the robot's hand lacks this finger",
+                where="finger_sets",
+                got=FINGERS[min(lacking)],
+                expected=f"sets of {', '.join(FINGERS[:fingers])}",
+            )
+        belief.odds = odds_of_sets(sets, USUAL_SETS)
     return belief
 
 
@@ -157,6 +464,21 @@ def _any_belief(settings: Settings, hand: HandSettings | None = None) -> BeliefL
     return builtin_population_belief(known)
 
 
+def _check_finger_sets(settings: Settings, kind: type[Task]) -> None:
+    """Refuses sets of fingers with which a task cannot be played."""
+    if not settings.pipeline.finger_sets:
+        return
+    fingers = {f for each in parse_finger_sets(settings.pipeline.finger_sets) for f in each}
+    if len(fingers) < kind.fewest_fingers:
+        raise InputError(
+            f"{kind.name} cannot be played with so few fingers",
+            where="finger_sets",
+            got=settings.pipeline.finger_sets,
+            expected=f"sets with {kind.fewest_fingers} different fingers",
+            remedy="Leave out --finger-sets, or name the other fingers too",
+        )
+
+
 def drawn(settings: Settings, may_overlap: bool = False) -> tuple[Task, tuple[Surface, ...]]:
     """Draws and varies the trial of a run, and places the surface of every hand.
 
@@ -169,6 +491,7 @@ def drawn(settings: Settings, may_overlap: bool = False) -> tuple[Task, tuple[Su
             of the varied trial overlap.
     """
     kind = find_task(settings.task)
+    _check_finger_sets(settings, kind)
     whole, surfaces = place_all(place_surface(settings.surface.rectangle, kind), settings, kind)
     plain = draw_task(kind, settings.seed, whole)
     task = vary(plain, settings.variation, whole)

@@ -24,22 +24,20 @@ from typing import Any
 import mujoco
 import numpy as np
 
-from models.arithmetic.arrays import Array
+from models.arithmetic import Array
 from models.errors import InputError, RecordingError
 from models.scene import CONTROL_PERIOD
 from sandbox.recording.recorded_device import RecordedDevice
 from sandbox.recording.recorded_task import recorded_task, task_change
 from sandbox.recording.recording import Recording
 from sandbox.recording.versions import check_states, decisive_differences
-from sandbox.session.messages import DrawnScene, ObjectView, Snapshot
+from sandbox.session.messages import ObjectView, Snapshot
 from sandbox.session.session import Session
-from sandbox.trial.assembly import build, digests
+from sandbox.trial.assembly import DeviceMaker, DeviceMakers, build, digests
 from sandbox.trial.driver import Trial, ViewMaker, no_views, undisturbed
-from sandbox.trial.open_devices import DeviceMaker, DeviceMakers
 from sandbox.trial.result import TrialResult
 from sandbox.trial.settings import Settings, recorded_encoder, recorded_settings
 from tasks.score import Score, Status
-from tasks.task import place
 
 
 @dataclass(frozen=True)
@@ -83,7 +81,7 @@ def settings_of(recording: Recording) -> Settings:
     """The settings that a recording was made with, to play it again.
 
     Raises:
-        OtherStatesError: It was made with other `STATES`.
+        DifferentStatesError: It was made with other `STATES`.
         RecordingError: The task or the encoder is not on this machine, or the encoder or the labels
             of the same name were trained otherwise.
     """
@@ -198,7 +196,7 @@ def _compared(
             if recording.hashes[session.step] != session.state_hash and difference is None:
                 difference = session.step
         if comparison and difference is not None:
-            comparison.look()
+            comparison.update()
         # The score may end earlier here than in the recording, whose poses are shown to their end.
         if session.diverged or (session.over and not (poses and session.step < poses.last)):
             break
@@ -267,7 +265,8 @@ class RecordedPoses:
         return replace(
             snapshot,
             qpos=data.qpos.copy(),
-            scene=DrawnScene(hands, objects, place(self._session.task.goals, objects)),
+            see_hands=lambda: hands,
+            see_objects=lambda: objects,
             score=snapshot.score if scored else self._score(snapshot.step),
         )
 
@@ -338,7 +337,7 @@ class PoseComparison:
         self._largest = [0.0, 0.0, 0.0, 0.0]
         self._compared = 0
 
-    def look(self) -> None:
+    def update(self) -> None:
         """Compares the poses of this moment, if the recording has one of it."""
         recorded = self._track.get(self._session.step)
         if recorded is None or len(recorded) != len(self._data.qpos):

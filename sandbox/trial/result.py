@@ -25,21 +25,24 @@ SCHEMA = 1
 """Version of a trial's JSON."""
 
 
-class KeptIn(StrEnum):
+class ResultRecord(StrEnum):
     """A record that keeps only some fields of a result; a trial's JSON and recording keep all."""
 
     JOURNAL = "journal"
     """A `trial_end` record of a study's journal."""
     TABLE = "table"
-    """`trial_results.csv`, in the order in which the fields are declared."""
+    """`trials.csv`, in the order in which the fields are declared."""
     REGRESS = "regress"
     """A trial in the JSON of `sandbox regress`."""
     BASELINE = "baseline"
     """A trial in a baseline of `sandbox regress`, in the order in which they are declared."""
+    SHARED = "shared"
+    """A trial in the folder that `sandbox study share` makes, and the header of its recording."""
 
 
-JOURNAL, TABLE = KeptIn.JOURNAL, KeptIn.TABLE
-REGRESS, BASELINE = KeptIn.REGRESS, KeptIn.BASELINE
+JOURNAL, TABLE = ResultRecord.JOURNAL, ResultRecord.TABLE
+REGRESS, BASELINE = ResultRecord.REGRESS, ResultRecord.BASELINE
+SHARED = ResultRecord.SHARED
 
 
 @dataclass(frozen=True)
@@ -49,16 +52,16 @@ class Field:
     Attributes:
         unit: Unit of its numbers; `0/1` for yes or no; empty for words, counts and nested values.
         meaning: Definition in a line.
-        kept_in: Records that keep it.
+        values_for: Records that keep it.
     """
 
     unit: str
     meaning: str
-    kept_in: frozenset[KeptIn] = frozenset()
+    values_for: frozenset[ResultRecord] = frozenset()
 
 
-def _field(unit: str, meaning: str, *kept_in: KeptIn) -> Field:
-    return Field(unit, meaning, frozenset(kept_in))
+def _field(unit: str, meaning: str, *values_for: ResultRecord) -> Field:
+    return Field(unit, meaning, frozenset(values_for))
 
 
 class TrialResult(msgspec.Struct, frozen=True, kw_only=True):
@@ -68,16 +71,19 @@ class TrialResult(msgspec.Struct, frozen=True, kw_only=True):
     is left out of JSON: it is unknown, or does not apply.
     """
 
-    task: Annotated[str, _field("", "name of the task", JOURNAL, TABLE, REGRESS)]
+    task: Annotated[str, _field("", "name of the task", JOURNAL, TABLE, REGRESS, SHARED)]
     task_version: Annotated[
-        int, _field("", "version of the task's definition", JOURNAL, REGRESS)
+        int, _field("", "version of the task's definition", JOURNAL, REGRESS, SHARED)
     ] = 1
     encoder: Annotated[
         str | None,
-        _field("", "encoder that turns touches into the hand's pose", JOURNAL, TABLE, REGRESS),
+        _field(
+            "", "encoder that turns touches into the hand's pose", JOURNAL, TABLE, REGRESS, SHARED
+        ),
     ] = None
     seed: Annotated[
-        int, _field("", "start and goal of the trial follow from it", JOURNAL, TABLE, REGRESS)
+        int,
+        _field("", "start and goal of the trial follow from it", JOURNAL, TABLE, REGRESS, SHARED),
     ]
     success: Annotated[
         bool,
@@ -88,10 +94,11 @@ class TrialResult(msgspec.Struct, frozen=True, kw_only=True):
             TABLE,
             REGRESS,
             BASELINE,
+            SHARED,
         ),
     ]
     instant: Annotated[
-        bool, _field("0/1", "the goal was reached at some moment", JOURNAL, TABLE, REGRESS)
+        bool, _field("0/1", "the goal was reached at some moment", JOURNAL, REGRESS, SHARED)
     ]
     held: Annotated[
         bool,
@@ -99,8 +106,8 @@ class TrialResult(msgspec.Struct, frozen=True, kw_only=True):
             "0/1",
             "the goal was reached for the hold time without a break",
             JOURNAL,
-            TABLE,
             REGRESS,
+            SHARED,
         ),
     ]
     final: Annotated[
@@ -109,8 +116,8 @@ class TrialResult(msgspec.Struct, frozen=True, kw_only=True):
             "0/1",
             "the goal was still reached when the trial ended, 1 s after success",
             JOURNAL,
-            TABLE,
             REGRESS,
+            SHARED,
         ),
     ]
     status: Annotated[
@@ -121,11 +128,14 @@ class TrialResult(msgspec.Struct, frozen=True, kw_only=True):
             JOURNAL,
             TABLE,
             REGRESS,
+            SHARED,
         ),
     ]
     progress: Annotated[
         float,
-        _field("0 to 1", "how near the goal was at the end", JOURNAL, TABLE, REGRESS, BASELINE),
+        _field(
+            "0 to 1", "how near the goal was at the end", JOURNAL, TABLE, REGRESS, BASELINE, SHARED
+        ),
     ]
     time_s: Annotated[
         float,
@@ -136,15 +146,20 @@ class TrialResult(msgspec.Struct, frozen=True, kw_only=True):
             TABLE,
             REGRESS,
             BASELINE,
+            SHARED,
         ),
     ]
-    reason: Annotated[str, _field("", "what was missing at the end", JOURNAL, TABLE, REGRESS)]
+    reason: Annotated[
+        str, _field("", "what was missing at the end", JOURNAL, TABLE, REGRESS, SHARED)
+    ]
     diverged: Annotated[
-        str, _field("", "why the simulation diverged; empty where it did not", JOURNAL)
+        str, _field("", "why the simulation diverged; empty where it did not", JOURNAL, SHARED)
     ] = ""
     respawned: Annotated[
         int,
-        _field("", "times that an object left the workspace and was put back", JOURNAL, TABLE),
+        _field(
+            "", "times that an object left the workspace and was put back", JOURNAL, TABLE, SHARED
+        ),
     ] = 0
     unreached: Annotated[
         float | None,
@@ -152,6 +167,7 @@ class TrialResult(msgspec.Struct, frozen=True, kw_only=True):
             "0 to 1",
             "share of the time with touches in which a fingertip of a robot's hand could not be at "
             "its touch, 5 mm off or more; left out for our own hand",
+            SHARED,
         ),
     ] = None
     state_hash: Annotated[
@@ -163,36 +179,46 @@ class TrialResult(msgspec.Struct, frozen=True, kw_only=True):
             TABLE,
             REGRESS,
             BASELINE,
+            SHARED,
         ),
     ]
     settings: Annotated[
-        dict[str, Any] | None, _field("", "settings of the trial: `sandbox.trial.settings`")
+        dict[str, Any] | None, _field("", "settings of the trial: `sandbox.trial.settings`", SHARED)
     ] = None
     digests: Annotated[
-        dict[str, str] | None, _field("", "digests of the encoder and of the labels", JOURNAL)
+        dict[str, str] | None,
+        _field("", "digests of the encoder and of the labels", JOURNAL, SHARED),
     ] = None
     states: Annotated[
-        int | None, _field("", "generation of simulated states (sandbox.recording.versions)")
+        int | None,
+        _field(
+            "",
+            "generation of simulated states (sandbox.recording.versions)",
+            JOURNAL,
+            TABLE,
+            SHARED,
+        ),
     ] = None
     versions: Annotated[
-        dict[str, str] | None, _field("", "versions, processor and their fingerprint")
+        dict[str, str] | None, _field("", "versions, processor and their fingerprint", SHARED)
     ] = None
     task_from: Annotated[
         dict[str, Any] | None,
-        _field("", "file or package of a task that is not built in, with digests"),
+        _field("", "file or package of a task that is not built in, with digests", SHARED),
     ] = None
     encoder_from: Annotated[
-        dict[str, Any] | None, _field("", "file or package of an encoder that is not built in")
+        dict[str, Any] | None,
+        _field("", "file or package of an encoder that is not built in", SHARED),
     ] = None
-    study: Annotated[dict[str, Any] | None, _field("", "study, participant, session and trial")] = (
-        None
-    )
+    study: Annotated[
+        dict[str, Any] | None, _field("", "study, participant, session and trial", SHARED)
+    ] = None
     measures: Annotated[
         dict[str, Any] | None,
-        _field("", "measures that are known only while the trial runs, by name", JOURNAL),
+        _field("", "measures that are known only while the trial runs, by name", JOURNAL, SHARED),
     ] = None
     latency: Annotated[
-        dict[str, Any] | None, _field("ms", "percentiles of delays, by kind", JOURNAL)
+        dict[str, Any] | None, _field("ms", "percentiles of delays, by kind", JOURNAL, SHARED)
     ] = None
     absences: Annotated[
         list[dict[str, float]] | None,
@@ -200,17 +226,23 @@ class TrialResult(msgspec.Struct, frozen=True, kw_only=True):
             "s",
             "times for which simulated time stood still, as a player's page was away: `at_s`, "
             "simulated time, and `lasted_s`, real time",
+            SHARED,
         ),
     ] = None
     surface_scale: Annotated[
         float | None,
-        _field("", "length on the screen of what is one long on the table; left out at true size"),
+        _field(
+            "",
+            "length on the screen of what is one long on the table; left out at true size",
+            SHARED,
+        ),
     ] = None
     scored: Annotated[
         bool | None,
         _field(
             "0/1",
             "0 where the result does not count, as on the scaled table of a phone; left out else",
+            SHARED,
         ),
     ] = None
     learned: Annotated[
@@ -218,23 +250,38 @@ class TrialResult(msgspec.Struct, frozen=True, kw_only=True):
         _field("m", "layouts of five fingers for the session's next trial, by hand", JOURNAL),
     ] = None
     fingers: Annotated[
-        list[tuple[int, int]] | None, _field("", "true finger of each contact: (contact, finger)")
+        list[tuple[int, int]] | None,
+        _field("", "true finger of each contact: (contact, finger)", SHARED),
     ] = None
     second_fingers: Annotated[
-        list[tuple[int, int]] | None, _field("", "true fingers of the second hand's contacts")
+        list[tuple[int, int]] | None,
+        _field("", "true fingers of the second hand's contacts", SHARED),
     ] = None
-    fingers_by: Annotated[str | None, _field("", "source of the true fingers")] = None
+    fingers_by: Annotated[str | None, _field("", "source of the true fingers", JOURNAL, SHARED)] = (
+        None
+    )
+    demonstrated: Annotated[
+        bool | None,
+        _field(
+            "0/1",
+            "the page had a demonstration of the task for the time before the first touch; none "
+            "where none was due",
+            JOURNAL,
+            TABLE,
+            SHARED,
+        ),
+    ] = None
     broken_off: Annotated[
         str | None, _field("", "why the attempt was broken off and does not count")
     ] = None
     dump: Annotated[
         str | None,
-        _field("", "file with the last states before a divergence", JOURNAL, REGRESS),
+        _field("", "file with the last states before a divergence", JOURNAL, REGRESS, SHARED),
     ] = None
     dump_error: Annotated[str | None, _field("", "why that file could not be written", REGRESS)] = (
         None
     )
-    schema: Annotated[int | None, _field("", "version of this JSON")] = None
+    schema: Annotated[int | None, _field("", "version of this JSON", SHARED)] = None
     extra: Annotated[
         dict[str, Any], _field("", "keys that the caller of the trial added; in JSON beside these")
     ] = {}
@@ -296,10 +343,10 @@ class TrialResult(msgspec.Struct, frozen=True, kw_only=True):
         extra = values.pop("extra")
         return {name: v for name, v in values.items() if v is not None} | extra
 
-    def kept_in(self, record: KeptIn) -> dict[str, Any]:
+    def values_for(self, record: ResultRecord) -> dict[str, Any]:
         """JSON values of the fields that a record keeps and that are known."""
         values = self.as_json()
-        return {name: values[name] for name in kept_fields(record) if name in values}
+        return {name: values[name] for name in record_fields(record) if name in values}
 
     @property
     def fingerprint(self) -> str:
@@ -331,9 +378,9 @@ def fields() -> dict[str, Field]:
 
 
 @cache
-def kept_fields(record: KeptIn) -> tuple[str, ...]:
+def record_fields(record: ResultRecord) -> tuple[str, ...]:
     """Names of the fields that a record keeps, in the order of declaration."""
-    return tuple(name for name, field in fields().items() if record in field.kept_in)
+    return tuple(name for name, field in fields().items() if record in field.values_for)
 
 
 def _split(values: Mapping[str, Any]) -> dict[str, Any]:

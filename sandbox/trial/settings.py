@@ -17,12 +17,13 @@ from typing import Annotated, Any, Literal, Union, get_args, get_origin, get_typ
 
 import msgspec
 
+from encoders.labels.finger_use import parse_finger_sets
 from encoders.regression.model_registry import DEFAULT_MODEL
 from encoders.regression.registry import find_encoder
 from models.errors import InputError, RecordingError
 from models.hand import IMPULSE_PROFILES
 from models.json_input import in_plain_words
-from models.person import HANDS, Looks, Person
+from models.person import HANDS, Person, RestSamples
 from models.plugins import how_to_get, place_of
 from models.surface import PRESETS, Surface
 from sandbox.devices.hand_input import HandInput
@@ -95,6 +96,12 @@ class PipelineSettings(_Checked):
     labelled as by population. Labels that another device reports for all contacts are always used.
     """
 
+    finger_sets: str = field(default="", metadata={BEFORE: ""})
+    """Sets of fingers that the person uses, such as thumb+index,thumb+index+middle; a number after
+    a colon is how often, in proportion to the others (thumb+index:3,index+middle). Fewer fingers
+    than a set has may touch for a moment. Labels by population are chosen among these. Default: any
+    fingers may touch, by how often people use them."""
+
     correction: bool = True
     """Fingertips are corrected to meet their touches."""
 
@@ -120,6 +127,19 @@ class PipelineSettings(_Checked):
 
     encode: bool = True
     """The encoder's pose is used; otherwise the mean training pose."""
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if not self.finger_sets:
+            return
+        parse_finger_sets(self.finger_sets)
+        if self.labels == "paper":
+            raise InputError(
+                "the paper's labels do not know which fingers are used",
+                where="finger_sets",
+                got=self.finger_sets,
+                remedy="Leave out --finger-sets, or use --labels population",
+            )
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -205,7 +225,7 @@ class HandSettings(_Checked):
     """Known touches of the person's five fingers, m (see `sandbox.session.own_layouts`), which
     labels by `population` use."""
 
-    rest: Looks = ()
+    rest: RestSamples = ()
     """Samples of the person's hand at rest (see `encoders.person.rest_posture`), which the encoder
     `population` uses."""
 
@@ -228,7 +248,7 @@ class HandSettings(_Checked):
         return self if side == self.side else replace(self, side=side, layouts=(), rest=())
 
     @property
-    def other(self) -> HandSettings:
+    def opposite(self) -> HandSettings:
         """The same person's other hand, driven by touches from the screen's lower edge."""
         return HandSettings(HANDS[1] if self.side == HANDS[0] else HANDS[0], self.size)
 
@@ -288,7 +308,7 @@ class Settings:
         return all(hand.in_air is not None for hand in self.hands)
 
     @property
-    def one_device(self) -> bool:
+    def shares_device(self) -> bool:
         """True if there are two hands and one device."""
         return len(self.hands) > 1 and self.second_device is None
 
@@ -454,6 +474,27 @@ def _whole(values: Any, kind: Any, where: str) -> dict[str, Any]:
     return whole
 
 
+def declared(values: Any, kind: Any = Settings) -> Any:
+    """JSON values of settings without what no field declares.
+
+    Args:
+        values: The values, whole or not, also of a header whose settings stand in no groups.
+        kind: Class of their settings.
+    """
+    if not isinstance(values, Mapping):
+        return values
+    known = dict.fromkeys([*_RENAMED, *setting_names()]) if kind is Settings else {}
+    known |= _hints(kind)
+    kept = {}
+    for name, value in values.items():
+        if name in known:
+            inner = None if known[name] is None else _dataclass_in(known[name])
+            several = isinstance(value, list | tuple)
+            some = [declared(v, inner) if inner else v for v in (value if several else [value])]
+            kept[name] = some if several else some[0]
+    return kept
+
+
 def _place_of(name: str, known: Any) -> str:
     """Where a setting that is unknown in one place stands, or which one is near."""
     within = [group for group, kind in GROUPS.items() if name in field_types(kind)]
@@ -497,7 +538,7 @@ def recorded_settings(header: Mapping[str, Any], *names: str) -> Settings:
     """The settings of a recording.
 
     Of a recording with other `STATES`, settings and values that this program lacks are left out,
-    and those that it did not name have their defaults; whoever calls this reports `other_states`.
+    and those that it did not name have their defaults; the caller reports `states_difference`.
 
     Args:
         header: Header of the recording.

@@ -1,18 +1,22 @@
-"""What a command line says of a trial, and the settings that follow from it.
+"""Options of a trial on a command line, and the settings that follow from them.
 
 `sandbox run` and `sandbox play` parse a `TrialOptions`, and a study's design and `run_trial` fill
 one; `trial_settings` makes `Settings` of it. An option is a field with its docstring, which is its
-help. Options of a device stand with the device (`sandbox.devices`).
+help, and stands under a heading of `--help`: what most people need comes first, what one device
+needs if it is named. Options of a device stand with the device (`sandbox.devices`). Option `--vary`
+names quantities of a trial or a screen, with their units.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
+from functools import cache
+from math import inf, isfinite
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
-from cyclopts import Parameter
+from cyclopts import Group, Parameter
 from rich.console import Console
 from rich.text import Text
 
@@ -32,18 +36,8 @@ from sandbox.devices.registry import (
     seen_hand,
 )
 from sandbox.recording.recorded_task import recorded_task, task_change
-from sandbox.recording.recording import Recording
-from sandbox.recording.versions import other_states
-from sandbox.trial.headings import (
-    COMMON,
-    OUTPUT,
-    PERSON,
-    PHYSICS,
-    RECONSTRUCTION,
-    SECOND,
-    SIMULATED,
-)
-from sandbox.trial.open_devices import recording_of
+from sandbox.recording.recording import Recording, is_recording, load_recording
+from sandbox.recording.versions import states_difference
 from sandbox.trial.settings import (
     PAPER_PIPELINE,
     PhysicsSettings,
@@ -53,12 +47,253 @@ from sandbox.trial.settings import (
     recorded_settings,
     recorded_users,
 )
-from sandbox.trial.variations import KINDS, help_with_units, parse_variation
 from tasks.registry import find_task, hands_of
 from tasks.user import UserConfiguration
+from tasks.variation import RANGES, Variation
 
 if TYPE_CHECKING:
     from sandbox.devices.hand_input import HandInput
+
+
+COMMON = Group.create_ordered("Common options")
+OUTPUT = Group.create_ordered("Output")
+PERSON = Group.create_ordered("Hand of the person")
+RECONSTRUCTION = Group.create_ordered("Labels and reconstruction")
+PHYSICS = Group.create_ordered("Physics and robots")
+SIMULATED = Group.create_ordered("Simulated user, and harder trials")
+SECOND = Group.create_ordered("Second hand")
+PAGE = Group.create_ordered("Page")
+
+
+@cache
+def device_heading(device: str) -> Group:
+    """The heading of the options of a device, by its name."""
+    return Group.create_ordered(f"Device {device}")
+
+
+OF_SETTINGS = {
+    "PipelineSettings": RECONSTRUCTION,
+    "PhysicsSettings": PHYSICS,
+}
+"""Class of settings -> heading of the options that its fields are."""
+COMMON_SETTINGS = ("encoder",)
+"""Fields of these classes that most people need."""
+
+
+@dataclass(frozen=True)
+class Kind:
+    """A quantity that can be varied.
+
+    Attributes:
+        name: Name on the command line.
+        about: Description, for tables and axes.
+        neutral: Value without variation.
+        unit: Unit of the values; empty for a factor.
+        scale: One unit in SI units.
+        down: Values below the neutral one, which a sweep tries in turn until success breaks off.
+        up: The same, above the neutral one.
+    """
+
+    name: str
+    about: str
+    neutral: float
+    unit: str = ""
+    scale: float = 1.0
+    down: tuple[float, ...] = ()
+    up: tuple[float, ...] = ()
+
+    @property
+    def field(self) -> str:
+        """Name of the attribute of `Variation`, or of the hand's settings."""
+        return self.name.replace("-", "_")
+
+    def text(self, value: float) -> str:
+        """Returns a value with its unit."""
+        return f"{value:g} {self.unit}".rstrip()
+
+
+HAND_SIZE = "hand-size"
+"""Name of the factor on the hand's size, which is a setting of the run and not of the trial."""
+
+KINDS = {
+    quantity.name: quantity
+    for quantity in (
+        Kind(
+            "size",
+            "edges of the objects",
+            1.0,
+            down=(0.8, 0.6, 0.5, 0.4, 0.3),
+            up=(1.2, 1.4, 1.6, 1.8, 2.0),
+        ),
+        Kind(
+            "mass",
+            "mass of the objects",
+            1.0,
+            down=(0.5, 0.2, 0.1, 0.05),
+            up=(2.0, 4.0, 8.0, 16.0, 32.0),
+        ),
+        Kind(
+            "resistance",
+            "springs and friction of joints",
+            1.0,
+            down=(0.5, 0.2, 0.1),
+            up=(1.5, 2.0, 3.0, 5.0, 8.0),
+        ),
+        Kind(
+            "friction",
+            "friction of table, objects and hand",
+            1.0,
+            down=(0.7, 0.5, 0.35, 0.25, 0.15, 0.1),
+            up=(1.5, 2.0, 3.0, 5.0),
+        ),
+        Kind(
+            "start",
+            "start, away from where it was drawn",
+            0.0,
+            "mm",
+            1e-3,
+            up=(10.0, 20.0, 30.0, 40.0),
+        ),
+        Kind(
+            "room",
+            "room between the things",
+            1.0,
+            down=(0.95, 0.9, 0.85, 0.8, 0.5, 0.25),
+            up=(1.05, 1.1, 1.2, 1.5, 2.0),
+        ),
+        Kind(
+            HAND_SIZE,
+            "hand, against the one that touches",
+            1.0,
+            down=(0.95, 0.9, 0.85, 0.8, 0.7),
+            up=(1.05, 1.1, 1.15, 1.2, 1.3, 1.5),
+        ),
+        Kind("noise", "noise of touches", 0.0, "mm", 1e-3, up=(0.5, 1.0, 2.0, 3.0, 5.0, 8.0, 12.0)),
+        Kind(
+            "dropped",
+            "times that each touch is lost",
+            0.0,
+            "per s",
+            up=(0.25, 0.5, 1.0, 2.0, 4.0, 8.0),
+        ),
+        Kind("ghosts", "ghost touches", 0.0, "per s", up=(0.25, 0.5, 1.0, 2.0, 4.0, 8.0, 16.0)),
+        Kind(
+            "latency",
+            "latency of touches",
+            0.0,
+            "ms",
+            1e-3,
+            up=(50.0, 100.0, 150.0, 200.0, 300.0, 400.0, 600.0),
+        ),
+    )
+}
+"""Quantities by name."""
+
+
+def help_with_units(kinds: Iterable[Kind]) -> str:
+    """Text that names all quantities by their units: `size, mass: factors. noise: mm.`"""
+    by_unit: dict[str, list[str]] = {}
+    for kind in kinds:
+        by_unit.setdefault(kind.unit or "factors", []).append(kind.name)
+    return " ".join(f"{', '.join(names)}: {unit}." for unit, names in by_unit.items())
+
+
+def help_with_names(kinds: Iterable[Kind]) -> str:
+    """Text that names all quantities: `size, mass or noise`."""
+    *names, last = (kind.name for kind in kinds)
+    return f"{', '.join(names)} or {last}" if names else last
+
+
+def find_kind(name: str) -> Kind:
+    """Returns the quantity of a name.
+
+    Raises:
+        InputError: The name is unknown.
+    """
+    if name not in KINDS:
+        raise unknown_name("unknown quantity", name, KINDS, where="--vary")
+    return KINDS[name]
+
+
+def parse_value(quantity: Kind, text: str) -> float:
+    """Parses a value of a quantity.
+
+    Raises:
+        InputError: The text is not a number or is out of range.
+    """
+    try:
+        value = float(text)
+        if not isfinite(value):
+            raise ValueError
+    except ValueError:
+        raise InputError(
+            "not a number",
+            where=f"--vary {quantity.name}",
+            got=text,
+            expected=f"such as {quantity.name}={(quantity.up or quantity.down)[0]:g}",
+            # `run` separates quantities by commas, where one trial has all of them.
+            remedy="Separate quantities by spaces here: each is varied by itself"
+            if "=" in text
+            else None,
+        ) from None
+    combined([(quantity, value)])
+    return value
+
+
+def parse_variation(text: str) -> tuple[Variation, float]:
+    """Parses a text such as `size=0.8,latency=50`.
+
+    Returns:
+        The variation, and the factor on the hand's size.
+
+    Raises:
+        InputError: `text` is not NAME=VALUE,...
+    """
+    chosen: list[tuple[Kind, float]] = []
+    for part in filter(None, (p.strip() for p in text.split(","))):
+        name, equals, value = part.partition("=")
+        quantity = find_kind(name.strip())
+        if not equals:
+            raise InputError(
+                "the value is missing",
+                where=f"--vary {text}",
+                got=part,
+                expected=f"such as {name}={(quantity.up or quantity.down)[0]:g}",
+            )
+        if quantity in (k for k, _ in chosen):
+            raise InputError("given twice", where=f"--vary {text}", got=name)
+        chosen.append((quantity, parse_value(quantity, value)))
+    return combined(chosen)
+
+
+def combined(chosen: Sequence[tuple[Kind, float]]) -> tuple[Variation, float]:
+    """Combines values into a variation, and the factor on the hand's size.
+
+    Args:
+        chosen: Quantities with values in their own units.
+
+    Raises:
+        InputError: A value is out of range.
+    """
+    values = {quantity.field: value * quantity.scale for quantity, value in chosen}
+    hand = values.pop(KINDS[HAND_SIZE].field, 1.0)
+    if not 0.0 < hand < 10.0:
+        raise InputError(
+            "out of range",
+            where=f"--vary {HAND_SIZE}",
+            got=hand,
+            expected="more than 0, less than 10",
+        )
+    for quantity, value in chosen:
+        least, most = RANGES.get(quantity.field, (-inf, inf))
+        if not least <= value * quantity.scale <= most:
+            raise InputError(
+                "out of range",
+                where=f"--vary {quantity.name}",
+                got=quantity.text(value),
+                expected=f"{least / quantity.scale:g} to {quantity.text(most / quantity.scale)}",
+            )
+    return Variation(**values), hand
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -116,7 +351,7 @@ class ConditionOptions(PipelineSettings, PhysicsSettings):
     rest: Annotated[Path | None, Parameter(group=RECONSTRUCTION, metavar="FILE")] = None
     """Rest posture: a few looks at the person's hand while it touches, or a capture of it. With
     --encoder population it removes what the hand does differently all the time
-    (docs/strangers.md). Default: that of the profile."""
+    (docs/playing.md). Default: that of the profile."""
 
     surface: Annotated[str | None, Parameter(group=COMMON, metavar="SIZE")] = None
     """Size of the touch surface: 7.76x5.82in, 197x148mm, or a preset such as ipad2."""
@@ -214,6 +449,20 @@ def given_options(options: ConditionOptions) -> frozenset[str]:
     )
 
 
+def recording_of(device: str) -> Recording | None:
+    """The recording that a device's name names; None if it names another device.
+
+    Raises:
+        InputError: There is no such device and no such file, or the file cannot be read.
+    """
+    named, path = named_device(device), Path(device)
+    if named.argument != device or named.entry.kind.in_air or not is_recording(path):
+        return None
+    from sandbox.devices.files import read_once
+
+    return read_once(load_recording, path)
+
+
 def trial_settings(options: TrialOptions, base: Settings | None = None) -> Settings:
     """Resolves options into settings.
 
@@ -251,7 +500,7 @@ def _settings(options: TrialOptions, recording: Recording | None, base: Settings
             task=recorded_task(header, where), encoder=recorded_encoder(header, where)
         )
         changed = task_change(header, base.task, base.seed, base.surface.rectangle)
-        for notice in filter(None, (other_states(header), changed)):
+        for notice in filter(None, (states_difference(header), changed)):
             line = Text(f"{where}: {notice}", style="yellow")
             Console(stderr=True).print(line, soft_wrap=True)
     else:
@@ -269,7 +518,7 @@ def _settings(options: TrialOptions, recording: Recording | None, base: Settings
     first, *others = base.hands
     if options.profile not in (None, "none"):
         # Measurements and comparisons have no profile.
-        from sandbox.trial.profiles import find_profile, uses_touch_profile
+        from sandbox.hand.profiles import find_profile, uses_touch_profile
 
         if uses_touch_profile(options):
             first = replace(find_profile(options.profile).hand, in_air=first.in_air)
@@ -295,7 +544,7 @@ def _settings(options: TrialOptions, recording: Recording | None, base: Settings
     if options.surface:
         surface = parse_surface(options.surface)
         values["size_in"] = (surface.width_in, surface.height_in)
-    elif (native := named_device(options.device).surface()) is not None:
+    elif (native := named_device(options.device).surface(options.device_options)) is not None:
         values["size_in"] = (native.width_in, native.height_in)
         values["calibrated"] = native.calibrated
     elif kind_of(options.device).guessed_size:
@@ -381,7 +630,7 @@ def _with_second_hand(
     alone = options.second_device is None and not kind_of(device).one_hand
     first = settings.hands[0]
     return settings.changed(
-        hands=(first, replace(first.other, **given)), shared=options.one_surface or alone
+        hands=(first, replace(first.opposite, **given)), shared=options.one_surface or alone
     )
 
 
@@ -461,7 +710,7 @@ def _seen(options: TrialOptions, device: str, side: str) -> HandInput:
     """How a device sees a hand in the air."""
     given = dict(options.device_options)
     if kind_of(device).sees is Sees.LEAP:
-        from sandbox.trial.profiles import chosen_calibration
+        from sandbox.hand.profiles import chosen_calibration
 
         given["calibration"] = chosen_calibration(options)
     return seen_hand(device, given, side)
@@ -472,7 +721,9 @@ def _device(
 ) -> DeviceSettings:
     """The device that the options of one hand name."""
     if recording is not None:
-        return DeviceSettings(options.device, PlayedOptions(recorded_users(recording.header)[hand]))
+        return DeviceSettings(
+            options.device, PlayedOptions(user=recorded_users(recording.header)[hand])
+        )
     given: dict[str, Any] = {**options.device_options, "drop_outs": options.drop_outs}
     given["user"] = _user(options) if kind_of(options.device).simulated else None
     return DeviceSettings.of(options.device, given)

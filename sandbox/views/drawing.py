@@ -16,14 +16,15 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from models.arithmetic.arrays import Array
+from models.arithmetic import Array
+from models.frames import Contact
 from models.objects import MechanismPart
 from models.scene import Scene
 from models.skin.colours import PALE
 from models.surface import Surface
-from sandbox.session.messages import STRONGEST, ContactView, HandView, Snapshot
+from sandbox.session.messages import STRONGEST, HandView, Snapshot
 from sandbox.views import palette
-from sandbox.views.hand_look import HIDDEN_GROUP, part_colour, skinned_model
+from sandbox.views.hand_appearance import HIDDEN_GROUP, part_colour, skinned_model
 from sandbox.views.marks import Marks
 from sandbox.views.palette import Colour
 from sandbox.views.shelf import PANE, SHELF, hide_table, shelf
@@ -84,13 +85,13 @@ class Drawing:
     Attributes:
         view: The drawing list, up to date after `update`.
         model: The copy that is drawn.
-        looks: Hands that have a skin, by their number.
+        appearances: Hands that have a skin, by their number.
         narrowness: Ratio of the view's height to that of its camera.
     """
 
     def __init__(self, scene: Scene, surface: Surface, rings_on_table: bool = True) -> None:
         self.surface = surface
-        self.model, self.looks = skinned_model(scene)
+        self.model, self.appearances = skinned_model(scene)
         self.narrowness = 1.0
         self._fovy = float(self.model.vis.global_.fovy)
         self.model.vis.map.shadowclip = SHADOW_REACH / self.model.stat.extent
@@ -101,19 +102,21 @@ class Drawing:
         self._bones = {
             i: [self.model.body(b).id for b in (h.palm, *(link.body for link in h.links))]
             for i, h in enumerate(hands)
-            if i in self.looks
+            if i in self.appearances
         }
         # Geoms of hands without a skin, with the groups in which they are seen.
         self._own_shapes = {
             i: (own, self.model.geom_group[own].copy())
             for i, h in enumerate(hands)
-            if i not in self.looks
+            if i not in self.appearances
             for own in [self._geoms_below(h.palm)]
         }
         self._option = mujoco.MjvOption()
         self._option.geomgroup[HIDDEN_GROUP:] = 0
         self._owners = {
-            n: (i, part) for i, look in self.looks.items() for part, n in look.parts.items()
+            n: (i, part)
+            for i, appearance in self.appearances.items()
+            for part, n in appearance.parts.items()
         }
         self._parts = {n: self._parts_of(body) for n, body in scene.object_bodies.items()}
         # Rings around parts of a mechanism would lie on its other parts.
@@ -171,12 +174,12 @@ class Drawing:
                 self._draw_goal(goal, snapshot, colour)
         for i, hand in enumerate(snapshot.hands):
             if drawn[i]:
-                if i in self.looks:
-                    self._draw_casters(self.looks[i].casters)
+                if i in self.appearances:
+                    self._draw_casters(self.appearances[i].casters)
                 self._draw_threads(hand)
-            for contact in hand.contacts:
-                self._draw_contact(contact, hand)
-                self._draw_grip(contact, snapshot, i)
+            for contact, place in zip(hand.contacts, hand.places + self.drop, strict=True):
+                self._draw_contact(contact, place, hand)
+                self._draw_grip(contact, place, snapshot, i)
 
     def sees_sky(self) -> bool:
         """True if the picture shows anything above the horizon; only then the sky is drawn."""
@@ -195,11 +198,13 @@ class Drawing:
             and (m, 3, 3) m, all of it as it is.
         """
         away, here = [], []
-        for i, look in self.looks.items():
+        for i, appearance in self.appearances.items():
             if not snapshot.hands[i].solid:
                 continue
             bones = self._data.xpos[self._bones[i]], self._data.xmat[self._bones[i]]
-            there, whole = look.triangles(bones[0], bones[1].reshape(-1, 3, 3), snapshot.hands[i])
+            there, whole = appearance.triangles(
+                bones[0], bones[1].reshape(-1, 3, 3), snapshot.hands[i]
+            )
             if len(there):
                 away.append(there)
                 here.append(whole)
@@ -298,14 +303,12 @@ class Drawing:
 
     def _draw_threads(self, hand: HandView) -> None:
         """Adds a line from every touch to its fingertip, to show where a hovering one will land."""
-        for contact in hand.contacts:
+        for contact, place in zip(hand.contacts, hand.places + self.drop, strict=True):
             if contact.label is not None and contact.state not in palette.NO_FINGER:
                 colour = palette.finger_colour(contact.label)
-                place = contact.position + self.drop
                 self._marks.line(place, hand.tips[contact.label], THREAD_RADIUS, colour, 0.9)
 
-    def _draw_contact(self, contact: ContactView, hand: HandView) -> None:
-        place = contact.position + self.drop
+    def _draw_contact(self, contact: Contact, place: Array, hand: HandView) -> None:
         colour = palette.finger_colour(contact.label, contact.state)
         strength = 0.45 if contact.state == "lost" else 1.0
         rotation = self.surface.rotation
@@ -317,7 +320,7 @@ class Drawing:
         filled = 0.55 if contact.label in hand.solid else 0.22
         self._marks.disc(RING_RADIUS, place, rotation, colour, filled * strength)
 
-    def _draw_grip(self, contact: ContactView, snapshot: Snapshot, hand: int) -> None:
+    def _draw_grip(self, contact: Contact, place: Array, snapshot: Snapshot, hand: int) -> None:
         """Adds an arc that closes with the force that a grip has stored in a finger; closed and
         white where the hand has no more force."""
         full = snapshot.at_limit(hand, contact.label)
@@ -325,7 +328,7 @@ class Drawing:
         if full or stored > 0.0:
             share = 1.0 if full else min(stored / STRONGEST, 1.0)
             colour = palette.TEXT if full else palette.finger_colour(contact.label, contact.state)
-            place, rotation = contact.position + self.drop, self.surface.rotation
+            rotation = self.surface.rotation
             self._marks.arc(place, rotation, ARC_RADIUS, ARC_WIDTH, share, colour)
 
 

@@ -11,7 +11,7 @@ import mujoco
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from models.arithmetic.arrays import Array
+from models.arithmetic import Array
 from models.surface import Surface
 
 

@@ -9,7 +9,7 @@ import mujoco
 import numpy as np
 from numpy.typing import ArrayLike
 
-from models.arithmetic.arrays import Array
+from models.arithmetic import Array
 from sandbox.views.palette import Colour
 
 ARC_SIDES = 36

@@ -61,6 +61,8 @@ class OverlayTexts:
         banner: Large text in the middle at the top, such as `paused`.
         footer: Small lines at the bottom right, such as the time for a picture.
         link: Link shown as a QR code at the left; empty shows none.
+        goal: What is to be done, in the panel; empty shows the hand's state there.
+        hint: Lines on how it is done, above the notices.
     """
 
     caption: str = ""
@@ -68,6 +70,8 @@ class OverlayTexts:
     banner: str = ""
     footer: tuple[str, ...] = ()
     link: str = ""
+    goal: str = ""
+    hint: tuple[str, ...] = ()
 
 
 def stickers(
@@ -86,7 +90,7 @@ def stickers(
     scale = max(min(height, NARROW * width) / REFERENCE_HEIGHT, SMALLEST_SCALE)
     margin = round(MARGIN * scale)
     placed = _names(snapshot, lens, drop, scale)
-    panel = _panel(*_status(snapshot), scale)
+    panel = _panel(*_status(snapshot, words.goal), scale)
     placed.append(Sticker(panel, margin, margin))
     bottom = height - margin
     notices = [snapshot.notice] if snapshot.notice else []
@@ -103,6 +107,8 @@ def stickers(
         if any(2 * margin + line.width > left for line in told):
             # The space beside it is too narrow for text.
             bottom -= image.height + margin // 2
+    if words.hint:
+        told.append(_lines(words.hint, scale))
     for line in told:
         bottom -= line.height
         placed.append(Sticker(line, margin, bottom))
@@ -139,8 +145,8 @@ def paste(picture: Image.Image, placed: list[Sticker]) -> None:
         picture.paste(sticker.image, (sticker.x, sticker.y), sticker.image)
 
 
-def _status(snapshot: Snapshot) -> tuple[str, str, str, float, Colour]:
-    """Headline, sentence, state of the hand, progress and colour of the panel."""
+def _status(snapshot: Snapshot, goal: str) -> tuple[str, str, str, float, Colour]:
+    """Headline, sentence, goal or state of the hand, progress and colour of the panel."""
     score = snapshot.score
     headline, sentence, colour = _result(score, snapshot.time)
     hands = [
@@ -149,7 +155,7 @@ def _status(snapshot: Snapshot) -> tuple[str, str, str, float, Colour]:
         else f"hand {'solid' if hand.solid else 'ghost'}"
         for hand in snapshot.hands
     ]
-    return headline, sentence, "; ".join(hands), score.progress, colour
+    return headline, sentence, goal or "; ".join(hands), score.progress, colour
 
 
 def _result(score: Score, time: float) -> tuple[str, str, Colour]:
@@ -175,7 +181,7 @@ def _names(snapshot: Snapshot, lens: Lens, drop: np.ndarray, scale: float) -> li
     owners = [i for i, hand in enumerate(snapshot.hands) for _ in hand.contacts]
     if not contacts:
         return placed
-    pixels, ahead = lens.project(np.array([c.position + drop for c in contacts]))
+    pixels, ahead = lens.project(np.concatenate([h.places for h in snapshot.hands]) + drop)
     shown = [i for i in range(len(contacts)) if ahead[i] and np.all(np.abs(pixels[i]) < 1e5)]
     if not shown:
         return placed

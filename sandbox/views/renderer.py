@@ -203,9 +203,9 @@ def _background(snapshot: Snapshot) -> object:
     Contacts are rounded to a millimetre, about a pixel, as those of a resting finger tremble.
     """
     contacts = [
-        (*np.round(1000 * c.position).tolist(), c.label, c.state, c.label in hand.solid)
+        (*np.round(1000 * place).tolist(), c.label, c.state, c.label in hand.solid)
         for hand in snapshot.hands
-        for c in hand.contacts
+        for c, place in zip(hand.contacts, hand.places, strict=True)
     ]
     solid = [h.target.tobytes() + h.tips.tobytes() if h.solid else b"" for h in snapshot.hands]
     objects = [

@@ -8,7 +8,7 @@ from __future__ import annotations
 import mujoco
 import numpy as np
 
-from models.arithmetic.arrays import Array
+from models.arithmetic import Array
 from models.scene import TABLE
 
 FRONT, BACK, HALF_WIDTH, THICKNESS = -0.034, 0.16, 0.30, 0.014

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image, ImageChops, ImageDraw, ImageFilter
 
-from models.arithmetic.arrays import Array
+from models.arithmetic import Array
 from sandbox.views import palette
 from sandbox.views.lens import Lens
 

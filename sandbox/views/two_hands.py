@@ -16,9 +16,8 @@ from models.robot.robot_hand import RobotHand
 from models.scene import Scene, SceneSpec
 from models.skeleton import ADULT
 from models.surface import Surface
-from sandbox.session.messages import DrawnScene, HandView, Snapshot
+from sandbox.session.messages import HandView, Snapshot
 from sandbox.views.renderer import Renderer
-from tasks.score import Score
 
 SIZE = (480, 320)
 """px of each pose."""
@@ -62,7 +61,7 @@ def draw_beside(mapping: RobotMapping, picture: Path) -> None:
                 tips = hands[i].tips_of()(q)
                 fingers = frozenset(link.finger for link in hands[i].links)
                 views.append(HandView(q, tips, fingers, "down", ()))
-            shot = Snapshot(0.0, 0, qpos, DrawnScene(tuple(views)), Score())
+            shot = Snapshot(0.0, 0, qpos).with_hands(*views)
             pictures.append(np.asarray(renderer.without_texts(shot)))
     try:
         Image.fromarray(np.hstack(pictures)).save(picture)

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import json
 import re
+from collections.abc import Collection
 from dataclasses import dataclass
 from functools import cache
 from importlib.resources import files
@@ -21,7 +22,9 @@ GROUPS = ("page", "headset", "play", "study", "tasks", "missing", "notices")
 studies; `study`: in studies; `tasks`: names and goals of built-in tasks; `missing`: what a task
 lacks; `notices`: what the program has to tell."""
 SEEN_IN_STUDIES = ("page", "study", "tasks", "notices")
-"""Groups that a participant may get to read."""
+"""Groups that every participant may get to read."""
+RESULT = "result"
+"""Item of a design's `shows` with which participants also read what a task lacks."""
 
 LONGEST_HEADER = 500
 """Characters of an `Accept-Language` that are read; browsers send fewer than a hundred."""
@@ -86,10 +89,15 @@ def words_in(code: str, own: dict[str, str] | None = None) -> dict[str, str]:
     return {**language(known).words, **(own or {})}
 
 
-def words_of_studies() -> dict[str, str]:
-    """English sentences that a participant may get to read, by key."""
+def words_of_studies(shows: Collection[str] = ()) -> dict[str, str]:
+    """English sentences that a participant may get to read, by key.
+
+    Args:
+        shows: What a trial shows, as in a design.
+    """
     groups = language("en").groups
-    return {key: text for group in SEEN_IN_STUDIES for key, text in groups[group].items()}
+    seen = (*SEEN_IN_STUDIES, "missing") if RESULT in shows else SEEN_IN_STUDIES
+    return {key: text for group in seen for key, text in groups[group].items()}
 
 
 def values_of(text: str) -> set[str]:

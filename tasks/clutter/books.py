@@ -11,8 +11,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from models.arithmetic.arrays import Array
-from models.arithmetic.products import distance, length
+from models.arithmetic import Array, distance, length
 from models.errors import SurfaceTooSmallError
 from models.message import Message
 from models.objects import Box

@@ -11,8 +11,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from models.arithmetic.arrays import Array
-from models.arithmetic.products import length, squared_lengths, total
+from models.arithmetic import Array, length, squared_lengths, total
 from models.errors import InputError, SurfaceTooSmallError
 from models.message import Message
 from models.objects import Box
@@ -262,7 +261,7 @@ class Gather(TaskDefaults):
             )
         )
         ring = PaintedRing("ring", (centre[0], centre[1]), RADIUS)
-        return cls(seed, objects, _shown(ring), ring)
+        return cls(seed, objects, _dice_goals(ring), ring)
 
     def shifted(self) -> tuple[str, ...]:
         """Nothing.
@@ -279,7 +278,7 @@ class Gather(TaskDefaults):
     def with_room(self, factor: float) -> Gather:
         """The same trial with a ring so much larger or smaller."""
         ring = replace(self.ring, radius=factor * self.ring.radius)
-        return replace(self, ring=ring, goals=_shown(ring))
+        return replace(self, ring=ring, goals=_dice_goals(ring))
 
     def measure(self, sensing: Sensing) -> Measure:
         """Tests whether all dice are in the ring now."""
@@ -316,7 +315,7 @@ def _scattered(rng: np.random.Generator, middle: Array, size: Array) -> list[Arr
     return dice[:COUNT]
 
 
-def _shown(ring: PaintedRing) -> tuple[Goal, ...]:
+def _dice_goals(ring: PaintedRing) -> tuple[Goal, ...]:
     """Places of translucent dice: an outer circle of nine and an inner one of three."""
     goals = []
     for i in range(COUNT):

@@ -14,8 +14,8 @@ from typing import ClassVar
 
 import numpy as np
 
-from models.arithmetic.arrays import Array
-from models.arithmetic.products import (
+from models.arithmetic import (
+    Array,
     distance,
     length,
     matrix_product,

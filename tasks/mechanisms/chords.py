@@ -17,8 +17,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from models.arithmetic.arrays import Array
-from models.arithmetic.products import length
+from models.arithmetic import Array, length
 from models.errors import SurfaceTooSmallError
 from models.frames import FINGERS, TouchFrame
 from models.mechanisms.mechanism import Mechanism
@@ -294,6 +293,7 @@ class Chords(TaskDefaults):
     touch_height: ClassVar[float] = PRESSED_AT
     lift_range: ClassVar[float] = 0.0
     plane: ClassVar[str] = "table"
+    fewest_fingers: ClassVar[int] = len(FINGERS)
     pressed: ClassVar[bool] = True
     user: ClassVar[UserMaker | None] = ChordUser
 

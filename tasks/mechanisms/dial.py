@@ -12,7 +12,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from models.arithmetic.arrays import Array
+from models.arithmetic import Array
 from models.errors import SurfaceTooSmallError
 from models.mechanisms.mechanism import Mechanism, Part
 from models.message import Message

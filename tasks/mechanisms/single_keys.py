@@ -15,7 +15,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from models.arithmetic.arrays import Array
+from models.arithmetic import Array
 from models.frames import FINGERS
 from models.message import Message
 from models.surface import Surface

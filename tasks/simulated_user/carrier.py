@@ -11,8 +11,7 @@ from math import cos, sin
 
 import numpy as np
 
-from models.arithmetic.arrays import Array
-from models.arithmetic.products import length
+from models.arithmetic import Array, length
 from models.frames import TouchFrame
 from models.objects import Box, Tray
 from models.surface import Surface

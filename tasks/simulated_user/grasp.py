@@ -11,7 +11,7 @@ from math import cos, sin, tan
 
 import numpy as np
 
-from models.arithmetic.arrays import Array
+from models.arithmetic import Array
 from models.objects import Box, Wrench
 from models.surface import Surface
 from tasks.simulated_user.hand import Hand, beyond_border

@@ -16,8 +16,7 @@ from math import cos, exp, log2, sin, sqrt
 
 import numpy as np
 
-from models.arithmetic.arrays import Array
-from models.arithmetic.products import small_product, squared_lengths
+from models.arithmetic import Array, small_product, squared_lengths
 from models.frames import Contact
 from models.surface import METRES_PER_INCH, Surface
 from tasks.user import UserConfiguration

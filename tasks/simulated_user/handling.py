@@ -11,8 +11,7 @@ from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 
-from models.arithmetic.arrays import Array
-from models.arithmetic.products import small_product
+from models.arithmetic import Array, small_product
 from models.errors import InputError
 from models.objects import JAW, Box, SceneObject, Wrench
 from tasks.simulated_user.grasp import Grasp, choose_grasp, choose_handle_grasp, within_comfort

@@ -11,13 +11,7 @@ from math import cos, sin
 
 import numpy as np
 
-from models.arithmetic.arrays import Array
-from models.arithmetic.products import (
-    small_product,
-    solve_positive,
-    stacked_applied,
-    stacked_product,
-)
+from models.arithmetic import Array, small_product, solve_positive, stacked_applied, stacked_product
 from models.frames import Contact, TouchFrame
 from models.kinematics import Kinematics
 from models.person import Person, PersonFrame

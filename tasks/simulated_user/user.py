@@ -9,8 +9,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from models.arithmetic.arrays import Array
-from models.arithmetic.products import length, squared_lengths
+from models.arithmetic import Array, length, squared_lengths
 from models.frames import TouchFrame
 from models.surface import Surface
 from tasks.simulated_user.grasp import Grasp

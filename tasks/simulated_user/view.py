@@ -20,8 +20,7 @@ from math import atan2, cos, sin
 
 import numpy as np
 
-from models.arithmetic.arrays import Array
-from models.arithmetic.products import small_product
+from models.arithmetic import Array, small_product
 from models.frames import TouchFrame
 from models.objects import Wrench
 from models.person import Person, PersonFrame

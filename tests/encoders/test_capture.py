@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from encoders.capture import Capture
 from encoders.input_vector import contact_vector
 from encoders.store import load_capture, save_capture
-from models.arithmetic.arrays import Array
+from models.arithmetic import Array
 from models.errors import CaptureError
 from models.pose import absolute_pose
 from models.surface import METRES_PER_INCH

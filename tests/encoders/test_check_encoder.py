@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
 import numpy as np
 import pytest
 from numpy.typing import ArrayLike
@@ -12,7 +10,7 @@ from encoders import check_encoder
 from encoders.capture import Capture
 from encoders.regression.registry import ENCODERS
 from encoders.regression.trained import builtin_capture
-from models.arithmetic.arrays import Array
+from models.arithmetic import Array
 from models.errors import EncoderError
 from tests.encoders.test_own_encoder import NAME, Mean
 
@@ -82,13 +80,3 @@ def test_an_encoder_that_breaks_a_rule_is_refused_in_one_line(
     with pytest.raises(EncoderError, match=says) as error:
         check_encoder(encoder, capture)
     assert "\n" not in str(error.value)
-
-
-def test_an_encoder_that_nobody_could_find_again_is_refused(
-    capture: Capture, tmp_path: Path
-) -> None:
-    class Inner(Mean):
-        """Inside a function."""
-
-    with pytest.raises(EncoderError, match="cannot be loaded again"):
-        check_encoder(Inner, capture)

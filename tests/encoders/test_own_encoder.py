@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 import json
-import subprocess
 import sys
-import zipfile
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any, Self
@@ -30,11 +28,12 @@ from encoders.regression.registry import (
 from encoders.regression.train import save_model, train_encoder
 from encoders.regression.trained import builtin_capture, load_model
 from encoders.store import save_capture
-from models.arithmetic.arrays import Array
+from models.arithmetic import Array
 from models.errors import EncoderError, RecordingError
 from sandbox.cli.main import main
 from sandbox.recording.recording import load_recording
 from sandbox.trial.replay import settings_of
+from tests.support.lab_package import install_lab, sandbox_with
 from tests.support.npz_files import header_of, rewritten
 from tests.support.processes import ROOT
 
@@ -327,15 +326,6 @@ def test_poses_that_storing_changes_are_refused(capture: Capture, tmp_path: Path
         train_encoder(capture, "a", find_encoder(write(tmp_path / "lab.py", body)))
 
 
-def test_an_encoder_with_unseeded_random_numbers_is_refused(
-    capture: Capture, tmp_path: Path
-) -> None:
-    body = """class A(Mean):
- def fit(self, U, Q): return super().fit(U, Q + np.random.default_rng().normal(0, 10))"""
-    with pytest.raises(EncoderError, match=r"two trainings on equal frames.*fixed seed"):
-        train_encoder(capture, "a", find_encoder(write(tmp_path / "lab.py", body)))
-
-
 class Centred(Mean):
     """Subtracts means in place, as one does with arrays that are one's own."""
 
@@ -490,16 +480,11 @@ def test_a_recording_whose_encoder_has_changed_or_is_gone_is_refused(tmp_path: P
 
 # A package
 
-METADATA = {
-    "METADATA": "Metadata-Version: 2.1\nName: tiny-lab\nVersion: 0.3\n",
-    "WHEEL": "Wheel-Version: 1.0\nGenerator: a test\nRoot-Is-Purelib: true\nTag: py3-none-any\n",
-    "RECORD": "",
-    "entry_points.txt": """[hand_sandbox.encoders]
+ENTRY_POINTS = """[hand_sandbox.encoders]
 tiny-lab-mean = tiny_lab:Mean
 tiny-lab-missing = tiny_lab_nowhere:Gone
 tiny-lab-five = tiny_lab:FIVE
-""",
-}
+"""
 
 LAB = """
 import numpy as np
@@ -516,42 +501,21 @@ class Mean(Encoder):
 
 @pytest.fixture(scope="module")
 def installed(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A folder with a package of a lab, installed by pip from a wheel."""
-    target = tmp_path_factory.mktemp("site")
-    wheel = tmp_path_factory.mktemp("wheel") / "tiny_lab-0.3-py3-none-any.whl"
-    with zipfile.ZipFile(wheel, "w") as archive:
-        archive.writestr("tiny_lab.py", LAB)
-        for name, text in METADATA.items():
-            archive.writestr(f"tiny_lab-0.3.dist-info/{name}", text)
-    pip = [sys.executable, "-m", "pip", "install", "--quiet", "--no-deps", "--no-index"]
-    subprocess.run(
-        [*pip, "--disable-pip-version-check", "--target", str(target), str(wheel)], check=True
-    )
-    return target
-
-
-def sandbox(site: Path | None, *arguments: str) -> subprocess.CompletedProcess[str]:
-    path = [str(ROOT), *([str(site)] if site else [])]
-    program = (
-        f"import sys; sys.path[:0] = {path!r}\n"
-        f"from sandbox.cli.main import main; sys.exit(main({list(arguments)!r}))"
-    )
-    return subprocess.run(
-        [sys.executable, "-c", program], capture_output=True, text=True, cwd=ROOT, check=False
-    )
+    """A folder with a package of a lab."""
+    return install_lab(tmp_path_factory.mktemp("lab"), LAB, ENTRY_POINTS)
 
 
 def test_an_installed_package_s_encoder_is_run_recorded_and_replayed(
     installed: Path, tmp_path: Path
 ) -> None:
     record = str(tmp_path / "run.jsonl")
-    ran = sandbox(installed, "run", QUICK, "--encoder", "tiny-lab-mean", "--record", record)
+    ran = sandbox_with(installed, "run", QUICK, "--encoder", "tiny-lab-mean", "--record", record)
     assert ran.returncode == 0, ran.stderr
     source = json.loads(Path(record).read_text().splitlines()[0])["encoder_from"]
     assert source == {"entry_point": "tiny_lab:Mean", "package": "tiny-lab", "version": "0.3"}
-    again = sandbox(installed, "replay", record, "--view", "none")
+    again = sandbox_with(installed, "replay", record, "--view", "none")
     assert again.returncode == 0 and "exact" in again.stdout
-    without = sandbox(None, "replay", record, "--view", "none")
+    without = sandbox_with(None, "replay", record, "--view", "none")
     assert without.returncode == 2
     assert "pip install 'tiny-lab==0.3'" in without.stderr and without.stderr.count("\n") == 1
 
@@ -567,7 +531,7 @@ def test_an_installed_package_s_encoder_is_run_recorded_and_replayed(
 def test_an_unusable_installed_encoder_is_refused_with_a_one_line_error(
     installed: Path, name: str, says: str
 ) -> None:
-    refused = sandbox(installed, "run", QUICK, "--encoder", name)
+    refused = sandbox_with(installed, "run", QUICK, "--encoder", name)
     assert refused.returncode == 2
     assert says in refused.stderr and refused.stderr.count("\n") == 1
 

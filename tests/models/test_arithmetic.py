@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-import os
-import subprocess
-import sys
 from pathlib import Path
 
 import numpy as np
@@ -12,9 +9,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from models.arithmetic import functions, products
-from models.arithmetic.functions import eigen
-from models.arithmetic.probe import arithmetic_digest, libm_digest
+from models import arithmetic
+from models.arithmetic import arithmetic_digest, eigen, libm_digest
+from tests.support.processes import printed
 
 ROOT = Path(__file__).resolve().parents[2]
 
@@ -24,11 +21,11 @@ sizes = st.integers(1, 40)
 
 def test_a_total_adds_from_the_first_on_and_whole_numbers_exactly() -> None:
     tenths = [0.1] * 10
-    assert products.total(tenths) == 0.9999999999999999
-    assert products.total(iter(tenths)) == products.total(tenths)
-    assert products.total([1e16, 1.0, -1e16]) == 0.0
-    assert products.total([10**30, 1, -(10**30)]) == 1
-    assert products.total([]) == 0
+    assert arithmetic.total(tenths) == 0.9999999999999999
+    assert arithmetic.total(iter(tenths)) == arithmetic.total(tenths)
+    assert arithmetic.total([1e16, 1.0, -1e16]) == 0.0
+    assert arithmetic.total([10**30, 1, -(10**30)]) == 1
+    assert arithmetic.total([]) == 0
 
 
 @given(rng=generators, n=sizes, m=sizes, p=sizes)
@@ -38,16 +35,16 @@ def test_products_are_those_of_numpy_to_rounding(
     A, B, C = rng.normal(size=(n, m)), rng.normal(size=(m, p)), rng.normal(size=(p, m))
     x, y = rng.normal(size=m), rng.normal(size=n)
     for ours, numpys in (
-        (products.matrix_product(A, B), A @ B),
-        (products.times_transposed(A, C), A @ C.T),
-        (products.transposed_times(A, A), A.T @ A),
-        (products.matrix_vector(A, x), A @ x),
-        (products.vector_matrix(y, A), y @ A),
-        (products.stacked_product(A[None, :, :], B), A @ B[None]),
-        (products.stacked_applied(A, x), A @ x),
-        (products.squared_lengths(A), np.sum(A * A, axis=1)),
-        (products.length(x), np.linalg.norm(x)),
-        (products.distance(x, x[::-1]), np.linalg.norm(x - x[::-1])),
+        (arithmetic.matrix_product(A, B), A @ B),
+        (arithmetic.times_transposed(A, C), A @ C.T),
+        (arithmetic.transposed_times(A, A), A.T @ A),
+        (arithmetic.matrix_vector(A, x), A @ x),
+        (arithmetic.vector_matrix(y, A), y @ A),
+        (arithmetic.stacked_product(A[None, :, :], B), A @ B[None]),
+        (arithmetic.stacked_applied(A, x), A @ x),
+        (arithmetic.squared_lengths(A), np.sum(A * A, axis=1)),
+        (arithmetic.length(x), np.linalg.norm(x)),
+        (arithmetic.distance(x, x[::-1]), np.linalg.norm(x - x[::-1])),
     ):
         np.testing.assert_allclose(ours, numpys, rtol=1e-12, atol=1e-12)
 
@@ -56,14 +53,14 @@ def test_products_are_those_of_numpy_to_rounding(
 def test_equations_of_a_positive_matrix_are_solved(rng: np.random.Generator, n: int) -> None:
     A = rng.normal(size=(n, n + 3))
     S, r = A @ A.T + 1e-3 * np.eye(n), rng.normal(size=n)
-    x = products.solve_positive(np.tril(S), r)
+    x = arithmetic.solve_positive(np.tril(S), r)
     np.testing.assert_allclose(S @ x, r, atol=1e-8)
 
 
 def test_a_matrix_that_is_not_positive_is_refused() -> None:
     for S in (np.zeros((2, 2)), -np.eye(3), np.array([[1.0, 2.0], [2.0, 1.0]])):
         with pytest.raises(ArithmeticError, match="not positive definite"):
-            products.solve_positive(S, np.ones(len(S)))
+            arithmetic.solve_positive(S, np.ones(len(S)))
 
 
 @given(rng=generators, n=st.integers(1, 12))
@@ -79,20 +76,20 @@ def test_eigenvectors_rebuild_their_matrix(rng: np.random.Generator, n: int) -> 
 
 def test_the_exponential_of_many_numbers_is_accurate_to_single_precision() -> None:
     x = np.linspace(-86.0, 0.0, 100_001).astype(np.float32)
-    np.testing.assert_allclose(functions.exp_of_many(x), np.exp(x.astype(float)), rtol=3e-7)
-    assert (functions.exp_of_many(np.array([-90.0, -1e4], np.float32)) == 0.0).all()
+    np.testing.assert_allclose(arithmetic.exp_of_many(x), np.exp(x.astype(float)), rtol=3e-7)
+    assert (arithmetic.exp_of_many(np.array([-90.0, -1e4], np.float32)) == 0.0).all()
 
 
 @given(x=st.lists(st.floats(-700.0, 700.0), min_size=1, max_size=20))
 def test_functions_of_arrays_are_those_of_libm(x: list[float]) -> None:
     a = np.array(x)
-    np.testing.assert_allclose(functions.exp(a), np.exp(a), rtol=1e-14)
-    np.testing.assert_allclose(functions.sin(a), np.sin(a), rtol=1e-12, atol=1e-15)
+    np.testing.assert_allclose(arithmetic.exp(a), np.exp(a), rtol=1e-14)
+    np.testing.assert_allclose(arithmetic.sin(a), np.sin(a), rtol=1e-12, atol=1e-15)
     positive = np.abs(a) + 1e-300
-    np.testing.assert_allclose(functions.log(positive), np.log(positive), rtol=1e-14)
+    np.testing.assert_allclose(arithmetic.log(positive), np.log(positive), rtol=1e-14)
     b = a[::-1].copy()
-    np.testing.assert_allclose(functions.atan2(a, b), np.arctan2(a, b), rtol=1e-14)
-    np.testing.assert_allclose(functions.log_sum_exp(a, b), np.logaddexp(a, b), rtol=1e-13)
+    np.testing.assert_allclose(arithmetic.atan2(a, b), np.arctan2(a, b), rtol=1e-14)
+    np.testing.assert_allclose(arithmetic.log_sum_exp(a, b), np.logaddexp(a, b), rtol=1e-13)
 
 
 @pytest.mark.parametrize(
@@ -106,13 +103,6 @@ def test_functions_of_arrays_are_those_of_libm(x: list[float]) -> None:
 def test_no_kernel_of_blas_and_no_dispatch_of_numpy_changes_a_bit(
     environment: dict[str, str],
 ) -> None:
-    code = "from models.arithmetic.probe import *; print(libm_digest(), arithmetic_digest())"
-    told = subprocess.run(
-        [sys.executable, "-W", "ignore", "-c", code],
-        env={**os.environ, **environment},
-        cwd=ROOT,
-        capture_output=True,
-        text=True,
-        check=True,
-    ).stdout.split()
+    code = "from models.arithmetic import *; print(libm_digest(), arithmetic_digest())"
+    told = printed("-W", "ignore", "-c", code, **environment).split()
     assert told == [libm_digest(), arithmetic_digest()]

@@ -176,7 +176,7 @@ def test_tables_add_floats_in_the_same_way_on_every_python(path: Path) -> None:
         for node, what in refused(tree)
         if what.startswith("sum,") and not marked(tree, lines, node)
     ]
-    assert not wrong, f"{wrong}. Use models.arithmetic.products.total, or say after `{MARK}` why"
+    assert not wrong, f"{wrong}. Use models.arithmetic.total, or say after `{MARK}` why"
 
 
 @pytest.mark.parametrize(

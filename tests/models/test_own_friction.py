@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
-from xml.etree import ElementTree
-
 import pytest
 
 from models.hand import Hand
 from models.mechanisms.mechanism import Mechanism
 from models.objects import Box, Cylinder, SceneObject, Tray, Wrench
-from models.scene import Scene, SceneSpec, scene_xml
-from tasks.registry import TASKS
+from models.scene import Scene, SceneSpec
 from tests.support.friction_felt import on_link, on_table, parts
 
 THINGS: tuple[SceneObject, ...] = (
@@ -47,16 +44,3 @@ def test_of_things_whose_friction_counts_every_part_goes_before_hand_and_table()
         assert own.min() > highest
     assert model.geom_friction[model.geom("box").id, 0] == 0.2
     assert model.geom_friction[model.geom("pin").id, 0] == 0.3
-
-
-def test_a_scene_in_which_the_friction_of_things_does_not_count_has_no_word_of_it() -> None:
-    root = ElementTree.fromstring(scene_xml(SceneSpec((Hand(),), THINGS)))
-    told = [g.get("name") for g in root.iter("geom") if g.get("priority")]
-    assert told == ["table"]
-
-
-def test_tasks_that_were_measured_before_keep_their_feel() -> None:
-    assert {name for name, task in TASKS.items() if not task.own_friction} >= {
-        *("box-to-goal", "wrench-turn", "wrench-slide", "stack", "stack-three", "stack-vertical"),
-        *("carry-together", "slalom", "gather", "books", "chords", "dial"),
-    }

@@ -7,7 +7,6 @@ from __future__ import annotations
 
 from dataclasses import replace
 from functools import cache
-from pathlib import Path
 
 import mujoco
 import numpy as np
@@ -18,7 +17,7 @@ from numpy.typing import NDArray
 from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
 
-from models.arithmetic.arrays import Array
+from models.arithmetic import Array
 from models.hand import Hand
 from models.kinematics import Kinematics
 from models.pose import POSE_SIZE, mirrored
@@ -26,7 +25,7 @@ from models.rotations import exp
 from models.scene import Scene, SceneSpec
 from models.skeleton import ADULT, Skeleton
 from models.skin.skin import FULL, Skin, frames, normals_of
-from sandbox.views.hand_look import skinned_model
+from sandbox.views.hand_appearance import skinned_model
 from training.skin.field import HandField
 from training.skin.mesh import edges_of, volume
 from training.skin.weights import folds, random_poses
@@ -55,11 +54,6 @@ def pose(seed: int, skeleton: Skeleton = ADULT) -> Array:
 
 
 # It is a sound surface
-
-
-def test_the_file_is_small_enough_to_ship() -> None:
-    assert Path("models/data/skin.npz").resolve().stat().st_size < 1_000_000
-    assert 6_000 <= len(flesh()[0]) <= 12_000
 
 
 def test_the_skin_is_one_closed_body_and_faces_outwards() -> None:

@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from models.arithmetic.arrays import Array
+from models.arithmetic import Array
 from models.errors import InputError
 from models.frames import FINGERS, Contact, TouchFrame
 from models.hand import CONTACT_HAND, Hand

@@ -21,15 +21,14 @@ from sandbox.devices.files.paired_capture import arrivals, first_line_with_host,
 from sandbox.devices.files.touch_files import open_file
 from sandbox.devices.files.touch_log_file import read_touch_log
 from sandbox.devices.tuio.touch_capture import read_capture
+from sandbox.hand.profiles import load_profile
 from sandbox.regress.baseline import Baseline, BaselineTask, BaselineTrial, load_baseline
 from sandbox.regress.plan import Origin
 from sandbox.study.record.chain import chained
-from sandbox.study.record.folder import participants_of, read_study_json
 from sandbox.study.record.journal import read_journal
+from sandbox.study.record.notes import read_notes
 from sandbox.study.record.state import SessionState
-from sandbox.study.share.privacy_records import PersonMasking, anonymous_line
-from sandbox.study.tables.measures_file import read_measures
-from sandbox.trial.profiles import load_profile
+from sandbox.study.share.masking import PersonMasking, shared_line
 from tests.support.json_values import VALUES, damaged
 
 
@@ -96,31 +95,36 @@ ABOUT = {"side": "left", "subject": "p1", "simulated": True, "touches": "tuio"}
 
 
 RECORDS: list[dict[str, Any]] = [
-    {"n": 0, "kind": "session_start", "ppid": "AB12CD"},
-    {"n": 1, "kind": "participant", "ppid": "AB12CD", "number": 0, "hand_size": 1},
-    {"n": 2, "kind": "trial_start", "step": "t1", "trial": 1, "attempt": 1},
+    {"n": 0, "kind": "session", "ppid": "AB12CD"},
+    {"n": 1, "kind": "done", "step": "i"},
+    {"n": 2, "kind": "trial", "step": "t1", "trial": 1, "attempt": 1},
     {"n": 3, "kind": "trial_end", "step": "t1", "trial": 1, "attempt": 1, "result": {}},
-    {"n": 4, "kind": "repeat", "step": "t1", "trial": 1, "reason": "again"},
-    {"n": 5, "kind": "skip", "step": "q", "reason": None},
-    {"n": 6, "kind": "exclude", "trial": None, "reason": "r"},
-    {"n": 7, "kind": "draft", "step": "q", "item": "a", "answer": [1]},
-    {"n": 8, "kind": "answers", "step": "q", "form": "f", "answers": {"a": 1}},
+    {"n": 4, "kind": "command", "command": "repeat", "step": "t1", "trial": 1, "reason": "again"},
+    {"n": 5, "kind": "command", "command": "skip", "step": "q", "reason": None},
+    {"n": 6, "kind": "command", "command": "exclude", "trial": None, "reason": "r"},
+    {"n": 7, "kind": "answer", "step": "q", "item": "a", "answer": [1]},
+    {"n": 8, "kind": "form", "step": "q", "form": "f", "answers": {"a": 1}},
     {"n": 9, "kind": "consent", "step": "c", "agreed": True},
-    {"n": 10, "kind": "session_end", "complete": True},
+    {"n": 10, "kind": "end", "complete": True},
     {"n": 11, "kind": "clock_step", "seconds": 3.5},
-    {"n": 12, "kind": "packed", "file": "trials/T1.jsonl", "recording": {"data": "00"}},
-    {"n": 13, "kind": "moved", "study": "s", "ppid": "AB12CD", "recordings": {"T1": None}},
-    {"n": 14, "kind": "session_resume", "boot": "b"},
+    {"n": 12, "kind": "repaired", "file": "trials/T1.jsonl", "recording": "00"},
+    {"n": 13, "kind": "resume", "ppid": "AB12CD", "boot": "b"},
 ]
 MOMENT = {"time": "2026-11-21T10:00:00.000+00:00", "clock": 1.5}
 JOURNAL = [{**MOMENT, **record} for record in RECORDS]
-STUDY = {"schema": 1, "study": "id", "experiment": "e", "mode": "pilot", "build": {"numpy": "2"}}
+NOTE = {"time": MOMENT["time"]}
+NOTES: list[dict[str, Any]] = [
+    {**NOTE, "kind": "study", "schema": 2, "experiment": "e", "mode": "pilot", "build": {}},
+    {**NOTE, "kind": "sealed", "ppid": "AB12CD", "session": 1, "records": 9, "hash": "00"},
+    {**NOTE, "kind": "exclude", "reason": "r", "after": {"1": 9}, "session": 1, "trial": 2},
+    {**NOTE, "kind": "withdrawn", "ppid": "AB12CD"},
+]
 
 
 def played_journal(path: Path) -> object:
     """Everything that is read out of a journal."""
     records = read_journal(path)
-    return SessionState.of(records), participants_of(records)
+    return SessionState.of(records)
 
 
 RECORDING: list[dict[str, Any]] = [
@@ -132,16 +136,8 @@ RECORDING: list[dict[str, Any]] = [
 
 def anonymous(path: Path) -> list[bytes]:
     """The lines of a recording without what tells who somebody was."""
-    person_masking = PersonMasking("NEW", "study")
-    return [
-        anonymous_line(x, person_masking, str(path)) for x in path.read_bytes().split(b"\n") if x
-    ]
-
-
-def measures_of(path: Path) -> dict[str, Any]:
-    """The measures in a file."""
-    path.with_name("measures_T1.json").write_bytes(path.read_bytes())
-    return read_measures(path.parent, "T1")
+    person_masking = PersonMasking("NEW")
+    return [shared_line(x, person_masking, str(path)) for x in path.read_bytes().split(b"\n") if x]
 
 
 def journal_lines(values: list[Any]) -> str:
@@ -150,7 +146,7 @@ def journal_lines(values: list[Any]) -> str:
     for value in values:
         record, line = chained(value, before) if isinstance(value, dict) else (None, b"")
         made.append(line.decode() if record else json.dumps(value) + "\n")
-        before = record["digest"] if record else before
+        before = record["hash"] if record else before
     return "".join(made)
 
 
@@ -184,9 +180,8 @@ READERS = {
     "mapping": Reader(read_mapping, json.dumps(MAPPING), InputError),
     "session": Reader(lambda path: read_about(folder_of(path)), json.dumps(ABOUT), RecordingError),
     "journal": Reader(played_journal, journal_lines(JOURNAL), StudyError),
-    "study": Reader(read_study_json, json.dumps(STUDY), StudyError),
+    "study": Reader(read_notes, lines(NOTES), StudyError),
     "anonymous recording": Reader(anonymous, lines(RECORDING), StudyError),
-    "measures": Reader(measures_of, json.dumps({"version": 1, "truth": "t"}), StudyError),
     "any calibration": Reader(is_calibration, "{}", EncoderError),
 }
 

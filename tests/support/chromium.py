@@ -122,10 +122,12 @@ class Tab:
         width: int = 640,
         height: int = 480,
         storage: dict[str, str] | None = None,
+        context: str = "",
     ) -> None:
         self._browser = browser
         # Each in a context of its own: nothing is remembered from another test.
-        self._context = browser.call("Target.createBrowserContext")["browserContextId"]
+        self._context = context or browser.call("Target.createBrowserContext")["browserContextId"]
+        self._size = width, height
         self._target = browser.call(
             "Target.createTarget", url="about:blank", browserContextId=self._context
         )["targetId"]
@@ -242,6 +244,10 @@ class Tab:
     def picture(self) -> bytes:
         """Screenshot of the page, PNG."""
         return base64.b64decode(self.call("Page.captureScreenshot", format="png")["data"])
+
+    def same_browser(self, url: str) -> Tab:
+        """Another tab of the same person's browser, which remembers what this one does."""
+        return Tab(self._browser, url, *self._size, context=self._context)
 
     def close(self) -> None:
         self._browser.call("Target.closeTarget", targetId=self._target)

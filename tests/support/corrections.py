@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from models.arithmetic.arrays import Array
+from models.arithmetic import Array
 from models.pose import ROOT_POSITION
 from models.scene import CONTROL_PERIOD
 from sandbox.session.collision_avoidance import SPEED

@@ -17,7 +17,7 @@ from encoders.paalm.angles import angles_of_joints
 from encoders.paalm.hand_pose import hand_pose
 from encoders.paalm.palm import Palm, vector_of
 from encoders.webcam.camera import Camera
-from models.arithmetic.arrays import Array
+from models.arithmetic import Array
 from models.frames import LandmarkFrame, SeenHand
 from models.surface import Surface
 from sandbox.devices.device import LandmarkDevice

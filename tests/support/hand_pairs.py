@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from encoders.capture import Capture
 from encoders.labels.hand_split import HandSplitter
 from encoders.regression.trained import builtin_capture
-from models.arithmetic.arrays import Array
+from models.arithmetic import Array
 from models.frames import Contact, TouchFrame
 from models.scene import CONTROL_PERIOD
 from models.surface import METRES_PER_INCH

@@ -14,13 +14,13 @@ import numpy as np
 
 from benchmarks.pinch import COMFORTABLE_AXIS, GUESS_COVARIANCE
 from encoders.correction import FingertipCorrection
-from models.arithmetic.arrays import Array
+from models.arithmetic import Array
 from models.hand import Hand, finger_armature
 from models.kinematics import Kinematics
 from models.objects import Box
 from models.scene import CONTROL_PERIOD, Scene, SceneSpec
 from models.skeleton import ADULT
-from sandbox.session.contact_modes import ContactMode, ContactModes
+from sandbox.session.collision_gating import ContactMode, ContactModes
 
 CREEP, JITTER = 0.2e-3, 0.1e-3
 """m in 5 s and m/s, below which a grasp feels still."""

@@ -87,7 +87,7 @@ def _iwer() -> str:
 def _r() -> str:
     if shutil.which("Rscript") is None:
         return "no R (Debian's r-base-core)"
-    packages = ("lme4", "survival", "geepack")
+    packages = ("lme4", "survival", "emmeans", "ordinal", "coin")
     code = f"cat(setdiff(c{packages}, rownames(installed.packages())))"
     run = subprocess.run(["Rscript", "-e", code], capture_output=True, text=True, check=True)
     return " and ".join(f"no {name} (Debian's r-cran-{name})" for name in run.stdout.split())

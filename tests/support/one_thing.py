@@ -13,7 +13,7 @@ from typing import ClassVar, NamedTuple, Self
 
 import numpy as np
 
-from models.arithmetic.arrays import Array
+from models.arithmetic import Array
 from models.mjcf_object import MjcfObject
 from models.objects import SceneObject
 from models.surface import Surface

@@ -15,7 +15,7 @@ import numpy as np
 
 from benchmarks.methods import METHODS
 from encoders.reconstruction.touch_reconstructor import TouchReconstructor
-from models.arithmetic.arrays import Array
+from models.arithmetic import Array
 from models.frames import Contact, TouchFrame
 from models.hand import Hand
 from models.scene import CONTROL_PERIOD, Scene, SceneSpec

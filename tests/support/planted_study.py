@@ -12,11 +12,17 @@ from pathlib import Path
 
 import numpy as np
 
-from sandbox.study.design.orders import order_of
+from sandbox.study.design.balance import order_of
 from sandbox.study.tables.column import csv_bytes, names_of
-from sandbox.study.tables.trial_table import RESULT, SESSION, UXF
+from sandbox.study.tables.trial_table import RESULT
 
-COLUMNS = (*names_of([*UXF, *SESSION]), "factor_encoder", "factor_task", *names_of(RESULT))
+COLUMNS = (
+    *("experiment", "ppid", "session_num", "trial_num", "block_num", "trial_num_in_block"),
+    *("start_time", "end_time", "mode", "number", "hand", "hand_size", "attempt", "counted"),
+    *("practice", "repetition", "excluded", "exclusion_reason", "factor_encoder", "factor_task"),
+    *names_of(RESULT),
+)
+"""Columns of the tables of trials, named as in UXF, which a report reads as well."""
 
 
 @dataclass(frozen=True)
@@ -51,10 +57,6 @@ class Truth:
     def levels(self) -> tuple[str, ...]:
         """Of `encoder`."""
         return tuple("abcdefgh"[: len(self.times)])
-
-    def log_ratio(self, first: int, second: int) -> float:
-        """The truth about times: log of the ratio of the second level's to the first's."""
-        return float(np.log(self.times[second] / self.times[first]))
 
 
 @dataclass(frozen=True)
@@ -112,16 +114,8 @@ def draw(truth: Truth, seed: int, people: int | None = None) -> Trials:
     return Trials(level, task, repetition + 1, time, status)
 
 
-def true_success(truth: Truth, people: int = 100_000) -> list[float]:
-    """Share of trials that succeed, by level, from so many drawn people; error about 0.001."""
-    drawn = draw(truth, 2**31, people)
-    return [
-        float((drawn.status[drawn.level == i] == "held").mean()) for i in range(len(truth.times))
-    ]
-
-
 def write_study(folder: Path, truth: Truth, seed: int) -> None:
-    """Writes a study's `trial_results.csv`, with everything that the report needs.
+    """Writes a study's `trials.csv`, with everything that the report needs.
 
     Args:
         folder: Of the study; made where there is none.
@@ -145,7 +139,7 @@ def write_study(folder: Path, truth: Truth, seed: int) -> None:
                     "start_time": clock,
                     "end_time": clock + time,
                     "mode": "simulated",
-                    "participant_number": p,
+                    "number": p + 1,
                     "hand": "right",
                     "hand_size": 1.0,
                     "attempt": 1,
@@ -160,9 +154,6 @@ def write_study(folder: Path, truth: Truth, seed: int) -> None:
                     "encoder": truth.levels[drawn.level[p, k]],
                     "seed": 100 * p + k,
                     "success": bool(held),
-                    "instant": bool(held),
-                    "held": bool(held),
-                    "final": bool(held),
                     "status": str(drawn.status[p, k]),
                     "progress": 1.0 if held else 0.5,
                     "time_s": time,
@@ -172,5 +163,5 @@ def write_study(folder: Path, truth: Truth, seed: int) -> None:
                 }
             )
             clock += time + 4.0
-    folder.mkdir(parents=True, exist_ok=True)
-    (folder / "trial_results.csv").write_bytes(csv_bytes(rows, COLUMNS))
+    (folder / "tables").mkdir(parents=True, exist_ok=True)
+    (folder / "tables/trials.csv").write_bytes(csv_bytes(rows, COLUMNS))

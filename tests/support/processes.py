@@ -1,4 +1,4 @@
-"""Helpers for tests of networks: a UDP sender, a running `sandbox` command, and patience."""
+"""Other programs that tests run: Python, a `sandbox` command, a UDP sender; and patience."""
 
 from __future__ import annotations
 
@@ -12,8 +12,11 @@ import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from typing import Any
 
 ROOT = Path(__file__).resolve().parents[2]
+UNWANTED = {"PYTHONPATH", "PYTHONSAFEPATH", "PYTEST_ADDOPTS", "CI"}
+"""Variables that would change what a child process is asked."""
 PATIENCE = 60.0
 """Seconds after which something that should happen is given up; nothing is judged by it."""
 
@@ -36,7 +39,7 @@ class Sender:
         self.socket.close()
 
 
-def until(condition: Callable[[], bool]) -> None:
+def until(condition: Callable[[], object]) -> None:
     end = time.monotonic() + PATIENCE
     while not condition():
         assert time.monotonic() < end, "this should have happened by now"
@@ -107,3 +110,34 @@ def run(*arguments: str | Path) -> tuple[int, list[str], str]:
     with program(*arguments) as started:
         status, lines = started.end()
         return status, lines, "".join(started.errors)
+
+
+def python(
+    *words: object, cwd: Path = ROOT, path: tuple[Path, ...] = (ROOT,), **environment: str | None
+) -> subprocess.CompletedProcess[str]:
+    """Runs Python as a person without this project's settings would.
+
+    Args:
+        words: Its arguments.
+        cwd: Its folder.
+        path: Its PYTHONPATH; installed packages stay visible.
+        environment: Further variables; None removes one.
+    """
+    changed = {name: os.environ.get(name) for name in os.environ if name not in UNWANTED}
+    changed |= {"PYTHONPATH": os.pathsep.join(map(str, path)), **environment}
+    return subprocess.run(
+        [sys.executable, *map(str, words)],
+        cwd=cwd,
+        env={name: value for name, value in changed.items() if value is not None},
+        capture_output=True,
+        text=True,
+        stdin=subprocess.DEVNULL,
+        check=False,
+    )
+
+
+def printed(*words: object, **options: Any) -> str:
+    """What Python prints; it must succeed. Options as of `python`."""
+    done = python(*words, **options)
+    assert done.returncode == 0, done.stderr
+    return done.stdout

@@ -52,18 +52,8 @@ def screen() -> Iterator[Screen]:
     require("screen")
     told, tell = os.pipe()
     server = subprocess.Popen(
-        [
-            "Xvfb",
-            "-displayfd",
-            str(tell),
-            "-screen",
-            "0",
-            f"{WIDTH}x{HEIGHT}x24",
-            "-nolisten",
-            "tcp",
-            # Without this it begins anew, and is not there meanwhile, once its last window closes.
-            "-noreset",
-        ],
+        # Without -noreset it begins anew, and is not there meanwhile, once its last window closes.
+        f"Xvfb -displayfd {tell} -screen 0 {WIDTH}x{HEIGHT}x24 -nolisten tcp -noreset".split(),
         pass_fds=[tell],
         stderr=subprocess.DEVNULL,
     )

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 
 from benchmarks.pinch import pinch_poses
-from models.arithmetic.arrays import Array
+from models.arithmetic import Array
 from models.hand import Hand
 from models.objects import Box
 from models.scene import Scene, SceneSpec

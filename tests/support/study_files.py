@@ -9,18 +9,27 @@ import time
 import traceback
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from sandbox.study.design.design import Design
 from sandbox.study.design.design_file import parse_design
 from sandbox.study.design.plan import session_plan, trials_of
-from sandbox.study.record.folder import SIMULATED, StudyFolder
+from sandbox.study.record.folder import SIMULATED, Participant, StudyFolder
 from sandbox.study.record.journal import read_journal
-from sandbox.study.record.recorded_result import finished_result
+from sandbox.study.record.session_folder import SessionFolder
 from sandbox.study.record.state import SessionState
 from sandbox.study.record.stored_sessions import session_path
+from sandbox.study.record.trial_files import finished_result
+from sandbox.study.run.controls import Controls
+from sandbox.study.run.forms import Forms
+from sandbox.study.run.players import HeadlessPlayer
+from sandbox.study.run.runner import SessionRunner
+from sandbox.study.run.simulate import simulated_devices
 from sandbox.study.tables.trial_table import trial_rows
+from sandbox.trial.result import TrialResult
+from tasks.score import Status
 from tests.support.needs import require
 
 DESIGN = """
@@ -74,8 +83,49 @@ FIRST, SECOND = 4, 2
 """Trials of both sessions: the first one has practice before each of two levels."""
 
 
+def quiet(text: str) -> None:
+    """Nobody listens."""
+
+
 def design(text: str = DESIGN) -> Design:
     return parse_design(text, Path("design.toml"))
+
+
+def pilot(file: Path) -> list[str]:
+    """The command that runs a session of a design in its folder with a simulated user."""
+    out = ["--out", str(file.parent)]
+    return ["study", "run", str(file), *out, "--pilot", "--device", "simulated", "--view", "none"]
+
+
+def trial_result(time_s: float = 2.0, success: bool = True, **more: Any) -> TrialResult:
+    """The result of a trial that was not played."""
+    values: dict[str, Any] = {
+        "task": "quick",
+        "encoder": "linear",
+        "seed": 0,
+        "success": success,
+        "instant": success,
+        "held": success,
+        "final": success,
+        "status": Status.HELD if success else Status.TIMEOUT,
+        "progress": float(success),
+        "time_s": time_s,
+        "reason": "" if success else "too far",
+        "state_hash": "00",
+    }
+    return TrialResult(**(values | more))
+
+
+def simulated_runner(
+    session: SessionFolder,
+    person: Participant,
+    forms: Forms,
+    controls: Controls | None = None,
+    say: Callable[[str], object] = quiet,
+) -> SessionRunner:
+    """What runs a session, with simulated hands."""
+    devices = simulated_devices(person)
+    return SessionRunner(session, HeadlessPlayer(), devices, forms, controls or Controls(), say)
 
 
 def open_study(out: Path, text: str = DESIGN, mode: str = SIMULATED) -> StudyFolder:
@@ -142,10 +192,10 @@ def check_session(study: StudyFolder, number: int, at_least: int, nth: int = 1) 
         assert at_least == 0
         return 0
     path = session_path(study.path, person.ppid, nth)
-    if not (path / "journal.jsonl").exists():
+    if not (path / "session.jsonl").exists():
         assert at_least == 0
         return 0
-    state = SessionState.of(read_journal(path / "journal.jsonl"))
+    state = SessionState.of(read_journal(path / "session.jsonl"))
     ended = {n: [a for a in some if a.end] for n, some in state.attempts.items()}
     finished = [n for n, some in ended.items() if some]
     # A finished trial may still wait to be taken in from its recording: one at most.
@@ -159,7 +209,7 @@ def check_session(study: StudyFolder, number: int, at_least: int, nth: int = 1) 
     files = [a.start["file"] for some in state.attempts.values() for a in some]
     assert len(set(files)) == len(files), "no attempt wrote over another"
     rows = trial_rows(study.design, state)
-    assert sorted(r["trial_num"] for r in rows if r["counted"]) == sorted(finished)
+    assert sorted(r["trial"] for r in rows if r["counted"]) == sorted(finished)
     planned = [t.number for t in trials_of(session_plan(study.design, number, nth))]
     assert planned[: len(finished)] == sorted(finished), "they come in the order of the plan"
     return len(finished)

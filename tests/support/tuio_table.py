@@ -2,6 +2,11 @@
 
 from __future__ import annotations
 
+from models.frames import TouchFrame
+from models.plausible import ContactSizes
+from models.reader_report import ReaderReport
+from models.surface import Surface
+from sandbox.devices.tuio.tuio import touch_frame
 from sandbox.devices.tuio.tuio_senders import Commit, Tuio
 
 A, B, C = (0.125, 0.25), (0.5, 0.75), (0.875, 0.5)
@@ -12,6 +17,11 @@ PEER = "192.0.2.7:50001"
 
 def touches(commit: Commit) -> dict[int, tuple[float, float]]:
     return {touch.id: (touch.x, touch.y) for touch in commit.touches}
+
+
+def metres(commit: Commit, surface: Surface, time: float = 0.0) -> TouchFrame:
+    """The frame that a device makes."""
+    return touch_frame(commit, surface, time, ContactSizes(ReaderReport()))
 
 
 class Table:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cache
 
@@ -9,10 +10,11 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
+from models.frames import FINGERS, Contact
 from models.scene import Scene
 from models.surface import Surface
 from sandbox.devices.mouse.mouse import MouseDevice
-from sandbox.session.messages import ContactView, Snapshot
+from sandbox.session.messages import FingerLoad, HandLoad, Snapshot
 from sandbox.session.session import Session
 from sandbox.trial.assembly import build
 from sandbox.trial.settings import Settings
@@ -67,10 +69,41 @@ def viewed() -> Viewed:
     return Viewed(session.scene, surface, ghost, solid)
 
 
-def with_contacts(snapshot: Snapshot, *contacts: ContactView) -> Snapshot:
+def contact_at(
+    surface: Surface,
+    id: int,
+    place: NDArray[np.float64],
+    label: int | None = None,
+    state: str = "active",
+    probability: float = 1.0,
+) -> Contact:
+    """The contact under a place (3,) in the world."""
+    x, y = surface.to_surface(place).tolist()
+    return Contact(id, x, y, label=label, state=state, probability=probability)
+
+
+def with_contacts(snapshot: Snapshot, *contacts: Contact) -> Snapshot:
     """The same moment with other contacts, and a hand that is not in their way."""
     hand = replace(snapshot.hands[0], contacts=contacts, solid=frozenset())
     return snapshot.with_hands(hand)
+
+
+def with_load(
+    snapshot: Snapshot,
+    force: Sequence[float] = (0.0,) * len(FINGERS),
+    stored: Sequence[float] = (0.0,) * len(FINGERS),
+    used: Sequence[float] = (0.0,) * len(FINGERS),
+) -> Snapshot:
+    """The same moment of one hand, whose fingers, thumb first, press with forces in N.
+
+    Args:
+        snapshot: The moment.
+        force: N, of all contacts of each finger.
+        stored: N, the part of it that a grip stores.
+        used: Share of the servos' limit.
+    """
+    fingers = [FingerLoad(f, f, 0.0, u, s) for f, s, u in zip(force, stored, used, strict=True)]
+    return replace(snapshot, see_loads=lambda: (HandLoad(tuple(fingers), 0.0),))
 
 
 def model_bytes(model: mujoco.MjModel) -> bytes:

@@ -14,7 +14,7 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from models.arithmetic.arrays import Array
+from models.arithmetic import Array
 from models.errors import DivergenceError
 from models.frames import Contact, TouchFrame
 from models.scene import CONTROL_PERIOD

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from encoders.reconstruction.arrival import Phase
+from encoders.reconstruction.hand_motion import Phase
 from sandbox.session.messages import Snapshot
 from sandbox.session.session import Session
 

@@ -27,7 +27,7 @@ from encoders.paalm.hand_pose import hand_pose
 from encoders.paalm.palm import Palm
 from encoders.paalm.simulated.air import simulate_air
 from encoders.webcam.camera import Camera
-from models.arithmetic.arrays import Array
+from models.arithmetic import Array
 from models.frames import LandmarkFrame
 from models.hand import Hand
 from models.scene import Scene, SceneSpec
@@ -36,7 +36,7 @@ from sandbox.devices.device import Closeable
 from sandbox.devices.webcam.landmark_server import LandmarkServer
 from sandbox.devices.webcam.landmarks import PictureMessage, frame_of, picture_message
 from sandbox.views.graphics import offscreen_context, render_context
-from sandbox.views.hand_look import HIDDEN_GROUP, skinned_model
+from sandbox.views.hand_appearance import HIDDEN_GROUP, skinned_model
 from tests.support.chromium import Browser
 
 SIZE = (640, 480)

@@ -12,16 +12,13 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from benchmarks.pinch import pinch_poses
-from models.arithmetic.arrays import Array
-from models.errors import InputError
-from models.hand import Hand
+from models.arithmetic import Array
 from models.rotations import exp, matrix_to_quaternion
-from models.scene import Scene, SceneSpec
 from models.surface import PRESETS, Surface
 from tasks.box_to_goal import BORDER, DISTANCE, EDGE, MASS, TURN, BoxToGoal
-from tasks.sensing import Sensing
 from tasks.task import Measure
 from tests.support.simulation import no_warning, put, run
+from tests.support.task_scene import AWAY, TaskScene
 
 seeds = st.integers(0, 2**63 - 1)
 surfaces = st.builds(
@@ -31,23 +28,17 @@ surfaces = st.builds(
     st.tuples(st.floats(-0.5, 0.5), st.floats(-0.5, 0.5), st.just(BoxToGoal.touch_height)),
 )
 TABLET = Surface().centred_at((0.0, 0.0, BoxToGoal.touch_height))
-AWAY = np.concatenate([[0.0, 0.0, 0.30], np.zeros(45)])
 
 
 def turned(degrees: float, axis: int = 2) -> np.ndarray:
     return exp(np.deg2rad(degrees) * np.eye(3)[axis])
 
 
-class Trial:
+class Trial(TaskScene[BoxToGoal]):
     """A trial in its real scene, with the box put where a test wants it."""
 
     def __init__(self, seed: int = 4) -> None:
-        self.task = BoxToGoal.draw(seed, TABLET)
-        self.scene = Scene(SceneSpec((Hand(),), self.task.objects, self.task.table_friction))
-        self.data = mujoco.MjData(self.scene.model)
-        put(self.scene, self.data, AWAY)
-        self.scene.set_solid(0, frozenset())
-        self.sensing = Sensing(self.scene, self.data)
+        super().__init__(BoxToGoal.draw(seed, TABLET))
         self.goal = np.asarray(self.task.goals[0].position)
         self.joint = self.data.joint("box")
 
@@ -65,10 +56,9 @@ class Trial:
         self.joint.qvel[:] = 0.0
 
     def measure(self) -> Measure:
-        """What the task says of the box, exactly as it is now."""
-        mujoco.mj_forward(self.scene.model, self.data)
+        measure = super().measure()
         no_warning(self.data)
-        return self.task.measure(self.sensing)
+        return measure
 
 
 @pytest.fixture
@@ -91,12 +81,6 @@ def test_every_trial_is_within_its_ranges(seed: int, surface: Surface) -> None:
     for place in surface.to_surface(np.stack([start, end])):
         assert np.all(place >= BORDER - 1e-9)
         assert np.all(place <= surface.size - BORDER + 1e-9)
-
-
-@given(seed=seeds, surface=surfaces)
-def test_the_same_seed_on_the_same_surface_is_the_same_trial(seed: int, surface: Surface) -> None:
-    again = Surface(surface.width_in, surface.height_in, surface.origin)
-    assert BoxToGoal.draw(seed, surface) == BoxToGoal.draw(seed, again)
 
 
 def test_other_seeds_are_other_trials_that_fill_the_ranges() -> None:
@@ -271,20 +255,3 @@ def test_progress_grows_on_the_way_to_the_goal_and_is_whole_only_there(seed: int
     assert said[-1] == 1.0
     trial.place(shift=2.0 * (start - trial.goal))
     assert trial.measure().progress == 0.0, "farther than at the start is no progress"
-
-
-def test_measuring_moves_nothing(trial: Trial) -> None:
-    trial.place(shift=(0.004, 0.0, 0.001))
-    mujoco.mj_forward(trial.scene.model, trial.data)
-    spec = mujoco.mjtState.mjSTATE_INTEGRATION
-    before, after = (np.empty(mujoco.mj_stateSize(trial.scene.model, spec)) for _ in range(2))
-    mujoco.mj_getState(trial.scene.model, trial.data, before, spec)
-    trial.task.measure(trial.sensing)
-    mujoco.mj_getState(trial.scene.model, trial.data, after, spec)
-    np.testing.assert_array_equal(before, after)
-
-
-@pytest.mark.parametrize("size", [(2.0, 2.0), (3.0, 10.0), (5.0, 3.0)])
-def test_a_surface_without_room_for_start_and_goal_is_refused(size: tuple[float, float]) -> None:
-    with pytest.raises(InputError, match="too small"):
-        BoxToGoal.draw(0, Surface(*size))

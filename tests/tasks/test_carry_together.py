@@ -11,7 +11,7 @@ import mujoco
 import numpy as np
 import pytest
 
-from models.arithmetic.arrays import Array
+from models.arithmetic import Array
 from models.errors import InputError
 from models.objects import TRAY_GRIP, TRAY_HANDLE, Box
 from models.rotations import exp, matrix_to_quaternion
@@ -22,9 +22,8 @@ from sandbox.devices.simulated.simulated import SimulatedDevice
 from sandbox.recording.recording import Recording, load_recording
 from sandbox.regress.plan import RegressionPlan
 from sandbox.session.session import Session
-from sandbox.trial.assembly import build
+from sandbox.trial.assembly import build, device_makers
 from sandbox.trial.driver import play_trial
-from sandbox.trial.open_devices import device_makers
 from sandbox.trial.replay import replay
 from sandbox.trial.result import TrialResult
 from sandbox.trial.settings import HandSettings, Settings, decoded, encoded
@@ -240,16 +239,9 @@ def test_the_rectangle_that_encloses_one_surface_is_that_surface() -> None:
 
 
 def test_an_option_given_twice_applies_to_the_second_hand() -> None:
-    words = ["box-to-goal", "--device", "a", "--hand=left", "--device=b", "--hand", "right"]
-    assert with_second_names(words) == [
-        "box-to-goal",
-        "--device",
-        "a",
-        "--hand=left",
-        "--second-device=b",
-        "--second-hand",
-        "right",
-    ]
+    words = "box-to-goal --device a --hand=left --device=b --hand right"
+    second = "box-to-goal --device a --hand=left --second-device=b --second-hand right"
+    assert with_second_names(words.split()) == second.split()
     with pytest.raises(InputError, match="two hands"):
         with_second_names(["--device", "a", "--device", "b", "--device", "c"])
 

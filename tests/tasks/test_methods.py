@@ -10,7 +10,6 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from benchmarks.methods import (
-    METHODS,
     SHIPS,
     Job,
     Played,
@@ -96,15 +95,6 @@ def test_the_picture_names_every_method_and_every_task_and_is_the_same_each_time
     picture = (tmp_path / "one.svg").read_text(encoding="utf-8")
     assert all(f">{name}<" in picture for name in ("insert", "books", "cubic", "bare"))
     assert picture == (tmp_path / "other.svg").read_text(encoding="utf-8")
-
-
-def test_every_method_but_bare_ones_keeps_labels_correction_and_filter() -> None:
-    assert list(METHODS)[4] == SHIPS and METHODS[SHIPS] == {}
-    changed = [set(options) for name, options in METHODS.items() if name != "bare"]
-    assert all(
-        keys <= {"encoder", "labels", "encode", "correction", "smoothing"} for keys in changed
-    )
-    assert METHODS["mean pose"] == {"encode": False}
 
 
 def test_a_trial_gives_the_points_of_its_result() -> None:

@@ -11,32 +11,27 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from models.arithmetic.arrays import Array
+from models.arithmetic import Array
 from models.errors import InputError
-from models.hand import Hand
 from models.rotations import exp, matrix_to_quaternion
-from models.scene import TABLE, Scene, SceneSpec
+from models.scene import TABLE
 from models.surface import PRESETS, Surface
-from tasks.sensing import Sensing
 from tasks.stack import EDGE, GAP, MASS, OFFSET_TOLERANCE, SIDE, YAW, Stack, StackThree
 from tasks.task import Goal, Measure, flat_yaw, place
-from tests.support.simulation import put, run
+from tests.support.simulation import run
+from tests.support.task_scene import TaskScene
 
 seeds = st.integers(0, 2**63 - 1)
 TABLET = Surface().centred_at((0.0, 0.0, Stack.touch_height))
 AWAY = np.concatenate([[0.0, 0.0, 0.40], np.zeros(45)])
+"""(48,) pose of a hand above three boxes."""
 
 
-class Trial:
+class Trial(TaskScene[Stack]):
     """A trial in its real scene, with boxes put where a test wants them."""
 
     def __init__(self, kind: type[Stack] = Stack, seed: int = 4, task: Stack | None = None) -> None:
-        self.task = task or kind.draw(seed, TABLET)
-        self.scene = Scene(SceneSpec((Hand(),), self.task.objects, self.task.table_friction))
-        self.data = mujoco.MjData(self.scene.model)
-        put(self.scene, self.data, AWAY)
-        self.scene.set_solid(0, frozenset())
-        self.sensing = Sensing(self.scene, self.data)
+        super().__init__(task or kind.draw(seed, TABLET), AWAY)
 
     def edge(self, number: int) -> float:
         return 2 * self.task.objects[number].half_size[0]
@@ -106,20 +101,6 @@ def test_every_trial_is_within_its_ranges(seed: int, kind: type[Stack], surface:
                 assert apart >= edge / 2 + other.half_size[0] + GAP - 1e-9
     for goal, below, box in zip(task.goals, task.objects, task.objects[1:], strict=False):
         assert (goal.object, goal.on) == (box.name, below.name)
-
-
-@given(seed=seeds)
-def test_the_same_seed_on_the_same_surface_is_the_same_trial(seed: int) -> None:
-    assert Stack.draw(seed, TABLET) == Stack.draw(seed, Surface(origin=TABLET.origin))
-
-
-@pytest.mark.parametrize("kind", [Stack, StackThree])
-@pytest.mark.parametrize("size", [(2.0, 2.0), (2.5, 10.0), (4.0, 3.0)])
-def test_a_surface_without_room_for_the_boxes_is_refused(
-    kind: type[Stack], size: tuple[float, float]
-) -> None:
-    with pytest.raises(InputError, match="too small"):
-        kind.draw(1, Surface(*size))
 
 
 @pytest.mark.parametrize("kind", [Stack, StackThree])
@@ -273,11 +254,6 @@ def test_a_goal_on_a_box_that_is_not_placed_yet_is_shown_above_that_boxs_goal() 
     there = np.array([0.106, 0.0, 0.075])
     stacked = place(goals, {"a": Pose(base, flat), "b": Pose(there, flat)})
     np.testing.assert_allclose(stacked[1].position, [0.106, 0.0, 0.115])
-
-
-def test_a_goal_in_the_world_stays_as_it_is() -> None:
-    goal = Goal("box", (0.1, 0.2, 0.3), 0.4)
-    assert place([goal], {}) == (goal,)
 
 
 @given(angle=st.floats(-3.0, 3.0), face=st.sampled_from([0, 1, 2]), turns=st.integers(0, 3))

@@ -11,24 +11,20 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from models.errors import InputError
-from models.hand import Hand
 from models.rotations import exp, matrix_to_quaternion
-from models.scene import Scene, SceneSpec
 from models.surface import Surface
 from sandbox.recording.recording import load_recording
 from sandbox.session.respawn import AWAY
-from sandbox.trial.assembly import build
+from sandbox.trial.assembly import build, device_makers
 from sandbox.trial.driver import play_trial
-from sandbox.trial.open_devices import device_makers
 from sandbox.trial.replay import replay
 from sandbox.trial.trial_options import TrialOptions, trial_settings
-from tasks.sensing import Sensing
 from tasks.stack import EDGE, MASS, UPRIGHT_GAP, UPRIGHT_SIDE, StackVertical
 from tasks.task import Measure, place_surface
 from tests.support.scripted import run as proceed
 from tests.support.scripted import scripted
-from tests.support.simulation import no_warning, put, run
+from tests.support.simulation import no_warning, run
+from tests.support.task_scene import TaskScene
 
 FAR = np.concatenate([[0.0, -0.3, 0.10], np.zeros(45)])
 seeds = st.integers(0, 10**6)
@@ -54,11 +50,6 @@ def test_every_trial_is_within_its_ranges(seed: int, size: tuple[float, float]) 
     assert [(goal.object, goal.on) for goal in trial.goals] == [("second", "base")]
 
 
-@given(seeds)
-def test_the_same_seed_on_the_same_surface_is_the_same_trial(seed: int) -> None:
-    assert StackVertical.draw(seed, UPRIGHT) == StackVertical.draw(seed, UPRIGHT)
-
-
 def test_other_seeds_are_other_trials_with_either_box_on_either_side() -> None:
     trials = [StackVertical.draw(seed, UPRIGHT) for seed in range(60)]
     assert len({t.objects for t in trials}) == 60
@@ -66,22 +57,11 @@ def test_other_seeds_are_other_trials_with_either_box_on_either_side() -> None:
     assert 15 < sum(sides) < 45
 
 
-@pytest.mark.parametrize("size", [(4.0, 6.0), (7.76, 3.0)])
-def test_a_surface_without_room_is_refused(size: tuple[float, float]) -> None:
-    with pytest.raises(InputError, match="too small for this task"):
-        StackVertical.draw(0, place_surface(Surface(*size), StackVertical))
-
-
-class Stack:
+class Stack(TaskScene[StackVertical]):
     """A trial in its scene, with the second box put on, beside or before the base."""
 
     def __init__(self, seed: int = 3) -> None:
-        self.task = StackVertical.draw(seed, UPRIGHT)
-        self.scene = Scene(SceneSpec((Hand(),), self.task.objects, self.task.table_friction))
-        self.data = mujoco.MjData(self.scene.model)
-        put(self.scene, self.data, FAR)
-        self.scene.set_solid(0, frozenset())
-        self.sensing = Sensing(self.scene, self.data)
+        super().__init__(StackVertical.draw(seed, UPRIGHT), FAR)
         self.edge = 2 * min(box.half_size[0] for box in self.task.objects)
 
     def place(
@@ -96,7 +76,7 @@ class Stack:
         joint.qpos[:3] = middle + shift
         joint.qpos[3:] = matrix_to_quaternion(exp(np.deg2rad(turn)))
 
-    def measure(self, seconds: float = 0.3) -> Measure:
+    def after(self, seconds: float = 0.3) -> Measure:
         run(self.scene, self.data, seconds)
         no_warning(self.data)
         return self.task.measure(self.sensing)
@@ -104,7 +84,7 @@ class Stack:
 
 def test_no_trial_begins_done() -> None:
     stack = Stack()
-    measure = stack.measure()
+    measure = stack.after()
     assert not measure.reached and measure.reason == "the second box stands on the table"
     assert measure.progress < 0.05
 
@@ -115,7 +95,7 @@ def test_a_cube_on_the_base_is_stacked_on_any_face_and_at_any_yaw(
 ) -> None:
     stack = Stack()
     stack.place(0.1, -0.1, turn)
-    measure = stack.measure()
+    measure = stack.after()
     assert measure.reached, measure.reason
     assert measure.progress == 1.0
 
@@ -124,11 +104,11 @@ def test_a_cube_on_the_base_is_stacked_on_any_face_and_at_any_yaw(
 def test_depth_counts_for_the_offset_as_much_as_what_is_seen(right: float, away: float) -> None:
     stack = Stack()
     stack.place(right, away)
-    measure = stack.measure()
+    measure = stack.after()
     assert not measure.reached
     assert measure.reason.endswith("mm off the middle of the base box")
     stack.place(0.75 * right, 0.75 * away)
-    assert stack.measure().reached
+    assert stack.after().reached
 
 
 def test_a_box_in_the_air_is_not_stacked() -> None:

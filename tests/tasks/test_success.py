@@ -10,7 +10,7 @@ import pytest
 
 from benchmarks.judged import configuration, freeze, frozen_seeds, judged_seeds
 from benchmarks.success import Job, against, failures, table, trial, wilson
-from models.arithmetic.arrays import Array
+from models.arithmetic import Array
 from models.errors import InputError
 from models.frames import Contact, TouchFrame
 from sandbox.devices.device import Device

@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 import json
-import subprocess
-import sys
 
 from tasks.registry import TASKS, find_task
 from tests.support.import_graph import import_graph
-from tests.support.processes import ROOT
+from tests.support.processes import printed
 
 LOADED = """
 import json, sys
@@ -22,10 +20,7 @@ OF_TASKS = {kind.__module__ for kind in TASKS.values()}
 
 
 def test_a_task_that_is_named_is_the_only_one_that_is_imported() -> None:
-    done = subprocess.run(
-        [sys.executable, "-c", LOADED], capture_output=True, text=True, check=True, cwd=ROOT
-    )
-    before, then = map(set, json.loads(done.stdout))
+    before, then = map(set, json.loads(printed("-c", LOADED)))
     assert not OF_TASKS & before
     assert OF_TASKS & then == {"tasks.box_to_goal"}
 

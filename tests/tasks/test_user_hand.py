@@ -12,12 +12,12 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from models.arithmetic.arrays import Array
+from models.arithmetic import Array
 from models.frames import TouchFrame
 from models.surface import Surface
 from sandbox.devices.device import Device, DeviceWrapper
+from sandbox.trial.assembly import DeviceMaker, device_makers
 from sandbox.trial.driver import open_trial
-from sandbox.trial.open_devices import DeviceMaker, device_makers
 from sandbox.trial.settings import Settings
 from sandbox.trial.trial_options import TrialOptions, trial_settings
 from tasks.registry import TASKS

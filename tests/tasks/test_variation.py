@@ -11,7 +11,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from models.arithmetic.arrays import Array
+from models.arithmetic import Array
 from models.errors import InputError
 from models.frames import Contact, TouchFrame
 from models.hand import Hand
@@ -29,13 +29,11 @@ from sandbox.devices.wrappers.degraded import (
 from sandbox.recording.recording import load_recording
 from sandbox.session.messages import Snapshot
 from sandbox.session.session import Session
-from sandbox.trial.assembly import build
+from sandbox.trial.assembly import build, device_makers
 from sandbox.trial.driver import View, play_trial
-from sandbox.trial.open_devices import device_makers
 from sandbox.trial.replay import replay
 from sandbox.trial.settings import Settings, decoded, encoded, recorded_settings
-from sandbox.trial.trial_options import TrialOptions, trial_settings
-from sandbox.trial.variations import KINDS, parse_variation
+from sandbox.trial.trial_options import KINDS, TrialOptions, parse_variation, trial_settings
 from tasks.box_to_goal import BoxToGoal
 from tasks.stack import Stack, StackThree
 from tasks.task import Task, place, place_surface

@@ -15,9 +15,8 @@ from models.surface import Surface
 from sandbox.cli.main import main
 from sandbox.study.design.reading import DesignError
 from sandbox.study.run.players import RunningAttempt, TrialRequest
-from sandbox.trial.assembly import build, drawn
+from sandbox.trial.assembly import build, device_makers, drawn
 from sandbox.trial.driver import open_trial
-from sandbox.trial.open_devices import device_makers
 from sandbox.trial.trial_options import TrialOptions, trial_settings
 from tasks.mechanisms.close_case import HEIGHT
 from tasks.task import Goal, Task

@@ -12,7 +12,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from models.arithmetic.arrays import Array
+from models.arithmetic import Array
 from models.objects import BOLT_LIFT, JAW, Wrench, bolt_place
 from models.rotations import exp
 from sandbox.devices.simulated.air_user.holds import hold_of, pinch_motion
@@ -99,17 +99,18 @@ def test_a_wrench_of_any_size_is_at_its_goal_where_its_goal_is_drawn(
 
 
 @both
-@pytest.mark.parametrize("size", [0.5, 2.0])
+@pytest.mark.parametrize("size", [0.5, 1.0, 2.0])
 def test_a_wrench_of_any_size_that_nobody_touches_stays_where_it_is(
     kind: type[WrenchTask], size: float
 ) -> None:
     trial = Trial(kind, size=size)
     began = trial.task.objects[0]
-    run(trial.scene, trial.data, 1.0)
+    run(trial.scene, trial.data, 2.0)
     now = trial.sensing.object("wrench")
     np.testing.assert_allclose(now.position, began.position, atol=2e-4)
     assert abs(now.yaw - began.yaw) < 1e-4
     assert now.on_table == (kind is WrenchSlide)
+    assert not now.held
 
 
 @pytest.mark.parametrize("size", [0.5, 2.0])

@@ -90,12 +90,12 @@ def a_touch_frame_dropped(patch: pytest.MonkeyPatch) -> None:
 
 
 def a_cancel_taken_for_a_lift(patch: pytest.MonkeyPatch) -> None:
-    push = WebDevice.push
+    receive = WebDevice.receive
 
-    def wrong(self: WebDevice, touches: PageTouches, screen: Any) -> None:
-        push(self, msgspec.structs.replace(touches, cancelled=[]), screen)
+    def wrong(self: WebDevice, message: PageTouches, screen: Any) -> bool:
+        return receive(self, msgspec.structs.replace(message, cancelled=[]), screen)
 
-    patch.setattr(WebDevice, "push", wrong)
+    patch.setattr(WebDevice, "receive", wrong)
 
 
 def one_physics_step_more(patch: pytest.MonkeyPatch) -> None:

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import importlib
 import json
-import subprocess
 import sys
 from pathlib import Path
 
 import pytest
 
+from tests.support.processes import printed, python
 from tools.trace.__main__ import ROOT
 from tools.trace.paths import PATHS
 from tools.trace.tracer import PACKAGES, Tracer
@@ -143,18 +143,14 @@ assert {str(root / file) for file in tracer.trace().imported} == set(loaded)
 
 @pytest.mark.slow
 def test_all_imports_of_a_fresh_process_are_counted(tmp_path: Path) -> None:
-    command = [sys.executable, "-c", TRACED, str(ROOT), str(tmp_path), *PACKAGES]
-    run = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)
-    assert run.returncode == 0, run.stderr
+    printed("-c", TRACED, ROOT, tmp_path, *PACKAGES)
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("path", PATHS)
 def test_each_path_names_files_of_this_project_that_it_imported(path: str, tmp_path: Path) -> None:
     out = tmp_path / "trace.json"
-    command = [sys.executable, "-m", "tools.trace", path, "--list", "--json", str(out)]
-    run = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)
-    assert run.returncode == 0, run.stderr
+    printed("-m", "tools.trace", path, "--list", "--json", out)
     trace = json.loads(out.read_text(encoding="utf-8"))
     assert all((ROOT / file).is_file() for file in trace["imported"])
     assert {file.partition("/")[0] for file in trace["imported"]} == set(PACKAGES)
@@ -167,7 +163,6 @@ def test_each_path_names_files_of_this_project_that_it_imported(path: str, tmp_p
 
 def test_a_folder_that_does_not_exist_is_refused_before_anything_runs(tmp_path: Path) -> None:
     out = tmp_path / "absent" / "trace.json"
-    command = [sys.executable, "-m", "tools.trace", "regress", "--json", str(out)]
-    run = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)
+    run = python("-m", "tools.trace", "regress", "--json", out)
     assert run.returncode == 2
     assert str(out) in run.stderr

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from models.arithmetic.arrays import Array
+from models.arithmetic import Array
 from models.skin.skin import FULL, Skin, dense, normals_of
 from training.skin.field import HandField
 from training.skin.make_skin import STEP, extras

@@ -11,7 +11,6 @@ import re
 import shutil
 import sys
 import tempfile
-from collections.abc import Sequence
 from contextlib import redirect_stdout
 from importlib.resources import files
 from pathlib import Path
@@ -19,18 +18,11 @@ from pathlib import Path
 from sandbox.cli.main import main as sandbox
 from sandbox.study.design.design_file import load_design
 from sandbox.study.record.folder import StudyFolder
+from sandbox.study.report.data import load_study
 from sandbox.study.report.make import make_report
-from sandbox.study.report.models.analysis import Analysis, analyse
-from sandbox.study.report.models.data import load_study
-from sandbox.study.report.page.page import head
-from sandbox.study.report.page.parts import Part, Picture, Section, Table
-from sandbox.study.report.page.section_checks import (
-    exclusions_section,
-    people_section,
-    questionnaire_section,
-)
-from sandbox.study.report.page.section_results import success_section, time_section
-from sandbox.study.tables.tables import rebuild_study
+from sandbox.study.report.numbers import Results, results
+from sandbox.study.report.page import Paragraph, Picture, Section, Table, head, sections
+from sandbox.study.tables.tables import make_tables
 
 DESIGN = "examples/study/design.toml"
 PAGE = Path("examples/study/report.html")
@@ -79,14 +71,14 @@ people, too.
 
 def main(folder: Path, docs: Path = Path("docs")) -> None:
     """Writes the page, its pictures and the whole report."""
-    found = analyse(load_study(folder))
+    found = results(load_study(folder))
     if found.data.mode != "simulated":
         raise SystemExit("this example is of simulated people only")
     with tempfile.TemporaryDirectory() as work:
         page = make_report(folder, Path(work) / "report")
         if page.stat().st_size < LARGEST:
             shutil.copyfile(page, PAGE)
-    told, counted = head(found), rebuild_study(StudyFolder.at(folder))
+    told, counted = head(found), make_tables(StudyFolder.at(folder))
     plan = said("study", "plan", DESIGN, "--power").splitlines()
     text = TEXT.format(
         design=DESIGN,
@@ -98,7 +90,7 @@ def main(folder: Path, docs: Path = Path("docs")) -> None:
         people=counted["participants"],
         facts="\n".join(f"- {name}: {value}, {more}" for name, value, more in told["facts"]),
         findings="\n".join(f"- {finding}" for finding in told["findings"]),
-        sections="\n\n".join(sections(found, docs)),
+        sections="\n\n".join(shown_sections(found, docs)),
     )
     (docs / "example-study.md").write_text(text.rstrip() + "\n", encoding="utf-8")
 
@@ -111,52 +103,33 @@ def said(*command: str) -> str:
     return out.getvalue()
 
 
-def sections(found: Analysis, docs: Path) -> list[str]:
-    """Some parts of the report as Markdown; pictures become files."""
-    time, success, people = time_section(found), success_section(found), people_section(found)
-    return [
-        *shown(time, docs, ("example-time", "example-differences")),
-        *shown(success, docs, ()),
-        *shown(Section("", people.title, people.parts[:1]), docs, ("example-people",), False),
-        *shown(scores_only(questionnaire_section(found)), docs, ()),
-        *shown(exclusions_section(found), docs, ()),
-    ]
+NAMES = {"outcome-time-s": ("example-time", "example-solved"), "order": ("example-practice",)}
+"""Files of the pictures that are kept, by section."""
+LEFT_OUT = ("sessions", "measures", "methods")
+"""Sections that the whole report has."""
 
 
-def scores_only(section: Section) -> Section:
-    """Of every questionnaire its first scale, which is what it is named after."""
-    parts: list[Part] = []
-    for part in section.parts:
-        if isinstance(part, Picture) and "score" in part.table.caption:
-            first = part.table.rows[0][0].partition(":")[0]
-            rows = [r for r in part.table.rows if r[0].partition(":")[0] in (first, "all")]
-            parts.append(Table(f"{part.table.caption}: {first}", part.table.head, rows))
-    return Section(section.id, section.title, parts)
+def shown_sections(found: Results, docs: Path) -> list[str]:
+    """Sections of the report as Markdown; pictures become files."""
+    some = [section for section in sections(found) if section.id not in LEFT_OUT]
+    return [line for section in some for line in shown(section, docs)]
 
 
-def shown(section: Section, docs: Path, names: Sequence[str], tables: bool = True) -> list[str]:
-    """A section; its first pictures get these names, others are left out."""
-    wanted = list(names)
+def shown(section: Section, docs: Path) -> list[str]:
+    """A section; its pictures that have no name here are left out."""
+    names = list(NAMES.get(section.id, ()))
     lines = [f"## {section.title}"]
     for part in section.parts:
-        if isinstance(part, Picture):
-            if wanted:
-                name = wanted.pop(0)
-                (docs / "pictures" / f"{name}.svg").write_text(alone(part.svg), encoding="utf-8")
-                lines.append(f"![{part.caption}](pictures/{name}.svg)\n\n*{part.caption}*")
-            if tables:
-                lines.append(markdown(part.table))
-        else:
-            lines.append(plain(part))
+        if isinstance(part, Paragraph):
+            lines.append(part.text)
+        elif isinstance(part, Table):
+            lines.append(markdown(part))
+        elif isinstance(part, Picture):
+            for name, (svg, caption) in zip(names, part.pictures, strict=False):
+                (docs / "pictures" / f"{name}.svg").write_text(alone(svg), encoding="utf-8")
+                lines.append(f"![{caption}](pictures/{name}.svg)\n\n*{caption}*")
+            lines += map(markdown, part.tables)
     return lines
-
-
-def plain(part: Part) -> str:
-    """A table or a paragraph."""
-    if isinstance(part, Table):
-        return markdown(part)
-    assert not isinstance(part, Picture)
-    return part.text
 
 
 def markdown(table: Table) -> str:
@@ -170,7 +143,7 @@ def markdown(table: Table) -> str:
 
 def alone(svg: str) -> str:
     """A picture of the report that needs no page: in its light colours, on white."""
-    css = files("sandbox.study.report.page").joinpath("page.css").read_text(encoding="utf-8")
+    css = files("sandbox.study.report").joinpath("page.css").read_text(encoding="utf-8")
     light = dict(re.findall(r"(--\w+): (#\w+)", css.split("@media")[0]))
     svg = re.sub(r"var\((--\w+)\)", lambda m: light[m[1]], svg)
     size = re.search(r'viewBox="0 0 ([\d.]+) ([\d.]+)"', svg)

@@ -118,9 +118,9 @@ def first_page(folder: Path, tasks: list[str]) -> str:
 
 
 def menu(tasks: list[str]) -> str:
-    """Sphinx's trees of pages, one a section; the tasks come after the first."""
+    """Sphinx's trees of pages, one a section; the tasks come before the last."""
     sections = tomllib.loads((SITE / "navigation.toml").read_text(encoding="utf-8"))["section"]
-    sections.insert(1, {"title": "Tasks", "pages": tasks})
+    sections.insert(-1, {"title": "Tasks", "pages": tasks})
     trees = []
     for section in sections:
         pages = "\n".join(section["pages"])

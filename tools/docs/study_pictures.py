@@ -90,6 +90,8 @@ def form(running: OnPage, tab: Tab) -> bytes:
 
 def trial(running: OnPage, tab: Tab) -> bytes:
     """A trial, on the way."""
+    sees(tab, "task")
+    tab.tap("Next")
     sees(tab, "none")
     time.sleep(1.0)
     pictures: list[bytes] = []

@@ -16,8 +16,8 @@ from typing import Any
 import gymnasium
 
 from sandbox.gym import register_task
+from sandbox.trial.assembly import place_all
 from sandbox.trial.settings import HandSettings, Settings
-from sandbox.trial.surfaces import place_all
 from tasks.guarded import draw_task
 from tasks.registry import TASKS
 from tasks.task import Task, place_surface
@@ -139,7 +139,7 @@ def _film(name: str) -> list[str]:
 
 def _facts(kind: type[Task]) -> str:
     hand = HandSettings()
-    settings = Settings(task=kind.name, hands=(hand, hand.other)[: kind.hands])
+    settings = Settings(task=kind.name, hands=(hand, hand.opposite)[: kind.hands])
     whole, _ = place_all(place_surface(settings.surface.rectangle, kind), settings, kind)
     task = draw_task(kind, 0, whole)
     lift = f"up to {100 * kind.lift_range:.0f} cm" if kind.lift_range else "not used"

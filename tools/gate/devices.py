@@ -28,7 +28,7 @@ from models.surface import Surface
 from sandbox import run_trial
 from sandbox.devices.device import Device, HandDevice
 from sandbox.devices.evdev.evdev_device import EvdevDevice
-from sandbox.devices.evdev.evdev_touch import Axis, Slots
+from sandbox.devices.evdev.evdev_touch import TURNED, Axis, Matrix, Slots
 from sandbox.devices.webxr.webxr import HeadsetDevice
 from sandbox.server.protocol import PageHands, PageScreen, PageTouches, decode
 from sandbox.server.web import WebDevice
@@ -144,6 +144,8 @@ class EventNode:
 
     name = "a touch screen"
     diameter: Axis | None = None
+    matrix: Matrix = TURNED[0]
+    warning = ""
 
     def __init__(self, size: ArrayLike) -> None:
         self.waiting, self.now = Waiting("evdev"), 0.0

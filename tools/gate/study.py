@@ -23,8 +23,9 @@ from tools.gate.rows import DIGITS, Observed
 
 DESIGN = Path(__file__).with_name("study.toml")
 PEOPLE = 2
-KILLS = (3, 5, 20, 40, 60, 80)
-"""Lines that a session's journal has when the program is killed; the third is the first form."""
+KILLS = (3, 5, 31, 40, 50, 58)
+"""Lines that a session's record has when the program is killed; the third is the first form after
+trials."""
 
 
 def run_until_killed(out: Path, people: int, lines: int) -> int:
@@ -55,10 +56,11 @@ def rows_of(out: Path) -> dict[str, Observed]:
     study = out / "gate-simulated"
     rows: dict[str, Observed] = {}
     people: dict[str, str] = {}
-    for trial in csv.DictReader((study / "trial_results.csv").open(encoding="utf-8")):
-        people[trial["ppid"]] = trial["participant_number"]
+    for trial in csv.DictReader((study / "tables/trials.csv").open(encoding="utf-8")):
+        # Rows were named when tables counted from 0.
+        people[trial["participant"]] = str(int(trial["number"]) - 1)
         if trial["counted"] == "1":
-            name = f"person {trial['participant_number']}, trial {trial['trial_num']}"
+            name = f"person {people[trial['participant']]}, trial {trial['trial']}"
             rows[name] = {
                 "levels": f"{trial['factor_solid']} {trial['factor_task']}",
                 "practice": trial["practice"] == "1",
@@ -66,14 +68,14 @@ def rows_of(out: Path) -> dict[str, Observed]:
                 "hash": trial["state_hash"][:DIGITS],
                 "success": trial["success"] == "1",
             }
-    for answer in csv.DictReader((study / "questionnaires.csv").open(encoding="utf-8")):
-        person = people[answer["ppid"]]
-        name = f"person {person}, {answer['instrument']} {answer['block_num']}, {answer['item']}"
+    for answer in csv.DictReader((study / "tables/answers.csv").open(encoding="utf-8")):
+        person = people[answer["participant"]]
+        name = f"person {person}, {answer['instrument']} {answer['block']}, {answer['item']}"
         rows[name] = {"answer": answer["answer"]}
     for ppid, person in people.items():
-        records = read_journal(study / ppid / "S001" / "journal.jsonl")
+        records = read_journal(study / ppid / "S001" / "session.jsonl")
         # A form whose answers were lost is asked again.
-        forms = sum(record["kind"] == "answers" for record in records)
+        forms = sum(record["kind"] == "form" for record in records)
         rows[f"person {person}, forms"] = {"answered": forms}
     return rows
 

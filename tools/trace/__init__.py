@@ -16,6 +16,6 @@ The path is the real command, in this process. All threads are counted.
 
 A function that runs only while a module is being imported takes no part. Of `touch` only the steps
 are counted: five fingers of a client come down on `sandbox play --view web` and move for a second.
-Building the session is not counted; its imports are. A --list of `touch` is the way to read: it
-begins where the message arrives, and names each function when it first takes part.
+Building the session is not counted; its imports are. Its --list
+begins where the message arrives, and names each file with its functions when it first takes part.
 """

@@ -56,7 +56,7 @@ at = "encoder"
 
 def regress(tracer: Tracer, folder: Path) -> int:
     """One trial of box-to-goal by the simulated user; returns the exit status of the command."""
-    options = "--tasks box-to-goal --seeds 0:1 --executor serial --workers 1"
+    options = "--tasks box-to-goal --arm plain --seeds 0:1 --executor serial --workers 1"
     return _traced(tracer, ["regress", *options.split()])
 
 

@@ -17,14 +17,15 @@ from encoders.capture import Capture
 from encoders.evaluation.report import plain
 from encoders.evaluation.subjects import TRAINING_DAY
 from encoders.labels.belief import BeliefLabels, builtin_population_belief
-from encoders.person.rest_posture import MOST, knowing_rest, looks_of
+from encoders.person.rest_posture import MOST, knowing_rest, rest_samples
 from encoders.regression.trained import POPULATION, TrainedModel, builtin
 from models.errors import InputError
-from models.person import Looks
+from models.person import RestSamples
 from sandbox.cli.common.command_line import parse
 from sandbox.cli.common.json_out import check_output, refuse_replacing, write_json
 from training.names import train_names
 from training.population import Population, load_population, simulate_population
+from training.population.pinned import JUDGED, pinned_people
 from training.population.population import PEOPLE
 from training.pose import at_trained_size, train_population
 from training.strangers import StrangerResult, judge_stranger, summary
@@ -41,9 +42,9 @@ class StrangersOptions:
     """Measures how well people are served on whom nothing was trained: pose with true names, names
     with history, and how true the probabilities are. Intervals are over people.
 
-    --people: judged people of the population, half of each generator, drawn with the digest of the
-    names that ship, so that nobody chose them. --hold-out: a frozen subject whose generator took no
-    part in the training; it is trained anew on people of all other sources, which takes minutes.
+    --people: pinned people to judge on, half of each generator, the same for all models.
+    --hold-out: a frozen subject whose generator took no part in the training; it is trained anew on
+    people of all other sources, which takes minutes.
     All people are SIMULATED. Their hand size is known.
 
     Try:
@@ -133,31 +134,30 @@ def _rows(options: StrangersOptions, progress: Progress) -> dict[str, list[Stran
         one = subject(options.hold_out)
         numbers = one.judged_days(options.days, options.day_seed)
         bar = progress.add_task(name, total=float(len(numbers)))
-        looks = looks_of(one.day(TRAINING_DAY, None), options.rest) if options.rest else ()
+        samples = rest_samples(one.day(TRAINING_DAY, None), options.rest) if options.rest else ()
         for number in numbers:
             day = one.day(number, None)
-            _judge(rows, f"{name}, generator held out", day, model, make, looks)
+            _judge(rows, f"{name}, generator held out", day, model, make, samples)
             progress.advance(bar)
     if count := _people(options):
         shipped: tuple[TrainedModel, Maker | None]
         shipped = builtin(POPULATION), builtin_population_belief if options.names else None
         groups = {"first": (count + 1) // 2, "second": count // 2}
         bar = progress.add_task("judged people", total=1.0)
-        salt = builtin_population_belief().trained.digest
-        judged = simulate_population(
-            salt, {"judge": groups}, lambda share: progress.update(bar, completed=0.5 * share)
+        judged = pinned_people(
+            JUDGED, groups, lambda share: progress.update(bar, completed=0.5 * share)
         )
-        if not judged.people:
+        if not judged:
             raise InputError(
                 "all judged people are left out: their fingers touch unlike real people's",
                 where=f"--people {count}",
                 expected="more people",
             )
-        for i, person in enumerate(judged.people):
+        for i, person in enumerate(judged):
             sized = at_trained_size(person, float(person.meta["size"]))
-            looks, rest = _seen(sized, options.rest)
-            _judge(rows, "judged people, population", rest, *shipped, looks)
-            progress.update(bar, completed=0.5 + 0.5 * (i + 1) / len(judged.people))
+            samples, rest = _seen(sized, options.rest)
+            _judge(rows, "judged people, population", rest, *shipped, samples)
+            progress.update(bar, completed=0.5 + 0.5 * (i + 1) / len(judged))
     return rows
 
 
@@ -167,23 +167,23 @@ def _judge(
     capture: Capture,
     model: TrainedModel,
     make: Maker | None,
-    looks: Looks,
+    samples: RestSamples,
 ) -> None:
     """Judges a person, and once more with the hand seen."""
     judgement = judge_stranger(capture, model, make() if make else None)
     rows.setdefault(name, []).append(judgement)
-    if looks:
-        known = knowing_rest(model, looks, 1.0)
+    if samples:
+        known = knowing_rest(model, samples, 1.0)
         rows.setdefault(f"{name}, hand seen", []).append(judge_stranger(capture, known, None))
 
 
-def _seen(person: Capture, count: int) -> tuple[Looks, Capture]:
+def _seen(person: Capture, count: int) -> tuple[RestSamples, Capture]:
     """Looks at the ends of takes, and the person's other takes."""
     if not count:
         return (), person
     numbers = np.unique(person.trial)
     first = np.isin(person.trial, numbers[: len(numbers) // 2])
-    return looks_of(person.select(first), count), person.select(~first)
+    return rest_samples(person.select(first), count), person.select(~first)
 
 
 def _trained(options: StrangersOptions, progress: Progress) -> tuple[TrainedModel, Maker | None]:

@@ -12,7 +12,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from models.arithmetic.arrays import Array
+from models.arithmetic import Array
 from models.frames import FINGERS
 from models.rotations import exp
 from models.skeleton import ADULT, Bone, Skeleton

@@ -111,6 +111,7 @@ def simulate_population(
     salt: str = "",
     groups: Mapping[str, Mapping[str, int]] | None = None,
     progress: Progress | None = None,
+    first: Mapping[str, int] | None = None,
 ) -> Population:
     """Simulates people; equal arguments give equal people.
 
@@ -119,6 +120,8 @@ def simulate_population(
             what is frozen, so that nobody can choose them.
         groups: People by group and source; by default `PEOPLE`.
         progress: Called with the share done, 0 to 1.
+        first: Number of the first person by source; by default 0. The people after those of
+            another call are other people.
 
     Raises:
         InputError: A group or a source is unknown, or nobody is asked for.
@@ -127,7 +130,7 @@ def simulate_population(
         (group, source, number)
         for group, sources in (PEOPLE if groups is None else groups).items()
         for source, count in sources.items()
-        for number in range(count)
+        for number in range((first or {}).get(source, 0), (first or {}).get(source, 0) + count)
     ]
     if not wanted:
         raise InputError("a population without people", expected="one person or more")

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from encoders.capture import Capture
 from encoders.captures.subject.script import SETS
-from models.arithmetic.arrays import Array
+from models.arithmetic import Array
 from models.frames import FINGERS
 from models.kinematics import Kinematics
 from models.pose import POSE_SIZE, ROOT_ROTATION, within_limits

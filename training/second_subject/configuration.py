@@ -2,7 +2,7 @@
 
 Frame counts are the paper's (Chung, Kim, Han, Pollard 2015, section 4; its split between two and
 five fingers is ours). All else is a guess at how a hand is moved and measured. Amplitudes were set
-while looking at seeds 0 to 2, after the bands in docs/second-subject.md had been fixed.
+while looking at seeds 0 to 2, after the bands in docs/encoding.md had been fixed.
 """
 
 from __future__ import annotations

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from models.arithmetic.arrays import Array, Mask
+from models.arithmetic import Array, Mask
 from models.frames import FINGERS
 from training.second_subject.configuration import SecondConfiguration
 from training.second_subject.grips import GESTURES

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from models.arithmetic.arrays import Array
+from models.arithmetic import Array
 from training.second_subject.configuration import SecondConfiguration
 from training.second_subject.hand import FIRST, LAST, ROLL, SECOND, SWING, SecondHand
 

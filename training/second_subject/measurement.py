@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from models.arithmetic.arrays import Array
+from models.arithmetic import Array
 from models.pose import BALL_JOINTS, JOINTS, ROOT_POSITION, ROOT_ROTATION
 from models.surface import Surface
 from training.second_subject.configuration import SecondConfiguration

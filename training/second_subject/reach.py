@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from models.arithmetic.arrays import Array
+from models.arithmetic import Array
 from training.second_subject.hand import FIRST, LAST, SECOND, SWING, TENDON, SecondHand
 
 _HALVINGS = 16

@@ -12,7 +12,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from models.arithmetic.arrays import Array
+from models.arithmetic import Array
 from training.skin.shapes import Limb, between, groove, step
 
 REACH = (0.011, 0.016)

@@ -8,7 +8,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from models.arithmetic.arrays import Array
+from models.arithmetic import Array
 from training.skin.field import WRIST_HALF, WRIST_MIDDLE, HandField
 
 Faces = NDArray[np.int64]

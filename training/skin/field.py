@@ -14,7 +14,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import ArrayLike
 
-from models.arithmetic.arrays import Array
+from models.arithmetic import Array
 from models.frames import FINGERS
 from models.kinematics import Kinematics
 from models.pose import POSE_SIZE

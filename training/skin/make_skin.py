@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from models.arithmetic.arrays import Array
+from models.arithmetic import Array
 from models.frames import FINGERS
 from models.skin.skin import FULL, normals_of
 from training.skin.extras import CUFF_PROFILE, SLEEVE_PROFILE, nail, tube

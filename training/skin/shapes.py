@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from models.arithmetic.arrays import Array
+from models.arithmetic import Array
 
 
 def rounded_cone(p: Array, start: ArrayLike, end: ArrayLike, first: float, last: float) -> Array:

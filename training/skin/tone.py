@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from models.arithmetic.arrays import Array
+from models.arithmetic import Array
 from training.skin.field import HandField
 from training.skin.shapes import step
 

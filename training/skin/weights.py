@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from scipy.sparse import csr_matrix, diags
 from scipy.sparse.linalg import splu
 
-from models.arithmetic.arrays import Array
+from models.arithmetic import Array
 from models.pose import JOINTS, POSE_SIZE
 from models.skeleton import Skeleton
 from models.skin.skin import BONES, FULL, frames, motions

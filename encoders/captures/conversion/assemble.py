@@ -13,7 +13,7 @@ from encoders.captures.conversion.fingers import LabelledTrack, distances
 from encoders.captures.conversion.joint_track import JointTrack
 from encoders.captures.conversion.report import ConversionReport, ConversionRules
 from encoders.captures.conversion.touch_log import ContactTrack
-from models.arithmetic.arrays import Array
+from models.arithmetic import Array
 from models.errors import CaptureError
 from models.frames import FINGERS
 

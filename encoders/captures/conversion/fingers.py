@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from encoders.captures.conversion.joint_track import JointTrack
 from encoders.captures.conversion.report import ConversionReport, ConversionRules
 from encoders.captures.conversion.touch_log import ContactTrack
-from models.arithmetic.arrays import Array
+from models.arithmetic import Array
 from models.frames import FINGERS
 
 RESTING = 0.012
@@ -60,7 +60,7 @@ def label_contacts(
             )
         else:
             labelled.append(LabelledTrack(track, vote.finger, vote.distance))
-    return _one_each(labelled, report)
+    return _without_overlaps(labelled, report)
 
 
 def sample_times(track: ContactTrack, rate: float) -> Array:
@@ -122,7 +122,9 @@ def _vote(
     return _Vote(finger, float(votes[finger]), float(np.median(distance[known][:, finger])))
 
 
-def _one_each(labelled: list[LabelledTrack], report: ConversionReport) -> list[LabelledTrack]:
+def _without_overlaps(
+    labelled: list[LabelledTrack], report: ConversionReport
+) -> list[LabelledTrack]:
     """Keeps at most one contact per finger at a time; of two that overlap, the nearer one."""
     kept: list[LabelledTrack] = []
     for one in sorted(labelled, key=lambda contact: contact.distance):

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import math
 import tomllib
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from itertools import combinations
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -18,9 +20,9 @@ from encoders.captures.conversion import (
     frame_from_corners,
     joints_from_points,
 )
-from encoders.captures.conversion.sites import mapped, recognised, sites_of
-from models.arithmetic.arrays import Array
-from models.errors import CaptureError, InputError
+from encoders.captures.conversion.sites import PALM, Site, mapped, recognised, sites_of
+from models.arithmetic import Array
+from models.errors import CaptureError, InputError, MotionError
 from models.json_input import checked, decoded, read_bytes
 from models.motion.motion import Motion
 from models.motion.read.asf import read_amc, read_asf
@@ -30,7 +32,17 @@ from models.motion.read.pose_table import read_pose_table
 from models.motion.read.vicon_v import motion_of, read_v
 from models.motion.read.vsk import MILLIMETRE as VSK_MILLIMETRE
 from models.motion.read.vsk import read_vsk
-from models.pose import mirrored
+from models.plausible import (
+    ANGLE,
+    HAND,
+    HEIGHT,
+    STEP,
+    UNITS,
+    find_units,
+    parse_units,
+    unit_size,
+)
+from models.pose import ROOT_POSITION, joint_vectors, mirrored
 from models.reader_report import ReaderReport
 from models.skeleton import ADULT
 
@@ -102,7 +114,7 @@ def read_hand(
     report: ConversionReport,
     *,
     left: bool,
-    unit: float | None,
+    unit: str,
     scale: float,
     find_surface: bool,
     tolerance: float,
@@ -117,7 +129,8 @@ def read_hand(
         mapping: Meaning of the names in the file.
         report: Collects residuals and counts.
         left: True for a left hand, which is mirrored into a right one.
-        unit: Unit of length of the file in m; None: the usual one of its format.
+        unit: Units of the file, such as `cm`, `cm,ms` or a number of metres. Others are those of
+            its format if the hand has a hand's size in them, and else those in which it has.
         scale: Size of the hand in a CSV file relative to the adult hand; else the size is fitted.
         find_surface: True if an unknown surface may be estimated from fingertips.
         tolerance: m; distance from that surface within which a fingertip rests on it.
@@ -128,23 +141,72 @@ def read_hand(
     Raises:
         InputError: The file is unusable.
     """
-    reading = ReaderReport()
-    suffix = path.name.lower().removesuffix(".gz").rpartition(".")[2]
-    if suffix == "csv":
-        time, q = read_pose_table(path, reading)
+    if _kind(path) == "csv":
+        reading = ReaderReport()
+        time, q = read_poses(path, unit, reading)
         report.add_reading(reading)
         skeleton = ADULT.scaled(scale) if scale != 1.0 else ADULT
         return JointTrack(time, mirrored(q) if left else q, skeleton)
+    read = read_points(path, mapping, left, unit, skeleton_file, rate)
+    report.add_reading(read.report)
+    frame = _surface(mapping, read.points, read.unit, find_surface, path)
+    return joints_from_points(
+        read.time,
+        read.points,
+        read.sites,
+        frame,
+        ADULT,
+        report,
+        left=left,
+        tolerance=tolerance,
+        progress=progress,
+    )
+
+
+@dataclass(frozen=True)
+class HandPoints:
+    """Points of a hand in a file.
+
+    Attributes:
+        time: (T,) s.
+        points: Name -> (T, 3) m, NaN where a point was not seen.
+        sites: Name -> place on the hand, of the points that are used.
+        unit: m, the file's unit of length.
+        report: What was left out and assumed.
+    """
+
+    time: Array
+    points: dict[str, Array]
+    sites: dict[str, Site]
+    unit: float
+    report: ReaderReport
+
+
+def read_points(
+    path: Path,
+    mapping: Mapping,
+    left: bool = False,
+    unit: str = "",
+    skeleton_file: Path | None = None,
+    rate: float | None = None,
+) -> HandPoints:
+    """Reads the points of the hand in a file other than a table of poses; see `read_hand`.
+
+    Raises:
+        InputError: The file is unusable, or the hand has a hand's size in no unit.
+    """
+    metres, given = _given(unit)
+    suffix = _kind(path)
     if suffix == "bvh":
-        unit = unit or CENTIMETRE
-        motion = read_bvh(path, unit)
+        metre = metres or CENTIMETRE
+        motion = read_bvh(path, metre)
         reading, time, points = motion.report, motion.time, _points_of(motion)
     elif suffix in SKELETONS:
-        motion, unit = _with_skeleton(path, suffix, skeleton_file, unit, rate)
+        motion, metre = _with_skeleton(path, suffix, skeleton_file, metres, rate)
         reading, time, points = motion.report, motion.time, _points_of(motion)
     elif suffix == "tsv":
-        unit = unit or MILLIMETRE
-        tracks = read_markers(path, unit)
+        metre = metres or MILLIMETRE
+        tracks = read_markers(path, metre)
         reading, time = tracks.report, tracks.time
         points = {name: tracks.places[:, m] for m, name in enumerate(tracks.names)}
     else:
@@ -156,25 +218,109 @@ def read_hand(
             if f".{suffix}" in SKELETONS.values()
             else None,
         )
-    report.add_reading(reading)
     if mapping.points:
         sites = mapped(mapping.points, list(points), ADULT)
     else:
         known = sites_of(ADULT)
         names = recognised(list(points), "left" if left else "right", ADULT)
         sites = {name: known[site] for name, site in names.items()}
-    frame = _surface(mapping, points, unit, find_surface, path)
-    return joints_from_points(
-        time,
-        points,
-        sites,
-        frame,
-        ADULT,
-        report,
-        left=left,
-        tolerance=tolerance,
-        progress=progress,
-    )
+    seen = {STEP: np.diff(time)}
+    declared = {"time": "s"}
+    named = [name for name, size in UNITS["length"].items() if size == metre]
+    if metres is None:
+        lengths = _hand_lengths(points, sites)
+        if named:
+            seen[HAND] = lengths / metre
+            declared["length"] = named[0]
+        elif len(lengths) and not HAND.includes(length := float(np.median(lengths))):
+            # The skeleton states a unit without a name, for which no other one can stand.
+            raise MotionError(
+                f"{HAND.name} is impossible in the unit that the skeleton states",
+                where=str(path),
+                got=f"{length:.3g} m",
+                expected=f"{HAND.least:g} to {HAND.most:g} m",
+                remedy="--unit says which unit it is: m, cm, mm, in, or a number of metres",
+            )
+    units = find_units(seen, declared, given, where=str(path), report=reading, error=MotionError)
+    if "length" in units:
+        factor = unit_size(units, "length") / metre
+        points = {name: factor * places for name, places in points.items()}
+        metre *= factor
+    return HandPoints(time * unit_size(units, "time"), points, sites, metre, reading)
+
+
+def _kind(path: Path) -> str:
+    """The kind of a file by the end of its name, packed or not."""
+    return path.name.lower().removesuffix(".gz").rpartition(".")[2]
+
+
+def _given(unit: str) -> tuple[float | None, dict[str, str]]:
+    """The unit of length in m, None if it is not given, and all units that have a name."""
+    numbers = [part for part in unit.split(",") if part.strip()[:1].isdigit()]
+    if not numbers:
+        given = parse_units(unit)
+        return (unit_size(given, "length") if "length" in given else None), given
+    given = parse_units(",".join(part for part in unit.split(",") if part not in numbers))
+    try:
+        (metre,) = map(float, numbers)
+        if "length" in given or not 0.0 < metre < 1000.0:
+            raise ValueError
+    except ValueError:
+        raise InputError(
+            "not a unit",
+            where="--unit",
+            got=unit,
+            expected="m, cm, mm, in, or a number of metres below 1000; s, ms, us, ns",
+        ) from None
+    return metre, given
+
+
+def _sampled(count: int) -> slice:
+    """Some of `count` frames, by which units are found."""
+    return slice(None, None, count // _SAMPLE + 1)
+
+
+_SAMPLE = 200
+
+
+def _hand_lengths(points: dict[str, Array], sites: dict[str, Site]) -> Array:
+    """(n,) m, length of a hand whose palm is that of each frame, by its outermost points."""
+    palm = {name: site.at for name, site in sites.items() if site.bone == PALM}
+    a, b = max(combinations(palm, 2), key=lambda pair: math.dist(palm[pair[0]], palm[pair[1]]))
+    some = _sampled(len(points[a]))
+    apart = np.linalg.norm(points[a][some] - points[b][some], axis=1)
+    return apart[np.isfinite(apart)] * (_ADULT_LENGTH / math.dist(palm[a], palm[b]))
+
+
+_ADULT_LENGTH = 0.19
+"""m, length of the hand with the program's skeleton."""
+
+
+def read_poses(path: Path, unit: str, reading: ReaderReport) -> tuple[Array, Array]:
+    """Times (T,) s and poses (T, 48) of a table of poses, which may be in other units.
+
+    Args:
+        path: The file.
+        unit: Units that a person gave.
+        reading: Receives what is left out and assumed.
+
+    Raises:
+        MotionError: The table is unusable, or its poses are possible in no unit.
+    """
+    _, given = _given(unit)
+    time, q = read_pose_table(path, reading)
+    some = q[_sampled(len(q))]
+    seen = {
+        STEP: np.diff(time),
+        HEIGHT: np.abs(some[:, 2]),
+        ANGLE: np.linalg.norm(joint_vectors(some), axis=-1).max(axis=1),
+    }
+    declared = {"time": "s", "length": "m", "angle": "rad"}
+    units = find_units(seen, declared, given, where=str(path), report=reading, error=MotionError)
+    if units != declared:
+        q = q * unit_size(units, "angle")
+        q[:, ROOT_POSITION] *= unit_size(units, "length") / unit_size(units, "angle")
+    return time * unit_size(units, "time"), q
 
 
 def _with_skeleton(

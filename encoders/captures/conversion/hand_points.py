@@ -14,7 +14,7 @@ from encoders.captures.conversion.sites import PALM, Site
 from encoders.captures.conversion.skeleton_fit import fit_skeleton
 from encoders.captures.conversion.surface_frame import ON_PLANE, SurfaceFrame, frame_from_fingertips
 from encoders.captures.conversion.touch_log import ContactTrack
-from models.arithmetic.arrays import Array
+from models.arithmetic import Array
 from models.errors import CaptureError
 from models.frames import FINGERS
 from models.skeleton import Skeleton

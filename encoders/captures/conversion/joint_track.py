@@ -8,7 +8,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from models.arithmetic.arrays import Array
+from models.arithmetic import Array
 from models.errors import CaptureError
 from models.kinematics import Kinematics
 from models.pose import POSE_SIZE, ROOT_ROTATION

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from encoders.captures.conversion.sites import PALM, Site
-from models.arithmetic.arrays import Array
+from models.arithmetic import Array
 from models.errors import CaptureError
 from models.kinematics import Kinematics
 from models.pose import JOINTS, POSE_SIZE, ROOT_POSITION, ROOT_ROTATION, joint_vectors

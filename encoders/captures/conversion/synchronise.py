@@ -16,7 +16,7 @@ from encoders.captures.conversion.fingers import LabelledTrack, sample_times
 from encoders.captures.conversion.joint_track import JointTrack
 from encoders.captures.conversion.report import ConversionRules
 from encoders.captures.conversion.touch_log import ContactTrack
-from models.arithmetic.arrays import Array
+from models.arithmetic import Array
 from models.errors import CaptureError
 
 AGREES = 0.04

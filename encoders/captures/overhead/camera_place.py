@@ -8,7 +8,7 @@ from math import atan, degrees, sqrt
 import numpy as np
 
 from encoders.webcam.camera import VIEWS, Camera
-from models.arithmetic.arrays import Array
+from models.arithmetic import Array
 from models.errors import CaptureError
 
 LEAST_LEAN = 0.05

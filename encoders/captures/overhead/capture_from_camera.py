@@ -39,7 +39,7 @@ from encoders.captures.paired.hand_track import HandTrack
 from encoders.correction import PAD_HEIGHT
 from encoders.webcam.camera import Camera
 from encoders.webcam.landmark_fit import LandmarkFit
-from models.arithmetic.arrays import Array
+from models.arithmetic import Array
 from models.errors import CaptureError
 from models.frames import FINGERS, LandmarkFrame
 from models.kinematics import Kinematics

@@ -14,7 +14,7 @@ from scipy.ndimage import median_filter, uniform_filter1d
 from encoders.captures.conversion.synchronise import ClockOffset
 from encoders.captures.conversion.touch_log import ContactTrack
 from encoders.captures.overhead.picture_track import PictureTrack
-from models.arithmetic.arrays import Array
+from models.arithmetic import Array
 from models.errors import CaptureError
 
 _STEP = 0.02

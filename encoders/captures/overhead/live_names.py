@@ -10,7 +10,7 @@ import numpy as np
 from encoders.captures.overhead.names import Belief, NamingRules, chosen
 from encoders.captures.overhead.picture_track import LAST_JOINTS, TIPS
 from encoders.captures.overhead.tablet_plane import TabletPlane
-from models.arithmetic.arrays import Array
+from models.arithmetic import Array
 from models.frames import FINGERS, LandmarkFrame, TouchFrame
 
 KEPT = 2.0
@@ -155,7 +155,7 @@ class LiveNames:
             off[id_] = _UNKNOWN if pads is None else np.linalg.norm(pads - place, axis=1)
         since = _LONGEST if self._last is None else min(max(taken - self._last, 0.0), _LONGEST)
         self._last = taken
-        self._belief.look(off, since)
+        self._belief.update(off, since)
         given = []
         for id_, share in self._belief.names().items():
             finger = chosen(share, self._rules)

@@ -17,7 +17,7 @@ from itertools import permutations
 
 import numpy as np
 
-from models.arithmetic.arrays import Array
+from models.arithmetic import Array
 from models.frames import FINGERS
 
 MOST = len(FINGERS)
@@ -71,7 +71,7 @@ class Belief:
         self._rules = rules
         self._now = _NOTHING
 
-    def look(self, off: Mapping[int, Array], seconds: float) -> None:
+    def update(self, off: Mapping[int, Array], seconds: float) -> None:
         """Takes in a look.
 
         Args:
@@ -81,7 +81,7 @@ class Belief:
         """
         before = self._now.contacts
         self._now = _followed(self._now, tuple(off))
-        self._now = _told(self._now, off, self._rules, seconds, before)
+        self._now = _updated(self._now, off, self._rules, seconds, before)
 
     def names(self) -> dict[int, Array]:
         """Probabilities (5,) of the fingers of each contact that is down."""
@@ -101,7 +101,7 @@ def names_of(
     before: list[_Belief] = []
     now = _NOTHING
     for off, long in zip(looks, seconds, strict=True):
-        now = _told(_followed(now, tuple(off)), off, rules, long, now.contacts)
+        now = _updated(_followed(now, tuple(off)), off, rules, long, now.contacts)
         before.append(now)
     shares: dict[int, Array] = {}
     after = _Belief(before[-1].contacts, before[-1].fingers, np.zeros(len(before[-1].weight)))
@@ -112,7 +112,7 @@ def names_of(
         for contact, share in _shares(whole).items():
             shares.setdefault(contact, share)
         if i:
-            told = _told(after, looks[i], rules, seconds[i], before[i - 1].contacts)
+            told = _updated(after, looks[i], rules, seconds[i], before[i - 1].contacts)
             after = _back(told, before[i - 1])
     return shares
 
@@ -152,7 +152,7 @@ def _back(later: _Belief, earlier: _Belief) -> _Belief:
     return _Belief(earlier.contacts, earlier.fingers, _scaled(np.array(weights)))
 
 
-def _told(
+def _updated(
     now: _Belief,
     off: Mapping[int, Array],
     rules: NamingRules,

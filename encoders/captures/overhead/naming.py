@@ -13,7 +13,7 @@ from encoders.captures.conversion.touch_log import ContactTrack
 from encoders.captures.overhead.names import MOST, NamingRules, chosen, names_of
 from encoders.captures.overhead.picture_track import LAST_JOINTS, TIPS, PictureTrack
 from encoders.captures.overhead.tablet_plane import Moment, TabletPlane
-from models.arithmetic.arrays import Array
+from models.arithmetic import Array
 from models.frames import FINGERS
 
 LOOK = 1.0 / 30.0

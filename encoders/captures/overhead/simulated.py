@@ -15,7 +15,7 @@ import numpy as np
 from encoders.captures.paired.simulated import PairedSession
 from encoders.webcam.camera import Camera
 from encoders.webcam.landmarks import OF_POINTS, HandPoints
-from models.arithmetic.arrays import Array
+from models.arithmetic import Array
 from models.frames import LANDMARKS, LandmarkFrame, SeenHand
 from models.rotations import exp as turned
 
@@ -38,7 +38,9 @@ class OverheadConfiguration:
         zero: s, the page's clock at the host's zero.
     """
 
-    camera: Camera = field(default_factory=lambda: Camera(60.0, (0.0, -0.24, 0.48), 67.0, 180.0))
+    camera: Camera = field(
+        default_factory=lambda: Camera(60.0, (0.0, -0.24, 0.48), 67.0, pan=180.0)
+    )
     rate: float = 12.5
     bias: float = 1.5
     noise: float = 2.0

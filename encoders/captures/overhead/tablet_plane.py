@@ -18,7 +18,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from models.arithmetic.arrays import Array
+from models.arithmetic import Array
 from models.errors import CaptureError, InputError
 from models.frames import FINGERS
 

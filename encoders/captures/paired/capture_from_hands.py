@@ -30,7 +30,7 @@ from encoders.captures.paired.labels import label_by_fingertips
 from encoders.captures.paired.registration import DevicePose, first_guess, register
 from encoders.correction import FingertipCorrection, tip_targets
 from encoders.paalm.calibration import HandCalibration
-from models.arithmetic.arrays import Array
+from models.arithmetic import Array
 from models.errors import CaptureError
 from models.frames import HandFrame
 from models.pose import JOINTS, POSE_SIZE, ROOT_POSITION, ROOT_ROTATION

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from models.arithmetic.arrays import Array
+from models.arithmetic import Array
 from models.errors import CaptureError
 
 MOST_DRIFT = 0.002

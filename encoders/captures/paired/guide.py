@@ -116,7 +116,7 @@ class Guide:
             self._open += 1
 
     @property
-    def asked(self) -> tuple[int, ...] | None:
+    def requested(self) -> tuple[int, ...] | None:
         """The fingers that are asked for now; None outside the sets."""
         if self._open < self._wanted or self._taps < TAPS or self.done:
             return None

@@ -17,7 +17,7 @@ from encoders.paalm.average import with_reported_coupling
 from encoders.paalm.calibration import HandCalibration
 from encoders.paalm.hand_pose import PALM_CENTRE, hand_pose
 from encoders.paalm.rig import bone_lengths
-from models.arithmetic.arrays import Array
+from models.arithmetic import Array
 from models.errors import CaptureError
 from models.frames import FINGERS, HandFrame, TrackedHand
 from models.pose import ROOT_POSITION, ROOT_ROTATION, mirrored

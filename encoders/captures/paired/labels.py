@@ -13,7 +13,7 @@ from encoders.captures.conversion.fingers import RESTING, LabelledTrack, sample_
 from encoders.captures.conversion.report import ConversionReport, ConversionRules
 from encoders.captures.conversion.touch_log import ContactTrack
 from encoders.captures.paired.hand_track import HandTrack
-from models.arithmetic.arrays import Array
+from models.arithmetic import Array
 from models.frames import FINGERS
 
 BESIDE = 0.015

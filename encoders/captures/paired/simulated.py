@@ -24,7 +24,7 @@ from encoders.paalm.palm import Palm
 from encoders.paalm.simulated.air import AirTake
 from encoders.paalm.simulated.forward import LeapTake, leap_take
 from encoders.regression.bone_fit import perturbed_skeleton
-from models.arithmetic.arrays import Array
+from models.arithmetic import Array
 from models.frames import FINGERS, Contact, TouchFrame
 from models.kinematics import Kinematics
 from models.pose import ROOT_POSITION, ROOT_ROTATION

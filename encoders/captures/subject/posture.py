@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from encoders.captures.subject.configuration import SubjectConfiguration
-from models.arithmetic.arrays import Array
+from models.arithmetic import Array
 from models.pose import POSE_SIZE
 from models.rotations import exp
 from models.skeleton import Skeleton

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from encoders.captures.subject.configuration import SubjectConfiguration
 from encoders.captures.subject.gestures import GESTURES
-from models.arithmetic.arrays import Array
+from models.arithmetic import Array
 from models.frames import FINGERS
 
 SETS: tuple[tuple[int, ...], ...] = tuple(

@@ -6,7 +6,7 @@ import numpy as np
 
 from encoders.captures.subject.configuration import SubjectConfiguration
 from encoders.captures.subject.gestures import smooth_noise
-from models.arithmetic.arrays import Array
+from models.arithmetic import Array
 from models.kinematics import Kinematics, Placement
 from models.pose import BALL_JOINTS, JOINTS, POSE_SIZE, ROOT_POSITION, ROOT_ROTATION, within_limits
 from models.skeleton import Skeleton

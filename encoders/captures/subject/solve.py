@@ -12,7 +12,7 @@ from __future__ import annotations
 import numpy as np
 
 from encoders.captures.subject.posture import Anatomy
-from models.arithmetic.arrays import Array
+from models.arithmetic import Array
 from models.kinematics import Kinematics
 from models.pose import JOINTS
 

@@ -14,7 +14,7 @@ from encoders.captures.subject.posture import FREEDOMS, anatomy, lifting
 from encoders.captures.subject.script import Take, takes_of
 from encoders.captures.subject.sensors import day_error, measured_pose, touches
 from encoders.captures.subject.solve import PostureSolver
-from models.arithmetic.arrays import Array
+from models.arithmetic import Array
 from models.errors import InputError
 from models.frames import FINGERS
 from models.kinematics import Kinematics

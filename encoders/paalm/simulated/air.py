@@ -17,7 +17,7 @@ from scipy.ndimage import gaussian_filter1d
 from encoders.capture import Capture
 from encoders.paalm.angles import angles_of_joints, joints_of_angles
 from encoders.paalm.hand_pose import PALM_CENTRE
-from models.arithmetic.arrays import Array
+from models.arithmetic import Array
 from models.kinematics import Kinematics
 from models.pose import ROOT_POSITION, ROOT_ROTATION
 from models.rotations import exp

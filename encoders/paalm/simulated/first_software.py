@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from encoders.paalm.simulated.leap_configuration import QUANTILES, LeapConfiguration
-from models.arithmetic.arrays import Array
+from models.arithmetic import Array
 from models.frames import FINGERS
 from models.rotations import exp as rotation_exp
 

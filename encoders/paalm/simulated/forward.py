@@ -16,7 +16,7 @@ from encoders.paalm.palm import vector_of
 from encoders.paalm.simulated.air import AirTake
 from encoders.paalm.simulated.first_software import FirstSoftware
 from encoders.paalm.simulated.leap_configuration import FROZEN_LEAP, LeapConfiguration
-from models.arithmetic.arrays import Array
+from models.arithmetic import Array
 from models.errors import EncoderError
 from models.frames import FINGERS, HandFrame, TrackedFinger, TrackedHand
 from models.rotations import exp

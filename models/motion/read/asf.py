@@ -12,10 +12,11 @@ from pathlib import Path
 
 import numpy as np
 
-from models.arithmetic.arrays import Array
+from models.arithmetic import Array
 from models.errors import MotionError
 from models.motion.motion import Motion, rotations_of_angles
 from models.motion.read.text import numbers, read_lines
+from models.plausible import doubt_degrees
 from models.reader_report import ReaderReport
 
 INCH = 0.0254
@@ -195,6 +196,7 @@ def _motion(
     bones = skeleton.bones
     shifts = np.zeros((frames, len(bones), 3))
     rotations = np.empty((frames, len(bones), 3, 3))
+    largest = 0.0
     for j, (bone, parent) in enumerate(zip(bones, skeleton.parents, strict=True)):
         shifts[:, j] = skeleton.origin if parent < 0 else bones[parent].end
         axes, angles = "", []
@@ -205,10 +207,13 @@ def _motion(
             else:
                 axes += _TURNS[freedom]
                 angles.append(np.deg2rad(column) if degrees else column)
+                largest = max(largest, float(np.abs(column).max()))
         stacked = np.stack(angles, axis=-1) if angles else np.zeros((frames, 0))
         turn = rotations_of_angles(stacked, axes, fixed=True)
         # Bones at rest share one frame, so that a child needs no rest rotation of its own.
         rotations[:, j] = bone.frame @ turn @ bone.frame.T
+    if degrees:
+        doubt_degrees(largest, report)
     ends = np.array([bone.end for bone in bones])
     ends[0] = np.nan
     names = tuple(bone.name for bone in bones)

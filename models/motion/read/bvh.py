@@ -13,10 +13,11 @@ from pathlib import Path
 
 import numpy as np
 
-from models.arithmetic.arrays import Array
+from models.arithmetic import Array
 from models.errors import MotionError
 from models.motion.motion import Motion, rotations_of_angles
 from models.motion.read.text import numbers, read_lines
+from models.plausible import doubt_degrees
 from models.reader_report import ReaderReport
 
 CENTIMETRE = 0.01
@@ -255,6 +256,7 @@ def _motion(
     shifts = np.empty((frames, len(joints), 3))
     rotations = np.empty((frames, len(joints), 3, 3))
     ends = np.full((len(joints), 3), np.nan)
+    largest = 0.0
     for j, joint in enumerate(joints):
         shifts[:, j] = np.multiply(joint.offset or 0.0, unit)
         if joint.end is not None:
@@ -268,8 +270,10 @@ def _motion(
             else:
                 turns += channel[0]
                 angles.append(np.deg2rad(column))
+                largest = max(largest, float(np.abs(column).max()))
         stacked = np.stack(angles, axis=-1) if angles else np.zeros((frames, 0))
         rotations[:, j] = rotations_of_angles(stacked, turns, fixed=False)
+    doubt_degrees(largest, report)
     return Motion(
         tuple(j.name for j in joints),
         tuple(j.parent for j in joints),

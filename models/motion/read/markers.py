@@ -11,7 +11,7 @@ from pathlib import Path
 
 import numpy as np
 
-from models.arithmetic.arrays import Array
+from models.arithmetic import Array
 from models.errors import MotionError
 from models.motion.read.text import numbers, read_lines
 from models.reader_report import ReaderReport
@@ -95,6 +95,8 @@ def read_markers(path: Path, unit: float = MILLIMETRE) -> MarkerTracks:
     places = np.array([_row(line, width, f"{path}, line {n}")[lead:] for n, line in rows])
     places = places.reshape(len(rows), len(names), 3)
     unseen = (np.nan_to_num(places) == 0).all(axis=2) | np.isnan(places).any(axis=2)
+    seen_in_part = np.isnan(places).any(axis=2) & ~np.isnan(places).all(axis=2)
+    report.leave_out("places of markers that lack a coordinate", int(seen_in_part.sum()))
     places[unseen] = np.nan
     return MarkerTracks(names, np.arange(len(rows)) / rate, places * unit, report)
 

@@ -3,7 +3,8 @@
 Columns are named `root_x`, `root_y`, `root_z` (m), `root_rx`, `root_ry`, `root_rz`, and `JOINT_rx`,
 `JOINT_ry`, `JOINT_rz` (rad, rotation vectors) with the joints of the skeleton, `index_mcp` for
 example; or `q0` to `q47` in the order of the pose. Columns may come in any order. Poses are in the
-3-D surface frame: origin at the top left corner, x right, y up the surface, z out of it.
+3-D surface frame: origin at the top left corner, x right, y up the surface, z out of it. Cells are
+separated by commas, semicolons or tabs.
 """
 
 from __future__ import annotations
@@ -12,7 +13,7 @@ from pathlib import Path
 
 import numpy as np
 
-from models.arithmetic.arrays import Array
+from models.arithmetic import Array
 from models.errors import MotionError
 from models.motion.read.text import numbers, read_lines
 from models.pose import POSE_SIZE
@@ -37,11 +38,16 @@ def read_pose_table(path: Path, report: ReaderReport) -> tuple[Array, Array]:
         MotionError: A column is missing, a value is not a finite number, or the time runs
             backwards.
     """
-    rows = [
-        (n, [cell.strip() for cell in line.split(",")])
+    lines = [
+        (n, line)
         for n, line in enumerate(read_lines(path, "a table of poses", report), start=1)
         if line.strip() and not line.lstrip().startswith("#")
     ]
+    # Spreadsheets write other separators, quotes, and commas in numbers where those are usual.
+    separator = max(",;\t", key=lines[0][1].count) if lines else ","
+    rows = [(n, [cell.strip().strip('"') for cell in line.split(separator)]) for n, line in lines]
+    if separator != ",":
+        rows = [(n, [cell.replace(",", ".") for cell in cells]) for n, cells in rows]
     head = [cell.lower() for cell in rows[0][1]] if rows else []
     numbered = tuple(f"q{i}" for i in range(POSE_SIZE))
     wanted = ("time", *(numbered if "q0" in head else COLUMNS))

@@ -21,7 +21,7 @@ def read_lines(path: Path, what: str, report: ReaderReport) -> list[str]:
     """Reads the lines of a text file, plain or packed with gzip (recognised by content).
 
     Numbers and key words are ASCII in all formats; only names can have other bytes. A file that is
-    not UTF-8 is read as Shift-JIS or Latin-1.
+    not UTF-8 or UTF-16 is read as Shift-JIS or Latin-1.
 
     Args:
         path: The file.
@@ -47,6 +47,9 @@ def read_lines(path: Path, what: str, report: ReaderReport) -> list[str]:
         raise MotionError("the file is too large", where=where, expected=f"{LARGEST:,} bytes")
     if not data.strip():
         raise MotionError("the file is empty", where=where, expected=what)
+    if data[:2] in (b"\xff\xfe", b"\xfe\xff"):
+        # What spreadsheets and editors call Unicode.
+        data = data.decode("utf-16", errors="replace").encode()
     if b"\0" in data:
         raise MotionError("this is not text", where=where, expected=what)
     text = decoded(data, report)

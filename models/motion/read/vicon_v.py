@@ -18,7 +18,7 @@ from pathlib import Path
 
 import numpy as np
 
-from models.arithmetic.arrays import Array
+from models.arithmetic import Array
 from models.errors import MotionError
 from models.motion.motion import Motion
 from models.motion.read.text import LARGEST, MOST, decoded

@@ -13,7 +13,7 @@ from xml.etree import ElementTree
 
 import numpy as np
 
-from models.arithmetic.arrays import Array
+from models.arithmetic import Array
 from models.errors import MotionError
 from models.motion.read.text import numbers, read_lines
 from models.reader_report import ReaderReport

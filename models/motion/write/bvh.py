@@ -10,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
-from models.arithmetic.arrays import Array
+from models.arithmetic import Array
 from models.motion.armature import Y_UP, Armature, Keys
 from models.motion.euler import ContinuousEuler
 from models.motion.output import NUMBER, MotionWriter, checked_rate, rows

@@ -16,7 +16,7 @@ from typing import Any, BinaryIO
 
 import numpy as np
 
-from models.arithmetic.arrays import Array
+from models.arithmetic import Array
 from models.motion.armature import Armature, Keys
 from models.motion.output import MotionWriter, checked_rate, refused
 from models.pose import POSE_SIZE

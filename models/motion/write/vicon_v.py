@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from models.arithmetic.arrays import Array
+from models.arithmetic import Array
 from models.motion.armature import Z_UP, Armature, Keys
 from models.motion.output import MotionWriter, checked_rate
 from models.motion.read.vicon_v import MAGIC, SECTION, VERSION

@@ -69,10 +69,10 @@ class CaptureOptions:
     fingertip within 25 mm, and contacts that are nearer to another finger for a fifth of their
     time. docs/captures.md explains how to record.
 
-    With a Leap instead of motion capture (docs/own-hand.md), or with a camera over the surface
-    (docs/camera-over-tablet.md): --recorded FOLDER, a folder by `sandbox capture record`, which
-    guides you, or by `sandbox capture simulate`. The offset of the clocks is estimated from taps
-    and the device's position from touches; --joints and --mapping are not needed.
+    With a Leap instead of motion capture, or with a camera over the surface: --recorded FOLDER, a
+    folder by `sandbox capture record`, which guides you, or by `sandbox capture simulate`. The
+    offset of the clocks is estimated from taps and the device's position from touches; --joints and
+    --mapping are not needed.
     `sandbox capture report FOLDER` tells what a camera saw.
 
     Try it with a simulated session, then with recordings of your own:
@@ -135,9 +135,11 @@ class CaptureOptions:
     """File (TOML or JSON) with the meaning of the recording's names, and the corners of the
     surface."""
 
-    unit: Annotated[float | None, Parameter(metavar="M")] = None
-    """Unit of length of the recording in metres. Default: 0.01 for BVH, 0.001 for Vicon and
-    markers, and that of the skeleton for .amc."""
+    unit: Annotated[str, Parameter(metavar="UNIT,...")] = ""
+    """Units of the recording, such as cm or cm,ms: m, cm, mm, in, or a number of metres; s, ms, us
+    or ns. Default: cm for BVH, mm for Vicon and markers, that of the skeleton for .amc, and
+    seconds, if the hand has a hand's size and the recording a possible rate in them; else the
+    units in which it has, which are reported."""
 
     scale: float = 1.0
     """Size of the hand in a CSV file relative to the program's adult hand. In other formats, the
@@ -272,7 +274,6 @@ def _checked(options: CaptureOptions) -> Path:
     refuse_replacing(options.out, sources)
     for name, value, greatest in (
         ("--rate", options.rate, 1000.0),
-        ("--unit", 1.0 if options.unit is None else options.unit, 1000.0),
         ("--threshold", options.threshold, 50.0),
         ("--joints-rate", 120.0 if options.joints_rate is None else options.joints_rate, 10_000.0),
         ("--scale", options.scale, 2.0),

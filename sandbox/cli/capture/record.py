@@ -20,6 +20,7 @@ from sandbox.captures.recorder import PICTURE_WIDTH, REMEDY, Hands, record_sessi
 from sandbox.cli.common.command_line import parse, picked
 from sandbox.cli.common.touch_options import LiveTouchOptions, TouchOptions, open_touches_or_page
 from sandbox.devices.device import LandmarkDevice, Sees
+from sandbox.devices.files import show_report
 from sandbox.devices.files.paired_capture import (
     ABOUT,
     PairedCaptureWriter,
@@ -53,10 +54,10 @@ class RecordOptions(PageOptions, LiveTouchOptions):
     It guides you: hold the hand open (PAALM measures it), tap three times with all five fingers (to
     synchronise the clocks), then move on the surface with each of the 26 sets of two to five
     fingers, twice for some seconds. Ctrl-C stops earlier and keeps the recording. Record again on
-    another day for a test set. docs/own-hand.md explains where to place the Leap.
+    another day for a test set. docs/captures.md explains where to place the Leap.
 
     With --hands webcam, a camera over the tablet sees the fingers and names each touch by the
-    fingertip that is nearest (docs/camera-over-tablet.md, ten minutes). Landmarks of the hand are
+    fingertip that is nearest (docs/captures.md, ten minutes). Landmarks of the hand are
     kept, pictures never.
 
     Try it without devices:
@@ -257,7 +258,9 @@ def _hands(options: RecordOptions) -> Hands:
             webbrowser.open(device.address)
         return device
     if camera:
-        return LandmarkFileDevice(read_landmarks(Path(options.hands)))
+        landmarks = read_landmarks(Path(options.hands))
+        show_report(landmarks.report, options.hands)
+        return LandmarkFileDevice(landmarks)
     if options.hands == LIVE:
         return open_leap(options.leap)
     path = Path(options.hands)
@@ -269,7 +272,9 @@ def _hands(options: RecordOptions) -> Hands:
             where="--hands",
             others="or a recording of one of them",
         )
-    return LeapFileDevice(read_leap(path))
+    recording = read_leap(path)
+    show_report(recording.report, options.hands)
+    return LeapFileDevice(recording)
 
 
 def _touches(options: RecordOptions) -> Opened | None:

@@ -15,7 +15,7 @@ from sandbox.captures.camera_report import lines_of, report_of
 from sandbox.captures.recorded import read_session
 from sandbox.cli.common.command_line import parse
 from sandbox.cli.common.json_out import check_output, write_json
-from sandbox.devices.files.paired_capture import read_asked
+from sandbox.devices.files.paired_capture import read_requests
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -49,7 +49,7 @@ def main(argv: list[str]) -> int:
         session = read_session(options.folder, surface)
         report = ConversionReport()
         named = session.names(ConversionRules(), report)
-        asked = read_asked(options.folder)
+        asked = read_requests(options.folder)
         document = report_of(named, asked, session.about.simulated)
         document["subject"] = session.about.subject
         document["dropped_contacts"] = report.contacts

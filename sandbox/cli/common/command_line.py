@@ -35,8 +35,8 @@ from cyclopts.exceptions import (
 )
 
 from models.errors import InputError, unknown_name
-from sandbox.cli.common.printing import HelpShown, print_no_more
-from sandbox.trial.headings import COMMON, COMMON_SETTINGS, OF_SETTINGS, device_heading
+from sandbox.cli.common.printing import HelpExit, print_no_more
+from sandbox.trial.trial_options import COMMON, COMMON_SETTINGS, OF_SETTINGS, device_heading
 
 
 class DataclassInstance(Protocol):
@@ -54,14 +54,14 @@ SEVERAL = Parameter(consume_multiple=True)
 """An option with a list takes all words behind it, and may be repeated."""
 
 
-def _shown(default: Any) -> str | None:
+def _default_text(default: Any) -> str | None:
     """The default of an option for its help; None for False, 0 and what is empty."""
     if isinstance(default, tuple):
         default = " ".join(map(str, default))
     return str(default) if default else None
 
 
-_DEFAULTS = Parameter(negative=(), show_default=_shown, allow_repeating=True)
+_DEFAULTS = Parameter(negative=(), show_default=_default_text, allow_repeating=True)
 """Flags have no `--no-...` unless they name one. Of an option given twice, the last counts."""
 
 
@@ -142,7 +142,7 @@ def parse(options: type[T], prog: str, argv: Sequence[str]) -> T:
 
     Raises:
         InputError: The options are invalid.
-        HelpShown: Help was printed.
+        HelpExit: Help was printed.
     """
     names = {field.name for field in fields(options)}
     if "second_device" in names:
@@ -174,11 +174,11 @@ def parse(options: type[T], prog: str, argv: Sequence[str]) -> T:
     app.config = (_check_whole_numbers, collect)
     try:
         result = run(app, argv, of_devices.values())
-    except HelpShown:
+    except HelpExit:
         if "device_options" in names:
-            from sandbox.cli.common.device_options import show_other_devices
+            from sandbox.cli.common.device_options import show_hidden_devices
 
-            show_other_devices(of_devices.values())
+            show_hidden_devices(of_devices.values())
         raise
     more: dict[str, Any] = {}
     if "given" in names:
@@ -225,7 +225,7 @@ def run(app: App, argv: Sequence[str], devices: Iterable[str] = ()) -> Any:
 
     Raises:
         InputError: The command line is invalid.
-        HelpShown: Help was printed.
+        HelpExit: Help was printed.
     """
     try:
         command, bound, _ = app.parse_args(_with_terminal(argv))
@@ -246,7 +246,7 @@ def run(app: App, argv: Sequence[str], devices: Iterable[str] = ()) -> Any:
         except SystemExit:
             # So ends `rich` a program whose reader has left, as `head` does.
             print_no_more()
-        raise HelpShown(0)
+        raise HelpExit(0)
     return command(*bound.args, **bound.kwargs)
 
 

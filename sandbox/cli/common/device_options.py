@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, fields
-from typing import Any, TypeVar, cast
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, fields, is_dataclass
+from typing import Any, TypeVar, cast, get_type_hints
 
 from rich.console import Console
 
 from models.errors import DeviceError
+from sandbox.cli.common.command_line import flat
 from sandbox.devices.registry import DEVICES, find_device
-from sandbox.trial.headings import device_heading
+from sandbox.trial.trial_options import device_heading
 
 T = TypeVar("T")
 
@@ -58,7 +59,10 @@ def with_options(options: type[T], of_devices: Mapping[type[Any], str]) -> type[
         return options
     own = {each.name for each in fields(cast(Any, options))}
     for kind, heading in of_devices.items():
-        if both := own & {each.name for each in fields(kind)}:
+        # Both may have options of one class, such as the units of a file.
+        shared = [base for base in kind.__mro__ if is_dataclass(base) and issubclass(options, base)]
+        same = {each.name for base in shared for each in fields(base)}
+        if both := own & {each.name for each in fields(kind)} - same:
             raise DeviceError(
                 "an option of the device has the name of another option",
                 where=heading,
@@ -76,7 +80,39 @@ def with_options(options: type[T], of_devices: Mapping[type[Any], str]) -> type[
     return cast(type[T], dataclass(frozen=True, kw_only=True)(extended))
 
 
-def show_other_devices(shown: Iterable[str]) -> None:
+def taking_device_options(command: Callable[..., int], argv: Sequence[str]) -> Callable[..., int]:
+    """A subcommand that takes the options of the device that its command line names, as well.
+
+    Args:
+        command: Function of one object of options, whose class has a field `device`.
+        argv: Words of the command line.
+
+    Raises:
+        DeviceError: The code of somebody's own device cannot be used, or one of its options has the
+            name of another option.
+    """
+    ((name, kind),) = (
+        (name, kind) for name, kind in get_type_hints(command).items() if name != "return"
+    )
+    more = {
+        shown: heading
+        for shown, heading in named_options(kind, argv).items()
+        if not issubclass(kind, shown)
+    }
+    if not more:
+        return command
+    extended = flat(with_options(kind, more), more)
+
+    def extended_command(options: Any) -> int:
+        return command(options)
+
+    extended_command.__name__, extended_command.__doc__ = command.__name__, command.__doc__
+    extended_command.__defaults__ = (extended(),) if command.__defaults__ else None
+    extended_command.__annotations__ = {name: extended, "return": int}
+    return extended_command
+
+
+def show_hidden_devices(shown: Iterable[str]) -> None:
     """Prints where the options of devices are shown that the command line does not name.
 
     Args:

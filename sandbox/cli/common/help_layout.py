@@ -8,7 +8,7 @@ from cyclopts.help import HelpPanel
 from cyclopts.help.formatters import DefaultFormatter
 from rich.console import Console, ConsoleOptions
 
-from sandbox.trial.headings import device_heading
+from sandbox.trial.trial_options import device_heading
 
 
 class HelpLayout(DefaultFormatter):

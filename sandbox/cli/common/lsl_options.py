@@ -10,7 +10,7 @@ from typing import Annotated, Any
 from cyclopts import Parameter
 from rich.console import Console
 
-from sandbox.trial.headings import OUTPUT
+from sandbox.trial.trial_options import OUTPUT
 
 
 @dataclass(frozen=True, kw_only=True)

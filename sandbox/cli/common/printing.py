@@ -25,7 +25,7 @@ def prepare() -> None:
             stream.reconfigure(errors="backslashreplace")
 
 
-class HelpShown(SystemExit):
+class HelpExit(SystemExit):
     """The end of a program that was asked for help, and showed it."""
 
 

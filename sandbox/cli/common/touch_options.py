@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, cast
 
@@ -11,7 +11,7 @@ from rich.console import Console
 
 from models.errors import InputError
 from models.surface import parse_surface
-from sandbox.devices.device import Device, Place
+from sandbox.devices.device import Device, Place, UnitOptions
 from sandbox.devices.evdev import EvdevOptions
 from sandbox.devices.registry import (
     DeviceSettings,
@@ -22,7 +22,7 @@ from sandbox.devices.registry import (
 )
 from sandbox.devices.tuio import STALE_AFTER, TuioOptions, open_tuio
 from sandbox.server.page_options import PageOptions
-from sandbox.trial.headings import COMMON, device_heading
+from sandbox.trial.trial_options import COMMON, device_heading
 
 if TYPE_CHECKING:
     from sandbox.devices.files.touch_files import Opened
@@ -35,7 +35,7 @@ class LiveTouchOptions(TuioOptions, EvdevOptions):
 
 
 @dataclass(frozen=True, kw_only=True)
-class TouchOptions(PageOptions, LiveTouchOptions):
+class TouchOptions(UnitOptions, PageOptions, LiveTouchOptions):
     """Source of touches."""
 
     device: Annotated[str, Parameter(group=COMMON, metavar="DEVICE")] = "tuio"
@@ -43,7 +43,7 @@ class TouchOptions(PageOptions, LiveTouchOptions):
     --tablet for a tablet in the network. evdev, evdev:NODE: a touch screen or trackpad of this
     Linux machine. FILE: a file by `touches record`, a recording of this program, or a capture of
     TUIO packets. Or a device of your own: FILE.py:CLASS[:ARGUMENT], or its name in an installed
-    package."""
+    package. `sandbox touches formats` lists all."""
 
     surface: Annotated[str | None, Parameter(group=COMMON, metavar="SIZE")] = None
     """Size of the touch area: 7.76x5.82in, 197x148mm, or a preset (ipad2, ipad-11, ipad-13,
@@ -70,6 +70,16 @@ class TouchOptions(PageOptions, LiveTouchOptions):
         return self.device == "web" or self.tablet or self.lan is not None
 
 
+def refuse_unit(options: TouchOptions) -> None:
+    """Refuses --unit for a device that is no file.
+
+    Raises:
+        InputError: It is given.
+    """
+    if options.unit:
+        raise InputError("only a file has units to choose", where="--unit", got=options.device)
+
+
 def open_touches(options: TouchOptions, tap: Tap | None = None) -> Opened:
     """Opens a live device or a file, but not the page.
 
@@ -82,7 +92,8 @@ def open_touches(options: TouchOptions, tap: Tap | None = None) -> Opened:
     given = parse_surface(options.surface) if options.surface else None
     named, settings = find_device(options.device), options.settings
     if named is None or named.argument == options.device:
-        return open_file(Path(options.device), given, options.stale_after)
+        return open_file(Path(options.device), given, options.stale_after, options.unit)
+    refuse_unit(options)
     if named.entry.kind.in_scene:
         raise InputError(
             "this device needs a scene",
@@ -91,7 +102,9 @@ def open_touches(options: TouchOptions, tap: Tap | None = None) -> Opened:
             expected=f"{', '.join(touch_devices())}, a device of your own, or a file",
             remedy=f"`sandbox play --device {options.device}` has one",
         )
-    size = given or named.surface() or guessed_surface()
+    settings.check()
+    guess = replace(guessed_surface(), calibrated=not named.entry.kind.guessed_size)
+    size = given or named.surface(given_device_options(options)) or guess
     if options.device == "tuio":
         place = Place(size)
         return Opened(open_tuio(settings.options, place, tap, options.stale_after), size)
@@ -102,6 +115,7 @@ def open_touches_or_page(options: TouchOptions, seconds: float, tap: Any = None)
     """Opens the device; returns None if nobody opened the page in time."""
     if not options.is_page:
         return open_touches(options, tap)
+    refuse_unit(options)
     # These imports load the whole program, which only the page needs.
     from sandbox.devices.files.touch_files import Opened
     from sandbox.play.page_touches import open_page_touches

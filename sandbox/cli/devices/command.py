@@ -10,11 +10,22 @@ PARTS = {
     "robot": "Robots' hands in the place of ours: fits one of your own, lists known ones.",
 }
 """Part -> its help. Each is `app` in sandbox/cli/devices/PART.py."""
+SHOW = "Shows what a device or a file sends: rate, sizes, units, what is left out and why."
 
 
 def main(argv: list[str]) -> int:
     """Runs `sandbox devices ...`; returns the exit status."""
-    app = application("sandbox devices", "What goes with a Leap, a webcam and robots' hands.")
-    for part, about in PARTS.items():
-        app.command(f"sandbox.cli.devices.{part}:app", name=part, help=about)
+    app = application(
+        "sandbox devices",
+        "What devices send, and what goes with a Leap, a webcam and robots' hands.",
+    )
+    if argv[:1] == ["show"]:
+        # Its own help is longer than its line in the list.
+        app.command("sandbox.cli.devices.show:show", name="show")
+        if argv[1:] and not argv[1].startswith("-"):
+            argv = ["show", "--device", *argv[1:]]
+    else:
+        app.command("sandbox.cli.devices.show:show", name="show", help=SHOW)
+    for part, text in PARTS.items():
+        app.command(f"sandbox.cli.devices.{part}:app", name=part, help=text)
     return int(run(app, argv) or 0)

@@ -18,11 +18,12 @@ from encoders.paalm.simulated.air import AirTake, simulate_air, takes_of_capture
 from encoders.paalm.simulated.air import turned as turned_take
 from encoders.paalm.simulated.forward import leap_take
 from encoders.store import load_capture
-from models.arithmetic.arrays import Array
+from models.arithmetic import Array
 from models.errors import InputError
 from models.rotations import exp
 from sandbox.cli.common.command_line import application
 from sandbox.cli.common.json_out import refuse_replacing
+from sandbox.devices.files import show_report
 from sandbox.devices.leap.leap_fake import DEFAULT_PORT, FakeLeapd
 from sandbox.devices.leap.leap_file import read_leap
 from sandbox.devices.leap.leap_write import write_take
@@ -56,6 +57,7 @@ def fake(
     if not 0 <= port <= 65535:
         raise InputError("no such port", where="--port", got=port, expected="0 to 65535")
     recording = read_leap(file)
+    show_report(recording.report, str(file))
     server = FakeLeapd(recording.messages, bind=bind, port=port, rate=rate, loop=loop)
     try:
         print(json.dumps({"event": "listening", "address": server.address}), flush=True)

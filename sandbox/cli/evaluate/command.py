@@ -36,7 +36,7 @@ class EvaluateOptions:
 
     Without --capture, they are tested on another day of the same SIMULATED person that they were
     trained on: --days of them, chosen by the subject's configuration and --day-seed. That flatters
-    them: everyone who uses this program is a stranger, and docs/strangers.md has the numbers of
+    them: everyone who uses this program is a stranger, and docs/encoding.md has the numbers of
     strangers. docs/evaluation.md defines all measures.
 
     Try:

@@ -69,15 +69,15 @@ def main(argv: list[str]) -> int:
     with Progress(console=console, transient=True, disable=not console.is_terminal) as bar:
         job = bar.add_task("judging", total=1.0)
 
-        def shown(share: float) -> None:
+        def show_progress(share: float) -> None:
             bar.update(job, completed=share)
 
         if options.readings and options.paalm == SIMULATED:
-            judgements = judge_readings(options.takes, shown)
+            judgements = judge_readings(options.takes, show_progress)
         elif options.paalm == SIMULATED:
-            judgements = judge_simulated(options.takes, shown)
+            judgements = judge_simulated(options.takes, show_progress)
         else:
-            judgements = judge_folder(Path(options.paalm), shown)
+            judgements = judge_folder(Path(options.paalm), show_progress)
     judgements = {"schema": SCHEMA, **judgements}
     if options.readings:
         show_readings(judgements)

@@ -24,9 +24,9 @@ from sandbox.devices.files.touch_files import first_line
 from sandbox.devices.registry import given_device_options, is_in_air
 from sandbox.devices.simulated.spreads import SimulatedSpreads
 from sandbox.hand.layouts import collect_layouts, named_layouts, rounded_interval
+from sandbox.hand.profiles import Profile, default_path, save_profile
 from sandbox.recording.recording import is_recording
-from sandbox.trial.open_devices import device_makers, is_live
-from sandbox.trial.profiles import Profile, default_path, save_profile
+from sandbox.trial.assembly import device_makers, is_live
 from sandbox.trial.settings import Settings
 from sandbox.trial.trial_options import TrialOptions, trial_settings
 from tasks.registry import find_task
@@ -57,7 +57,7 @@ class MeasureOptions(LiveTouchOptions):
 
     rest: Annotated[Path | None, Parameter(metavar="FILE")] = None
     """Rest posture of the hand, to keep in the profile: a file of looks at the hand, or a capture
-    of it (docs/strangers.md)."""
+    of it (docs/playing.md)."""
 
     hand_size: Annotated[float, Parameter(metavar="RATIO")] = 1.0
     """True size of the simulated person's hand."""

@@ -12,8 +12,8 @@ from rich.console import Console
 from rich.text import Text
 
 from encoders.person.rest_posture import MOST, save_rest
+from encoders.reconstruction.hand_motion import RateLimit
 from models.errors import InputError
-from models.pose import RateLimit
 from sandbox.cli.common.command_line import flat, picked
 from sandbox.cli.common.json_out import check_output, refuse_replacing
 from sandbox.devices.leap import LeapCommandOptions
@@ -21,7 +21,7 @@ from sandbox.devices.registry import LIVE_HEADSET as HEADSET
 from sandbox.devices.registry import built_in, given_device_options
 from sandbox.devices.webcam import BeforeCameraOptions
 from sandbox.hand.rest import RestWatch, check_rest, watch_rest
-from sandbox.trial.open_devices import device_makers, is_live
+from sandbox.trial.assembly import device_makers, is_live
 from sandbox.trial.settings import Settings
 from sandbox.trial.trial_options import TrialOptions, trial_settings
 from tasks.registry import find_task
@@ -39,8 +39,8 @@ class RestOptions(BeforeCameraOptions, LeapCommandOptions):
     out: Annotated[Path, Parameter(metavar="FILE")]
     """File for the rest posture; an existing one is replaced."""
 
-    looks: int = 1
-    """Number of looks, 1 to 12. Lift the hand between two of them. More tell better what stays."""
+    samples: int = 1
+    """Number of samples, 1 to 12. Lift the hand between two of them. More are more accurate."""
 
     hand: Literal["right", "left"] | None = None
     """Which hand. Default: that of the recording, else right."""
@@ -55,10 +55,9 @@ class RestOptions(BeforeCameraOptions, LeapCommandOptions):
 def rest(options: RestOptions) -> int:
     """Sees your hand for a second, and writes its rest posture, for --rest of other commands.
 
-    Touches do not tell how high a wrist is held, and how far fingers bend at rest; whoever sees the
-    hand knows it (docs/strangers.md). Hold the hand still for a second, relaxed, with all
-    fingertips on one level, as it rests on a screen. For a webcam, give its tilt: it decides what
-    is level.
+    Touches do not show how high a wrist is held, and how far fingers bend at rest; a camera or a
+    Leap does (docs/playing.md). Hold the hand still for a second, relaxed, with all fingertips on
+    one level, as it rests on a screen. For a webcam, give its tilt: it decides what is level.
 
     Try:
 
@@ -80,13 +79,13 @@ def rest(options: RestOptions) -> int:
         if is_live(chosen):
             console.print(f"hold your {hand.side} hand as it rests on a screen, for a second")
         live = built_in(options.device) is not None
-        watch_rest(watch, device, options.looks, options.seconds, live, console)
-    looks = watch.looks
-    check_rest(watch, hand.person.hand_size, options.looks, options.device)
-    save_rest(looks, options.out, hand.side, chosen.device.user is not None)
+        watch_rest(watch, device, options.samples, options.seconds, live, console)
+    samples = watch.samples
+    check_rest(watch, hand.person.hand_size, options.samples, options.device)
+    save_rest(samples, options.out, hand.side, chosen.device.user is not None)
     console.print(
         Text(
-            f"{len(looks)} look{'s' if len(looks) > 1 else ''} at a {hand.side} hand of size "
+            f"{len(samples)} sample{'s' if len(samples) > 1 else ''} of a {hand.side} hand of size "
             f"{hand.person.hand_size:.2f}: {options.out}; use it with --rest {options.out}"
         ),
         soft_wrap=True,
@@ -100,11 +99,11 @@ def _plan(options: RestOptions) -> Settings:
     Raises:
         InputError: An option has an invalid value, or the device sees no hands.
     """
-    if not 1 <= options.looks <= MOST:
+    if not 1 <= options.samples <= MOST:
         raise InputError(
-            "the number of looks is out of range",
-            where="--looks",
-            got=options.looks,
+            "the number of samples is out of range",
+            where="--samples",
+            got=options.samples,
             expected=f"1 to {MOST}",
         )
     if not options.seconds > 0.0:

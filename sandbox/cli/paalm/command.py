@@ -21,14 +21,16 @@ from encoders.paalm.calibration_file import read_calibration, write_calibration
 from encoders.paalm.recorded import calibrate_on_recording
 from models.errors import InputError
 from models.frames import SIDES, HandFrame
+from models.reader_report import ReaderReport
 from sandbox.cli.common.command_line import application, run
 from sandbox.cli.common.json_out import refuse_replacing
+from sandbox.devices.files import show_report
 from sandbox.devices.leap import DEFAULT_ADDRESS
 from sandbox.devices.leap.guided_calibration import save_calibrations
 from sandbox.devices.leap.leap import LeapDevice, LeapFileDevice
 from sandbox.devices.leap.leap_file import doubt_of_side, read_leap
 from sandbox.devices.leap.leap_write import GENERATOR
-from sandbox.trial.profiles import DEFAULT, own_calibration_path
+from sandbox.hand.profiles import DEFAULT, own_calibration_path
 from sandbox.views.paalm.show import check_picture, show_pictures
 
 SCHEMA = 1
@@ -62,6 +64,7 @@ def show(
     view: Literal["text", "window", "web"] = "text",
     picture: Annotated[Path | None, Parameter(metavar="FILE.png|.jpg|.webp")] = None,
     port: int = 0,
+    unit: Annotated[str, Parameter(metavar="UNIT,...")] = "",
 ) -> int:
     """Shows the joint angles of every frame, as text or as pictures.
 
@@ -95,6 +98,7 @@ def show(
         view: text: lines of angles. window, web: pictures.
         picture: File for a picture of the last frame; --seconds chooses an earlier one.
         port: TCP port of the page; 0 takes a free one.
+        unit: Units of FILE, such as cm,ms. Default: found by the hand's size and the frames' rate.
     """
     _check(file, device, frames, seconds)
     check_picture(picture)
@@ -102,7 +106,7 @@ def show(
         raise InputError(
             "pictures cannot be written as JSON", where="--json", expected="--view text"
         )
-    source = _Source(file, address)
+    source = _Source(file, address, unit)
     paalm = Paalm(PAPER if method == "paper" else PaalmOptions())
     try:
         stream = source.frames()
@@ -155,6 +159,7 @@ def calibrate(
     address: Annotated[str, Parameter(metavar="URL")] = DEFAULT_ADDRESS,
     frames: int = PAPER_FRAMES,
     out: Annotated[Path | None, Parameter(metavar="FILE")] = None,
+    unit: Annotated[str, Parameter(metavar="UNIT,...")] = "",
 ) -> int:
     """Measures hands: hold them open, palm down, fingers spread, 20 cm above the device.
 
@@ -166,6 +171,7 @@ def calibrate(
         frames: Number of frames with five fingers; 1000 in the paper, about 10 seconds.
         out: File for the calibration, as JSON. `default` is this user's own file, which
             `sandbox play --device leap` uses automatically.
+        unit: Units of FILE, such as cm,ms. Default: found by the hand's size and the frames' rate.
     """
     _check(file, device or (None if file else "leap"), frames, math.inf)
     own = out == Path(DEFAULT)
@@ -173,12 +179,13 @@ def calibrate(
         raise InputError("no such folder", where=f"--out {out}", remedy="Make it, or name another")
     if not own:
         refuse_replacing(out, {"FILE": file})
-    source = _Source(file, address)
+    source = _Source(file, address, unit)
     paalm = Paalm()
     try:
         calibrations = _measure(paalm, source.frames(), hands, frames)
     finally:
         source.close()
+        source.report(paalm)
     if own:
         known = read_calibration(own_calibration_path()) if own_calibration_path().exists() else {}
         save_calibrations({**known, **calibrations}, own_calibration_path())
@@ -201,8 +208,8 @@ def calibrate(
 class _Source:
     """Frames of a recording or of the live device."""
 
-    def __init__(self, file: Path | None, address: str) -> None:
-        self._file = None if file is None else read_leap(file)
+    def __init__(self, file: Path | None, address: str, unit: str) -> None:
+        self._file = None if file is None else read_leap(file, unit)
         self._live = LeapDevice(address) if file is None else None
         self._address = address
 
@@ -226,14 +233,12 @@ class _Source:
             self._live.close()
 
     def report(self, paalm: Paalm) -> None:
-        """Prints counts of unusable frames on stderr, then raises the damage of a file."""
-        device = self._live or (LeapFileDevice(self._file) if self._file else None)
-        counts = {} if device is None else dict(device.counts)
-        counts |= paalm.counts
-        left = {k: n for k, n in counts.items() if n and k not in ("frames", "handshakes")}
-        console = Console(stderr=True)
-        if left:
-            console.print(Text(", ".join(f"{what}: {n}" for what, n in left.items())))
+        """Prints what could not be used on stderr, then raises the damage of a file."""
+        report = ReaderReport()
+        if source := self._live or self._file:
+            report.add(source.report)
+        report.add_counts({k: n for k, n in paalm.counts.items() if k != "frames"})
+        show_report(report)
         if self._file is not None and self._file.damage is not None:
             raise self._file.damage
 

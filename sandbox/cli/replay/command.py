@@ -15,12 +15,13 @@ from rich.progress import Progress
 
 from models.errors import InputError
 from sandbox.cli.common.command_line import FLAT, parse
-from sandbox.cli.replay.study import elsewhere, study_folder, verdict, verified, verify_study
+from sandbox.cli.replay.study import elsewhere, study_folder, verdict, verify_study
 from sandbox.recording.recording import Recording, load_recording
 from sandbox.server.page_options import PageOptions
 from sandbox.session.messages import Snapshot
 from sandbox.session.session import Session
 from sandbox.study.record.trial_files import find_recordings, finished_only
+from sandbox.study.share.verify import verified
 from sandbox.trial.driver import View
 from sandbox.trial.replay import BOUND_DEGREES, BOUND_MM, Agreement, Verification, replay
 from sandbox.trial.result import TrialResult
@@ -41,7 +42,7 @@ class ReplayOptions:
         sandbox replay run.jsonl                                   a recording
         sandbox replay NAME/3B5G5T/S001/T007                       a trial of a study
         sandbox replay NAME/3B5G5T --verify                        all of a participant's
-        sandbox replay NAME --verify --witness FILE                a study: journals, files, states
+        sandbox replay NAME --verify                               a study: records, files, states
         sandbox replay NAME/3B5G5T/T007 --view window              to look at, at real time
         sandbox replay run.jsonl --view film --film run.mp4
     """
@@ -54,12 +55,12 @@ class ReplayOptions:
     verify: bool = False
     """Exit status 1 unless the recording is complete and every state is equal. States of another
     machine's recording may differ if the outcome is the same and nothing is more than 1 mm or 2
-    degrees away. Of a whole study, also compares journals, recordings, derived tables and the
-    lock, and names what is missing, orphaned, changed or reordered."""
+    degrees away. Of a whole study, also verifies records, seals, recordings, frames, tables, orders
+    and withdrawals, and names what is missing or changed."""
 
-    witness: Annotated[tuple[Path, ...], Parameter(metavar="FILE")] = ()
-    """With --verify and a study: file that `sandbox study run --witness FILE` wrote, kept where
-    nobody who has the study can write; may be repeated."""
+    seals: Annotated[Path | None, Parameter(metavar="FILE")] = None
+    """With --verify of a study, a copy of its notes/A.jsonl that was kept elsewhere, whose seals
+    must hold, too."""
 
     view: Literal["none", "window", "web", "film"] = "none"
     """Show the trial after the comparison: in a window (h shows the keys: pause, steps, jumps), on
@@ -90,15 +91,10 @@ def main(argv: list[str]) -> int:
             expected="a factor from 0.001 to 1000; 1 is the recorded speed",
         )
     study = study_folder(options.trial, options.out)
-    if options.witness and not (options.verify and study):
-        raise InputError(
-            "a witness is compared with a whole study",
-            where="--witness",
-            got=options.trial,
-            expected="the folder of a study, and --verify",
-        )
     if options.verify and study is not None:
-        return verify_study(study, options.witness, console)
+        return verify_study(study, console, options.seals)
+    if options.seals is not None:
+        raise InputError("--seals is for --verify of a study", where="sandbox replay")
     files = find_recordings(options.trial, options.out)
     if len(files) > 1:
         files, broken = finished_only(files)

@@ -1,19 +1,15 @@
-"""`sandbox replay STUDY --verify`: journals, recordings, tables and the lock; then every state."""
+"""`sandbox replay STUDY --verify`: eight points, a line each."""
 
 from __future__ import annotations
 
-from collections import Counter
 from pathlib import Path
 
 from rich.console import Console
 from rich.markup import escape
 
-from models.message import counted
-from sandbox.recording.recording import load_recording
-from sandbox.recording.versions import other_states
-from sandbox.study.audit.audit import audit, is_study
-from sandbox.study.audit.witness import read_witnesses
-from sandbox.trial.replay import Verification, replay
+from sandbox.study.record.folder import is_study
+from sandbox.study.share.verify import verify
+from sandbox.trial.replay import Verification
 
 
 def study_folder(name: str, out: Path) -> Path | None:
@@ -21,49 +17,29 @@ def study_folder(name: str, out: Path) -> Path | None:
     return next((path for path in (Path(name), out / name) if is_study(path)), None)
 
 
-def verify_study(study: Path, witnesses: tuple[Path, ...], console: Console) -> int:
-    """Verifies a study, prints one line for everything that is wrong; returns the exit status.
+def verify_study(study: Path, console: Console, seals: Path | None = None) -> int:
+    """Verifies a study, prints a line for each point and for all that is wrong.
 
-    Raises:
-        StudyError: A file of witnesses cannot be read.
+    Args:
+        study: Folder of the study.
+        console: Where it is printed.
+        seals: A copy of `notes/SITE.jsonl` that was kept elsewhere.
+
+    Returns:
+        The exit status.
     """
-    known = {str(path): read_witnesses(path) for path in witnesses}
-    found = audit(study, known)
-    findings = found.findings
-    for finding in findings.found:
-        console.print(f"[red]{escape(str(finding))}[/]", highlight=False, soft_wrap=True)
-    for note in findings.notes:
+    done = verify(study, seals)
+    for found in done.found.values():
+        for finding in found:
+            console.print(f"[red]{escape(str(finding))}[/]", highlight=False, soft_wrap=True)
+    for note in done.notes:
         console.print(f"[dim]{escape(note)}[/]", highlight=False, soft_wrap=True)
-    differ, others = 0, Counter[str]()
-    for path in found.finished:
-        recording = load_recording(path)
-        if reason := other_states(recording.header):
-            others[reason] += 1
-            continue
-        _, verification = replay(recording)
-        if not verified(verification):
-            differ += 1
-            name = escape(findings.name(path))
-            console.print(f"{name}: {verdict(verification)}", highlight=False, soft_wrap=True)
-    for reason, count in others.items():
-        line = f"{counted(count, 'recording')} not replayed: {reason}"
-        console.print(f"[yellow]{escape(line)}[/]", highlight=False, soft_wrap=True)
-    findings.counts["recordings replayed"] = len(found.finished) - others.total()
-    counts = ", ".join(f"{count} {name}" for name, count in findings.counts.items() if count)
-    console.print(escape(counts), highlight=False, soft_wrap=True)
-    wrong = not findings.sound or differ > 0
-    console.print("[red]verification failed[/]" if wrong else "[green]all is as it was written[/]")
-    return int(wrong)
-
-
-def verified(verification: Verification) -> bool:
-    """True if a recording is complete, and its states are equal or agree as another machine's."""
-    agrees = (
-        not verification.same_machine
-        and verification.agreement is not None
-        and verification.agreement.holds
+    for line in done.lines():
+        console.print(escape(line), highlight=False, soft_wrap=True)
+    console.print(
+        "[green]all is as it was written[/]" if done.sound else "[red]verification failed[/]"
     )
-    return (verification.exact or agrees) and verification.complete
+    return int(not done.sound)
 
 
 def verdict(verification: Verification) -> str:

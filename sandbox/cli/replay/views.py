@@ -11,7 +11,7 @@ from sandbox.play.pages import in_air, open_page, show_address, show_session
 from sandbox.server.page_options import PageOptions
 from sandbox.session.messages import Snapshot
 from sandbox.session.session import Session
-from sandbox.trial.events import EventLog
+from sandbox.trial.logs import EventLog
 from sandbox.trial.replay import Playback
 
 RATE = 60.0

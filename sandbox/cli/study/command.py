@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from importlib.resources import files
-from itertools import product
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -16,13 +15,12 @@ from rich.markup import escape
 from models.errors import StudyError, unknown_name
 from models.message import counted
 from sandbox.cli.common.command_line import parse
-from sandbox.cli.study import data_commands
-from sandbox.cli.study.plan_options import PlanOptions, participants_of, say_power
-from sandbox.cli.study.recover import RecoverOptions, recover
-from sandbox.cli.study.report import ReportOptions, report
+from sandbox.cli.study.note import NoteOptions, note
+from sandbox.cli.study.plan import PlanOptions, SheetOptions, participants_of, plan, sheet
+from sandbox.cli.study.report import ReportOptions, TablesOptions, report, tables
 from sandbox.cli.study.run import run, say_findings, say_noted, sayer
 from sandbox.cli.study.run_options import StudyRunOptions
-from sandbox.cli.study.sheet import SheetOptions, sheet
+from sandbox.cli.study.share import ShareOptions, share
 
 if TYPE_CHECKING:
     from sandbox.study.design.design import Design
@@ -52,7 +50,11 @@ class NewOptions:
 
 @dataclass(frozen=True, kw_only=True)
 class CheckOptions:
-    """Checks a design and lists every mistake with line and remedy. A mistake: exit status 2."""
+    """Checks form and numbers of a design, and lists every mistake with line and remedy.
+
+    A mistake: exit status 2. Texts are not read; print `sandbox study sheet` for those who read
+    them.
+    """
 
     file: File = field(kw_only=False)
     """Design file."""
@@ -74,12 +76,11 @@ class StudySimulateOptions:
     participants: Annotated[int | None, Parameter(metavar="N")] = None
     """Number of participants. Default: that of the design."""
 
+    site: Annotated[str, Parameter(metavar="LETTER")] = "A"
+    """Letter of the place of these participants; numbers count at each place by themselves."""
+
     resume: bool = False
     """Continue an earlier run, even if it was interrupted."""
-
-    witness: Annotated[Path | None, Parameter(metavar="FILE")] = None
-    """Append the digests of all journals to this file after every session, for `sandbox replay
-    STUDY --verify --witness FILE`."""
 
     force_upgrade: Annotated[str, Parameter(metavar="REASON")] = ""
     """Continue although program, encoder or design have changed; the reason is logged."""
@@ -124,74 +125,26 @@ def _load(file: Path) -> Design:
 
 def _check(options: CheckOptions, console: Console) -> int:
     from sandbox.study.design.balance import cycle_line
-    from sandbox.study.design.checks import findings
+    from sandbox.study.design.checks import UNREAD, findings
     from sandbox.study.design.conditions import combinations
-    from sandbox.study.design.design_file import read_draft
-    from sandbox.study.design.reading import DesignError
+    from sandbox.study.design.power import power_lines
 
-    try:
-        design = _load(options.file)
-    except DesignError:
-        draft = read_draft(options.file)
-        say_findings(findings(draft) if draft else [], console)
-        raise
+    design = _load(options.file)
     count = sum(1 for _ in combinations(design))
     found = findings(design)
     say_findings(found, console)
-    if any(finding.error for finding in found):
-        return 2
-    console.print(cycle_line(design), highlight=False)
-    warnings = f", {len(found)} warnings" if len(found) > 1 else ", 1 warning" if found else ""
+    for line in (cycle_line(design), *power_lines(design, design.participants)):
+        console.print(line, highlight=False, markup=False)
+    errors = sum(finding.error for finding in found)
+    said = f"{counted(errors, 'error')}, with which `run` refuses real participants"
     console.print(
-        f"[green]{design.name}[/]: no mistakes{warnings}, {count} combinations of levels, all of "
-        "which can be run here"
+        f"[{'red' if errors else 'green'}]{design.name}[/]: {said if errors else 'no mistakes'}, "
+        f"{counted(len(found) - errors, 'warning')}, {count} combinations of levels, all of which "
+        "can be run here",
+        highlight=False,
     )
-    return 0
-
-
-def _plan(options: PlanOptions, console: Console) -> int:
-    from sandbox.cli.study.plan_table import add_session, own_limits, plan_table
-    from sandbox.study.design.plan import duration, session_plan, trials_of
-
-    design = _load(options.file)
-    count = participants_of(options.participants, design)
-    table = plan_table(design)
-    minutes, practice = [], 0
-    for number, session in product(range(count), range(1, design.sessions + 1)):
-        steps = session_plan(design, number, session)
-        minutes.append(duration(design, steps) / 60)
-        practice = max(practice, sum(t.practice for t in trials_of(steps)))
-        add_session(table, design, number, session, steps, minutes[-1])
-    console.print(table)
-    console.print(
-        f"a session takes about {max(minutes):.0f} min, all of them "
-        f"{sum(minutes) / 60:.1f} h; a trial taken as {design.expected:g} s"
-        + (f"; {practice} of a session's trials are practice" if practice else "")
-    )
-    if limits := own_limits(design):
-        console.print(limits, highlight=False)
-    _say_breaks(design, count, console)
-    _say_cycle(design, count, console)
-    say_power(design, options, console)
-    return 0
-
-
-def _say_breaks(design: Design, people: int, console: Console) -> None:
-    """Prints where breaks come."""
-    from sandbox.cli.study.plan_table import break_lines
-
-    for i, line in enumerate(break_lines(design, people)):
-        console.print(line, style="yellow" if i else None, highlight=False, markup=False)
-
-
-def _say_cycle(design: Design, people: int, console: Console) -> None:
-    """Prints how many participants a full cycle takes, and what so many leave confounded."""
-    from sandbox.cli.study.plan_table import cycle_lines
-
-    whole, *missing = cycle_lines(design, people)
-    console.print(whole, highlight=False)
-    for line in missing:
-        console.print(f"[yellow]{escape(line)}[/]", highlight=False)
+    console.print(UNREAD, highlight=False, markup=False)
+    return 2 if errors else 0
 
 
 def _simulate(options: StudySimulateOptions, console: Console) -> int:
@@ -202,9 +155,9 @@ def _simulate(options: StudySimulateOptions, console: Console) -> int:
     design = _load(options.file)
     count = participants_of(options.participants, design)
     say_findings(findings(design), console)
-    study = StudyFolder(options.out, design, SIMULATED, options.force_upgrade)
+    study = StudyFolder(options.out, design, SIMULATED, options.force_upgrade, options.site)
     say_noted(study, sayer(console))
-    done = simulate(study, count, options.resume, sayer(console), options.witness)
+    done = simulate(study, count, options.resume, sayer(console))
     console.print(
         f"{escape(str(study.path))}: {counted(done['participants'], 'simulated participant')}, "
         f"{counted(done['trials'], 'trial that counts', 'trials that count')}, "
@@ -216,12 +169,13 @@ def _simulate(options: StudySimulateOptions, console: Console) -> int:
 ACTIONS: dict[str, tuple[Any, Callable[[Any, Console], int]]] = {
     "new": (NewOptions, _new),
     "check": (CheckOptions, _check),
-    "plan": (PlanOptions, _plan),
+    "plan": (PlanOptions, plan),
     "sheet": (SheetOptions, sheet),
     "run": (StudyRunOptions, run),
     "simulate": (StudySimulateOptions, _simulate),
+    "tables": (TablesOptions, tables),
     "report": (ReportOptions, report),
-    "recover": (RecoverOptions, recover),
-    **data_commands.ACTIONS,
+    "share": (ShareOptions, share),
+    "note": (NoteOptions, note),
 }
 """Action -> its options and what it does."""

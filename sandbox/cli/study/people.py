@@ -27,6 +27,14 @@ def find_participant(options: StudyRunOptions, study: StudyFolder, console: Cons
         known = read_pseudonym(options.participant)
         person = study.find(known, "`--participant new` adds a participant")
         _check_same(options, person)
+        if study.is_released(person.ppid):
+            raise StudyError(
+                "the number of this participant was freed for somebody else",
+                where="--participant",
+                got=person.ppid,
+                remedy=f"`sandbox study note {study.path} --participant {person.ppid} --include "
+                '"REASON"` takes it back',
+            )
         return person
     unfinished = [person.ppid for person in study.participants() if _comes_again(study, person)]
     if not options.participant:
@@ -101,4 +109,4 @@ def has_begun(study: StudyFolder, person: Participant, number: int) -> bool:
 def _comes_again(study: StudyFolder, person: Participant) -> bool:
     """True if a participant has a session that is not finished, or not begun."""
     excluded = any(s.state.excluded_participant for s in sessions_of(study, person))
-    return not (excluded or has_finished(study, person))
+    return not (excluded or study.is_released(person.ppid) or has_finished(study, person))

@@ -1,4 +1,4 @@
-"""`sandbox study report`: the results of a study, as a page with tables and an R script."""
+"""`sandbox study tables` and `report`: a study's tables, and its results as a page."""
 
 from __future__ import annotations
 
@@ -11,15 +11,16 @@ from rich.console import Console
 from rich.markup import escape
 
 from models.errors import HandSandboxError, InputError
-from sandbox.cli.study.recover import tell_losses
+from models.message import counted
+from sandbox.cli.study.note import print_losses
 
 
 @dataclass(frozen=True, kw_only=True)
 class ReportOptions:
     """Writes a page with the results of a study, CSV files and an R script.
 
-    It reads only the CSV files in the study's folder, so that it also works on a copy. Before the
-    study has ended, the report covers the data so far. Needs the extra `study`.
+    It makes the tables of the study first, and reads only these, so that it also works on a copy of
+    them. Before the study has ended, the report covers the data so far. Needs the extra `study`.
 
     sandbox study report studies/three-encoders
 
@@ -29,26 +30,66 @@ class ReportOptions:
     """
 
     folder: Annotated[Path, Parameter(metavar="FOLDER")] = field(kw_only=False)
-    """Folder of the study, which contains trial_results.csv."""
+    """Folder of the study, which contains tables/trials.csv."""
 
     out: Annotated[Path | None, Parameter(metavar="DIR")] = None
     """Folder for the report. Default: FOLDER/report."""
 
     measure: Annotated[tuple[str, ...], Parameter(metavar="NAME")] = ()
-    """Column of trial_results.csv that is compared like completion time and success; may be
+    """Column of trials.csv that is compared like completion time and success; may be
     repeated. It is tested unless the design names primary outcomes. All other columns are described
     only."""
 
 
+@dataclass(frozen=True, kw_only=True)
+class TablesOptions:
+    """Makes the tables of a study from its records: FOLDER/tables/*.csv.
+
+    Try: sandbox study tables studies/NAME
+
+    Frames of trials that are missing are made before, by replays. Exit status 1: a record is not
+    what was sealed, and nothing was written.
+    """
+
+    folder: Annotated[Path, Parameter(metavar="FOLDER")] = field(kw_only=False)
+    """Folder of the study, which contains notes/A.jsonl."""
+
+    uxf_names: bool = False
+    """Name the first columns as UXF does: experiment, ppid, session_num, trial_num, ..."""
+
+
+def tables(options: TablesOptions, console: Console) -> int:
+    """Runs `sandbox study tables`."""
+    from sandbox.cli.study.run import sayer
+    from sandbox.study.record.folder import StudyFolder
+    from sandbox.study.run.decisions import unsealed
+    from sandbox.study.tables.tables import make_tables
+
+    study = StudyFolder.at(options.folder)
+    if print_losses(study, console):
+        console.print("[yellow]until that is decided, the tables are left as they are[/]")
+        return 1
+    for session in unsealed(study):
+        line = f"{session}: no seal, as where the notes of its site were not copied"
+        console.print(f"[yellow]{line}[/]", highlight=False)
+    done = make_tables(study, sayer(console), uxf_names=options.uxf_names, compare=True)
+    console.print(
+        f"{escape(str(study.path))}: tables of {counted(done['participants'], 'participant')}, "
+        f"{counted(done['trials'], 'trial that counts', 'trials that count')}, "
+        f"{done['excluded']} excluded"
+    )
+    return 0
+
+
 def report(options: ReportOptions, console: Console) -> int:
     """Runs `sandbox study report`."""
-    from sandbox.study.report.make import make_report
+    from sandbox.study.report.make import REPORTS, make_report
 
     if options.out is not None and options.out.is_file():
         raise InputError("this is a file", where="--out", got=str(options.out), expected="a folder")
     lacking = _bring_up_to_date(options.folder, console)
     with console.status("") as status:
-        out = options.out or options.folder / "report"
+        out = options.out or options.folder / REPORTS
         page = make_report(
             options.folder,
             out,
@@ -62,32 +103,27 @@ def report(options: ReportOptions, console: Console) -> int:
 
 
 def _bring_up_to_date(folder: Path, console: Console) -> str:
-    """Rebuilds outdated tables, as after a program was killed during a session.
-
-    Tables that have more than a journal are left as they are.
+    """Makes the tables of a study; those of a record that has lost something are left.
 
     Returns:
         What the tables lack, in sentences; empty if they are whole.
     """
-    from sandbox.study.record.folder import STUDY_JOURNAL, StudyFolder
-    from sandbox.study.tables.tables import rebuild_closed, rebuild_study, tables_are_outdated
+    from sandbox.cli.study.run import sayer
+    from sandbox.study.record.folder import StudyFolder, is_study
+    from sandbox.study.tables.tables import make_tables
 
-    if not (folder / STUDY_JOURNAL).exists():
+    if not is_study(folder):
         return ""
     try:
         study = StudyFolder.at(folder)
-        if ppids := tell_losses(study, console):
+        if ppids := print_losses(study, console):
             console.print("[yellow]until that is decided, the tables are left as they are[/]")
             return (
                 f"Records of {', '.join(ppids)} are lost, and nobody has decided about them: some "
-                "trials may be missing here. `sandbox study recover` shows them."
+                "trials may be missing here. `sandbox study note --accept-loss` accepts that."
             )
-        if not tables_are_outdated(folder):
-            return ""
-        rebuild_closed(study)
-        rebuild_study(study, console.print)
+        make_tables(study, sayer(console), compare=True)
     except HandSandboxError as error:
         console.print(f"[yellow]the newest trials are not in the tables: {escape(str(error))}[/]")
         return "The newest trials are missing here, because the tables could not be rebuilt."
-    console.print("[dim]the tables were rebuilt, since some journals were newer[/]")
     return ""

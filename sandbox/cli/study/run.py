@@ -9,6 +9,7 @@ import webbrowser
 from collections.abc import Callable, Iterable
 from contextlib import ExitStack
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -41,7 +42,11 @@ if TYPE_CHECKING:
     from sandbox.study.run.players import TrialPlayer
     from sandbox.study.run.session_camera import SessionCamera
     from sandbox.study.run.study_page import StudyPage
+    from sandbox.study.run.task_pictures import TaskPictures
+    from sandbox.trial.settings import Settings
 
+LONG_PAUSE = 1800.0
+"""s without a record after which a participant may have forgotten what was practised."""
 FAREWELL = 1.0
 """s in which the page receives its last message before the program ends."""
 
@@ -51,11 +56,12 @@ def run(options: StudyRunOptions, console: Console) -> int:
     from sandbox.cli.study.people import find_participant, has_begun, next_session
     from sandbox.study.design.checks import findings
     from sandbox.study.design.design_file import load_design
-    from sandbox.study.record.folder import PILOT, REAL, StudyFolder
+    from sandbox.study.record.folder import PILOT, REAL, StudyFolder, folder_of
+    from sandbox.study.record.mirror import Mirror
     from sandbox.study.record.session_folder import SessionFolder
     from sandbox.study.run.controls import Controls, Terminal
     from sandbox.study.run.finished_trials import bring_up_to_date
-    from sandbox.study.tables.tables import StudyTables
+    from sandbox.study.tables.tables import make_tables
 
     check_options(options)
     check_page(options)
@@ -63,25 +69,32 @@ def run(options: StudyRunOptions, console: Console) -> int:
     check_leap(options, design)
     engine = check_camera(options, design)
     check_second_device(options, design)
-    say_findings(findings(design), console)
-    study = StudyFolder(
-        options.out, design, PILOT if options.pilot else REAL, options.force_upgrade
-    )
+    flaws = findings(design)
+    say_findings(flaws, console)
+    mode = PILOT if options.pilot else REAL
+    wrong = [flaw for flaw in flaws if flaw.error]
+    if wrong and mode == REAL and not folder_of(options.out, design.name, mode).exists():
+        raise StudyError(
+            "this design is not for real participants yet",
+            where=str(options.file),
+            got=str(wrong[0]),
+            remedy="Correct it, or try it by --pilot",
+        )
+    study = StudyFolder(options.out, design, mode, options.force_upgrade, options.site)
     say = sayer(console)
     say_noted(study, say)
     if options.force_upgrade and study.participants():
         # Tables follow the new design whatever becomes of the next session.
-        StudyTables(study, say).update()
+        make_tables(study, say)
     controls = Controls(say)
-    terminal = Terminal(controls)
+    terminal = Terminal(controls, answers=not options.has_page)
     person = find_participant(options, study, console)
     number = options.session or next_session(study, person)
     if number > 1 and options.session is None and not has_begun(study, person, number):
         say(
-            f"{person.ppid} has finished session {number - 1} of {design.sessions}. Begin the "
-            "next? Type yes or no, then Enter"
+            f"{person.ppid} has finished session {number - 1} of {design.sessions}. Begin the next?"
         )
-        if not _agreed(terminal, f"--session {number} begins it"):
+        if not _agreed(terminal, say, f"--session {number} begins it"):
             say(f"session {number} was not begun")
             return 0
     found = shlex.join(["sandbox", "study", "report", str(study.path)])
@@ -89,13 +102,14 @@ def run(options: StudyRunOptions, console: Console) -> int:
         done, of = session.state.done(session.steps)
         if session.resumed and not options.resume and not session.state.complete:
             far = f"{done} of {counted(of, 'trial')}"
-            say(f"{person.ppid} has done {far}. Go on with the next? Type yes or no, then Enter")
-            if not _agreed(terminal, "--resume goes on"):
+            say(f"{person.ppid} has done {far}. Go on with the next?")
+            if not _agreed(terminal, say, "--resume goes on"):
                 say("nothing was played; the session can be resumed later")
                 return 0
+            offer_to_begin_again(session, terminal, say)
         of_several = f", session {number} of {design.sessions}" if design.sessions > 1 else ""
         if session.state.complete:
-            bring_up_to_date(session, StudyTables(study, say), say, witness=options.witness)
+            bring_up_to_date(session, say)
             say(f"{person.ppid}{of_several}: complete, so nothing was played")
             say(f"what was found so far: {found}; the next person: --participant new")
             return 0
@@ -103,16 +117,18 @@ def run(options: StudyRunOptions, console: Console) -> int:
             f"participant {person.ppid}"
             + of_several
             + (", a pilot" if options.pilot else "")
-            + "; h and Enter shows your keys"
-            + ("" if options.has_page else ", while a question is open /h")
+            + f"; {'' if options.has_page else '/'}h and Enter shows your keys"
         )
         with ExitStack() as closing:
+            if options.mirror is not None:
+                closing.enter_context(Mirror(study.path, person.ppid, options.mirror, say))
             clock = closing.enter_context(streaming(options.lsl, console))
             if clock:
-                session.write("clock_sync", **clock)
+                session.write("done", step="lsl", **clock)
             page = _open_page(options, session, console, closing)
             camera = _camera(options, session, engine, console, closing)
-            outcome = _play(options, session, page, camera, controls, terminal, console)
+            pictures = closing.enter_context(_pictures(session)) if page is not None else None
+            outcome = _play(options, session, page, camera, controls, terminal, console, pictures)
     say(f"{person.ppid}{of_several}: {outcome}")
     if outcome == "stopped":
         say(f"to go on: {again(options, person.ppid)}")
@@ -121,24 +137,58 @@ def run(options: StudyRunOptions, console: Console) -> int:
     return 0
 
 
-def _agreed(terminal: Terminal, otherwise: str) -> bool:
+def _agreed(terminal: Terminal, say: Callable[[str], object], otherwise: str) -> bool:
     """Returns True if the experimenter says yes.
 
     Args:
         terminal: Where the question was asked.
+        say: Prints which answers there are.
         otherwise: Option that answers the question, and its effect.
 
     Raises:
         StudyError: The input has ended, so that nobody can answer.
     """
-    answer = terminal.ask()
-    if answer is None:
-        raise StudyError(
-            "the input has ended, so that nobody can answer yes or no",
-            where="the terminal",
-            remedy=f"Run the command in a terminal; {otherwise} without asking",
-        )
-    return answer.strip().lower() in ("y", "yes")
+    from sandbox.study.run.controls import YES_OR_NO
+
+    return terminal.choose(YES_OR_NO, say, ended=lambda: _input_ended(otherwise)) == 0
+
+
+def offer_to_begin_again(
+    session: SessionFolder, terminal: Terminal, say: Callable[[str], object]
+) -> None:
+    """After a long pause in a block, asks whether the block begins again with its practice.
+
+    Raises:
+        StudyError: The input has ended, so that nobody can answer.
+    """
+    from sandbox.study.design.plan import trials_of
+
+    again = session.state.block_under_way(session.steps)
+    if session.away <= LONG_PAUSE or not again:
+        return
+    minutes = f"{session.away / 60.0:.0f} min"
+    trials = counted(len(trials_of(again)), "trial")
+    say(
+        f"{session.person.ppid} was away for {minutes}, after {trials} of this block. Go on there, "
+        "or begin the block again with its instructions and practice? What was done of it stays, "
+        "and does not count"
+    )
+    ways = ("go on", "begin again")
+    if terminal.choose(ways, say, ended=lambda: _input_ended("--resume goes on")) == 1:
+        session.begin_again(again, f"begun again after {minutes}")
+
+
+def _input_ended(otherwise: str) -> StudyError:
+    """The error of a question that nobody is there to answer.
+
+    Args:
+        otherwise: Option that answers the question, and its effect.
+    """
+    return StudyError(
+        "the input has ended, so that the question cannot be answered",
+        where="the terminal",
+        remedy=f"Run the command in a terminal; {otherwise} without asking",
+    )
 
 
 def _open_page(
@@ -175,14 +225,16 @@ def _serve_page(
     from models.surface import parse_surface
     from sandbox.play.pages import open_page, print_refusals, show_address
     from sandbox.study.design.conditions import any_lifts
+    from sandbox.study.record.records import SCREEN
     from sandbox.study.run.study_page import StudyPage, study_view
-    from sandbox.trial.events import EventLog
+    from sandbox.trial.logs import EventLog
 
     language, settings = session.person.language, session.study.design.page
     server = open_page(where, study_view(settings, language))
     closing.callback(lambda: print_refusals(server, console))
     closing.callback(server.close)
     page = StudyPage(server, language, sayer(console), settings.words.get(language), whose)
+    page.record = partial(session.write, SCREEN)
     surface = session.study.design.settings.get("surface")
     if surface is not None and options.touches == "web":
         designed = parse_surface(surface)
@@ -200,21 +252,14 @@ def _camera(
     closing: ExitStack,
 ) -> SessionCamera | None:
     """The session's camera, on from the first trial that needs it; None if no trial does."""
-    from sandbox.study.design.conditions import run_settings
-    from sandbox.study.design.plan import trials_of
     from sandbox.study.run.run_device import before_cameras
     from sandbox.study.run.session_camera import SessionCamera
 
     if engine is None:
         return None
-    person = session.person
-    every = [
-        run_settings(step.values, step.seed, person.hand, person.hand_size)
-        for step in trials_of(session.steps)
-    ]
     sides = [
         hand.side
-        for settings in every
+        for settings in _settings_left(session)
         for hand, there in zip(settings.hands, before_cameras(settings), strict=True)
         if there
     ]
@@ -222,6 +267,26 @@ def _camera(
     return closing.enter_context(
         SessionCamera(engine, list(dict.fromkeys(sides)), browse, sayer(console))
     )
+
+
+def _pictures(session: SessionFolder) -> TaskPictures:
+    """Pictures of the tasks of what is left of a session."""
+    from sandbox.study.run.task_pictures import TaskPictures
+
+    return TaskPictures(_settings_left(session))
+
+
+def _settings_left(session: SessionFolder) -> list[Settings]:
+    """Settings of the trials of a session that are not finished."""
+    from sandbox.study.design.conditions import run_settings
+    from sandbox.study.design.plan import trials_of
+
+    person, done = session.person, session.state.finished
+    return [
+        run_settings(step.values, step.seed, person.hand, person.hand_size, session.study.settings)
+        for step in trials_of(session.steps)
+        if step.id not in done
+    ]
 
 
 def _play(
@@ -232,10 +297,11 @@ def _play(
     controls: Controls,
     terminal: Terminal,
     console: Console,
+    pictures: TaskPictures | None,
 ) -> str:
     from sandbox.study.run.forms import TerminalForms
     from sandbox.study.run.hand_calibration import hand_measurer
-    from sandbox.study.run.page_forms import PageForms
+    from sandbox.study.run.page_forms import PageForms, measure_screens
     from sandbox.study.run.run_device import person_devices, settings_fitter
     from sandbox.study.run.runner import SessionRunner
 
@@ -268,7 +334,12 @@ def _play(
         settings_fitter(name, page, other.name, camera),
         calibrate,
         second_device=other,
-        witness=options.witness,
+        before_step=(
+            partial(measure_screens, page)
+            if page is not None and options.touches == "web"
+            else lambda poll: None
+        ),
+        picture_of=pictures.of if pictures is not None else lambda task, poll: "",
     )
     try:
         outcome = runner.run()

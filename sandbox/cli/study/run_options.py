@@ -48,7 +48,7 @@ class StudyRunOptions(PageOptions, _Design):
     browser on this machine. Otherwise trials are in a window, and forms on a page beside it.
 
     The terminal is for the experimenter: h and Enter shows the keys. If forms are in the terminal,
-    too, type a slash before a key while a form is open.
+    too, type a slash before a key.
     """
 
     participant: Annotated[str, Parameter(metavar="new|ID")] = ""
@@ -56,6 +56,14 @@ class StudyRunOptions(PageOptions, _Design):
 
     out: Annotated[Path, Parameter(metavar="DIR")] = Path("studies")
     """Folder of studies."""
+
+    site: Annotated[str, Parameter(metavar="LETTER")] = "A"
+    """Letter of the place where this computer is: numbers and orders count at each place by
+    themselves, and folders of several places are merged by copying."""
+
+    mirror: Annotated[Path | None, Parameter(metavar="DIR")] = None
+    """Folder on a second disk that gets every record and recording as it is written. Where it
+    fails, the session goes on, and the mirror catches up."""
 
     pilot: bool = False
     """Rehearse: the data go to a separate folder and never mix with those of the study."""
@@ -101,11 +109,6 @@ class StudyRunOptions(PageOptions, _Design):
 
     force_upgrade: Annotated[str, Parameter(metavar="REASON")] = ""
     """Continue although program, encoder or design have changed; the reason is logged."""
-
-    witness: Annotated[Path | None, Parameter(metavar="FILE")] = None
-    """Append the digests of the session's and the study's journals to this file at the end. Keep it
-    where nobody who has the study can write; `sandbox replay STUDY --verify --witness FILE`
-    compares it."""
 
     leap: Annotated[str, Parameter(metavar="URL")] = ""
     """WebSocket address of leapd or of the Ultraleap bridge, for trials with `device = "leap"`.
@@ -238,6 +241,7 @@ def check_second_device(options: StudyRunOptions, design: Design) -> None:
     """
     from sandbox.devices.device import Place
     from sandbox.devices.files.touch_files import guessed_surface
+    from sandbox.devices.registry import named_device
     from sandbox.study.design.conditions import PARTNER, combinations, run_settings, values_of
     from sandbox.study.run.run_device import needs_second_device
 
@@ -270,12 +274,13 @@ def check_second_device(options: StudyRunOptions, design: Design) -> None:
                 remedy="Use --tablet or --device web for the first hand",
             )
         return
-    if name not in ("mouse", "tuio", PARTNER) and name.partition(":")[0] != "evdev":
+    kind = named_device(name, "--second-device").entry.kind
+    if name not in ("mouse", PARTNER) and (kind.in_scene or kind.in_air or not kind.live):
         raise InputError(
             "this device cannot be the second one in a study",
             where="--second-device",
             got=name,
-            expected="web, mouse, tuio, evdev, evdev:NODE or simulated",
+            expected="a live device of touches, the mouse or simulated",
         )
     if name == options.device and name not in ("tuio", PARTNER):
         raise InputError(

@@ -16,13 +16,17 @@ from rich.text import Text
 from models.errors import InputError
 from models.frames import TouchFrame
 from sandbox.cli.common.command_line import application, flat, run
+from sandbox.cli.common.device_options import taking_device_options
 from sandbox.cli.common.touch_options import TouchOptions, open_touches_or_page
 from sandbox.cli.touches.send import send
-from sandbox.cli.touches.views import JsonView, TextView, View, what_to_check
+from sandbox.cli.touches.views import JsonView, TextView, View, missing_frames_hint
 from sandbox.devices.files.frame_file import LineFile, frame_record, header_record
 from sandbox.devices.files.touch_files import Opened
-from sandbox.devices.registry import offered_devices
+from sandbox.devices.registry import DEVICES, offered_devices, touch_devices
 from sandbox.devices.tuio.touch_capture import CapturedPacket, packet_record
+
+_LISTED = ("web", "tuio", "evdev")
+"""Devices whose formats are listed one by one."""
 
 PATIENCE = 5.0
 """s without a frame after which a hint on what to check is shown."""
@@ -67,7 +71,8 @@ class Record(TouchOptions, _NewFile):
 def main(argv: list[str]) -> int:
     """Runs `sandbox touches ...`; returns the exit status."""
     about = "Shows, records and sends the touches of a tablet or touch table."
-    return int(run(application("sandbox touches", about, show, record, send, formats), argv) or 0)
+    opening = (taking_device_options(each, argv) for each in (show, record, send))
+    return int(run(application("sandbox touches", about, *opening, formats), argv) or 0)
 
 
 def show(options: Show = Show()) -> int:
@@ -95,7 +100,7 @@ def show(options: Show = Show()) -> int:
     view: View = (
         JsonView(opened.device) if options.json else TextView(opened.device, opened.surface)
     )
-    return _shown(opened, view, options.seconds, options.frames)
+    return _show_frames(opened, view, options.seconds, options.frames)
 
 
 def record(options: Record) -> int:
@@ -128,7 +133,7 @@ def record(options: Record) -> int:
         if not packets:
             file.write(header_record(opened.surface, opened.device.name))
         view = _Recorder(TextView(opened.device, opened.surface), None if packets else file)
-        status = _shown(opened, view, options.seconds, options.frames)
+        status = _show_frames(opened, view, options.seconds, options.frames)
         empty = file.lines == (0 if packets else 1)
         if empty:
             file.discard()
@@ -161,6 +166,11 @@ def formats() -> int:
             'JSON lines {"time", "contacts": [{"id", "x", "y", "finger"}]}',
         ),
         ("recording of sandbox", "--device FILE", "the touches in it"),
+        *(
+            (DEVICES[name].help, f"--device {name}", "")
+            for name in touch_devices()
+            if name not in _LISTED
+        ),
         *((name, f"--device {name}", "a package offers it") for name in offered_devices()),
         ("TUIO 1.1, 2Dcur", "send --tuio", "sent, for other programs"),
     ):
@@ -173,22 +183,22 @@ class _Recorder:
     """A view that also writes every frame."""
 
     def __init__(self, shown: TextView, file: LineFile | None) -> None:
-        self._shown, self._file = shown, file
+        self._view, self._file = shown, file
 
     def __enter__(self) -> _Recorder:
-        self._shown.__enter__()
+        self._view.__enter__()
         return self
 
     def __exit__(self, *error: object) -> None:
-        self._shown.__exit__(*error)
+        self._view.__exit__(*error)
 
     def frame(self, frame: TouchFrame) -> None:
-        self._shown.frame(frame)
+        self._view.frame(frame)
         if self._file is not None:
             self._file.write(frame_record(frame))
 
     def hint(self, text: str) -> None:
-        self._shown.hint(text)
+        self._view.hint(text)
 
 
 def _check_end(seconds: float, frames: int | None) -> None:
@@ -198,7 +208,7 @@ def _check_end(seconds: float, frames: int | None) -> None:
         )
 
 
-def _shown(opened: Opened, view: View, seconds: float, frames: int | None) -> int:
+def _show_frames(opened: Opened, view: View, seconds: float, frames: int | None) -> int:
     """Shows frames until there are enough; raises the damage of a file at its end."""
     device = opened.device
     try:
@@ -231,6 +241,6 @@ def _follow(opened: Opened, view: View, seconds: float, wanted: int | None) -> N
         over = elapsed >= seconds or seen.finished
         if not shown and not hinted and (elapsed > PATIENCE or over):
             hinted = True
-            view.hint(what_to_check(seen))
+            view.hint(missing_frames_hint(seen))
         if over:
             return

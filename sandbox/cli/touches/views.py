@@ -6,6 +6,7 @@ import dataclasses
 import json
 import socket
 import sys
+import time
 from typing import Any, Protocol, Self
 
 from rich.console import Console, Group
@@ -14,12 +15,17 @@ from rich.table import Table
 from rich.text import Text
 
 from models.frames import TouchFrame
+from models.reader_report import ReaderReport
 from models.surface import Surface
+from sandbox.cli.devices.show import DeviceTable
 from sandbox.devices.device import Device
 from sandbox.devices.files.frame_file import frame_record
 from sandbox.devices.tuio.touch_capture import CaptureDevice
 from sandbox.devices.tuio.tuio import TuioDevice
 from sandbox.devices.tuio.tuio_senders import Statistics
+
+_REPORTS = 1.0
+"""s between two reports on what is left out, where stdout is no terminal."""
 
 
 class View(Protocol):
@@ -48,7 +54,9 @@ class JsonView:
 
     def __exit__(self, *error: object) -> None:
         counts = counts_of(self._seen)
-        self._event("end", **(dataclasses.asdict(counts) if counts else {"frames": self._frames}))
+        facts = dataclasses.asdict(counts) if counts else {"frames": self._frames}
+        report = self._seen.report or ReaderReport()
+        self._event("end", **facts, left_out=report.left_out, assumed=report.assumed)
 
     def frame(self, frame: TouchFrame) -> None:
         self._frames += 1
@@ -62,13 +70,19 @@ class JsonView:
 
 
 class TextView:
-    """A table of the current touches; one line per frame if stdout is not a terminal."""
+    """What the device sends, and a table of the current touches.
+
+    If stdout is not a terminal, it has one line per frame; what is left out or assumed goes to
+    stderr when it changes, once a second at most.
+    """
 
     def __init__(self, seen: Device, surface: Surface) -> None:
         self._seen, self._surface = seen, surface
         self._last: TouchFrame | None = None
         self._hint = ""
         self._frames = 0
+        self._device = DeviceTable(seen, in_place=False)
+        self._reported, self._due = "", 0.0
         self._stderr = Console(stderr=True, highlight=False)
         stdout = Console()
         self._live = (
@@ -89,7 +103,9 @@ class TextView:
     def frame(self, frame: TouchFrame) -> None:
         self._last, self._hint = frame, ""
         self._frames += 1
+        self._device.take([frame])
         if self._live is None:
+            self._report()
             touches = "  ".join(
                 f"{c['finger'] or c['id']}: {c['x']:.2f}, {c['y']:.2f}" for c in _contacts(frame)
             )
@@ -100,6 +116,14 @@ class TextView:
         if self._live is None:
             self._say(text)
 
+    def _report(self) -> None:
+        """Says what has been left out and assumed since it was last said."""
+        if time.monotonic() >= self._due and (report := self._seen.report):
+            self._due = time.monotonic() + _REPORTS
+            if report.line() != self._reported:
+                self._reported = report.line()
+                self._say(self._reported)
+
     def _say(self, text: str) -> None:
         self._stderr.print(Text(text), soft_wrap=True)
 
@@ -109,16 +133,20 @@ class TextView:
             size = f"{c['size']:.2f}" if "size" in c else ""
             row = (f"{c['x']:.2f}", f"{c['y']:.2f}", size, c["finger"] or "")
             table.add_row(str(c["id"]), *row)
-        lines = [self._summary()]
+        counts = counts_of(self._seen)
+        lines = [_summary(counts)] if counts else []
         if isinstance(self._seen, TuioDevice):
             for source in self._seen.sources:
                 state = "silent" if source.stale else _touches(source.touches)
                 lines.append(f"{source.name or 'unnamed'} at {source.peer}: {state}")
-        return Group(table, Text("\n".join(lines)), Text(self._hint, style="yellow"))
+        below = (table, Text("\n".join(lines)), Text(self._hint, style="yellow"))
+        return Group(self._device.table(), *below)
 
     def _summary(self) -> str:
         counts = counts_of(self._seen)
-        return _summary(counts) if counts else f"{self._frames} frames"
+        text = _summary(counts) if counts else f"{self._frames} frames"
+        report = self._seen.report
+        return "\n".join(filter(None, (text, report.line() if report else "")))
 
 
 def counts_of(seen: Device) -> Statistics | None:
@@ -147,7 +175,7 @@ def _title(seen: Device, surface: Surface) -> str:
         return f"calling {seen.address}; {size}; Ctrl-C ends"
     reach = ""
     if seen.bind == "0.0.0.0":
-        reach = f", from the network at {_network_address()}:{seen.told_port}"
+        reach = f", from the network at {_network_address()}:{seen.announced_port}"
     how = f"TUIO over {seen.transports}"
     return f"listening on {seen.address}{reach} ({how}); {size}; Ctrl-C ends"
 
@@ -168,24 +196,27 @@ def _summary(counts: Statistics) -> str:
     return text
 
 
-def what_to_check(seen: Device) -> str:
+def missing_frames_hint(seen: Device) -> str:
     """Returns a hint on why no frame has arrived."""
     counts = counts_of(seen)
     if counts and counts.packets:
+        report = seen.report
+        why = f" {report.line()}." if report else ""
         return (
-            f"Packets arrive, but they contain no touches: {_summary(counts)}. "
+            f"Packets arrive, but they contain no touches: {_summary(counts)}.{why} "
             "Check that the sender is set to TUIO 1.1, cursors (2Dcur), or TUIO 2.0, pointers."
         )
     if not isinstance(seen, TuioDevice):
         return "The file begins with a pause." if seen.plays_file else "Nothing has arrived yet."
     if "://" in seen.address:
         return f"{seen.address} has not answered or sends nothing: touch the surface."
-    where = f"{_network_address()} port {seen.told_port}"
+    where = f"{_network_address()} port {seen.announced_port}"
     checks = [
         "Nothing has arrived yet. Touch the surface: an idle sender is silent.",
         f"Check that the sender's host and port are {where}, its protocol TUIO over "
         f"{seen.transports},",
-        f"that both are in the same network, and that the firewall lets port {seen.told_port} in.",
+        "that both are in the same network, and that the firewall lets port "
+        f"{seen.announced_port} in.",
     ]
     if seen.bind == "::1" or seen.bind.startswith("127."):
         checks[1] = (

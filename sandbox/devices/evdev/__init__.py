@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal
 
 from models.surface import Surface
 from sandbox.devices.device import DeviceEntry, DeviceKind, Place
@@ -19,17 +19,22 @@ class EvdevOptions:
     grab: bool = False
     """The touches are hidden from the desktop, so that a trackpad does not move the pointer."""
 
+    turned: Literal[0, 90, 180, 270] | None = None
+    """Degrees clockwise by which the panel is mounted. Without it, as udev says
+    (LIBINPUT_CALIBRATION_MATRIX)."""
+
 
 def _open(options: EvdevOptions, place: Place) -> EvdevDevice:
     from sandbox.devices.evdev.evdev_device import EvdevDevice, open_node
 
-    return EvdevDevice(open_node(place.argument, options.grab), place.surface)
+    node = open_node(place.argument, options.grab, options.turned)
+    return EvdevDevice(node, place.surface)
 
 
-def _surface(argument: str) -> Surface | None:
+def _surface(options: EvdevOptions, argument: str) -> Surface | None:
     from sandbox.devices.evdev.evdev_device import evdev_surface, open_node
 
-    node = open_node(argument)
+    node = open_node(argument, turned=options.turned)
     try:
         return evdev_surface(node)
     finally:

@@ -8,10 +8,12 @@ import errno
 import os
 import time
 from collections.abc import Iterable, Sequence
+from pathlib import Path
 from typing import Any, Protocol
 
 from models.errors import DeviceError
 from models.frames import TouchFrame
+from models.reader_report import ReaderReport
 from models.surface import METRES_PER_INCH, Surface
 from sandbox.devices.device import Device
 from sandbox.devices.evdev.evdev_touch import (
@@ -20,24 +22,44 @@ from sandbox.devices.evdev.evdev_touch import (
     ABS_MT_SLOT,
     ABS_MT_TOUCH_MAJOR,
     EV_ABS,
+    INPUT_PROP_DIRECT,
+    INPUT_PROP_SEMI_MT,
     MAX_SLOTS,
     SLOT_CODES,
+    TURNED,
     Axis,
+    Matrix,
     MultiTouch,
     Slots,
+    doubts,
+    on_its_side,
+    read_matrix,
+    why_unusable,
 )
 
-_INPUT_PROP_DIRECT = 0x01
-"""Property of touch screens, as opposed to trackpads."""
+_UDEV = Path("/run/udev/data")
+_CALIBRATION = "E:LIBINPUT_CALIBRATION_MATRIX="
+_INSTEAD = "The page reads every screen: `--device web`, in a browser on this machine"
 
 
 class Node(Protocol):
-    """An open device node, as `EvdevDevice` needs it."""
+    """An open device node, as `EvdevDevice` needs it.
+
+    Attributes:
+        name: Name of the device and its path.
+        x: Horizontal axis of the panel.
+        y: Vertical axis of the panel.
+        diameter: Axis of the contacts' diameters; None without one.
+        matrix: How the panel lies on the surface.
+        warning: What the person has to know of it; empty if nothing.
+    """
 
     name: str
     x: Axis
     y: Axis
     diameter: Axis | None
+    matrix: Matrix
+    warning: str
 
     def read(self) -> Iterable[tuple[int, int, int]]:
         """Waiting events (kind, code, value); never blocks.
@@ -69,7 +91,9 @@ class EvdevDevice(Device):
     def __init__(self, node: Node, surface: Surface) -> None:
         self._node = node
         size = float(surface.size[0]), float(surface.size[1])
-        self._touch = MultiTouch(node.x, node.y, size, node.slots(), node.diameter)
+        self._touch = MultiTouch(node.x, node.y, size, node.slots(), node.diameter, node.matrix)
+        if node.warning:
+            self._touch.report.assume(node.warning)
         self._present: frozenset[int] = frozenset()
         self._failure: DeviceError | None = None
         self._first = True
@@ -84,6 +108,16 @@ class EvdevDevice(Device):
     def dropped(self) -> int:
         """Number of times that the kernel lost events."""
         return self._touch.dropped
+
+    @property
+    def report(self) -> ReaderReport:
+        """Contacts and sizes that were left out, and what is to be known of the device."""
+        return self._touch.report
+
+    @property
+    def notices(self) -> Sequence[str]:
+        """What is to be known of the device."""
+        return (self._node.warning,) if self._node.warning else ()
 
     @property
     def finished(self) -> bool:
@@ -145,6 +179,8 @@ def evdev_surface(node: Node) -> Surface | None:
     width, height = node.x.length, node.y.length
     if width is None or height is None:
         return None
+    if on_its_side(node.matrix):
+        width, height = height, width
     return Surface(width / METRES_PER_INCH, height / METRES_PER_INCH)
 
 
@@ -155,35 +191,35 @@ class LinuxNode:
         path: Path such as /dev/input/event5.
         grab: Keeps events from other programs while it is open, so that a trackpad does not move
             the pointer.
+        turned: Degrees clockwise by which the panel is turned; None as udev says.
 
     Raises:
-        DeviceError: It cannot be opened, or reports no contacts in slots.
+        DeviceError: It cannot be opened, or its touches cannot be read.
     """
 
-    def __init__(self, path: str, grab: bool = False) -> None:
+    def __init__(self, path: str, grab: bool = False, turned: int | None = None) -> None:
         evdev = _evdev(path)
         try:
             self._device = evdev.InputDevice(path)
         except OSError as error:
             raise _not_readable(path, error) from error
         try:
-            absolute = dict(self._device.capabilities(absinfo=True).get(EV_ABS, []))
-            lacking = {ABS_MT_SLOT, ABS_MT_POSITION_X, ABS_MT_POSITION_Y} - set(absolute)
-            if lacking:
+            axes, properties = _axes(self._device), self._device.input_props()
+            if reason := why_unusable(axes):
                 raise DeviceError(
-                    "this device does not report touches in slots",
+                    f"touches of this device cannot be read: {reason}",
                     where=path,
                     got=self._device.name,
-                    expected="a multitouch screen or trackpad",
-                    remedy="`--device evdev` alone finds one",
+                    expected="a multitouch screen or trackpad with slots and tracking ids",
+                    remedy=f"`--device evdev` alone looks for one. {_INSTEAD}",
                 )
-            self._count = min(absolute[ABS_MT_SLOT].max + 1, MAX_SLOTS)
-            self.x, self.y = (
-                Axis(absolute[c].min, absolute[c].max, absolute[c].resolution)
-                for c in (ABS_MT_POSITION_X, ABS_MT_POSITION_Y)
-            )
-            major = absolute.get(ABS_MT_TOUCH_MAJOR)
-            self.diameter = major and Axis(major.min, major.max, major.resolution)
+            self._count = min(axes[ABS_MT_SLOT].high + 1, MAX_SLOTS)
+            self.x, self.y = axes[ABS_MT_POSITION_X], axes[ABS_MT_POSITION_Y]
+            self.diameter = axes.get(ABS_MT_TOUCH_MAJOR)
+            self.warning = doubts(properties)
+            self.matrix = TURNED[turned or 0]
+            if turned is None and INPUT_PROP_DIRECT in properties:
+                self.matrix = calibration(path) or self.matrix
             if grab:
                 self._device.grab()
         except OSError as error:
@@ -228,23 +264,41 @@ class LinuxNode:
             self._device.close()
 
 
-def open_node(path: str = "", grab: bool = False) -> LinuxNode:
+def open_node(path: str = "", grab: bool = False, turned: int | None = None) -> LinuxNode:
     """Opens a node by its path; without one, the first touch screen, else the first trackpad.
+
+    Args:
+        path: Path of the node.
+        grab: See `LinuxNode`.
+        turned: See `LinuxNode`.
 
     Raises:
         DeviceError: There is no readable device.
     """
     if path:
-        return LinuxNode(path, grab)
+        return LinuxNode(path, grab, turned)
     evdev = _evdev()
-    nodes: list[tuple[bool, str]] = []
+    nodes: list[tuple[bool, bool, str]] = []
+    unusable: list[str] = []
     for candidate in sorted(evdev.list_devices(), key=_number):
         with contextlib.suppress(OSError):
             device = evdev.InputDevice(candidate)
-            codes = dict(device.capabilities(absinfo=True).get(EV_ABS, []))
-            if ABS_MT_SLOT in codes and ABS_MT_POSITION_X in codes:
-                nodes.append((_INPUT_PROP_DIRECT not in device.input_props(), candidate))
+            axes, properties = _axes(device), device.input_props()
+            reason = why_unusable(axes)
+            if not reason:
+                semi, pad = INPUT_PROP_SEMI_MT in properties, INPUT_PROP_DIRECT not in properties
+                nodes.append((semi, pad, candidate))
+            elif ABS_MT_POSITION_X in axes:
+                unusable.append(f"{candidate} ({device.name}): {reason}")
             device.close()
+    if not nodes and unusable:
+        raise DeviceError(
+            "no touch screen or trackpad whose touches can be read",
+            where="/dev/input",
+            got="; ".join(unusable),
+            expected="one with slots and tracking ids",
+            remedy=_INSTEAD,
+        )
     if not nodes:
         raise DeviceError(
             "no touch screen or trackpad that this user may read",
@@ -252,7 +306,46 @@ def open_node(path: str = "", grab: bool = False) -> LinuxNode:
             remedy="Name one, `--device evdev:/dev/input/event5`; nodes belong to the group "
             "`input`: `sudo usermod -aG input $USER`, then log in again",
         )
-    return LinuxNode(min(nodes, key=lambda node: node[0])[1], grab)
+    return LinuxNode(min(nodes, key=lambda node: node[:2])[2], grab, turned)
+
+
+def calibration(path: str, folder: Path = _UDEV) -> Matrix | None:
+    """libinput's calibration matrix of a node; None where udev has none.
+
+    Args:
+        path: Path of the node.
+        folder: Folder of udev's data.
+
+    Raises:
+        DeviceError: It is no matrix.
+    """
+    try:
+        device = os.stat(path).st_rdev
+        lines = (folder / f"c{os.major(device)}:{os.minor(device)}").read_text().splitlines()
+    except (OSError, UnicodeDecodeError):
+        return None
+    found = (line.removeprefix(_CALIBRATION) for line in lines if line.startswith(_CALIBRATION))
+    text = next(found, "")
+    if not text:
+        return None
+    matrix = read_matrix(text)
+    if matrix is None:
+        raise DeviceError(
+            "udev's calibration matrix of this device cannot be read",
+            where=path,
+            got=text[:80],
+            expected="six numbers",
+            remedy="--turned 0 leaves it aside; `udevadm info` shows it",
+        )
+    return matrix
+
+
+def _axes(device: Any) -> dict[int, Axis]:
+    """The absolute axes of a device, by code."""
+    return {
+        code: Axis(axis.min, axis.max, axis.resolution)
+        for code, axis in device.capabilities(absinfo=True).get(EV_ABS, [])
+    }
 
 
 def _number(path: str) -> tuple[int, str]:

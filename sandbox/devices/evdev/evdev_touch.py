@@ -9,12 +9,19 @@ comes down at the same x, that x is not sent. Source: the kernel's document on m
 
 from __future__ import annotations
 
+import math
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field
 
 from models.frames import Contact
+from models.plausible import ContactSizes, on_surface
+from models.reader_report import ReaderReport
 
 EV_SYN, EV_ABS = 0x00, 0x03
 SYN_REPORT, SYN_DROPPED = 0, 3
+ABS_X, ABS_Y = 0x00, 0x01
+INPUT_PROP_DIRECT, INPUT_PROP_SEMI_MT = 0x01, 0x03
+"""Properties of screens, as opposed to trackpads, and of pads that see a box around the fingers."""
 ABS_MT_SLOT = 0x2F
 ABS_MT_TOUCH_MAJOR = 0x30
 ABS_MT_TOUCH_MINOR = 0x31
@@ -56,8 +63,67 @@ class Axis:
         return (self.high - self.low) / self.resolution / 1000.0
 
     def fraction(self, value: int) -> float:
-        """Position of a value on the axis, 0 to 1."""
-        return min(max((value - self.low) / max(self.high - self.low, 1), 0.0), 1.0)
+        """Position of a value on the axis, 0 to 1 from its one end to the other."""
+        return (value - self.low) / (self.high - self.low)
+
+
+Matrix = tuple[float, float, float, float, float, float]
+"""a b c d e f: a position x, y on the panel, 0 to 1, is at ax + by + c, dx + ey + f on the surface.
+As libinput's calibration matrix."""
+
+TURNED: dict[int, Matrix] = {
+    0: (1.0, 0.0, 0.0, 0.0, 1.0, 0.0),
+    90: (0.0, -1.0, 1.0, 1.0, 0.0, 0.0),
+    180: (-1.0, 0.0, 1.0, 0.0, -1.0, 1.0),
+    270: (0.0, 1.0, 0.0, -1.0, 0.0, 1.0),
+}
+"""Matrices of panels that are mounted turned, by degrees clockwise."""
+
+
+def on_its_side(matrix: Matrix) -> bool:
+    """True if the panel's width is the surface's height."""
+    a, b, _, d, e, _ = matrix
+    return abs(b) + abs(d) > abs(a) + abs(e)
+
+
+def read_matrix(text: str) -> Matrix | None:
+    """A calibration matrix from six or nine numbers; None if they are none."""
+    try:
+        values = [float(word) for word in text.split()]
+    except ValueError:
+        return None
+    if not all(map(math.isfinite, values)) or values[6:] not in ([], [0.0, 0.0, 1.0]):
+        return None
+    if len(values) < 6 or values[0] * values[4] == values[1] * values[3]:
+        return None
+    a, b, c, d, e, f = values[:6]
+    return a, b, c, d, e, f
+
+
+def why_unusable(axes: Mapping[int, Axis]) -> str:
+    """Why touches cannot be read from a device with these absolute axes; empty if they can."""
+    place = [axes.get(ABS_MT_POSITION_X), axes.get(ABS_MT_POSITION_Y)]
+    if None in place:
+        return (
+            "it reports one finger at most" if {ABS_X, ABS_Y} <= set(axes) else "it has no touches"
+        )
+    if ABS_MT_SLOT not in axes:
+        return "it speaks multitouch protocol A, without slots, which this program does not read"
+    if ABS_MT_TRACKING_ID not in axes:
+        return "it reports no tracking ids, so that no touch begins or ends"
+    if not all(axis and axis.low < axis.high for axis in place):
+        return "its axes have no length"
+    return ""
+
+
+def doubts(properties: Collection[int]) -> str:
+    """What is to be known of a device with these properties; empty if nothing is."""
+    if INPUT_PROP_SEMI_MT in properties:
+        return (
+            "this device reports not its fingers but two corners of the box around them: "
+            "two fingers may be at the other two corners, and more cannot be seen"
+        )
+    return ""
 
 
 @dataclass
@@ -72,17 +138,19 @@ class MultiTouch:
     """Follows the slots of a device.
 
     Args:
-        x: Horizontal axis.
-        y: Vertical axis.
-        size: (2,) m, size of the surface, which the axes span.
+        x: Horizontal axis of the panel.
+        y: Vertical axis of the panel.
+        size: (2,) m, width and height of the surface, which the axes span.
         state: Initial values of the slots. Without them, fingers that rest on the device when it is
             opened are missed.
         diameter: Axis of the contacts' diameters; its resolution is that of `x` where the driver
             reports none.
+        matrix: How the panel lies on the surface.
 
     Attributes:
         lost: Events were lost; frames count again after `resync`.
         dropped: Number of times that events were lost.
+        report: Contacts and sizes that were left out.
     """
 
     def __init__(
@@ -92,18 +160,22 @@ class MultiTouch:
         size: tuple[float, float],
         state: Slots | None = None,
         diameter: Axis | None = None,
+        matrix: Matrix = TURNED[0],
     ) -> None:
         self._x, self._y, self._size = x, y, size
+        self._matrix, self._on_side = matrix, on_its_side(matrix)
         # The kernel's document gives diameters in units of the surface, unless they have their own.
         self._metres = (
             0.001 / diameter.resolution
             if diameter is not None and diameter.resolution > 0
-            else size[0] / max(x.high - x.low, 1)
+            else size[self._on_side] / (x.high - x.low)
         )
         self._slots = state or Slots()
         self._skipping = False
         self.lost = False
         self.dropped = 0
+        self.report = ReaderReport()
+        self._sizes = ContactSizes(self.report)
 
     def feed(self, kind: int, code: int, value: int) -> bool:
         """Takes one event in; True if it ends a complete frame."""
@@ -132,10 +204,18 @@ class MultiTouch:
         contacts: dict[int, Contact] = {}
         for _, slot in sorted(self._slots.values.items()):
             id_ = slot.get(ABS_MT_TRACKING_ID, -1)
-            if not _is_finger(slot) or id_ in contacts:
+            if not _is_finger(slot):
                 continue
-            x = self._x.fraction(slot.get(ABS_MT_POSITION_X, self._x.low)) * self._size[0]
-            y = self._y.fraction(slot.get(ABS_MT_POSITION_Y, self._y.low)) * self._size[1]
+            if id_ in contacts:
+                self.report.leave_out("touches with the id of another")
+                continue
+            a, b, c, d, e, f = self._matrix
+            x = self._x.fraction(slot.get(ABS_MT_POSITION_X, self._x.low))
+            y = self._y.fraction(slot.get(ABS_MT_POSITION_Y, self._y.low))
+            across, down = on_surface(a * x + b * y + c), on_surface(d * x + e * y + f)
+            if across is None or down is None:
+                self.report.leave_out("positions beyond the surface")
+                continue
             major, minor = slot.get(ABS_MT_TOUCH_MAJOR, 0), slot.get(ABS_MT_TOUCH_MINOR, 0)
             size = extent = None
             if major > 0:
@@ -143,7 +223,10 @@ class MultiTouch:
                 # A driver without the smaller diameter reports round contacts; the larger one lies
                 # along y unless the driver reports another orientation.
                 extent = (minor * self._metres if minor > 0 else size), size
-            contacts[id_] = Contact(id_, x, y, size, extent=extent)
+                extent = extent[::-1] if self._on_side else extent
+                size, extent = self._sizes.known(size, extent)
+            place = across * self._size[0], down * self._size[1]
+            contacts[id_] = Contact(id_, *place, size, extent=extent)
         return tuple(contacts.values())
 
     def palms(self) -> frozenset[int]:

@@ -4,26 +4,49 @@
     {"time": 2.99, "contacts": [{"id": 0, "x": 1.21, "y": 1.21, "finger": null}]}
 
 The first line is optional; its `surface_calibrated` is false where the size is a guess. A frame may
-also have `cancelled` (ids) and `lift` (0 to 1), a contact `size`, or `width` and `height` too. A
-damaged file is read up to the damage.
+also have `cancelled` (ids) and `lift` (0 to 1), a contact `size`, or `width` and `height` too.
+
+A file is read up to a line that is no JSON. A contact, a size, a time or a name that cannot be read
+costs itself alone. Times and places are read in the units in which they are possible.
 """
 
 from __future__ import annotations
 
 import json
+import math
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
+from itertools import pairwise
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Any
 
-from msgspec import Meta, Struct
+from msgspec import Struct
 
 from models.errors import FrameError, InputError, RecordingError
 from models.frames import FINGERS, Contact, TouchFrame
-from models.json_input import decoded, numbered_lines
+from models.json_input import converted, decoded, loosely_decoded, numbered_lines
+from models.plausible import (
+    FEWEST,
+    FINGERS_APART,
+    LARGEST_TABLE,
+    MARGIN,
+    TOUCH_STEP,
+    USUAL_LEAST,
+    USUAL_MOST,
+    Bounds,
+    ContactSizes,
+    Units,
+    find_units,
+    in_order,
+    on_surface,
+    parse_units,
+    touch_steps,
+    unit_size,
+)
+from models.reader_report import ReaderReport
 from models.surface import METRES_PER_INCH, Surface
-from sandbox.devices.device import Closeable, Device
+from sandbox.devices.device import Closeable, Device, FilePlayer
 
 
 class LineFile(Closeable):
@@ -85,7 +108,11 @@ LONGEST_LINE = 1_000_000
 _DAMAGED = "the recording of touches is damaged here"
 _PLAYABLE = "The lines before this one can be played"
 _FORMATS = "`sandbox touches formats` lists what can be played"
-_EXPECTED = '{"time": seconds, "contacts": [{"id", "x", "y", "finger"}]}, times never backwards'
+_EXPECTED = '{"time": seconds, "contacts": [{"id", "x", "y", "finger"}]}'
+
+_SAMPLE, _PLACES = 100, 40
+"""Lines by whose times, and by whose places, the units of a file are judged."""
+_LABELS = {name: label for label, name in enumerate(FINGERS)}
 
 
 class TouchLine(Struct):
@@ -94,14 +121,14 @@ class TouchLine(Struct):
     id: int
     x: float
     y: float
-    finger: Literal["thumb", "index", "middle", "ring", "little"] | None = None
-    size: Annotated[float, Meta(gt=0)] | None = None
-    width: Annotated[float, Meta(gt=0)] | None = None
-    height: Annotated[float, Meta(gt=0)] | None = None
+    finger: str | None = None
+    size: float | None = None
+    width: float | None = None
+    height: float | None = None
 
 
 class FrameLine(Struct):
-    """A frame in a line; time in seconds."""
+    """A frame in a line; time in seconds, NaN if it has none."""
 
     time: float
     contacts: list[TouchLine]
@@ -124,48 +151,37 @@ class FrameFile:
         frames: Frames up to the end or the damage.
         surface: Touch surface, if the file has its size; else None.
         damage: Error with file and line that ended the file early; None if it is undamaged.
+        report: What was left out and assumed.
     """
 
     frames: tuple[TouchFrame, ...]
     surface: Surface | None = None
     damage: RecordingError | None = None
+    report: ReaderReport = field(default_factory=ReaderReport)
 
 
-class FramesDevice(Device):
-    """Plays frames at their times; the first frame plays at session time 0.
+class FramesDevice(FilePlayer, Device):
+    """Plays touch frames at their times; the first one plays at session time 0.
 
     Args:
         frames: Frames in order of time.
         damage: Error that ended their file early; None without damage.
+        report: What was left out of their file and assumed.
     """
 
     name = "frames"
-    plays_file = True
-    damage: RecordingError | None
     lift: bool
 
-    def __init__(self, frames: Sequence[TouchFrame], damage: RecordingError | None = None) -> None:
+    def __init__(
+        self,
+        frames: Sequence[TouchFrame],
+        damage: RecordingError | None = None,
+        report: ReaderReport | None = None,
+    ) -> None:
         start = frames[0].time if frames else 0.0
-        self._frames = [replace(frame, time=frame.time - start) for frame in frames]
-        self._next = 0
-        self.damage = damage
+        played = [replace(frame, time=frame.time - start) for frame in frames]
+        super().__init__(played, damage, report)
         self.lift = any(frame.lift is not None for frame in frames)
-
-    @property
-    def finished(self) -> bool:
-        """True after the last frame."""
-        return self._next >= len(self._frames)
-
-    def poll(self, now: float) -> Sequence[TouchFrame]:
-        """The frames due by `now`, oldest first."""
-        first = self._next
-        while not self.finished and self._frames[self._next].time <= now:
-            self._next += 1
-        return self._frames[first : self._next]
-
-    def close(self) -> None:
-        """Ends playback."""
-        self._next = len(self._frames)
 
 
 def frame_record(frame: TouchFrame) -> dict[str, Any]:
@@ -197,67 +213,131 @@ def header_record(surface: Surface, device: str) -> dict[str, Any]:
     return {"surface_in": size, "surface_calibrated": surface.calibrated, "device": device}
 
 
-def read_frame_file(path: Path) -> FrameFile:
-    """Reads a file up to its end or to the first damaged line.
+def read_frame_file(path: Path, unit: str = "", *, ordered: bool = True) -> FrameFile:
+    """Reads a file up to its end or to the first line that is no frame.
+
+    Args:
+        path: The file.
+        unit: Units of times and lengths that a person gave; others are found.
+        ordered: Frames whose time runs backwards, or that have none, are left out. Without it,
+            one without a time ends the file: each line counts.
 
     Raises:
-        RecordingError: The file does not exist, or its first frame cannot be read.
+        RecordingError: The file does not exist, its first frame cannot be read, or its times or
+            places are impossible in any unit.
     """
     surface: Surface | None = None
-    frames: list[TouchFrame] = []
+    lines: list[FrameLine] = []
     damage: RecordingError | None = None
+    report = ReaderReport()
     try:
         for number, line in numbered_lines(path, LONGEST_LINE):
-            where, remedy = f"{path}, line {number}", _PLAYABLE if frames else _FORMATS
+            where, remedy = f"{path}, line {number}", _PLAYABLE if lines else _FORMATS
             try:
-                if not frames and surface is None:
+                if not lines and surface is None:
                     surface = frame_surface(line, where)
                     if surface is not None:
                         continue
-                frame = _frame(decoded_frame(line, where, remedy))
-                if frames and frame.time < frames[-1].time:
-                    raise FrameError("the time runs backwards", got=frame.time)
-            except RecordingError as error:
-                damage = error
-                break
+                frame = _decoded(line, where, remedy, report)
             except InputError as error:
-                damage = RecordingError(
-                    f"{_DAMAGED}: {error.what}",
-                    where=where,
-                    got=None if error.got is None else str(error.got)[:40],
-                    expected=error.expected,
-                    remedy=remedy,
+                damage = (
+                    error
+                    if isinstance(error, RecordingError)
+                    else RecordingError(f"{_DAMAGED}: {error.what}", where=where, remedy=remedy)
                 )
                 break
-            frames.append(frame)
+            if math.isfinite(frame.time):
+                lines.append(frame)
+            elif ordered:
+                report.leave_out("frames without a time")
+            else:
+                damage = RecordingError(f"{_DAMAGED}: no time", where=where, remedy=remedy)
+                break
     except OSError as error:
         raise RecordingError("cannot be read", where=str(path), got=error.strerror) from None
-    if not frames:
+    if not lines:
         raise damage or RecordingError(
-            "the file contains no touches", where=str(path), expected=f"lines like {_EXPECTED}"
+            "the file contains no touches",
+            where=str(path),
+            got=report.line() or None,
+            expected=f"lines like {_EXPECTED}",
         )
-    return FrameFile(tuple(frames), surface, damage)
+    lines = in_order(lines, report) if ordered else lines
+    found = _units(lines, surface, parse_units(unit), str(path), report)
+    reader = _Reader(unit_size(found, "time"), unit_size(found, "length"), surface, report)
+    return FrameFile(tuple(map(reader.frame, lines)), surface, damage, report)
 
 
-def decoded_frame(line: bytes, where: str, remedy: str) -> FrameLine:
-    """Decodes a line of a file.
+def _units(
+    lines: Sequence[FrameLine],
+    surface: Surface | None,
+    given: Units,
+    where: str,
+    report: ReaderReport,
+) -> Units:
+    """The units in which times and places are possible.
+
+    Raises:
+        RecordingError: None fits, or several.
+    """
+    first = lines[:_SAMPLE]
+    steps = touch_steps([line.time for line in first], [bool(line.contacts) for line in first])
+    seen = {TOUCH_STEP: [abs(step) for step in steps]}
+    some = [line.contacts for line in lines[:: len(lines) // _PLACES + 1] if line.contacts]
+    if len(some) < FEWEST:
+        touched = [line.contacts for line in lines if line.contacts]
+        some = touched[:: len(touched) // _PLACES + 1]
+    # A single wrong place costs itself alone.
+    if len(some) >= FEWEST:
+        seen[FINGERS_APART] = [
+            math.hypot(b.x - a.x, b.y - a.y) for touches in some for a, b in pairwise(touches)
+        ]
+        width, height = (LARGEST_TABLE, LARGEST_TABLE) if surface is None else surface.size
+        # In each frame the touch that is farthest out, in widths of the surface.
+        seen[Bounds("the place of a touch", 0.0, (1.0 + MARGIN) * float(width))] = [
+            max(max(abs(c.x), abs(c.y) * float(width / height)) for c in touches)
+            for touches in some
+        ]
+    declared = {"time": "s", "length": "in"}
+    return find_units(seen, declared, given, where=where, report=report, error=RecordingError)
+
+
+def _decoded(line: bytes, where: str, remedy: str, report: ReaderReport) -> FrameLine:
+    """Decodes a line of a file, without those of its parts that cannot be read.
 
     Args:
         line: The line, JSON.
         where: The file and the line's number.
         remedy: The next step for the person who reads the error.
+        report: Receives what is left out.
 
     Raises:
         RecordingError: The line is not a frame.
     """
-    return decoded(
-        line,
-        FrameLine,
-        RecordingError,
-        what=_DAMAGED,
-        where=where,
-        expected=_EXPECTED,
-        remedy=remedy,
+    try:
+        return decoded(
+            line,
+            FrameLine,
+            RecordingError,
+            what=_DAMAGED,
+            where=where,
+            expected=_EXPECTED,
+            remedy=remedy,
+        )
+    except RecordingError:
+        loose = loosely_decoded(line)
+        if not isinstance(loose, dict) or not isinstance(loose.get("contacts"), list):
+            raise
+    contacts = [converted(part, TouchLine) for part in loose["contacts"]]
+    report.leave_out("touches that cannot be read", contacts.count(None))
+    cancelled = loose.get("cancelled")
+    ids = [converted(id_, int) for id_ in cancelled] if isinstance(cancelled, list) else []
+    time = converted(loose.get("time"), float)
+    return FrameLine(
+        math.nan if time is None else time,
+        [contact for contact in contacts if contact is not None],
+        converted(loose.get("lift"), float),
+        [id_ for id_ in ids if id_ is not None],
     )
 
 
@@ -267,6 +347,8 @@ def frame_surface(line: bytes, where: str) -> Surface | None:
     Raises:
         InputError: The line is not a JSON object, or its surface is invalid.
     """
+    if b'"surface_in"' not in line:
+        return None
     header = decoded(
         line,
         HeaderLine,
@@ -281,23 +363,94 @@ def frame_surface(line: bytes, where: str) -> Surface | None:
     return Surface(*header.surface_in, calibrated=header.surface_calibrated)
 
 
-def _frame(line: FrameLine) -> TouchFrame:
-    return TouchFrame(
-        line.time,
-        tuple(
-            Contact(
-                touch.id,
-                METRES_PER_INCH * touch.x,
-                METRES_PER_INCH * touch.y,
-                None if touch.size is None else METRES_PER_INCH * touch.size,
-                None if touch.finger is None else FINGERS.index(touch.finger),
-                None
-                if touch.width is None or touch.height is None
-                else (METRES_PER_INCH * touch.width, METRES_PER_INCH * touch.height),
-            )
-            for touch in line.contacts
-        ),
-        line.lift,
-        frozenset(line.cancelled),
-        "file",
-    )
+def touch_surface(path: Path) -> Surface | None:
+    """The surface that a file of `touches show` or `capture record` names; None if it names none.
+
+    Raises:
+        InputError: Its first line is damaged.
+    """
+    for number, line in numbered_lines(path, LONGEST_LINE):
+        return frame_surface(line, f"{path}, line {number}")
+    return None
+
+
+class _Reader:
+    """Makes frames from the lines of a file.
+
+    Args:
+        second: s, unit of its times.
+        metre: m, unit of its lengths.
+        surface: Its surface; None if it names none.
+        report: Receives what is left out.
+    """
+
+    def __init__(
+        self, second: float, metre: float, surface: Surface | None, report: ReaderReport
+    ) -> None:
+        self._second, self._metre, self._report = second, metre, report
+        self._size: tuple[float, float] | None = None
+        if surface is not None:
+            self._size = float(surface.size[0]), float(surface.size[1])
+        self._sizes = ContactSizes(report)
+        # m, from here on a width is usual; none is before enough sizes were judged.
+        self._least = math.inf
+
+    def frame(self, line: FrameLine) -> TouchFrame:
+        """The frame of a line."""
+        contacts: dict[int, Contact] = {}
+        for touch in line.contacts:
+            try:
+                contact = self._contact(touch)
+            except FrameError as error:
+                self._report.leave_out(error.what)
+                continue
+            if contacts.setdefault(touch.id, contact) is not contact:
+                self._report.leave_out("touches with the id of another")
+        lift = line.lift
+        if lift is not None and not 0.0 <= lift <= 1.0:
+            self._report.leave_out("places of the lift control beyond its ends")
+            lift = None
+        return TouchFrame(
+            self._second * line.time,
+            tuple(contacts.values()),
+            lift,
+            frozenset(line.cancelled),
+            "file",
+        )
+
+    def _contact(self, touch: TouchLine) -> Contact:
+        """The contact of a touch.
+
+        Raises:
+            FrameError: It is left out.
+        """
+        metre = self._metre
+        x, y = metre * touch.x, metre * touch.y
+        if self._size is None:
+            # A file that names no surface may have its origin anywhere.
+            if not (math.isfinite(x) and math.isfinite(y)):
+                raise FrameError("positions beyond the surface")
+        elif not (0.0 <= x <= self._size[0] and 0.0 <= y <= self._size[1]):
+            width, height = self._size
+            across, down = on_surface(x / width), on_surface(y / height)
+            if across is None or down is None:
+                raise FrameError("positions beyond the surface")
+            x, y = min(max(x, 0.0), width), min(max(y, 0.0), height)
+        size = extent = None
+        if touch.size is not None:
+            size = metre * touch.size
+        if touch.width is not None and touch.height is not None:
+            width, height = metre * touch.width, metre * touch.height
+            extent = width, height
+            if not (self._least <= width <= USUAL_MOST and self._least <= height <= USUAL_MOST):
+                size, extent = self._sizes.known(size, extent)
+                if self._sizes.decided:
+                    self._least = USUAL_LEAST
+        elif size is not None:
+            size, extent = self._sizes.known(size, None)
+        label = None
+        if touch.finger is not None:
+            label = _LABELS.get(touch.finger)
+            if label is None:
+                self._report.leave_out("names that no finger has")
+        return Contact(touch.id, x, y, size, label, extent)

@@ -23,15 +23,15 @@ from typing import Any, Literal
 import numpy as np
 from msgspec import Struct
 
-from models.arithmetic.arrays import Array
+from models.arithmetic import Array
 from models.errors import RecordingError
 from models.frames import HandFrame, TouchFrame
 from models.json_input import decoded, numbered_lines, read_bytes
+from models.reader_report import ReaderReport
 from models.surface import Surface
 from sandbox.devices.device import Closeable
 from sandbox.devices.files.frame_file import LONGEST_LINE, LineFile, frame_record, header_record
 from sandbox.devices.leap.leap_file import read_leap
-from sandbox.devices.leap.leap_json import LeapDecoder
 from sandbox.devices.leap.leap_write import leap_message
 
 UNNAMED = "unnamed"
@@ -147,7 +147,7 @@ class PairedCaptureWriter(Closeable):
         self._hands.write(message | {"host": host})
         self.hands += 1
 
-    def asked(self, fingers: Sequence[int], host: float) -> None:
+    def request(self, fingers: Sequence[int], host: float) -> None:
         """Writes which fingers the guide asks for from `host` on, s.
 
         Raises:
@@ -157,7 +157,7 @@ class PairedCaptureWriter(Closeable):
             self._asked = LineFile(self._folder / ASKED)
         self._asked.write({"host": host, "asked": list(fingers)})
 
-    def tell(self, **more: Any) -> None:
+    def describe(self, **more: Any) -> None:
         """Adds to `about.json` what became known during the session; JSON values.
 
         Raises:
@@ -189,34 +189,34 @@ class HandsFile:
         time: (n,) s, times on the device's clock.
         host: (n,) s, arrival times; None if the file lacks them.
         damage: Error that ended the file early; empty if it is undamaged.
+        report: What was left out, and what is assumed.
     """
 
     frames: tuple[HandFrame, ...]
     time: Array
     host: Array | None
     damage: str
+    report: ReaderReport
 
 
-def read_hands(path: Path) -> HandsFile:
+def read_hands(path: Path, unit: str = "") -> HandsFile:
     """Reads any Leap recording, with the arrival times of its frames if it has them.
+
+    Args:
+        path: The file.
+        unit: Units that a person gave, such as `cm,ms`.
 
     Raises:
         RecordingError: The file cannot be read, or holds no usable frame.
     """
-    recording = read_leap(path)
-    decoder = LeapDecoder(path.name, recording.rate)
-    frames, host = [], []
-    for message in recording.messages:
-        frame = decoder.feed(message)
-        if frame is not None:
-            frames.append(frame)
-            host.append(_number(message.get("host")))
-    arrived = np.array(host)
+    recording = read_leap(path, unit)
+    arrived = np.array([_number(recording.messages[i].get("host")) for i in recording.used])
     return HandsFile(
-        tuple(frames),
-        np.array([f.time for f in frames]),
+        recording.frames,
+        np.array([f.time for f in recording.frames]),
         arrived if np.isfinite(arrived).all() else None,
         str(recording.damage) if recording.damage else "",
+        recording.report,
     )
 
 
@@ -232,25 +232,27 @@ def arrivals(path: Path, count: int) -> Array | None:
     return times if len(times) == count and np.isfinite(times).all() else None
 
 
-def picture_arrivals(path: Path, count: int) -> Array | None:
-    """(count,) s, arrival times of the pictures in a file of landmarks; None if it lacks them."""
-    host: list[float] = []
+def picture_arrivals(path: Path, lines: Sequence[int]) -> Array | None:
+    """s, arrival times of the pictures in these lines of a file; None if it lacks them."""
+    host: dict[int, float] = {}
+    wanted = set(lines)
     with suppress(RecordingError):
-        for number, line in islice(numbered_lines(path, LONGEST_LINE), 1, count + 1):
-            arrived = _arrival(line, f"{path}, line {number}").host
-            host.append(math.nan if arrived is None else arrived)
-    times = np.array(host)
-    return times if len(times) == count and np.isfinite(times).all() else None
+        for number, line in numbered_lines(path, LONGEST_LINE):
+            if number in wanted:
+                arrived = _arrival(line, f"{path}, line {number}").host
+                host[number] = math.nan if arrived is None else arrived
+    times = np.array(list(host.values()))
+    return times if len(times) == len(wanted) and np.isfinite(times).all() else None
 
 
-class Asked(Struct):
+class RequestedFingers(Struct):
     """A line of `asked.jsonl`: fingers, thumb 0 to little 4, that are asked for from `host` on."""
 
     host: float
     asked: list[int]
 
 
-def read_asked(folder: Path) -> tuple[Asked, ...]:
+def read_requests(folder: Path) -> tuple[RequestedFingers, ...]:
     """Fingers that the guide asked for, in order; empty where it did not guide.
 
     Raises:
@@ -261,7 +263,11 @@ def read_asked(folder: Path) -> tuple[Asked, ...]:
         return ()
     return tuple(
         decoded(
-            line, Asked, RecordingError, what="the line is damaged", where=f"{path}, line {number}"
+            line,
+            RequestedFingers,
+            RecordingError,
+            what="the line is damaged",
+            where=f"{path}, line {number}",
         )
         for number, line in numbered_lines(path, LONGEST_LINE)
     )

@@ -8,11 +8,11 @@ from pathlib import Path
 from typing import Any
 
 from models.errors import DeviceError, RecordingError
-from models.json_input import decoded_record
+from models.json_input import loosely_decoded
 from models.surface import Surface, parse_surface
 from sandbox.devices.device import Device
 from sandbox.devices.files import read_once
-from sandbox.devices.files.frame_file import FramesDevice, read_frame_file
+from sandbox.devices.files.frame_file import FramesDevice, read_frame_file, touch_surface
 from sandbox.devices.registry import unknown_device
 from sandbox.devices.tuio import STALE_AFTER
 from sandbox.devices.tuio.touch_capture import CaptureDevice, read_capture
@@ -39,20 +39,24 @@ def file_surface(path: Path) -> Surface | None:
         return None
     head = first_line(path)
     if "surface_in" in head:
-        return read_once(read_frame_file, path).surface
+        return touch_surface(path)
     return guessed_surface() if {"contacts", "hex", "closed"} & set(head) else None
 
 
-def open_file(path: Path, surface: Surface | None, stale_after: float = STALE_AFTER) -> Opened:
+def open_file(
+    path: Path, surface: Surface | None, stale_after: float = STALE_AFTER, unit: str = ""
+) -> Opened:
     """Opens a file as a device; its content decides the format.
 
     Args:
         path: A capture of TUIO packets, recorded frames, or a recording of this program.
         surface: Touch surface; None: that of the file, or a guess.
         stale_after: For captures of TUIO packets: s without a packet until touches are lifted.
+        unit: Units of its times and lengths that a person gave, such as `mm,ms`; others are found.
 
     Raises:
-        InputError: The file is missing or has none of these formats.
+        InputError: The file is missing or has none of these formats, or its times or places are
+            impossible.
     """
     if not path.exists():
         raise unknown_device(str(path))
@@ -65,15 +69,16 @@ def open_file(path: Path, surface: Surface | None, stale_after: float = STALE_AF
         )
     head = first_line(path) if path.is_file() else {}
     if "contacts" in head or "surface_in" in head:
-        file = read_once(read_frame_file, path)
+        file = read_once(read_frame_file, path, unit)
         size = surface or file.surface or guessed_surface()
-        return Opened(FramesDevice(file.frames, file.damage), size)
+        return Opened(FramesDevice(file.frames, file.damage, file.report.copy()), size)
     if head and not {"hex", "closed"} & set(head):
         recorded = _recording(path, surface)
         if recorded is not None:
             return recorded
     size = surface or guessed_surface()
-    return Opened(CaptureDevice(read_once(read_capture, path), size, stale_after=stale_after), size)
+    capture = read_once(read_capture, path, unit)
+    return Opened(CaptureDevice(capture, size, stale_after=stale_after), size)
 
 
 def _recording(path: Path, surface: Surface | None) -> Opened | None:
@@ -114,10 +119,8 @@ def first_line(path: Path) -> dict[str, object]:
         line = recording_file.first_line(path, _LONGEST_LINE)
     except OSError as error:
         raise RecordingError("cannot be read", where=str(path), got=error.strerror) from None
-    try:
-        return decoded_record(line, RecordingError, what="not JSON lines", where=str(path))
-    except RecordingError:
-        return {}
+    head = loosely_decoded(line)
+    return head if isinstance(head, dict) else {}
 
 
 def guessed_surface() -> Surface:

@@ -12,9 +12,8 @@ import numpy as np
 from encoders.captures.conversion import TouchLog
 from models.errors import InputError, RecordingError
 from models.frames import TouchFrame
-from models.json_input import numbered_lines
-from models.surface import METRES_PER_INCH, Surface
-from sandbox.devices.files.frame_file import LONGEST_LINE, decoded_frame, frame_surface
+from models.surface import Surface
+from sandbox.devices.files.frame_file import read_frame_file
 from sandbox.devices.files.touch_files import first_line, recorded_surface
 from sandbox.devices.tuio.touch_capture import CaptureDevice, read_capture
 from sandbox.recording.recording import is_recording, load_recording
@@ -54,26 +53,21 @@ def read_touch_log(path: Path, surface: Surface | None) -> tuple[TouchLog, str]:
             )
         capture = read_capture(path)
         damage = str(capture.damage) if capture.damage else ""
-        return _log(CaptureDevice(capture, surface).poll(math.inf), path), damage
+        device = CaptureDevice(capture, surface)
+        log = _log(device.poll(math.inf), path)
+        return log, "; ".join(filter(None, (damage, device.report.line())))
     if "contacts" in head or "surface_in" in head:
-        return _measured(*_shown(path), touch_surface(path), surface, path)
+        # In the order of arrival, in which times of a device's own clock may run backwards.
+        file = read_frame_file(path, ordered=False)
+        damage = f"{file.damage}. Everything before this line is used" if file.damage else ""
+        said = "; ".join(filter(None, (damage, file.report.line())))
+        return _measured(_log(file.frames, path), said, file.surface, surface, path)
     raise InputError(
         "this is not a recording of touches",
         where=str(path),
         expected="a recording of this program, a capture of TUIO packets, or lines of "
         "`sandbox touches show --json`",
     )
-
-
-def touch_surface(path: Path) -> Surface | None:
-    """The surface that a file of `touches show` or `capture record` names; None if it names none.
-
-    Raises:
-        InputError: Its first line is damaged.
-    """
-    for number, line in numbered_lines(path, LONGEST_LINE):
-        return frame_surface(line, f"{path}, line {number}")
-    return None
 
 
 def _measured(
@@ -103,29 +97,6 @@ def _log(frames: Iterable[TouchFrame], path: Path) -> TouchLog:
     seen = list(frames)
     rows = [(f, c.id, c.x, c.y) for f, frame in enumerate(seen) for c in frame.contacts]
     return _arrays([frame.time for frame in seen], rows, path)
-
-
-def _shown(path: Path) -> tuple[TouchLog, str]:
-    """Reads output of `touches show` in the order of arrival; times may run backwards."""
-    times: list[float] = []
-    rows: list[tuple[int, int, float, float]] = []
-    damage = ""
-    remedy = "Everything before this line is used"
-    for number, line in numbered_lines(path, LONGEST_LINE):
-        where = f"{path}, line {number}"
-        try:
-            if number == 1 and frame_surface(line, where) is not None:
-                continue
-            frame = decoded_frame(line, where, remedy)
-            if len({touch.id for touch in frame.contacts}) != len(frame.contacts):
-                raise RecordingError("two contacts share an id", where=where, remedy=remedy)
-        except InputError as error:
-            damage = str(error)
-            break
-        inch = METRES_PER_INCH
-        rows += [(len(times), t.id, inch * t.x, inch * t.y) for t in frame.contacts]
-        times.append(frame.time)
-    return _arrays(times, rows, path), damage
 
 
 def _arrays(times: list[float], rows: list[tuple[int, int, float, float]], path: Path) -> TouchLog:

@@ -15,6 +15,7 @@ from sandbox.devices.device import (
     PlayedOptions,
     Sees,
     Source,
+    UnitOptions,
 )
 from sandbox.devices.hand_input import UNDER, HandInput
 from sandbox.devices.simulated import InAirOptions
@@ -73,7 +74,12 @@ def over_leap(options: OverLeapOptions, side: str, live: bool = False) -> HandIn
     return HandInput.of(at, _calibration(options, side))
 
 
-def in_leap_file(options: OverLeapOptions, file: str, side: str) -> HandInput:
+@dataclass(frozen=True, kw_only=True)
+class PlayedLeapOptions(UnitOptions, OverLeapOptions):
+    """Options of a recording of a Leap on the command line."""
+
+
+def in_leap_file(options: PlayedLeapOptions, file: str, side: str) -> HandInput:
     """How the Leap of a recording saw a hand.
 
     Args:
@@ -89,7 +95,9 @@ def in_leap_file(options: OverLeapOptions, file: str, side: str) -> HandInput:
 
     at = _position(options)
     known = _calibration(options, side)
-    return HandInput.of(at, known or _recorded(read_once(read_leap, Path(file)), side, file))
+    return HandInput.of(
+        at, known or _recorded(read_once(read_leap, Path(file), options.unit), side, file)
+    )
 
 
 def _position(options: OverLeapOptions) -> tuple[float, float, float]:
@@ -139,12 +147,12 @@ def _open(options: LeapOptions, place: Place) -> AnyDevice:
 
 
 def _open_file(options: PlayedOptions, place: Place) -> AnyDevice:
-    from sandbox.devices.files import read_once
-    from sandbox.devices.leap.leap import LeapFileDevice, report_left_out
+    from sandbox.devices.files import read_once, show_report
+    from sandbox.devices.leap.leap import LeapFileDevice
     from sandbox.devices.leap.leap_file import read_leap
 
-    recording = read_once(read_leap, Path(place.argument))
-    report_left_out(recording.counts)
+    recording = read_once(read_leap, Path(place.argument), options.unit)
+    show_report(recording.report)
     return LeapFileDevice(recording)
 
 
@@ -152,7 +160,7 @@ def _check_file(options: PlayedOptions, argument: str) -> None:
     from sandbox.devices.files import read_once
     from sandbox.devices.leap.leap_file import read_leap
 
-    read_once(read_leap, Path(argument))
+    read_once(read_leap, Path(argument), options.unit)
 
 
 def _open_simulated(options: InAirOptions, place: Place) -> AnyDevice:
@@ -205,6 +213,6 @@ FILE: DeviceEntry[Any] = DeviceEntry(
     PlayedOptions,
     DeviceKind(Sees.LEAP, Source.FILE, labels=True, in_scene=True),
     check=_check_file,
-    command_options=OverLeapOptions,
+    command_options=PlayedLeapOptions,
     hand_input=in_leap_file,
 )

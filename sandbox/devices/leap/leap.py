@@ -15,16 +15,17 @@ from collections import Counter, deque
 from collections.abc import Callable, Iterator, Sequence
 
 import msgspec
-from rich.console import Console
-from rich.text import Text
 from websockets.sync.client import connect
 
 from models.errors import DeviceError
 from models.frames import HandFrame
-from sandbox.devices.device import HandDevice
+from models.plausible import LiveUnits
+from models.reader_report import ReaderReport
+from sandbox.devices.device import FilePlayer, HandDevice
+from sandbox.devices.files import show_report
 from sandbox.devices.leap import DEFAULT_ADDRESS
 from sandbox.devices.leap.leap_file import LeapRecording
-from sandbox.devices.leap.leap_json import LeapDecoder
+from sandbox.devices.leap.leap_json import LEAP_UNITS, LeapDecoder
 
 KEPT = 600
 """Largest number of frames that wait to be fetched: two seconds at the device's highest rate."""
@@ -46,55 +47,24 @@ GONE = 1.0
 PATIENCE = 3.0
 """s within which a live device must send its first frame."""
 
-_NORMAL_COUNTS = ("frames", "handshakes", "connections")
-"""Counts of a device that do not report a problem."""
-
 _LOOK = 0.05
 """s between two checks for new frames."""
 _FIRST_PAUSE, _LONGEST_PAUSE = 0.1, 2.0
 """s between attempts to connect, doubled after each failure."""
 
 
-class LeapFileDevice(HandDevice):
+class LeapFileDevice(FilePlayer, HandDevice):
     """Plays a Leap recording; its first frame plays at session time 0.
 
     Args:
         recording: A recording from `read_leap`.
-
-    Attributes:
-        damage: Error that ended the file early; None if it is undamaged.
     """
 
     name = "leap recording"
     lift = True
-    plays_file = True
-    damage: Exception | None
 
     def __init__(self, recording: LeapRecording) -> None:
-        self._recording = recording
-        self.damage = recording.damage
-        self._next = 0
-
-    @property
-    def counts(self) -> Counter[str]:
-        """Numbers of used and skipped parts of the whole recording, by kind."""
-        return self._recording.counts
-
-    @property
-    def finished(self) -> bool:
-        """True after the last frame."""
-        return self._next >= len(self._recording.frames)
-
-    def poll(self, now: float) -> Sequence[HandFrame]:
-        """The frames due by `now`, oldest first."""
-        frames, first = self._recording.frames, self._next
-        while not self.finished and frames[self._next].time - frames[0].time <= now:
-            self._next += 1
-        return frames[first : self._next]
-
-    def close(self) -> None:
-        """Ends playback."""
-        self._next = len(self._recording.frames)
+        super().__init__(recording.frames, recording.damage, recording.report)
 
 
 class LeapDevice(HandDevice):
@@ -116,7 +86,8 @@ class LeapDevice(HandDevice):
                 "this is not a WebSocket address", where="--leap", got=address, expected="ws://..."
             )
         self.url = address
-        self._decoder = LeapDecoder("leap")
+        self._units = LiveUnits(LEAP_UNITS)
+        self._decoder = LeapDecoder("leap", live=self._units)
         self._frames: deque[HandFrame] = deque()
         self._new_frame = threading.Condition()
         self._stop = threading.Event()
@@ -139,10 +110,14 @@ class LeapDevice(HandDevice):
 
     @property
     def notices(self) -> Sequence[str]:
-        """A message while the service is silent; empty while it sends frames."""
+        """What the person must know: that the service is silent, sends other units, or names
+        hands for the other side."""
         with self._new_frame:
             silent = time.monotonic() - self._heard
-        return (SILENT,) if silent > GONE else ()
+            doubt = self._decoder.side_doubt
+        if silent > GONE:
+            return (SILENT,)
+        return tuple(filter(None, (self._units.notice, doubt)))
 
     def wait(self, seconds: float) -> bool:
         """Waits until a frame can be fetched; False if none came in time."""
@@ -155,6 +130,16 @@ class LeapDevice(HandDevice):
             frames = tuple(self._frames)
             self._frames.clear()
         return frames
+
+    @property
+    def report(self) -> ReaderReport:
+        """What could not be used so far, and the units that are assumed."""
+        with self._new_frame:
+            report = self._decoder.report
+        report.leave_out("new connections", max(self.counts["connections"] - 1, 0))
+        if self._units.notice:
+            report.assume(self._units.notice)
+        return report
 
     def follow(
         self, hear: Callable[[], object] = lambda: None, remedy: str = START_IT
@@ -254,7 +239,7 @@ class ReportingLeapDevice(LeapDevice):
         closed = self._stop.is_set()
         super().close()
         if not closed:
-            report_left_out(self.counts)
+            show_report(self.report)
 
 
 def open_leap(address: str = DEFAULT_ADDRESS, tell: bool = False) -> LeapDevice:
@@ -272,17 +257,3 @@ def open_leap(address: str = DEFAULT_ADDRESS, tell: bool = False) -> LeapDevice:
         device.close()
         raise device.silent(PATIENCE)
     return device
-
-
-def report_left_out(counts: Counter[str]) -> None:
-    """Prints counts of frames that could not be used, if there were any."""
-    left = {what: n for what, n in counts.items() if n and what not in _NORMAL_COUNTS}
-    # The first connection is the normal start.
-    if counts["connections"] > 1:
-        left["new connections"] = counts["connections"] - 1
-    if left:
-        _warn("left out: " + ", ".join(f"{n} {what}" for what, n in left.items()))
-
-
-def _warn(text: str) -> None:
-    Console(stderr=True).print(Text(text, style="yellow"))

@@ -25,7 +25,10 @@ import msgspec
 from encoders.paalm.sides import side_by_thumb
 from models.errors import InputError, RecordingError
 from models.frames import HandFrame
-from sandbox.devices.leap.leap_json import LeapDecoder
+from models.json_input import any_json
+from models.plausible import Units, parse_units
+from models.reader_report import ReaderReport
+from sandbox.devices.leap.leap_json import LEAP_UNITS, LeapDecoder, canonical, find_leap_units
 
 MOST_CHARACTERS = 1 << 28
 """Largest length of a decoded text; otherwise a small file could use any amount of memory."""
@@ -129,7 +132,10 @@ class LeapRecording:
         frames: Frames in order of time.
         messages: The JSON objects, unpacked, as a fake leapd sends them.
         dialect: `v1`, `v2`, `v3` or `bridge`; None if no finger was seen.
+        used: Index of each frame's message.
+        units: Units of the messages.
         counts: Numbers of frames, fingers and hands that were used or skipped, by reason.
+        report: What was left out, and what is assumed.
         metadata: Metadata of the file; empty without any.
         damage: Error that ended a file of JSON lines early; None if it is undamaged.
     """
@@ -137,14 +143,12 @@ class LeapRecording:
     frames: tuple[HandFrame, ...]
     messages: tuple[dict[str, Any], ...]
     dialect: str | None
+    used: tuple[int, ...] = ()
+    units: Units = field(default_factory=lambda: LEAP_UNITS)
     counts: Counter[str] = field(default_factory=Counter)
+    report: ReaderReport = field(default_factory=ReaderReport)
     metadata: dict[str, Any] = field(default_factory=dict)
     damage: RecordingError | None = None
-
-    @property
-    def rate(self) -> float:
-        """Hz of frames without times, by the metadata; 100 without."""
-        return _rate(self.metadata)
 
     @property
     def duration(self) -> float:
@@ -220,14 +224,19 @@ def is_leap_recording(path: Path) -> bool:
     return any(mark in start for mark in _MARKS)
 
 
-def read_leap(path: Path) -> LeapRecording:
+def read_leap(path: Path, unit: str = "") -> LeapRecording:
     """Reads a recording in any of these forms.
+
+    Args:
+        path: The file.
+        unit: Units that a person gave, such as `cm,ms`; others are found by the hand's size and the
+            frames' rate.
 
     Raises:
         RecordingError: The file does not exist, is of another program or cut short, or has no
-            usable frame.
+            usable frame, no finger, or sizes that no hand has.
     """
-    where = str(path)
+    where, report = str(path), ReaderReport()
     try:
         if path.stat().st_size > LARGEST:
             raise RecordingError("the file is too large", where=where, expected=f"{LARGEST} bytes")
@@ -235,29 +244,63 @@ def read_leap(path: Path) -> LeapRecording:
     except OSError as error:
         raise RecordingError(f"the recording cannot be read: {error}", where=where) from error
     try:
-        messages, metadata, damage = _messages(data, where)
+        messages, metadata, damage = _messages(data, where, report)
     except RecordingError as error:
         if error.where is not None:
             raise
         raise RecordingError(
             error.what, where=where, got=error.got, expected=error.expected, remedy=_REMEDY
         ) from error
-    decoder = LeapDecoder(path.name, _rate(metadata))
-    frames = tuple(f for f in map(decoder.feed, messages) if f is not None)
+    units, stride = find_leap_units(messages, parse_units(unit), where, report)
+    decoder = LeapDecoder(path.name, rate_in(metadata), units, stride)
+    used, frames = [], []
+    for index, message in enumerate(messages):
+        frame = decoder.feed(message)
+        if frame is not None:
+            used.append(index)
+            frames.append(frame)
+    report.add(decoder.report)
     if not frames:
-        why = ", ".join(f"{n} {what}" for what, n in decoder.counts.items() if n) or "it is empty"
-        raise RecordingError(
-            "the file contains no usable Leap frames",
-            where=where,
-            got=why,
-            expected='objects with "hands" and "pointables"',
-            remedy=_REMEDY,
-        )
-    return LeapRecording(frames, tuple(messages), decoder.dialect, decoder.counts, metadata, damage)
+        raise no_frame(where, report)
+    if any(f.hands for f in frames) and not any(h.fingers for f in frames for h in f.hands):
+        raise no_finger(where, report)
+    return LeapRecording(
+        tuple(frames),
+        tuple(messages),
+        decoder.dialect,
+        tuple(used),
+        units,
+        decoder.counts,
+        report,
+        metadata,
+        damage,
+    )
+
+
+def no_frame(where: str, report: ReaderReport) -> RecordingError:
+    """The error of a recording without a frame that can be used."""
+    return RecordingError(
+        "the file contains no usable Leap frames",
+        where=where,
+        got=report.main_reason or "it is empty",
+        expected='objects with "hands" and "pointables"',
+        remedy=_REMEDY,
+    )
+
+
+def no_finger(where: str, report: ReaderReport) -> RecordingError:
+    """The error of a recording in which hands have no fingers."""
+    return RecordingError(
+        "no finger in any frame",
+        where=where,
+        got=report.main_reason or "hands without fingers",
+        expected="fingers in `pointables`, or in their hands, each with a length or its joints",
+        remedy=_REMEDY,
+    )
 
 
 def _messages(
-    data: bytes, where: str
+    data: bytes, where: str, report: ReaderReport
 ) -> tuple[list[dict[str, Any]], dict[str, Any], RecordingError | None]:
     """JSON objects of the file, its metadata, and the damage that ended it early."""
     start = data.lstrip()[:1]
@@ -273,7 +316,7 @@ def _messages(
         messages, damage = _lines(data, where)
         return messages, {}, damage
     try:
-        whole = msgspec.json.decode(data)
+        whole = any_json(data)
     except _UNREADABLE as error:
         raise RecordingError(f"the JSON is damaged or cut short: {error}") from error
     if isinstance(whole, list):
@@ -283,6 +326,9 @@ def _messages(
     if _is_frame(whole):
         return [whole], {}, None
     frames = _list_of_frames(whole)
+    stated = whole.get("frames", whole.get("frameCount"))
+    if isinstance(stated, int) and stated != len(frames):
+        report.assume(f"the file states {stated} frames and has {len(frames)}; all were read")
     metadata = whole.get("metadata")
     if frames and isinstance(frames[0], list):
         frames = _unpacked(frames[0], frames[1:])
@@ -294,6 +340,9 @@ def _list_of_frames(whole: Mapping[str, Any]) -> list[Any]:
     if isinstance(whole.get("frames"), list):
         return list(whole["frames"])
     framed = [v for v in whole.values() if isinstance(v, list) and any(map(_is_frame, v))]
+    inside = [v for v in whole.values() if isinstance(v, dict)]
+    if not framed and len(inside) == 1:
+        return _list_of_frames(inside[0])
     if len(framed) != 1:
         raise RecordingError(
             "the file has no list of Leap frames" if not framed else "two lists hold Leap frames",
@@ -304,7 +353,7 @@ def _list_of_frames(whole: Mapping[str, Any]) -> list[Any]:
 
 
 def _is_frame(message: Any) -> bool:
-    return isinstance(message, dict) and any(name in message for name in _FRAME)
+    return isinstance(message, dict) and any(name in canonical(message) for name in _FRAME)
 
 
 def _is_lines(data: bytes) -> bool:
@@ -313,7 +362,7 @@ def _is_lines(data: bytes) -> bool:
     if not rest.strip() or not first.startswith(b"{"):
         return False
     try:
-        msgspec.json.decode(first)
+        any_json(first)
     except _UNREADABLE:
         return False
     return True
@@ -325,7 +374,7 @@ def _lines(data: bytes, where: str) -> tuple[list[dict[str, Any]], RecordingErro
         if not line.strip():
             continue
         try:
-            message = msgspec.json.decode(line)
+            message = any_json(line)
         except _UNREADABLE as error:
             return messages, RecordingError(
                 f"the recording is damaged here: {error}",
@@ -370,10 +419,10 @@ def _named(keys: Sequence[Any], row: Any) -> dict[str, Any]:
     return named
 
 
-def _rate(metadata: Mapping[str, Any]) -> float:
-    """Hz, frame rate in the metadata, which is written as text there; 100 without one."""
+def rate_in(metadata: Mapping[str, Any]) -> float | None:
+    """Hz, frame rate in the metadata, which is written as text there; None without one."""
     try:
-        rate = float(metadata.get("frameRate", 100.0))
-    except (TypeError, ValueError):
-        return 100.0
-    return rate if 1.0 <= rate <= 1000.0 else 100.0
+        rate = float(metadata["frameRate"])
+    except (KeyError, TypeError, ValueError):
+        return None
+    return rate if 1.0 <= rate <= 1000.0 else None

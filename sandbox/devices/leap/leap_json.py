@@ -15,6 +15,10 @@ The last bone ends at `btipPosition`. `tipPosition` is the centre of a sphere at
 33,262 real v3 hands the two are 6.5 mm apart on average. Software before 2.0 sends no
 `btipPosition`; its bones end at `tipPosition`.
 
+Other programs store the same in other shapes, which `canonical` knows: fingers inside of their
+hands and frames inside of an envelope. Units other than the Leap's follow from the size of the hand
+and the time between frames (`models.plausible`).
+
 Fields are checked here and not by structs: a struct would refuse a whole finger for a wrong
 optional field (side, hand, confidence), while here everything else is used.
 """
@@ -23,14 +27,38 @@ from __future__ import annotations
 
 import math
 from collections import Counter
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
+from dataclasses import replace
+from itertools import pairwise
 from typing import Any, TypeGuard
 
-from models.errors import DeviceError, FrameError
-from models.frames import HandFrame, TrackedFinger, TrackedHand, Vector
+from models.errors import DeviceError, FrameError, RecordingError
+from models.frames import SIDES, HandFrame, TrackedFinger, TrackedHand, Vector
+from models.plausible import (
+    DISTANCE,
+    FINGER,
+    JUMPED,
+    ON_ANOTHER,
+    REACH,
+    STEP,
+    Bounds,
+    HandJumps,
+    LiveUnits,
+    SideDoubt,
+    Units,
+    find_units,
+    lie_on,
+    steps_of,
+    unit_size,
+)
+from models.reader_report import ReaderReport
 
-METRES_PER_MM = 1e-3
-SECONDS_PER_US = 1e-6
+LEAP_UNITS: Units = {"length": "mm", "time": "us"}
+"""Units of a Leap."""
+USUAL_RATE = 100.0
+"""Hz of recordings without times and without a rate."""
+NORMAL_COUNTS = ("frames", "handshakes", "events", "connections")
+"""Counts of a decoder or a device that are no losses."""
 
 RESTART = 1.0
 """s. If time runs back by more, the service was restarted; by less, the frame is late."""
@@ -42,9 +70,136 @@ _JOINTS = ("mcpPosition", "pipPosition", "dipPosition")
 _END = "btipPosition"
 _TOO_LARGE = 2**53
 """Integers from here on are not exact as a float."""
-_FARTHEST = 10_000.0
-"""mm, largest coordinate of a valid position; the device sees about one metre."""
+_LATEST = 1e-6 * _TOO_LARGE
+"""s, time from which on no clock of ours counts; 1970 is 2e9 ago."""
+_FARTHEST = DISTANCE.most
+"""m, largest coordinate of a valid position; the device sees about one metre."""
 _MOST_HANDS = 8
+_PALM = 0.1
+"""m, about the size of a palm."""
+_FARTHEST_TIP = 1.4 * REACH.most
+"""m, from a palm to a fingertip in a single frame, where places are less exact."""
+_OUT_OF_REACH = "fingers skipped: the tip is beyond a hand's reach of the palm"
+_NO_HAND = "none of its hands can be used"
+_FINGER_WORDS = {"thumb": 0, "index": 1, "middle": 2, "ring": 3, "pinky": 4, "little": 4}
+"""Words in the names of fingers, where a file has names in the place of numbers."""
+
+
+def canonical(message: Mapping[str, Any]) -> Mapping[str, Any]:
+    """A frame as leapd sends it, of one in an envelope or with its fingers inside of its hands; any
+    other message as it is."""
+    if "hands" not in message and "pointables" not in message:
+        inner = [canonical(v) for v in message.values() if isinstance(v, dict)]
+        inner = [v for v in inner if "hands" in v]
+        if len(inner) != 1:
+            return message
+        outer = {k: message[k] for k in ("id", "timestamp") if k in message}
+        message = {**outer, **inner[0]}
+    hands = message.get("hands")
+    if isinstance(hands, dict):
+        hands = [{"type": name, **h} for name, h in hands.items() if isinstance(h, dict)]
+        message = {**message, "hands": hands}
+    if message.get("pointables"):
+        return message
+    found = _inner(message.get("fingers"))
+    for hand in hands if isinstance(hands, list) else ():
+        if isinstance(hand, dict):
+            inside = _inner(hand.get("fingers")) or _inner(hand.get("pointables"))
+            found += [{"handId": hand.get("id"), **finger} for finger in inside]
+    return {**message, "pointables": [_with_joints(finger) for finger in found]}
+
+
+def _inner(items: Any) -> list[dict[str, Any]]:
+    """The objects of a list, or of an object with names or numbers for them."""
+    values = items.values() if isinstance(items, dict) else items
+    return [i for i in values if isinstance(i, dict)] if isinstance(values, Iterable) else []
+
+
+def _with_joints(finger: dict[str, Any]) -> dict[str, Any]:
+    """A finger with the joints of its four bones, where it has those in their place."""
+    bones = _inner(finger.get("bones"))
+    if len(bones) != 4 or _JOINTS[0] in finger:
+        return finger
+    joints = zip((*_JOINTS, _END), (bone.get("nextJoint") for bone in bones), strict=True)
+    return {"tipPosition": bones[-1].get("nextJoint"), **finger, **dict(joints)}
+
+
+def quantities(message: Mapping[str, Any]) -> dict[Bounds, float]:
+    """Sizes of the first hand of a canonical message in its own units; empty without one."""
+    try:
+        hand = message["hands"][0]
+        palm = hand["palmPosition"]
+        own = [p for p in message["pointables"] if p.get("handId") == hand["id"]]
+        found = {DISTANCE: math.hypot(*palm)}
+        tips = [p["tipPosition"] for p in own]
+        if tips:
+            found[REACH] = max(math.dist(palm, tip) for tip in tips)
+        chains = [
+            [p[name] for name in (*_JOINTS, _END if _END in p else "tipPosition")]
+            for p in own
+            if _JOINTS[0] in p
+        ]
+        if chains:
+            found[FINGER] = max(sum(math.dist(a, b) for a, b in pairwise(c)) for c in chains)
+    except (AttributeError, IndexError, KeyError, TypeError, ValueError, OverflowError):
+        return {}
+    return found
+
+
+_SAMPLE = 48
+"""Frames of a file, and as many with a hand, by which its units are found."""
+_APART = 8
+"""Frames with a hand of which one is measured."""
+_REGULAR = 0.8
+"""Share of the differences of frame numbers that are equal where frames are numbered."""
+
+
+def find_leap_units(
+    messages: Iterable[Any], given: Units | None, where: str, report: ReaderReport
+) -> tuple[Units, int]:
+    """Units of a recording, and the difference between the numbers of two frames.
+
+    Args:
+        messages: All messages; no more are taken than are needed.
+        given: Units that a person gave.
+        where: The file, for the error.
+        report: Receives what is assumed.
+
+    Returns:
+        The units, and 0 for frames that are not numbered.
+
+    Raises:
+        RecordingError: No hand has such sizes in any unit, or times do not increase.
+    """
+    seen: dict[Bounds, list[float]] = {}
+    stamps: list[float] = []
+    numbers: list[int] = []
+    frames = hands = 0
+    for message in messages:
+        if frames >= _SAMPLE <= hands:
+            break
+        if not isinstance(message, Mapping):
+            continue
+        frame = canonical(message)
+        if frame.get("hands"):
+            for bounds, value in quantities(frame).items() if hands % _APART == 0 else ():
+                seen.setdefault(bounds, []).append(value)
+            hands += 1
+        if frames < _SAMPLE:
+            stamp, number = frame.get("timestamp"), _frame_number(frame)
+            stamps += [stamp] if _is_time(stamp) else []
+            numbers += [number] if number is not None else []
+            frames += 1
+    seen[STEP] = steps_of(stamps)
+    steps = Counter(b - a for a, b in pairwise(numbers))
+    stride, count = steps.most_common(1)[0] if steps else (0, 0)
+    units = find_units(seen, LEAP_UNITS, given, where=where, report=report, error=RecordingError)
+    return units, stride if stride > 0 and count >= _REGULAR * steps.total() else 0
+
+
+def _frame_number(message: Mapping[str, Any]) -> int | None:
+    number = message.get("id", message.get("frameId"))
+    return number if _is_identity(number) else None
 
 
 class LeapDecoder:
@@ -52,24 +207,61 @@ class LeapDecoder:
 
     Args:
         source: Name written into the frames.
-        rate: Hz, frame rate of recordings without times and rate.
+        rate: Hz, frame rate of recordings without times and rate; None: `USUAL_RATE`, which is
+            reported.
+        units: Units of the messages.
+        stride: Difference between the numbers of two frames of a recording; 0 if they have none.
+        live: Units of a running device, which change as it is measured; None for a file.
     """
 
-    def __init__(self, source: str = "leap", rate: float = 100.0) -> None:
+    def __init__(
+        self,
+        source: str = "leap",
+        rate: float | None = None,
+        units: Units = LEAP_UNITS,
+        stride: int = 0,
+        live: LiveUnits | None = None,
+    ) -> None:
         self.counts: Counter[str] = Counter()
+        self.assumed: list[str] = []
         self.dialect: str | None = None
         self.version: str | None = None
-        self._source, self._rate = source, rate
+        self._source, self._stride, self._live = source, stride, live
+        self._no_rate, self._rate = rate is None, rate or USUAL_RATE
         self._time: float | None = None
+        # Time and number of the last frame by the device's own count.
+        self._stamp: float | None = None
+        self._number: int | None = None
         # s, time of the frame before, if it was refused as it leapt.
         self._leapt: float | None = None
-        self._offset = 0.0
+        # Time of the last message by the device's own count, used or not.
+        self._latest: float | None = None
+        self._offset, self._stamped = 0.0, False
+        self._jumps, self._doubt = HandJumps(), SideDoubt()
+        self._use(units)
+
+    def _use(self, units: Units) -> None:
+        self._metre, self._second = unit_size(units, "length"), unit_size(units, "time")
+        self._jumps.forget()
+
+    @property
+    def report(self) -> ReaderReport:
+        """What was left out so far, and what is assumed."""
+        left_out = Counter({k: n for k, n in self.counts.items() if n and k not in NORMAL_COUNTS})
+        doubts = filter(None, (self.side_doubt, self._jumps.doubt))
+        return ReaderReport(left_out, [*self.assumed, *doubts])
+
+    @property
+    def side_doubt(self) -> str:
+        """What is doubted of the sides of hands; empty without a doubt."""
+        return self._doubt.sentence
 
     def feed(self, message: Any) -> HandFrame | None:
         """The frame of a decoded JSON message; None if it contains no usable frame."""
         if not isinstance(message, Mapping):
             self.counts["messages that are not JSON objects"] += 1
             return None
+        message = canonical(message)
         if "hands" not in message and "pointables" not in message:
             if "version" in message:
                 self.version = str(message.get("serviceVersion", message["version"]))[:64]
@@ -79,30 +271,75 @@ class LeapDecoder:
             else:
                 self.counts["messages of another program"] += 1
             return None
+        if self._live is not None and not self._live.decided:
+            self._measure(message)
+        if self._stride:
+            self._count(_frame_number(message))
         try:
             hands = self._hands(message)
             time = self._moment(message)
             if time is None:
                 return None
+            if jumped := self._jumps.find(time, {hand.id: hand.palm for hand in hands}):
+                self.counts[f"hands skipped: {JUMPED}"] += len(jumped)
+                hands = tuple(hand for hand in hands if hand.id not in jumped)
+                if not hands:
+                    raise DeviceError(_NO_HAND)
+            if self._doubt.due():
+                for hand in hands:
+                    self._doubt.look_at(hand)
             frame = HandFrame(time, hands, self._source, self.dialect)
         except (DeviceError, FrameError) as error:
             self.counts[f"frames refused: {error.what}"] += 1
             return None
-        self._time = time
+        self._time, stamp = time, message.get("timestamp")
+        self._stamp = stamp if _is_time(stamp) else None
         self.counts["frames"] += 1
         return frame
+
+    def _count(self, number: int | None) -> None:
+        """Counts frames that the number of the next one leaves out."""
+        before = self._number
+        if number is not None and (before is None or number > before):
+            if before is not None:
+                missing = (number - before - 1) // self._stride
+                self.counts["frames missing by their numbers"] += missing
+            self._number = number
+
+    def _measure(self, message: Mapping[str, Any]) -> None:
+        """Measures a frame of a running device; units that follow hold from here on."""
+        assert self._live is not None
+        seen, stamp = quantities(message), message.get("timestamp")
+        if _is_time(stamp):
+            if self._latest is not None and stamp > self._latest:
+                seen[STEP] = stamp - self._latest
+            self._latest = stamp
+        self._live.look(seen)
+        if self._live.decided and self._live.units != LEAP_UNITS:
+            self._use(self._live.units)
+            if self._time is not None and self._stamp is not None:
+                # Times go on from the last frame.
+                self._offset = self._time - self._stamp * self._second
 
     def _moment(self, message: Mapping[str, Any]) -> float | None:
         """s, time of a message on a clock that never runs backwards; None, which is counted, for a
         late frame and for one that leaps back or ahead alone."""
-        if "timestamp" not in message:
-            rate = message.get("currentFrameRate", self._rate)
-            step = 1.0 / (rate if _is_number(rate) and 1.0 <= rate <= 1000.0 else self._rate)
-            return 0.0 if self._time is None else self._time + step
-        stamp = _number(message["timestamp"], "timestamp")
-        if abs(stamp) > _TOO_LARGE:
-            raise DeviceError("timestamp is out of range", got=f"{stamp:g}", expected="us")
-        time = stamp * SECONDS_PER_US + self._offset
+        stamp = message.get("timestamp")
+        if stamp is None and not self._stamped:
+            rate = message.get("currentFrameRate")
+            if not (_is_number(rate) and 1.0 <= rate <= 1000.0):
+                rate = self._rate
+                if self._no_rate and not self.assumed:
+                    self.assumed.append(f"frames have no times: {rate:g} a second are assumed")
+            return 0.0 if self._time is None else self._time + 1.0 / rate
+        if stamp is None:
+            raise DeviceError("no time, unlike other frames")
+        if not _is_time(stamp):
+            raise DeviceError("timestamp is not a finite number", got=str(stamp)[:40])
+        if abs(stamp) * self._second >= _LATEST:
+            raise DeviceError("timestamp is out of range", got=f"{stamp:g}")
+        self._stamped = True
+        time = stamp * self._second + self._offset
         before, self._leapt = self._leapt, None
         if self._time is None or self._time < time <= self._time + LEAP:
             return time
@@ -116,6 +353,7 @@ class LeapDecoder:
         if time < self._time or self.counts["frames"] == 1:
             # After a single frame it is that one whose time was wrong.
             self.counts["restarts of the device's clock"] += 1
+            self._jumps.forget()
             self._offset += self._time + 1.0 / self._rate - time
             time = self._time + 1.0 / self._rate
         return time
@@ -127,7 +365,7 @@ class LeapDecoder:
                 if pointable.get("tool") is True:
                     self.counts["tools"] += 1
                     continue
-                finger = _finger(pointable)
+                finger = _finger(pointable, self._metre)
             except (DeviceError, FrameError) as error:
                 self.counts[f"fingers skipped: {error.what}"] += 1
                 continue
@@ -137,15 +375,26 @@ class LeapDecoder:
         hands: list[TrackedHand] = []
         for record in _items(message, "hands")[:_MOST_HANDS]:
             try:
-                own = fingers.pop(_identity(record), ())
-                hands.append(_hand(record, tuple(own)))
+                own = fingers.pop(_identity(record), [])
+                hand = _hand(record, tuple(own), self._metre)
+                near = tuple(f for f in own if math.dist(hand.palm, f.tip) <= _FARTHEST_TIP)
+                if own and not near:
+                    raise DeviceError("no fingertip is within a hand's reach of the palm")
+                if len(near) < len(own):
+                    self.counts[_OUT_OF_REACH] += len(own) - len(near)
+                    hand = replace(hand, fingers=near)
+                hands.append(hand)
             except (DeviceError, FrameError) as error:
                 self.counts[f"hands skipped: {error.what}"] += 1
+        for n in range(len(hands) - 1, 0, -1):
+            if any(lie_on([hands[n].palm], [other.palm], _PALM) for other in hands[:n]):
+                self.counts[ON_ANOTHER] += 1
+                del hands[n]
         self.counts["fingers without a hand"] += sum(map(len, fingers.values()))
         if len({hand.id for hand in hands}) != len(hands):
             raise DeviceError("two hands share an id")
         if message.get("hands") and not hands:
-            raise DeviceError("none of its hands can be used")
+            raise DeviceError(_NO_HAND)
         return tuple(hands)
 
     def _learn(self, pointable: Mapping[str, Any]) -> None:
@@ -163,16 +412,16 @@ class LeapDecoder:
             self.dialect = "v3" if "touchDistance" in pointable else "v2"
 
 
-def _finger(record: Mapping[str, Any]) -> TrackedFinger:
-    tip = _place(record, "tipPosition")
+def _finger(record: Mapping[str, Any], metre: float) -> TrackedFinger:
+    tip = _place(record, "tipPosition", metre)
     joints = None
     if _JOINTS[0] in record:
-        mcp, pip, dip = (_place(record, name) for name in _JOINTS)
-        end = _place(record, _END) if _END in record else tip
+        mcp, pip, dip = (_place(record, name, metre) for name in _JOINTS)
+        end = _place(record, _END, metre) if _END in record else tip
         joints = (mcp, pip, dip, end)
         length = math.dist(mcp, pip) + math.dist(pip, dip) + math.dist(dip, end)
     else:
-        length = _number(record.get("length"), "length") * METRES_PER_MM
+        length = _number(record.get("length"), "length") * metre
     kind = record.get("type")
     extended = record.get("extended")
     return TrackedFinger(
@@ -190,23 +439,32 @@ def _name(record: Mapping[str, Any], kind: Any) -> int | None:
     """Label of the finger; without `type` it follows from the id, 10 times the hand's plus it."""
     if kind is None and _is_identity(record.get("handId")):
         kind = record["id"] - 10 * record["handId"]
+    if isinstance(kind, str):
+        kind = next((n for word, n in _FINGER_WORDS.items() if word in kind.lower()), None)
     return kind if isinstance(kind, int) and not isinstance(kind, bool) else None
 
 
-def _hand(record: Mapping[str, Any], fingers: tuple[TrackedFinger, ...]) -> TrackedHand:
-    side = record.get("type")
+def _hand(
+    record: Mapping[str, Any], fingers: tuple[TrackedFinger, ...], metre: float
+) -> TrackedHand:
     radius, confidence = record.get("sphereRadius"), record.get("confidence")
     return TrackedHand(
         id=_identity(record),
-        palm=_place(record, "palmPosition"),
+        palm=_place(record, "palmPosition", metre),
         normal=_direction(record, "palmNormal"),
         direction=_direction(record, "direction"),
         fingers=fingers,
-        side=side if side in ("right", "left") else None,
+        side=side_named(record.get("type")),
         confidence=min(max(float(confidence), 0.0), 1.0) if _is_number(confidence) else 1.0,
-        sphere_radius=radius * METRES_PER_MM if _is_number(radius) and radius > 0 else None,
-        wrist=_place(record, "wrist") if "wrist" in record else None,
+        sphere_radius=radius * metre if _is_number(radius) and radius > 0 else None,
+        wrist=_place(record, "wrist", metre) if "wrist" in record else None,
     )
+
+
+def side_named(name: Any) -> str | None:
+    """The side that a device names, in any case of letters; None for anything else."""
+    side = name.lower() if isinstance(name, str) else None
+    return side if side in SIDES else None
 
 
 def _items(message: Mapping[str, Any], name: str) -> list[Mapping[str, Any]]:
@@ -229,6 +487,11 @@ def _is_identity(value: Any) -> TypeGuard[int]:
     return isinstance(value, int) and not isinstance(value, bool) and abs(value) < _TOO_LARGE
 
 
+def _is_time(value: Any) -> TypeGuard[float]:
+    """True for a number; those of a clock that counts ns since 1970 are larger than others."""
+    return _is_number(value) or (type(value) is int and abs(value) < 2**63)
+
+
 def _is_number(value: Any) -> TypeGuard[float]:
     if type(value) is float:
         return math.isfinite(value)
@@ -249,21 +512,26 @@ def _vector(record: Mapping[str, Any], name: str) -> Vector:
         # Nearly all vectors: a sum is finite only if all its parts are.
         if type(x) is type(y) is type(z) is float and math.isfinite(x + y + z):
             return x, -z, y
+    if isinstance(value, Mapping) and value.keys() >= {"x", "y", "z"}:
+        value = [value["x"], value["y"], value["z"]]
     if not (isinstance(value, list) and len(value) == 3 and all(map(_is_number, value))):
         raise DeviceError(f"{name} is not three finite numbers", got=str(value)[:60])
     x, y, z = value
     return float(x), -float(z), float(y)
 
 
-def _place(record: Mapping[str, Any], name: str) -> Vector:
+def _place(record: Mapping[str, Any], name: str, metre: float) -> Vector:
     x, y, z = _vector(record, name)
+    x, y, z = x * metre, y * metre, z * metre
+    if x == y == z == 0.0:
+        raise DeviceError(f"{name} is zero")
     if not (
         -_FARTHEST <= x <= _FARTHEST
         and -_FARTHEST <= y <= _FARTHEST
         and -_FARTHEST <= z <= _FARTHEST
     ):
         raise DeviceError(f"{name} is farther away than the device can see")
-    return x * METRES_PER_MM, y * METRES_PER_MM, z * METRES_PER_MM
+    return x, y, z
 
 
 def _direction(record: Mapping[str, Any], name: str) -> Vector:

@@ -20,7 +20,8 @@ from encoders.paalm.simulated.forward import LeapTake
 from models.errors import RecordingError
 from models.frames import HandFrame, TrackedFinger, TrackedHand, Vector
 from sandbox.devices.leap.leap_file import LeapRecording
-from sandbox.devices.leap.leap_json import METRES_PER_MM, SECONDS_PER_US
+
+METRES_PER_MM, SECONDS_PER_US = 1e-3, 1e-6
 
 
 def leap_message(frame: HandFrame, number: int) -> dict[str, Any]:

@@ -25,7 +25,7 @@ class SplitBySide(Split):
         sides: Sides of the scene's hands, one `right` and one `left`.
 
     Attributes:
-        counts: Number of frames in which one hand was above the other.
+        counts: Numbers of frames in which one hand was above the other, and of hands left out.
     """
 
     at_every_poll = True
@@ -34,7 +34,7 @@ class SplitBySide(Split):
         first, second = self._sides = tuple(sides)
         self.counts: Counter[str] = Counter()
         self._hidden = -inf
-        self._choose = HandSides((first, second))
+        self._choose = HandSides((first, second), self.counts)
 
     def divide(self, frame: HandFrame, now: float) -> tuple[HandFrame, HandFrame]:
         """A frame for each hand, without a hand where that of its side is not seen."""

@@ -17,8 +17,7 @@ from math import cos, sin
 import numpy as np
 from numpy.typing import ArrayLike
 
-from models.arithmetic.arrays import Array
-from models.arithmetic.products import length, small_product, squared_lengths
+from models.arithmetic import Array, length, small_product, squared_lengths
 from models.errors import InputError
 from models.frames import FINGERS, Contact, TouchFrame
 from models.kinematics import Kinematics

@@ -11,8 +11,7 @@ import numpy as np
 from encoders.paalm.hand_pose import PALM_CENTRE
 from encoders.paalm.simulated.forward import DIALECTS, ForwardLeap
 from encoders.paalm.simulated.leap_configuration import FROZEN_LEAP, LeapConfiguration
-from models.arithmetic.arrays import Array
-from models.arithmetic.products import small_product
+from models.arithmetic import Array, small_product
 from models.errors import InputError
 from models.frames import HandFrame
 from models.person import Person

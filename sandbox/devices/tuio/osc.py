@@ -1,18 +1,19 @@
-"""Decoder of OSC packets: bundles are walked here, single messages are read by python-osc.
+"""Decoder of OSC packets, which reads whatever a sender means to say and raises one kind of error.
 
-python-osc's own readers of packets and bundles never get bytes from the network: they do not return
-from a bundle whose element claims a negative size, and raise errors of the interpreter on nested
-bundles and on text that is not UTF-8. The walk below is a loop over an explicit stack in which
-every turn consumes bytes, so its work is bounded by the size of the packet.
+Ready-made readers do not return from a bundle whose element claims a negative size, and raise
+errors of the interpreter on nested bundles and on text that is not UTF-8. The walk below is a loop
+over an explicit stack in which every turn consumes bytes, so its work is bounded by the size of the
+packet. A message that cannot be read costs itself alone; text in any bytes is read.
 """
 
 from __future__ import annotations
 
+from struct import Struct
 from typing import NamedTuple
 
-from pythonosc.osc_message import OscMessage
-
 from models.errors import DeviceError
+from models.motion.read.text import decoded
+from models.reader_report import ReaderReport
 
 MAX_PACKET_BYTES = 65_507
 """Largest payload of a UDP datagram over IPv4, bytes (65,535 less the IP and UDP headers)."""
@@ -30,22 +31,22 @@ _BUNDLE = b"#bundle\x00"
 _BUNDLE_HEADER = len(_BUNDLE) + 8
 """Bytes before a bundle's first element: its name and a time tag of 8 bytes."""
 
-_FIXED_SIZE = {
-    **dict.fromkeys(b"ifrm", 4),
-    **dict.fromkeys(b"hdt", 8),
-    **dict.fromkeys(b"TFN[]", 0),
+_NUMBERS = {
+    ord(tag): Struct(form)
+    for tag, form in {"i": ">i", "f": ">f", "h": ">q", "d": ">d", "t": ">Q"}.items()
 }
-"""Bytes of an argument by type tag (OSC 1.0 and its usual extensions)."""
-
-_TEXT, _BLOB = ord("s"), ord("b")
+_FOUR_BYTES = frozenset(b"crm")
+_CONSTANTS = {ord("T"): True, ord("F"): False, ord("N"): None, ord("I"): None}
+_TEXTS, _BLOB = frozenset(b"sS"), ord("b")
+"""Type tags of arguments, OSC 1.0 and its usual extensions."""
 
 
 class MalformedPacket(DeviceError):  # noqa: N818  (names the packet)
-    """A packet from the network cannot be understood, and is refused as a whole."""
+    """A packet from the network, or a part of it, cannot be understood."""
 
 
 class Message(NamedTuple):
-    """One OSC message."""
+    """One OSC message; the values of arrays stand among the others."""
 
     address: str
     arguments: tuple[object, ...]
@@ -61,11 +62,15 @@ class Packet(NamedTuple):
     bundled: bool
 
 
-def decode(data: bytes) -> Packet:
+def decode(data: bytes, report: ReaderReport) -> Packet:
     """Reads one datagram.
 
+    Args:
+        data: The datagram.
+        report: Receives the messages that are left out, as they cannot be read.
+
     Raises:
-        MalformedPacket: The packet is invalid; this function raises no other exception.
+        MalformedPacket: Its messages cannot be found; this function raises no other exception.
     """
     if len(data) > MAX_PACKET_BYTES:
         raise MalformedPacket(
@@ -76,8 +81,13 @@ def decode(data: bytes) -> Packet:
             "an OSC packet must be a whole number of 4-byte words", got=f"{len(data)} bytes"
         )
     bundled = data.startswith(_BUNDLE)
-    parts = _bundle_messages(data) if bundled else [data]
-    return Packet(tuple(_message(part) for part in parts), bundled)
+    messages = []
+    for part in _bundle_messages(data) if bundled else [data]:
+        try:
+            messages.append(_message(part, report))
+        except MalformedPacket as error:
+            report.leave_out(f"messages: {error.what}")
+    return Packet(tuple(messages), bundled)
 
 
 def _bundle_messages(data: bytes) -> list[bytes]:
@@ -120,59 +130,69 @@ def _bundle_messages(data: bytes) -> list[bytes]:
     return messages
 
 
-def _message(data: bytes) -> Message:
-    """Reads one message."""
-    _check_arguments(data)
-    try:
-        message = OscMessage(data)
-        return Message(message.address, tuple(message.params))
-    except Exception as error:  # python-osc raises its own error and several others
-        raise MalformedPacket(f"an OSC message cannot be read: {error}") from error
+def _message(data: bytes, report: ReaderReport) -> Message:
+    """Reads one message.
 
-
-def _check_arguments(data: bytes) -> None:
-    """Refuses errors that python-osc accepts: missing bytes, unknown types, negative sizes.
-
-    python-osc pads a float that is cut short, drops an argument of unknown type (with a line in the
-    log for each), and steps back over a blob of negative size.
+    Raises:
+        MalformedPacket: It ends before its arguments do, or has one of unknown type.
     """
     if not data.startswith(b"/"):
         raise MalformedPacket("an OSC address must begin with a slash", got=data[:16])
-    index = _after_text(data, 0)
+    address, index = _text(data, 0, report)
     if index == len(data):
-        return  # an address without arguments is valid
+        return Message(address, ())  # an address without arguments is valid
     if data[index] != ord(","):
         raise MalformedPacket("a message has no type tags", got=data[index : index + 16])
-    begin, index = index + 1, _after_text(data, index)
+    begin, (_, index) = index + 1, _text(data, index, report)
     tags = data[begin : data.index(0, begin)]
     if len(tags) > MAX_ARGUMENTS:
         raise MalformedPacket(
             "a message has too many arguments", got=len(tags), expected=f"{MAX_ARGUMENTS} at most"
         )
+    values: list[object] = []
+    depth = 0
     for tag in tags:
-        if tag in _FIXED_SIZE:
-            index += _FIXED_SIZE[tag]
-        elif tag == _TEXT:
-            index = _after_text(data, index)
+        if tag in _NUMBERS:
+            number = _NUMBERS[tag]
+            end = index + number.size
+            values += number.unpack_from(data, index) if end <= len(data) else ()
+        elif tag in _TEXTS:
+            text, end = _text(data, index, report)
+            values.append(text)
+        elif tag in _CONSTANTS:
+            values.append(_CONSTANTS[tag])
+            end = index
+        elif tag in b"[]":
+            depth += 1 if tag == ord("[") else -1
+            if depth < 0:
+                raise MalformedPacket("an array in a message ends before it begins")
+            end = index
         elif tag == _BLOB:
             size = int.from_bytes(data[index : index + 4], "big", signed=True)
             if size < 0:
                 raise MalformedPacket("a blob has a negative size", got=size)
-            index += 4 + size + (-size % 4)
+            end = index + 4 + size + (-size % 4)
+            values.append(data[index + 4 : index + 4 + size])
+        elif tag in _FOUR_BYTES:
+            end = index + 4
+            values.append(data[index:end])
         else:
             raise MalformedPacket("an argument has an unknown type", got=bytes([tag]))
-    if index > len(data):
-        raise MalformedPacket(
-            "a message ends before its arguments do",
-            got=f"{len(data)} bytes",
-            expected=f"{index} bytes",
-        )
+        if end > len(data):
+            raise MalformedPacket(
+                "a message ends before its arguments do", got=f"{len(data)} bytes"
+            )
+        index = end
+    if depth:
+        raise MalformedPacket("an array in a message has no end")
+    return Message(address, tuple(values))
 
 
-def _after_text(data: bytes, begin: int) -> int:
-    """Index of the word after a zero-terminated text."""
+def _text(data: bytes, begin: int, report: ReaderReport) -> tuple[str, int]:
+    """A zero-terminated text in any bytes, and the index of the word after it."""
     zero = data.find(0, begin)
     after = zero + 4 - zero % 4
     if zero < 0 or after > len(data):
         raise MalformedPacket("a text in a message has no end", where=f"byte {begin}")
-    return after
+    text = data[begin:zero]
+    return (text.decode("ascii") if text.isascii() else decoded(text, report)), after

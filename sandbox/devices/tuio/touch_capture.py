@@ -2,22 +2,39 @@
 
 A capture holds packets as they came from the network, invalid ones included, so that a problem can
 be reproduced. `"from"` may name the sender of a packet; `{"t": seconds, "closed": "..."}` says that
-a sender's connection has ended. A damaged file is read up to the damage.
+a sender's connection has ended.
+
+A file is read up to a line that is no JSON. A packet without bytes or a time costs itself alone.
+Times are read in the unit in which they are possible.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, field
 from pathlib import Path
+from statistics import fmean
 from typing import NamedTuple
 
-from msgspec import Struct, field
+import msgspec
+from msgspec import Struct
 
 from models.errors import RecordingError
 from models.frames import TouchFrame
-from models.json_input import decoded, numbered_lines
+from models.json_input import converted, decoded, loosely_decoded, numbered_lines
+from models.plausible import (
+    TOUCH_STEP,
+    ContactSizes,
+    Units,
+    find_units,
+    in_order,
+    parse_units,
+    steps_of,
+    touch_steps,
+    unit_size,
+)
+from models.reader_report import ReaderReport
 from models.surface import Surface
 from sandbox.devices.device import Device
 from sandbox.devices.tuio.osc import MAX_PACKET_BYTES
@@ -30,20 +47,27 @@ _MAX_LINE = 2 * MAX_PACKET_BYTES + 4096
 _MAX_PEER = 200
 """Largest number of characters in a sender's address."""
 
-_EXPECTED = '{"t": seconds, "hex": "..."} with times that never run backwards'
-
+_EXPECTED = '{"t": seconds, "hex": "..."}'
 
 _DAMAGED = "the capture of touches is damaged here"
 _PLAYABLE = "The lines before this one can be played"
 _FORMATS = "`sandbox touches formats` lists what can be played"
 
+_SAMPLE = 500
+"""Packets by which the unit of time is judged."""
+_DENSE = 0.2
+"""s, mean time between two packets up to which they come in seconds."""
+
 
 class _PacketLine(Struct):
-    """A line: a packet in hex and its sender, or the sender whose connection has ended."""
+    """A line: a packet in hex and its sender, or the sender whose connection has ended.
+
+    `t` is NaN if there is no time.
+    """
 
     t: float
     hex: str | None = None
-    sender: str = field(default="", name="from")
+    sender: str = msgspec.field(default="", name="from")
     closed: str | None = None
 
 
@@ -65,10 +89,12 @@ class TouchCapture:
     Attributes:
         packets: Packets up to the end or the damage, in order of time.
         damage: Error with file and line that ended the capture early; None if it is undamaged.
+        report: What was left out and assumed.
     """
 
     packets: tuple[CapturedPacket, ...]
     damage: RecordingError | None = None
+    report: ReaderReport = field(default_factory=ReaderReport)
 
     @property
     def duration(self) -> float:
@@ -76,34 +102,76 @@ class TouchCapture:
         return self.packets[-1].time - self.packets[0].time
 
 
-def read_capture(path: Path) -> TouchCapture:
-    """Reads a capture up to its end or to the first damaged line.
+def read_capture(path: Path, unit: str = "") -> TouchCapture:
+    """Reads a capture up to its end or to the first line that is no JSON.
+
+    Args:
+        path: The file.
+        unit: Unit of its times that a person gave; another one is found.
 
     Raises:
-        RecordingError: The file does not exist, or its first packet cannot be read.
+        RecordingError: The file does not exist, its first packet cannot be read, or its times are
+            impossible in any unit.
     """
     packets: list[CapturedPacket] = []
     damage: RecordingError | None = None
+    report = ReaderReport()
     try:
-        for packet in _packets(path):
-            packets.append(packet)
+        for number, line in numbered_lines(path, _MAX_LINE):
+            remedy = _PLAYABLE if packets else _FORMATS
+            packet = _packet(_decoded(line, f"{path}, line {number}", remedy), report)
+            packets += [packet] if packet is not None else []
     except RecordingError as error:
         damage = error
     except OSError as error:
         raise RecordingError(f"the capture cannot be read: {error}", where=str(path)) from error
     if not packets:
         raise damage or RecordingError(
-            "the capture is empty", where=str(path), expected=f"lines like {_EXPECTED}"
+            "the capture has no packets of touches",
+            where=str(path),
+            got=report.line() or None,
+            expected=f"lines like {_EXPECTED}",
         )
-    return TouchCapture(tuple(packets), damage)
+    packets = in_order(packets, report)
+    second = _second(packets, parse_units(unit), str(path), report)
+    if second != 1.0:
+        packets = [packet._replace(time=second * packet.time) for packet in packets]
+    return TouchCapture(tuple(packets), damage, report)
 
 
-def _packets(path: Path) -> Iterator[CapturedPacket]:
-    last = -math.inf
-    for number, line in numbered_lines(path, _MAX_LINE):
-        where = f"{path}, line {number}"
-        remedy = _PLAYABLE if math.isfinite(last) else _FORMATS
-        record = decoded(
+def _second(
+    packets: Sequence[CapturedPacket], given: Units, where: str, report: ReaderReport
+) -> float:
+    """s, unit of the packets' times.
+
+    Raises:
+        RecordingError: They are impossible in any unit.
+    """
+    gaps = steps_of([packet.time for packet in packets[:_SAMPLE]])
+    if not given and gaps and TOUCH_STEP.least <= fmean(gaps) <= _DENSE:
+        # In no other unit would so many packets come; they need not be decoded.
+        return 1.0
+    tuio = Tuio(math.inf)
+    times: list[float] = []
+    touched: list[bool] = []
+    for packet in packets[:_SAMPLE]:
+        commits = tuio.feed(packet.data, packet.peer, packet.time) if packet.data else []
+        if commits:
+            times.append(packet.time)
+            touched.append(bool(commits[-1].touches))
+    seen = {TOUCH_STEP: touch_steps(times, touched)}
+    found = find_units(seen, {"time": "s"}, given, where=where, report=report, error=RecordingError)
+    return unit_size(found, "time")
+
+
+def _decoded(line: bytes, where: str, remedy: str) -> _PacketLine:
+    """Decodes a line, without those of its values that cannot be read.
+
+    Raises:
+        RecordingError: It is not a line of a capture.
+    """
+    try:
+        return decoded(
             line,
             _PacketLine,
             RecordingError,
@@ -112,36 +180,37 @@ def _packets(path: Path) -> Iterator[CapturedPacket]:
             expected=_EXPECTED,
             remedy=remedy,
         )
+    except RecordingError:
+        loose = loosely_decoded(line)
+        if not isinstance(loose, dict) or not loose.keys() & {"hex", "closed"}:
+            raise
+    time = converted(loose.get("t"), float)
+    return _PacketLine(
+        math.nan if time is None else time,
+        converted(loose.get("hex"), str),
+        converted(loose.get("from"), str) or "",
+        converted(loose.get("closed"), str),
+    )
+
+
+def _packet(line: _PacketLine, report: ReaderReport) -> CapturedPacket | None:
+    """The packet of a line; None for one that is left out."""
+    data: bytes | None = None
+    reason = "" if math.isfinite(line.t) else "packets without a time"
+    if line.closed is None:
         try:
-            packet = _packet(record)
-            if packet.time < last:
-                raise ValueError(f"the time runs backwards, from {last} to {packet.time} s")
-        except ValueError as error:
-            raise RecordingError(
-                f"{_DAMAGED}: {error}",
-                where=where,
-                got=line[:40].decode(errors="replace"),
-                expected=_EXPECTED,
-                remedy=remedy,
-            ) from None
-        last = packet.time
-        yield packet
-
-
-def _packet(line: _PacketLine) -> CapturedPacket:
-    """The packet of a line.
-
-    Raises:
-        ValueError: The bytes are not a packet.
-    """
-    if line.closed is not None:
-        return CapturedPacket(line.t, None, line.closed[:_MAX_PEER])
-    if line.hex is None:
-        raise ValueError("hex is missing")
-    data = bytes.fromhex(line.hex)
-    if len(data) > MAX_PACKET_BYTES:
-        raise ValueError(f"a packet of {len(data)} bytes does not exist in UDP")
-    return CapturedPacket(line.t, data, line.sender[:_MAX_PEER])
+            data = bytes.fromhex(line.hex or "")
+        except ValueError:
+            reason = reason or "packets that are not hexadecimal"
+        if line.hex is None:
+            reason = reason or "packets without bytes"
+        elif data is not None and len(data) > MAX_PACKET_BYTES:
+            reason = reason or "packets larger than UDP carries"
+    if reason:
+        report.leave_out(reason)
+        return None
+    peer = line.sender if line.closed is None else line.closed
+    return CapturedPacket(line.t, data, peer[:_MAX_PEER])
 
 
 def packet_record(packet: CapturedPacket) -> dict[str, object]:
@@ -169,12 +238,19 @@ class CaptureDevice(Device):
         self._surface = surface
         self._stale_after = stale_after
         self._tuio = Tuio(stale_after)
+        self._tuio.report.add(capture.report)
+        self._sizes = ContactSizes(self._tuio.report)
         self._next = 0
 
     @property
     def statistics(self) -> Statistics:
         """The counters of the decoder."""
         return self._tuio.statistics
+
+    @property
+    def report(self) -> ReaderReport:
+        """What the decoder has left out and assumed."""
+        return self._tuio.report
 
     @property
     def finished(self) -> bool:
@@ -193,13 +269,13 @@ class CaptureDevice(Device):
                 frames += self._frames(self._tuio.expire(silence), silence)
             elif time <= now:
                 peer = packet.peer or self.name
-                frames += self._frames(
-                    self._tuio.disconnect(peer)
-                    if packet.data is None
-                    else self._tuio.feed(packet.data, peer, time),
-                    time,
-                )
                 self._next += 1
+                if packet.data is None:
+                    self._tuio.disconnect(peer, time)
+                else:
+                    frames += self._frames(self._tuio.feed(packet.data, peer, time), time)
+                if self.finished:
+                    frames += self._frames(self._tuio.end(), time)
             else:
                 break
         return frames
@@ -214,4 +290,4 @@ class CaptureDevice(Device):
         return math.nextafter(min(heard) + self._stale_after, math.inf) if heard else math.inf
 
     def _frames(self, commits: list[Commit], time: float) -> list[TouchFrame]:
-        return [touch_frame(commit, self._surface, time) for commit in commits]
+        return [touch_frame(commit, self._surface, time, self._sizes) for commit in commits]

@@ -21,6 +21,8 @@ from typing import get_args
 
 from models.errors import DeviceError, InputError
 from models.frames import Contact, TouchFrame
+from models.plausible import ContactSizes
+from models.reader_report import ReaderReport
 from models.surface import Surface
 from sandbox.devices.device import Closeable, Device
 from sandbox.devices.tuio import DEFAULT_PORT, DEFAULT_WEBSOCKET_PORT, LOOPBACK, Transport
@@ -114,6 +116,7 @@ class TuioDevice(Device, Closeable):
             )
         self._surface = surface
         self._tuio = Tuio(stale_after)
+        self._sizes = ContactSizes(self._tuio.report)
         self._queue: deque[TouchFrame] = deque(maxlen=queue_frames)
         self._dropped = 0
         self._failure: InputError | None = None
@@ -151,7 +154,7 @@ class TuioDevice(Device, Closeable):
         except DeviceError:
             self.close()
             raise
-        self._address = f"{self.bind}:{self.told_port}"
+        self._address = f"{self.bind}:{self.announced_port}"
         if self._socket is not None:
             self._thread = threading.Thread(target=self._receive, name="tuio", daemon=True)
             self._thread.start()
@@ -162,7 +165,7 @@ class TuioDevice(Device, Closeable):
         return self._address
 
     @property
-    def told_port(self) -> int:
+    def announced_port(self) -> int:
         """The port to tell people, at which it listens: that of `address`."""
         return self.port if self._socket is not None or self._listens_tcp else self.websocket_port
 
@@ -183,6 +186,12 @@ class TuioDevice(Device, Closeable):
         """A copy of the counters."""
         with self._news:
             return replace(self._tuio.statistics, dropped=self._dropped)
+
+    @property
+    def report(self) -> ReaderReport:
+        """A copy of the report on what was left out and assumed."""
+        with self._news:
+            return self._tuio.report.copy()
 
     @property
     def sources(self) -> tuple[SourceStatus, ...]:
@@ -233,15 +242,15 @@ class TuioDevice(Device, Closeable):
         """Takes in a packet; called from any thread."""
         with self._news:
             now = self._now()
-            self._tell(now, peer, data)
+            self._pass_to_tap(now, peer, data)
             self._publish(self._tuio.feed(data, peer, now), now)
 
     def disconnected(self, peer: str) -> None:
-        """Cancels the touches of a disconnected sender."""
+        """Cancels the touches of a disconnected sender, unless it comes back at once."""
         with self._news:
             now = self._now()
-            self._tell(now, peer, None)
-            self._publish(self._tuio.disconnect(peer), now)
+            self._pass_to_tap(now, peer, None)
+            self._tuio.disconnect(peer, now)
 
     def expire(self) -> None:
         """Lifts the touches of senders that have been silent for too long."""
@@ -257,7 +266,7 @@ class TuioDevice(Device, Closeable):
             counts = self._tuio.statistics
             if packet:
                 counts.packets += 1
-                counts.refuse_packet(reason)
+                counts.count_malformed(reason)
             else:
                 counts.refuse_connection(reason)
 
@@ -274,7 +283,7 @@ class TuioDevice(Device, Closeable):
             self._failure.__cause__ = error
             self._news.notify_all()
 
-    def _tell(self, now: float, peer: str, data: bytes | None) -> None:
+    def _pass_to_tap(self, now: float, peer: str, data: bytes | None) -> None:
         """Tells the tap; once it has refused, which the next `poll` raises, nothing more counts."""
         if self._tap is None or self._failure is not None:
             return
@@ -309,20 +318,20 @@ class TuioDevice(Device, Closeable):
             return
         for commit in commits:
             self._dropped += len(self._queue) == self._queue.maxlen
-            self._queue.append(touch_frame(commit, self._surface, now))
+            self._queue.append(touch_frame(commit, self._surface, now, self._sizes))
         if commits:
             self.frame_ready.set()
             self._news.notify_all()
 
 
-def touch_frame(commit: Commit, surface: Surface, now: float) -> TouchFrame:
+def touch_frame(commit: Commit, surface: Surface, now: float, sizes: ContactSizes) -> TouchFrame:
     """Converts touches in 0..1 of the surface to a frame in metres.
 
     Touches of a silent source end as lifted, not as cancelled: most likely a finger was lifted and
     the last packet lost, so the hand must release what it held.
 
     A touch with a width and a height has them as its extent, and the size of the circle of equal
-    area.
+    area, as far as they are those of a finger or hand.
     """
     width, height = (float(length) for length in surface.size)
     contacts = []
@@ -330,7 +339,7 @@ def touch_frame(commit: Commit, surface: Surface, now: float) -> TouchFrame:
         size = extent = None
         if touch.width and touch.height:
             extent = touch.width * width, touch.height * height
-            size = math.sqrt(touch.width * width * touch.height * height)
+            size, extent = sizes.known(math.sqrt(extent[0] * extent[1]), extent)
         contacts.append(
             Contact(touch.id, touch.x * width, touch.y * height, size, touch.label, extent)
         )

@@ -13,11 +13,13 @@ that all begin with the same `frm`; only the last has `alv`. Specification: TUIO
 
 from __future__ import annotations
 
-import math
-from collections.abc import Sequence, Sized
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
-from typing import NamedTuple
+from itertools import islice
+from typing import NamedTuple, TypeVar, cast
 
+from models.plausible import IMPOSSIBLE_SIZE, on_surface
+from models.reader_report import ReaderReport
 from sandbox.devices.tuio.osc import MalformedPacket, Message, Packet
 
 MAX_IDS = 64
@@ -26,18 +28,16 @@ MAX_IDS = 64
 MAX_FRAMES = 16
 """Largest number of frames in a packet; regular senders use one. Bounds the work per packet."""
 
-LOWEST, HIGHEST = -0.1, 1.1
-"""Range of valid positions, in widths of the surface: sensors see a little beyond their edge."""
-
 SMALLEST = 1e-6
-"""Smallest length of a touch, in widths of the surface. Smaller ones are no finger's, and become 0
-in metres."""
-
-_SINGLE_PRECISION = 1e-6
-"""Tolerance of positions, which are 32-bit floats, where 1.1 is slightly larger."""
+"""Smallest length of a touch, in widths of the surface; smaller ones become 0 in metres."""
 
 MAX_NAME = 200
 """Largest number of characters in a source's name."""
+
+TOO_MANY = "touches beyond 64 of a sender"
+
+T = TypeVar("T")
+Size = tuple[float, float] | tuple[None, None]
 
 
 class TuioPlace(NamedTuple):
@@ -89,87 +89,87 @@ class TuioFrame:
                 del kept[next(iter(kept))]
 
 
-def read_int32(value: object, where: str) -> int:
-    """Checks a 32-bit integer.
+def read_int32(value: object) -> int:
+    """Reads a 32-bit integer; a whole number that is sent as a float is one.
 
     Raises:
         MalformedPacket: The value is not one.
     """
+    if isinstance(value, float) and value.is_integer():
+        value = int(value)
     if isinstance(value, bool) or not isinstance(value, int) or not -(2**31) <= value < 2**31:
-        raise MalformedPacket(
-            "a value must be an integer", where=where, got=short(value), expected="an int32"
-        )
+        raise MalformedPacket("ids and counters that are not int32")
     return value
 
 
-def read_coordinate(value: object, where: str) -> float:
-    """Checks a coordinate on the surface, and clips it to 0..1 if it lies in the margin.
+def read_ids(values: Iterable[object], most: int, report: ReaderReport) -> tuple[int, ...]:
+    """Ids of the living touches, each once; those that are none, or too many, are left out."""
+    ids: dict[int, None] = {}
+    for value in values:
+        try:
+            ids[read_int32(value)] = None
+        except MalformedPacket as error:
+            report.leave_out(error.what)
+    report.leave_out(TOO_MANY, len(ids) - most if len(ids) > most else 0)
+    return tuple(islice(ids, most))
+
+
+def read_position(x: object, y: object) -> tuple[float, float]:
+    """A position on the surface; one in the margin is moved onto the edge.
 
     Raises:
-        MalformedPacket: The value is not a number, or lies beyond the margin.
+        MalformedPacket: It is not two numbers, or lies beyond the margin.
     """
-    number = value if isinstance(value, int | float) and not isinstance(value, bool) else math.nan
-    slack = _SINGLE_PRECISION
-    if not LOWEST - slack <= number <= HIGHEST + slack:  # also true for NaN
-        raise MalformedPacket(
-            "a position is not on the surface",
-            where=where,
-            got=short(value),
-            expected=f"{LOWEST} to {HIGHEST}",
-        )
-    return min(max(float(number), 0.0), 1.0)
+    places = [
+        on_surface(value)
+        if isinstance(value, int | float) and not isinstance(value, bool)
+        else None
+        for value in (x, y)
+    ]
+    if places[0] is None or places[1] is None:
+        raise MalformedPacket("positions beyond the surface")
+    return float(places[0]), float(places[1])
 
 
-def read_size(value: object) -> float | None:
-    """A length in 0..1; None if the value is not a valid length, or too small for any finger."""
-    if isinstance(value, bool) or not isinstance(value, int | float):
-        return None
-    return float(value) if SMALLEST <= value <= 1.0 else None
+def read_size(width: object, height: object, report: ReaderReport) -> Size:
+    """Width and height in 0..1; None where the sender does not measure both (0).
 
-
-def read_name(name: object) -> str:
-    """Checks the name of a source.
-
-    Raises:
-        MalformedPacket: The value is not a short printable text.
+    Lengths that are no shares of the surface, as of a sender that sends pixels, are left out.
     """
-    if not isinstance(name, str) or len(name) > MAX_NAME or not name.isprintable():
-        raise MalformedPacket(
-            "the name of a source must be a short printable text", got=short(name)
-        )
-    return name
+    if not width or not height:
+        return None, None
+    size = [
+        float(value) if isinstance(value, int | float) and SMALLEST <= value <= 1.0 else None
+        for value in (width, height)
+    ]
+    if None in size:
+        report.leave_out(IMPOSSIBLE_SIZE)
+        return None, None
+    return cast(Size, tuple(size))
 
 
-def check_count(touches: Sized) -> None:
-    """Checks the number of touches in a frame.
+def printable_name(name: object) -> str:
+    """The name of a source as text that can be shown."""
+    text = str(name)[:MAX_NAME]
+    return "".join(c if c.isprintable() else "\ufffd" for c in text)
+
+
+def _put(touches: dict[int, T], touch: int, value: T, most: int = MAX_IDS) -> None:
+    """Stores a value of a touch.
 
     Raises:
         MalformedPacket: The frame has too many touches.
     """
-    if len(touches) > MAX_IDS:
-        raise MalformedPacket(
-            "a frame has too many touches", got=len(touches), expected=f"{MAX_IDS} at most"
-        )
+    if touch not in touches and len(touches) >= most:
+        raise MalformedPacket(TOO_MANY)
+    touches[touch] = value
 
 
-def check_frames(frames: Sized) -> None:
-    """Checks the number of frames in a packet.
+def _limited(frames: list[TuioFrame], report: ReaderReport) -> list[TuioFrame]:
+    """The last frames of a packet."""
+    report.leave_out("frames beyond 16 in a packet", max(len(frames) - MAX_FRAMES, 0))
+    return frames[-MAX_FRAMES:]
 
-    Raises:
-        MalformedPacket: The packet has too many frames.
-    """
-    if len(frames) > MAX_FRAMES:
-        raise MalformedPacket(
-            "a packet has too many frames", got=len(frames), expected=f"{MAX_FRAMES} at most"
-        )
-
-
-def short(value: object) -> object:
-    """The value as an error message may show it."""
-    return value if value is None or isinstance(value, int | float) else str(value)[:60]
-
-
-__all__ = ["BLOBS", "CURSORS", "MAX_FRAMES", "MAX_IDS", "Reading", "read_frames"]
 
 CURSORS, BLOBS = "/tuio/2Dcur", "/tuio/2Dblb"
 
@@ -189,15 +189,15 @@ class Reading(NamedTuple):
     ignored: list[str]
 
 
-def read_frames(packet: Packet) -> Reading:
+def read_frames(packet: Packet, report: ReaderReport) -> Reading:
     """Sorts a packet's messages into frames, without changing any state.
 
     Messages may come in any order: those after the last `fseq` of a packet belong to its frame, and
     the first `source` also names the messages before it.
 
-    Raises:
-        MalformedPacket: A message about cursors breaks the protocol; the whole packet is refused.
-            An invalid blob is only skipped, as its touch is valid without a size.
+    Args:
+        packet: The packet.
+        report: Receives what is left out, message by message.
     """
     named = [_source_name(message) for message in packet.messages]
     name = next((n for n in named if n is not None), None)
@@ -220,11 +220,9 @@ def read_frames(packet: Packet) -> Reading:
         key = (name, message.address)
         frame = unclosed.setdefault(key, TuioFrame(*key))
         try:
-            _read_command(message.arguments, frame)
-        except MalformedPacket:
-            if message.address == CURSORS:
-                raise
-            ignored.append(_named(message))
+            _read_command(message.arguments, frame, report)
+        except MalformedPacket as error:
+            report.leave_out(error.what)
         if frame.number is not None:
             frames.append(unclosed.pop(key))
     for key, rest in unclosed.items():
@@ -234,54 +232,57 @@ def read_frames(packet: Packet) -> Reading:
         else:
             rest.number = closed.number
             closed.take(rest)
-            check_count(closed.places)
-    check_frames(frames)
-    return Reading(frames, list(names), ignored)
+            closed.forget_the_first()
+    return Reading(_limited(frames, report), list(names), ignored)
 
 
 def _source_name(message: Message) -> str | None:
     """The name in a `source` message of any profile, since all profiles share the sender's name."""
     if not message.address.startswith("/tuio/") or message.arguments[:1] != ("source",):
         return None
-    return read_name(message.arguments[1] if len(message.arguments) > 1 else None)
+    return printable_name("".join(map(str, message.arguments[1:2])))
 
 
 def _named(message: Message) -> str:
     return ascii(message.address[:40]).strip("'")
 
 
-def _read_command(arguments: Sequence[object], frame: TuioFrame) -> None:
-    """Adds one alive, set or fseq message to a frame."""
+def _read_command(arguments: Sequence[object], frame: TuioFrame, report: ReaderReport) -> None:
+    """Adds one alive, set or fseq message to a frame.
+
+    Raises:
+        MalformedPacket: It breaks the protocol, and costs itself alone.
+    """
     command, values = (arguments[0], arguments[1:]) if arguments else (None, ())
     if command == "alive":
-        alive = tuple(dict.fromkeys(read_int32(value, "alive") for value in values))
-        check_count(alive)
-        frame.alive = alive
+        frame.alive = read_ids(values, MAX_IDS, report)
     elif command == "set":
         # Some senders leave out speed and acceleration; they are neither used nor checked.
         if len(values) < 3:
-            raise MalformedPacket(
-                "a set message is too short", got=f"{len(values)} values", expected="id x y"
-            )
-        touch = read_int32(values[0], "set")
-        check_count({*frame.places, touch})
-        frame.places[touch] = _place(values, frame.profile)
+            raise MalformedPacket("set messages without id, x and y")
+        place = _place(values, frame.profile, report)
+        _put(frame.places, read_int32(values[0]), place)
     elif command == "fseq":
-        frame.number = read_int32(values[0] if values else None, "fseq")
+        frame.number = _number(values, -1, report)
     else:
-        raise MalformedPacket(
-            "unknown command of TUIO 1.1",
-            got=short(command),
-            expected="source, alive, set or fseq",
-        )
+        raise MalformedPacket("unknown commands of TUIO 1.1")
 
 
-def _place(values: Sequence[object], profile: str) -> TuioPlace:
+def _number(values: Sequence[object], uncounted: int, report: ReaderReport) -> int:
+    """The number of a frame; one that cannot be read counts as that of a frame without."""
+    try:
+        return read_int32(values[0] if values else None)
+    except MalformedPacket as error:
+        report.leave_out(error.what)
+        return uncounted
+
+
+def _place(values: Sequence[object], profile: str, report: ReaderReport) -> TuioPlace:
     """The position in a `set` message: id x y ...; for a blob id x y angle width height area ..."""
-    x, y = read_coordinate(values[1], "set, x"), read_coordinate(values[2], "set, y")
+    position = read_position(values[1], values[2])
     if profile == CURSORS or len(values) < 6:
-        return TuioPlace(x, y)
-    return TuioPlace(x, y, read_size(values[4]), read_size(values[5]))
+        return TuioPlace(*position)
+    return TuioPlace(*position, *read_size(values[4], values[5], report))
 
 
 POINTERS = "/tuio2/ptr"
@@ -308,14 +309,14 @@ class Reading20(NamedTuple):
     ignored: list[str]
 
 
-def read_frames20(packet: Packet) -> Reading20:
+def read_frames20(packet: Packet, report: ReaderReport) -> Reading20:
     """Sorts a packet's messages into frames, without changing any state.
 
     Messages before the first `frm` of a bundle belong to its frame.
 
-    Raises:
-        MalformedPacket: A message about pointers breaks the protocol; the whole packet is refused.
-            Invalid bounds are only skipped.
+    Args:
+        packet: The packet.
+        report: Receives what is left out, message by message.
     """
     frames: list[TuioFrame] = []
     ignored: list[str] = []
@@ -324,7 +325,7 @@ def read_frames20(packet: Packet) -> Reading20:
         if not message.address.startswith("/tuio2/"):
             continue
         if message.address == _FRAME:
-            number, source = _opening(message)
+            number, source = _opening(message.arguments, report)
             if current is None or current.source is not None:
                 current = TuioFrame(source, POINTERS)
                 frames.append(current)
@@ -336,9 +337,11 @@ def read_frames20(packet: Packet) -> Reading20:
         if current is None:
             current = TuioFrame(None, POINTERS)
             frames.append(current)
-        _read(message, current)
-    check_frames(frames)
-    return Reading20(frames, ignored)
+        try:
+            _read(message, current, report)
+        except MalformedPacket as error:
+            report.leave_out(error.what)
+    return Reading20(_limited(frames, report), ignored)
 
 
 def label_of(type_and_user: int) -> int | None:
@@ -346,58 +349,32 @@ def label_of(type_and_user: int) -> int | None:
     return FINGER_TYPES.get(type_and_user & 0xFFFF)
 
 
-def _opening(message: Message) -> tuple[int, str]:
-    """Number and source of a `frm`; the sender's time is not used."""
-    values = message.arguments
-    if len(values) < 4:
-        raise MalformedPacket(
-            "a frm message is too short",
-            got=f"{len(values)} values",
-            expected="number time dimension source",
-        )
-    return read_int32(values[0], "frm") & 0xFFFFFFFF, read_name(values[3])
+def _opening(values: Sequence[object], report: ReaderReport) -> tuple[int, str]:
+    """Number and source of a `frm`; the sender's time and the sensor's size are not used."""
+    return _number(values, 0, report) & 0xFFFFFFFF, printable_name("".join(map(str, values[3:4])))
 
 
-def _read(message: Message, frame: TuioFrame) -> None:
-    """Adds one ptr, bnd or alv message to a frame."""
+def _read(message: Message, frame: TuioFrame, report: ReaderReport) -> None:
+    """Adds one ptr, bnd or alv message to a frame.
+
+    Raises:
+        MalformedPacket: It breaks the protocol, and costs itself alone.
+    """
     values = message.arguments
     if message.address == _ALIVE:
-        alive = tuple(dict.fromkeys(read_int32(value, "alv") for value in values))
-        if len(alive) > MAX_ALIVE:
-            raise MalformedPacket("too many living ids", expected=f"{MAX_ALIVE} ids at most")
-        frame.alive = alive
+        frame.alive = read_ids(values, MAX_ALIVE, report)
     elif message.address == POINTERS:
-        touch, place = _pointer(values)
-        check_count({*frame.places, touch})
-        frame.places[touch] = place
+        # Session id, type and user, component id, x, y, angle, shear, radius, pressure ...
+        if len(values) < 5:
+            raise MalformedPacket("ptr messages without ids, x and y")
+        kind = values[1]
+        label = label_of(kind) if isinstance(kind, int) else None
+        place = TuioPlace(*read_position(values[3], values[4]), label=label)
+        _put(frame.places, read_int32(values[0]), place)
     else:
-        size = _bounds(values)
-        if size is not None and len({*frame.sizes, size[0]}) <= MAX_ALIVE:
-            frame.sizes[size[0]] = size[1:]
-
-
-def _pointer(values: Sequence[object]) -> tuple[int, TuioPlace]:
-    """Id and position in a `ptr` message.
-
-    Its values are session id, type and user, component id, x, y, angle, shear, radius, pressure ...
-    """
-    if len(values) < 5:
-        raise MalformedPacket(
-            "a ptr message is too short", got=f"{len(values)} values", expected="ids x y"
-        )
-    touch, kind = read_int32(values[0], "ptr"), read_int32(values[1], "ptr")
-    x, y = read_coordinate(values[3], "ptr, x"), read_coordinate(values[4], "ptr, y")
-    return touch, TuioPlace(x, y, label=label_of(kind))
-
-
-def _bounds(values: Sequence[object]) -> tuple[int, float, float] | None:
-    """Id, width and height in a `bnd` message; None if it is invalid.
-
-    Its values are session id, x, y, angle, width, height, area ...
-    """
-    try:
-        touch = read_int32(values[0] if values else None, "bnd")
-    except MalformedPacket:
-        return None
-    width, height = (read_size(v) for v in values[4:6]) if len(values) >= 6 else (None, None)
-    return None if width is None or height is None else (touch, width, height)
+        # Session id, x, y, angle, width, height, area ...
+        if len(values) < 6:
+            raise MalformedPacket("bnd messages without id, width and height")
+        width, height = read_size(values[4], values[5], report)
+        if width is not None and height is not None:
+            _put(frame.sizes, read_int32(values[0]), (width, height), MAX_ALIVE)

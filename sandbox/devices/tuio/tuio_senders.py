@@ -3,16 +3,26 @@
 TUIO has no messages for touch-down and touch-up: a touch begins with the first position of a living
 id and ends when its id is missing from the list of living ids. State and counters are kept per
 source and profile, so that frames of one sender are not taken as late because of another's counter.
+
+A source is identified by host and name. Two senders of one host may have the same name, or none,
+and then differ by their ports; but some libraries send every packet from another port. So a packet
+from a new port belongs to the source whose frames it continues, and to a new one where it continues
+none. A source that moved to another port although the old one is heard again was two senders, and
+each gets its own touches back.
+
+A program that sends both versions, or over two transports, reports every finger twice: two such
+sources of one host whose touches all lie at the same places are one sender, and count once.
 """
 
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from itertools import islice
 from typing import NamedTuple
 
+from models.reader_report import ReaderReport
 from sandbox.devices.tuio.osc import MalformedPacket, Packet, decode
 from sandbox.devices.tuio.tuio_frames import (
     BLOBS,
@@ -26,6 +36,13 @@ from sandbox.devices.tuio.tuio_frames import (
 RESTART_GAP = 100
 """Fall of a TUIO 1.1 frame counter above which the sender was restarted (as in the reference
 clients); a smaller fall means that a packet was overtaken."""
+
+RESTART_FRAMES = 4
+"""Frames in a row, counted upwards, after which a counter that fell has begun anew: some senders
+count to 63 or 255 only. A packet that was overtaken comes alone."""
+
+RECONNECTION = 0.25
+"""s in which a sender whose connection has ended may come back with its touches."""
 
 RESTART_TIME = 1.0
 """s after the last frame from which on a fall of a TUIO 2.0 counter means a restarted sender."""
@@ -49,33 +66,87 @@ class Touch(NamedTuple):
     label: int | None = None
 
 
-@dataclass(slots=True)
+@dataclass(slots=True, eq=False)
 class TuioSource:
     """The state of one sender.
 
     Attributes:
         name: Name that it sends.
-        peer: Network address of its packets.
+        peer: Network address of its packets: transport other than UDP, host and port.
         version: Version of the protocol, `1.1` or `2.0`.
         heard: s, time of its last packet.
+        turn: Number of its last message among those of all sources.
         stale: True if it has been silent for too long.
+        left: True if its connection has ended.
         slot: Number among the sources with touches; None before its first touch.
         places: Positions of its living touches, by id.
         open: Unclosed frame by profile.
+        before: The source as it was before it moved to its present port; None if it never did.
+        twin: The source that reports the same touches, which are shown of that one.
     """
 
     name: str
     peer: str
     version: str
     heard: float
+    turn: int = 0
     stale: bool = False
+    left: bool = False
     slot: int | None = None
     places: dict[int, TuioPlace] = field(default_factory=dict)
     open: dict[str, TuioFrame] = field(default_factory=dict)
+    before: TuioSource | None = None
+    twin: TuioSource | None = None
+    _settled: bool = False
     _alive: dict[str, tuple[int, ...]] = field(default_factory=dict)
     _numbers: dict[str, int] = field(default_factory=dict)
+    _behind: dict[str, tuple[int, int]] = field(default_factory=dict)
     _counted_at: float = 0.0
     _blobs: dict[int, TuioPlace] = field(default_factory=dict)
+
+    @property
+    def host(self) -> str:
+        """Its peer without the port."""
+        return _without_port(self.peer)
+
+    def continues(self, frame: TuioFrame | None) -> bool:
+        """True if a packet from another port of its host is its own.
+
+        Args:
+            frame: First frame of the packet about touches; None if it has none.
+        """
+        wanders = self.before is not None
+        if self._settled or frame is None:
+            return wanders and not self._settled
+        if self.open or frame.number is None:
+            return wanders or bool(self.open)
+        mine, alive = self._alive.get(frame.profile, ()), frame.alive or ()
+        shared = not set(mine).isdisjoint(alive)
+        last = self._numbers.get(frame.profile)
+        if frame.number <= 0 or last is None:
+            return shared or wanders or not (mine and alive)
+        step = frame.number - last
+        if wanders:
+            return abs(step) <= RESTART_GAP  # overtaken packets, too
+        return step == 1 or (0 <= step <= RESTART_GAP and (shared or not (mine or alive)))
+
+    def moved(self, peer: str) -> TuioSource:
+        """The same source at another port."""
+        self.before = None
+        return replace(
+            self,
+            peer=peer,
+            before=self,
+            open=dict(self.open),
+            _alive=dict(self._alive),
+            _numbers=dict(self._numbers),
+            _behind=dict(self._behind),
+        )
+
+    def settle(self) -> TuioSource:
+        """Marks it as a source with a port of its own, to which it has come back."""
+        self._settled, self.slot, self.twin = True, None, None
+        return self
 
     def late(self, frame: TuioFrame, now: float) -> str:
         """Reason why a closed frame is late; empty if it is in time, and its number is stored."""
@@ -85,7 +156,12 @@ class TuioSource:
         if last is not None and number < last:
             recent = now - self._counted_at < RESTART_TIME
             if recent if frame.profile == POINTERS else last - number <= RESTART_GAP:
-                return f"frame {number} came after {last}"
+                before, count = self._behind.get(frame.profile, (number, 0))
+                count = count + 1 if number > before else 1
+                self._behind[frame.profile] = number, count
+                if count < RESTART_FRAMES:
+                    return f"frame {number} came after {last}"
+        self._behind.pop(frame.profile, None)
         self._numbers[frame.profile], self._counted_at = number, now
         return ""
 
@@ -93,11 +169,14 @@ class TuioSource:
         """True if a part without `alv` belongs to the frame that was closed last."""
         return bool(frame.number) and frame.number == self._numbers.get(frame.profile)
 
-    def commit(self, frame: TuioFrame) -> None:
+    def commit(self, frame: TuioFrame, report: ReaderReport) -> None:
         """Updates the living touches from a closed frame."""
         if frame.alive is not None:
             self._alive[frame.profile] = frame.alive
-        alive = self._alive.get(frame.profile, ())
+        alive = self._alive.get(frame.profile)
+        if alive is None:
+            report.assume(f"{self.name or self.host} lists no living touches; each frame has all")
+            alive = tuple(frame.places)
         if frame.profile == BLOBS:
             blobs = self._blobs | frame.places
             self._blobs = {blob: blobs[blob] for blob in alive if blob in blobs}
@@ -116,9 +195,10 @@ class TuioSource:
 
         The positions are kept, because a finger that only rested is alive in the next frame.
         """
-        self.stale, self.slot = True, None
+        self.stale, self.slot, self.twin = True, None, None
         self.open.clear()
         self._numbers.clear()
+        self._behind.clear()
 
     def touches(self) -> Iterable[Touch]:
         """The living touches, none while the source is silent."""
@@ -152,6 +232,11 @@ MAX_TOUCHES = 128
 """Largest number of touches of all sources in one frame; bounds the memory for many senders."""
 
 
+SAME_PLACE = 0.002
+"""Distance below which two sources report one touch, in widths of the surface: 0.4 mm of a
+tablet."""
+
+
 class Commit(NamedTuple):
     """A committed frame: the name of its source, and the touches of all sources after it.
 
@@ -167,7 +252,8 @@ class Commit(NamedTuple):
 class Statistics:
     """Counters of packets, frames and problems.
 
-    Late: overtaken frames. Unfinished: frames that were never closed. Ignored: messages of other
+    Malformed: packets with parts that were left out, or of which nothing could be read. Late:
+    overtaken frames. Unfinished: frames that were never closed. Ignored: messages of other
     profiles and programs. Evicted: sources removed to make room. Surplus: touches beyond
     `MAX_TOUCHES`. Dropped: frames that were not fetched in time. Refused: connections that were
     refused.
@@ -188,7 +274,7 @@ class Statistics:
     refused: int = 0
     refused_reason: str = ""
 
-    def refuse_packet(self, reason: str) -> None:
+    def count_malformed(self, reason: str) -> None:
         """Counts a malformed packet."""
         self.malformed += 1
         self.malformed_reason = reason
@@ -221,9 +307,10 @@ class Tuio:
 
     def __init__(self, stale_after: float = 2.0) -> None:
         self.statistics = Statistics()
+        self.report = ReaderReport()
         self._stale_after = stale_after
-        self._sources: dict[tuple[str, str, str], TuioSource] = {}
-        self._last_name: dict[tuple[str, str], str] = {}
+        self._sources: list[TuioSource] = []
+        self._turn = 0
 
     @property
     def sources(self) -> tuple[SourceStatus, ...]:
@@ -237,54 +324,80 @@ class Tuio:
                 s.stale,
                 s.version,
             )
-            for s in self._sources.values()
+            for s in self._sources
         )
 
     def feed(self, data: bytes, peer: str, now: float) -> list[Commit]:
-        """Processes a packet from a network address; a malformed one is only counted."""
+        """Processes a packet from a network address; what is malformed in it is left out."""
         self.statistics.packets += 1
+        before = self.report.left_out.copy()
         try:
-            packet = decode(data)
-            frames, names, ignored = read_frames(packet)
-            pointers, also_ignored = read_frames20(packet)
+            packet = decode(data, self.report)
         except MalformedPacket as error:
-            self.statistics.refuse_packet(str(error))
+            self.statistics.count_malformed(str(error))
+            self.report.leave_out(f"packets: {error.what}")
             return []
+        frames, names, ignored = read_frames(packet, self.report)
+        pointers, also_ignored = read_frames20(packet, self.report)
+        if wrong := self.report.left_out - before:
+            self.statistics.count_malformed(", ".join(wrong))
         self._count_ignored([a for a in ignored if not _is_tuio20(a)] + also_ignored)
         commits: list[Commit] = []
+        if not packet.messages:
+            # An empty bundle says that its sender is there.
+            for source in self._sources:
+                if source.peer == peer and not source.stale:
+                    source.heard = now
         for frame in frames:
-            source = self._hear(peer, frame.source, "1.1", now, commits)
+            source = self._hear(peer, frame.source, "1.1", frame, now, commits)
             self._apply(frame, source, packet, now, commits)
         for name in names:  # a packet without touches shows that the source is alive, too
-            self._hear(peer, name, "1.1", now, commits)
+            self._hear(peer, name, "1.1", None, now, commits)
         for frame in pointers:
-            if frame.source is None and (peer, "2.0") not in self._last_name:
+            if frame.source is None and self._find(peer, None, "2.0", frame) is None:
                 self.statistics.unfinished += 1  # its source is unknown
                 continue
-            source = self._hear(peer, frame.source, "2.0", now, commits)
+            source = self._hear(peer, frame.source, "2.0", frame, now, commits)
             self._apply_pointers(frame, source, now, commits)
         return commits
 
     def expire(self, now: float) -> list[Commit]:
-        """Lifts the touches of sources that have been silent for too long."""
+        """Lifts the touches of sources that have been silent for too long.
+
+        Those of a sender that has left are cancelled, not lifted.
+        """
         commits: list[Commit] = []
-        for source in self._sources.values():
-            if not source.stale and now > source.heard + self._stale_after:
-                shown = source.slot is not None and bool(source.places)
-                source.silence()
-                if shown:
-                    self._commit(source, commits)
+        for source in [s for s in self._sources if not s.stale]:
+            if now > source.heard + self._stale_after:
+                self._end(source, commits)
         return commits
 
-    def disconnect(self, peer: str) -> list[Commit]:
-        """Removes the sources of a closed connection; their touches are cancelled, not lifted."""
+    def end(self) -> list[Commit]:
+        """Cancels the touches of senders that have left, as none comes back any more."""
         commits: list[Commit] = []
-        for source in [s for s in self._sources.values() if s.peer == peer]:
-            gone = frozenset(touch.id for touch in source.touches())
-            self._forget(source)
-            if gone:
-                self._commit(source, commits, gone)
+        for source in [s for s in self._sources if s.left]:
+            self._end(source, commits)
         return commits
+
+    def _end(self, source: TuioSource, commits: list[Commit]) -> None:
+        """Lifts the touches of a silent source, or cancels those of one that has left."""
+        shown = frozenset(touch.id for touch in source.touches())
+        if source.left:
+            self._forget(source)
+        else:
+            source.silence()
+            self._part(source)
+        if shown:
+            self._commit(source, commits, shown if source.left else frozenset())
+
+    def disconnect(self, peer: str, now: float) -> None:
+        """Takes in that a connection has ended; a sender that comes back at once keeps its touches,
+        as some connect for every packet."""
+        for source in [s for s in self._sources if s.peer == peer]:
+            if source.slot is None:
+                self._forget(source)
+            source.left = True
+            source.heard = min(source.heard, now - self._stale_after + RECONNECTION)
 
     def _count_ignored(self, ignored: Sequence[str]) -> None:
         if ignored:
@@ -339,17 +452,21 @@ class Tuio:
             self.statistics.late += 1
             self.statistics.late_reason = reason
             return False
-        source.commit(frame)
+        source.commit(frame, self.report)
         return True
 
     def _commit(
         self, source: TuioSource, commits: list[Commit], cancelled: frozenset[int] = frozenset()
     ) -> None:
-        present = (source.peer, source.name, source.version) in self._sources
+        present = source in self._sources
+        if present:
+            self._find_twin(source)
+        if source.twin is not None:
+            return
         if present and source.slot is None and source.places and not source.stale:
-            taken = {s.slot for s in self._sources.values()}
+            taken = {s.slot for s in self._sources}
             source.slot = next(slot for slot in range(MAX_SOURCES) if slot not in taken)
-        shown = [s for s in self._sources.values() if s.slot is not None]
+        shown = [s for s in self._sources if s.slot is not None]
         surplus = sum(len(s.places) for s in shown) - MAX_TOUCHES
         if surplus > 0:
             self.statistics.surplus += surplus
@@ -358,38 +475,130 @@ class Tuio:
         self.statistics.frames += 1
         commits.append(Commit(source.name, tuple(touches), cancelled))
 
+    def _find_twin(self, source: TuioSource) -> None:
+        """Finds another source of its host that reports the same touches.
+
+        Version 2.0 is shown, which knows more, under the ids that were shown before.
+        """
+        if source.twin is not None or source.stale or not source.places:
+            return
+        for other in self._sources:
+            kinds = {(s.version, s.host) for s in (source, other)}
+            if (
+                len(kinds) == 2
+                and other.twin is None
+                and not other.stale
+                and _bare(source.host) == _bare(other.host)
+                and _same_places(source.places, other.places)
+            ):
+                shown, hidden = sorted((source, other), key=lambda s: s.version, reverse=True)
+                if shown.slot is None:
+                    shown.slot = hidden.slot
+                hidden.slot, hidden.twin = None, shown
+                self.report.assume(
+                    f"{shown.name or shown.host} sends every touch twice, which counts once"
+                )
+                return
+
     def _hear(
-        self, peer: str, name: str | None, version: str, now: float, commits: list[Commit]
+        self,
+        peer: str,
+        name: str | None,
+        version: str,
+        frame: TuioFrame | None,
+        now: float,
+        commits: list[Commit],
     ) -> TuioSource:
         """The source of a message; without a name, the last one at that address."""
-        nameless = (peer, "", version)
-        if name is None:
-            name = self._last_name.get((peer, version), "")
-        elif (peer, name, version) not in self._sources and nameless in self._sources:
-            # Senders may send a few bundles before the first one with their name.
-            renamed = self._sources[peer, name, version] = self._sources.pop(nameless)
-            renamed.name = name
-        source = self._sources.get((peer, name, version))
+        source = self._find(peer, name, version, frame)
         if source is None:
             if len(self._sources) >= MAX_SOURCES:
                 self._evict(commits)
-            source = self._sources[peer, name, version] = TuioSource(name, peer, version, now)
-        self._last_name[peer, version] = name
-        source.heard, source.stale = now, False
+            source = TuioSource(name or "", peer, version, now)
+            self._sources.append(source)
+        elif source.peer != peer:
+            source = self._at_new_port(source, peer)
+        if name is not None:
+            # Senders may send a few bundles before the first one with their name.
+            source.name = name
+        self._turn += 1
+        source.heard, source.turn, source.stale, source.left = now, self._turn, False, False
         return source
 
+    def _find(
+        self, peer: str, name: str | None, version: str, frame: TuioFrame | None
+    ) -> TuioSource | None:
+        """The source of a message, perhaps with another port; None if it is unknown.
+
+        Args:
+            peer: Address of the packet.
+            name: Name of the source; None if the message has none.
+            version: Version of the protocol.
+            frame: The frame; None for a message that is not about touches.
+        """
+        sources = [s for s in self._sources if s.version == version]
+        here = [s for s in sources if s.peer == peer]
+        if name is None and here:
+            return max(here, key=lambda s: s.turn)
+        named = [s for s in sources if name is None or s.name in (name, "")]
+        found = [s for s in here if s.name == name] or [s for s in here if s.name == ""]
+        host = _without_port(peer)
+        found = found or [
+            s
+            for s in named
+            if s.host == host
+            and (s.continues(frame) or (s.before is not None and s.before.peer == peer))
+        ]
+        return max(found, key=lambda s: s.turn, default=None)
+
+    def _at_new_port(self, source: TuioSource, peer: str) -> TuioSource:
+        """The source at another port of its host; it comes back to one as the sender it was."""
+        index = self._sources.index(source)
+        if source.before is not None and source.before.peer == peer:
+            back, source.before = source.before.settle(), None
+            self._sources.append(back)
+            return back
+        moved = self._sources[index] = source.moved(peer)
+        self._part(source, moved)
+        source.slot = None
+        return moved
+
     def _evict(self, commits: list[Commit]) -> None:
-        oldest = min(self._sources.values(), key=lambda source: source.heard)
+        oldest = min(self._sources, key=lambda source: source.heard)
         self._forget(oldest)
         self.statistics.evicted += 1
         if oldest.slot is not None and oldest.places:
             self._commit(oldest, commits)
 
     def _forget(self, source: TuioSource) -> None:
-        del self._sources[source.peer, source.name, source.version]
-        mine = (source.peer, source.version)
-        if all((s.peer, s.version) != mine for s in self._sources.values()):
-            self._last_name.pop(mine, None)
+        self._sources.remove(source)
+        self._part(source)
+
+    def _part(self, source: TuioSource, heir: TuioSource | None = None) -> None:
+        """Gives the sources whose touches a source has shown another one, or none."""
+        for other in self._sources:
+            if other.twin is source:
+                other.twin = heir
+
+
+def _without_port(peer: str) -> str:
+    """Transport and host of a network address."""
+    host, _, port = peer.rpartition(":")
+    return host if port.isdigit() else peer
+
+
+def _bare(host: str) -> str:
+    """A host without its transport."""
+    return host.rpartition(" ")[2]
+
+
+def _same_places(some: Mapping[int, TuioPlace], others: Mapping[int, TuioPlace]) -> bool:
+    """True if every touch of two sources lies where one of the other does: nobody puts two fingers
+    at one place."""
+    return len(some) == len(others) and all(
+        any(max(abs(a.x - b.x), abs(a.y - b.y)) < SAME_PLACE for b in others.values())
+        for a in some.values()
+    )
 
 
 def _is_tuio20(address: str) -> bool:

@@ -236,7 +236,7 @@ class Streams:
         assert task is not None
         task.set_name("tuio-tcp")
         host, port = writer.get_extra_info("peername")[:2]
-        if self._connections >= MAX_CONNECTIONS and not self._end_a_silent_one():
+        if self._connections >= MAX_CONNECTIONS and not self._end_silent_connection():
             self._receiver.refuse("too many connections")
             writer.close()
             return
@@ -248,7 +248,7 @@ class Streams:
         finally:
             self._connections -= 1
 
-    def _end_a_silent_one(self) -> bool:
+    def _end_silent_connection(self) -> bool:
         """Ends the TCP connection that has been silent for longest; False if none has been for
         `SILENT`."""
         silent = min(self._heard, key=lambda writer: self._heard[writer], default=None)

@@ -18,6 +18,7 @@ from sandbox.devices.device import (
     PlayedOptions,
     Sees,
     Source,
+    UnitOptions,
 )
 from sandbox.devices.hand_input import HandInput
 
@@ -122,7 +123,12 @@ def before_camera(options: BeforeCameraOptions, argument: str, side: str) -> Han
     return HandInput(camera=webcam_choice(options.webcam).camera)
 
 
-def in_landmark_file(options: BeforeCameraOptions, file: str, side: str) -> HandInput:
+@dataclass(frozen=True, kw_only=True)
+class PlayedCameraOptions(UnitOptions, BeforeCameraOptions):
+    """Options of a recording of landmarks on the command line."""
+
+
+def in_landmark_file(options: PlayedCameraOptions, file: str, side: str) -> HandInput:
     """How the camera of a recording saw a hand.
 
     Raises:
@@ -131,7 +137,7 @@ def in_landmark_file(options: BeforeCameraOptions, file: str, side: str) -> Hand
     from sandbox.devices.files import read_once
     from sandbox.devices.webcam.landmarks import read_landmarks
 
-    recorded = read_once(read_landmarks, Path(file)).camera
+    recorded = read_once(read_landmarks, Path(file), options.unit).camera
     return HandInput(camera=webcam_choice(options.webcam, recorded).camera)
 
 
@@ -148,10 +154,12 @@ def _open(options: WebcamOptions, place: Place) -> AnyDevice:
 
 
 def _open_file(options: PlayedOptions, place: Place) -> AnyDevice:
-    from sandbox.devices.files import read_once
+    from sandbox.devices.files import read_once, show_report
     from sandbox.devices.webcam.landmarks import LandmarkFileDevice, read_landmarks
 
-    return LandmarkFileDevice(read_once(read_landmarks, Path(place.argument)))
+    recording = read_once(read_landmarks, Path(place.argument), options.unit)
+    show_report(recording.report)
+    return LandmarkFileDevice(recording)
 
 
 def _check(options: WebcamOptions, argument: str) -> None:
@@ -164,7 +172,7 @@ def _check_file(options: PlayedOptions, argument: str) -> None:
     from sandbox.devices.files import read_once
     from sandbox.devices.webcam.landmarks import read_landmarks
 
-    read_once(read_landmarks, Path(argument))
+    read_once(read_landmarks, Path(argument), options.unit)
 
 
 DEVICE: DeviceEntry[Any] = DeviceEntry(
@@ -183,6 +191,6 @@ FILE: DeviceEntry[Any] = DeviceEntry(
     PlayedOptions,
     DeviceKind(Sees.CAMERA, Source.FILE, labels=True, in_scene=True),
     check=_check_file,
-    command_options=BeforeCameraOptions,
+    command_options=PlayedCameraOptions,
     hand_input=in_landmark_file,
 )

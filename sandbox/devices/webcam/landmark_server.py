@@ -17,7 +17,7 @@ from websockets.http11 import Request, Response
 
 from models.errors import InputError
 from sandbox.devices.webcam.landmarks import PictureMessage, picture_message
-from sandbox.server.address import LOOPBACK
+from sandbox.server.page_options import LOOPBACK
 from sandbox.server.server_thread import ServerThread, cannot_serve
 from sandbox.server.static import TOKEN_PLACE, answered, plain
 

@@ -5,18 +5,48 @@ camera.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
-from dataclasses import asdict, dataclass, replace
+from collections import Counter
+from collections.abc import Hashable, Sequence
+from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
+from statistics import median
 from typing import Any, Literal
 
 import msgspec
+import numpy as np
 
 from encoders.webcam.camera import Camera
+from encoders.webcam.landmarks import KNUCKLES
 from models.errors import DeviceError, FrameError, InputError, RecordingError
-from models.frames import LandmarkFrame, SeenHand
-from models.json_input import decoded, numbered_lines
-from sandbox.devices.device import LandmarkDevice
+from models.frames import LANDMARKS, LandmarkFrame, SeenHand
+from models.json_input import (
+    converted,
+    decoded,
+    loosely_decoded,
+    numbered_lines,
+    whole_json,
+)
+from models.plausible import (
+    BEYOND,
+    IN_PICTURE,
+    JUMPED,
+    ON_ANOTHER,
+    PALM,
+    PALM_AT_ONCE,
+    STEP,
+    Bounds,
+    HandJumps,
+    SideDoubt,
+    Units,
+    find_units,
+    forget_beyond,
+    lie_on,
+    parse_units,
+    steps_of,
+    unit_size,
+)
+from models.reader_report import ReaderReport
+from sandbox.devices.device import FilePlayer, LandmarkDevice
 
 SOURCE = "webcam"
 MOST_SEEN = 4
@@ -30,9 +60,10 @@ Trouble = Literal["absent", "in use", "refused", "engine", "hidden"]
 
 
 class HandMessage(msgspec.Struct):
-    """A hand in a picture, as `models.frames.SeenHand` describes it."""
+    """A hand in a picture, as `models.frames.SeenHand` describes it; MediaPipe's names of sides are
+    capitals."""
 
-    side: Literal["right", "left"]
+    side: Literal["right", "left", "Right", "Left"]
     score: float
     image: list[Point]
     world: list[Vector]
@@ -49,6 +80,7 @@ class PictureMessage(msgspec.Struct):
         trouble: Why there is no picture; None with one.
         corners: px, a surface's corners that the person marked: top left, top right, bottom right,
             bottom left; None in other messages.
+        unread: Number of hands that are not in `seen`, as they cannot be read.
     """
 
     time: float | None = None
@@ -57,6 +89,7 @@ class PictureMessage(msgspec.Struct):
     seen: list[HandMessage] = []
     trouble: Trouble | None = None
     corners: tuple[Point, Point, Point, Point] | None = None
+    unread: int = 0
 
 
 def picture_message(text: bytes | str, where: str = SOURCE) -> PictureMessage:
@@ -65,40 +98,259 @@ def picture_message(text: bytes | str, where: str = SOURCE) -> PictureMessage:
     Raises:
         DeviceError: It is neither a picture nor a trouble.
     """
-    message = decoded(
-        text.encode() if isinstance(text, str) else text,
-        PictureMessage,
-        DeviceError,
-        what="these are not landmarks",
-        where=where,
-        expected='{"time": s, "size": [px, px], "seen": [...]}',
-    )
+    data = text.encode() if isinstance(text, str) else text
+    try:
+        message = decoded(
+            data,
+            PictureMessage,
+            DeviceError,
+            what="these are not landmarks",
+            where=where,
+            expected='{"time": s, "size": [px, px], "seen": [...]}',
+        )
+    except DeviceError:
+        readable = _readable(data)
+        if readable is None:
+            raise
+        message = readable
     if message.time is None and message.trouble is None and message.corners is None:
         raise DeviceError("the picture has no time", where=where)
     return message
 
 
+def _readable(data: bytes) -> PictureMessage | None:
+    """A message without those of its hands that cannot be read; None where the rest cannot."""
+    loose = loosely_decoded(data)
+    if not (isinstance(loose, dict) and isinstance(loose.get("seen"), list)):
+        return None
+    hands = [converted(hand, HandMessage) for hand in loose["seen"]]
+    message = converted({**loose, "seen": []}, PictureMessage)
+    if message is None:
+        return None
+    sound = [hand for hand in hands if hand is not None]
+    return msgspec.structs.replace(message, seen=sound, unread=len(hands) - len(sound))
+
+
+LANDMARK_UNITS: Units = {"length": "m", "time": "s", "image coordinate": "px"}
+"""Units of messages and files."""
+
+
+def quantities(message: PictureMessage) -> dict[Bounds, float]:
+    """Sizes of the first hand of a message in its own units; empty without a hand."""
+    hand = next(iter(message.seen), None)
+    if hand is None or not len(hand.image) == len(hand.world) == LANDMARKS or min(message.size) < 1:
+        return {}
+    usual = unit_size({"image coordinate": "0..1"}, "image coordinate")
+    ends = [
+        (min(axis) * usual / pixels, max(axis) * usual / pixels)
+        for axis, pixels in zip(zip(*hand.image, strict=True), message.size, strict=True)
+    ]
+    return {
+        PALM: math.dist(hand.world[0], hand.world[9]),
+        IN_PICTURE: max(high - low for low, high in ends),
+        BEYOND: max(max(-low, high - usual, 0.0) for low, high in ends),
+    }
+
+
+def in_units(message: PictureMessage, units: Units) -> PictureMessage:
+    """A message in `LANDMARK_UNITS` of one in other units."""
+    if units == LANDMARK_UNITS or message.time is None:
+        return message
+    metre, second = unit_size(units, "length"), unit_size(units, "time")
+    width, height = message.size if units["image coordinate"] == "0..1" else (1, 1)
+    seen = [
+        HandMessage(
+            hand.side,
+            hand.score,
+            [(x * width, y * height) for x, y in hand.image],
+            [(x * metre, y * metre, z * metre) for x, y, z in hand.world],
+        )
+        for hand in message.seen
+    ]
+    taken = None if message.taken is None else message.taken * second
+    return msgspec.structs.replace(message, time=message.time * second, taken=taken, seen=seen)
+
+
 def frame_of(message: PictureMessage, where: str = SOURCE) -> LandmarkFrame:
-    """The frame of a picture.
+    """The frame of a picture, without the hands whose numbers are not valid.
 
     Raises:
-        FrameError: Its numbers are not valid for a frame.
+        FrameError: Numbers are not valid for a frame, or none of the hands is.
     """
     if message.time is None:
         raise FrameError("this is not a picture", where=where, got=message.trouble)
     if len(message.seen) > MOST_SEEN:
         raise FrameError("too many hands", where=where, got=len(message.seen))
-    for hand in message.seen:
-        far = max((abs(c) for p in hand.image for c in p), default=0.0)
-        if not far <= _LARGEST:
-            raise FrameError("a landmark is too far away", where=where, got=far, expected="pixels")
     if max(message.size) > _LARGEST:
         raise FrameError("the picture is too large", where=where, got=message.size)
     taken = message.time if message.taken is None else message.taken
     if not math.isfinite(taken):
         raise FrameError("a picture's time must be finite", where=where, got=taken)
-    hands = tuple(SeenHand(h.side, h.score, tuple(h.image), tuple(h.world)) for h in message.seen)
-    return LandmarkFrame(message.time, hands, message.size, taken, SOURCE)
+    hands: list[SeenHand] = []
+    wrong = FrameError(UNREADABLE, where=where) if message.unread else None
+    for hand in message.seen:
+        try:
+            hands.append(_seen(hand, where))
+        except FrameError as error:
+            wrong = error
+    if wrong is not None and not hands:
+        raise wrong
+    return LandmarkFrame(message.time, tuple(hands), message.size, taken, SOURCE)
+
+
+UNREADABLE = "hands that cannot be read"
+
+
+def _seen(hand: HandMessage, where: str) -> SeenHand:
+    """A hand of a message.
+
+    Raises:
+        FrameError: Its numbers are not valid.
+    """
+    far = max((abs(c) for p in hand.image for c in p), default=0.0)
+    if not far <= _LARGEST:
+        raise FrameError("a landmark is too far away", where=where, got=far, expected="pixels")
+    return SeenHand(hand.side.lower(), hand.score, tuple(hand.image), tuple(hand.world))
+
+
+def left_hands(message: PictureMessage, frame: LandmarkFrame) -> int:
+    """Number of hands of a message that its frame lacks."""
+    return len(message.seen) + message.unread - len(frame.hands)
+
+
+COLLAPSED = "hands whose points in space are of a size that no hand has"
+OUTSIDE = "hands that are wholly beyond the picture"
+
+
+_STAYS = 0.03
+"""Share of the picture's width by which a palm moves that nearly stays where it was."""
+_MIDDLE = 9
+"""Landmark of the middle finger's knuckle."""
+
+
+class PossibleHands:
+    """Leaves out of pictures what no hand is or does.
+
+    Attributes:
+        side: Doubt of the sides of the hands.
+    """
+
+    def __init__(self) -> None:
+        self.side = SideDoubt()
+        self._jumps = HandJumps()
+        # px, wrist and middle knuckle of the only hand of the picture before.
+        self._palm = (math.inf,) * 4
+        # That picture, if jumps were not looked for.
+        self._stayed: LandmarkFrame | None = None
+
+    def only(self, frame: LandmarkFrame, left_out: Counter[str]) -> LandmarkFrame:
+        """A picture without hands that cannot be.
+
+        Args:
+            frame: The picture, in `LANDMARK_UNITS`.
+            left_out: Receives what is left out, by reason.
+        """
+        if len(frame.hands) == 1 and self._stays(frame):
+            self._stayed = frame
+        else:
+            frame = self._examined(frame, left_out)
+        if self.side.due():
+            for hand in frame.hands:
+                self.side.look(hand.side, [hand.world[k : k + 4] for k in KNUCKLES])
+        return frame
+
+    def _stays(self, frame: LandmarkFrame) -> bool:
+        """True for a hand that is in the picture, of a hand's size, and nearly where it was.
+
+        Most are; the test is quick.
+        """
+        hand, (width, height), (a, b, c, d) = frame.hands[0], frame.size, self._palm
+        (x, y), (u, v) = hand.image[0], hand.image[_MIDDLE]
+        self._palm = x, y, u, v
+        return (
+            abs(x - a) + abs(y - b) + abs(u - c) + abs(v - d) < _STAYS * width
+            and 0.0 <= x <= width
+            and 0.0 <= y <= height
+            and PALM_AT_ONCE.least
+            <= math.dist(hand.world[0], hand.world[_MIDDLE])
+            <= PALM_AT_ONCE.most
+        )
+
+    def _examined(self, frame: LandmarkFrame, left_out: Counter[str]) -> LandmarkFrame:
+        if self._stayed is not None:
+            self._jumps.find(self._stayed.taken, _places(self._stayed))
+            self._stayed = None
+        hands: list[SeenHand] = []
+        # Where an engine sees one hand twice, the more certain one counts.
+        for hand in sorted(frame.hands, key=lambda hand: -hand.score):
+            reason = _impossible(hand, frame.size)
+            if reason or any(_is_twice(hand, other) for other in hands):
+                left_out[reason or ON_ANOTHER] += 1
+            else:
+                hands.append(hand)
+        possible = _with(frame, hands)
+        places = _places(possible)
+        jumped = self._jumps.find(frame.taken, places)
+        if jumped:
+            left_out[JUMPED] += len(jumped)
+            seen = zip(possible.hands, places, strict=True)
+            possible = _with(possible, [hand for hand, who in seen if who not in jumped])
+        if len(frame.hands) != 1 or possible is not frame:
+            self._palm = (math.inf,) * 4
+        return possible
+
+
+def _with(frame: LandmarkFrame, hands: Sequence[SeenHand]) -> LandmarkFrame:
+    """The frame with some of its hands alone."""
+    if len(hands) == len(frame.hands):
+        return frame
+    kept = {id(hand) for hand in hands}
+    return replace(frame, hands=tuple(hand for hand in frame.hands if id(hand) in kept))
+
+
+def _impossible(hand: SeenHand, size: tuple[int, int]) -> str:
+    """Why no hand can be as it is seen; empty for one that can."""
+    if not PALM_AT_ONCE.includes(math.dist(hand.world[0], hand.world[_MIDDLE])):
+        return COLLAPSED
+    for axis, pixels in enumerate(size):
+        places = [point[axis] for point in hand.image]
+        if min(places) > pixels or max(places) < 0.0:
+            return OUTSIDE
+    return ""
+
+
+def _is_twice(hand: SeenHand, other: SeenHand) -> bool:
+    long = max(math.dist(hand.image[0], tip) for tip in hand.image[4::4])
+    return lie_on(hand.image, other.image, long)
+
+
+_ACROSS = (0, 5, 17)
+"""Landmarks that stay where they are in the palm: the wrist, and two knuckles."""
+
+
+def _rough_place(hand: SeenHand, size: tuple[int, int]) -> Vector:
+    """m, about where a hand is before a usual camera, by its size in the picture."""
+    pairs = [(a, b) for i, a in enumerate(_ACROSS) for b in _ACROSS[:i]]
+    in_space = sum(math.dist(hand.world[a][:2], hand.world[b][:2]) for a, b in pairs)
+    in_picture = sum(math.dist(hand.image[a], hand.image[b]) for a, b in pairs)
+    # m for a pixel; a usual camera's focal length is about the picture's longer side.
+    scale = in_space / max(in_picture, 1.0)
+    x, y = (sum(hand.image[a][axis] for a in _ACROSS) / len(_ACROSS) for axis in (0, 1))
+    return scale * x, scale * y, scale * max(size)
+
+
+def _places(frame: LandmarkFrame) -> dict[Hashable, Vector]:
+    """Places of the hands by what identifies them.
+
+    An only hand is the same one as before, whatever its side is named.
+    """
+    numbers: Counter[str] = Counter()
+    places: dict[Hashable, Vector] = {}
+    for hand in frame.hands:
+        numbers[hand.side] += 1
+        identity = (hand.side, numbers[hand.side]) if len(frame.hands) > 1 else "only"
+        places[identity] = _rough_place(hand, frame.size)
+    return places
 
 
 def message_of(frame: LandmarkFrame) -> dict[str, Any]:
@@ -139,11 +391,15 @@ class LandmarkRecording:
         frames: In order of time.
         camera: The camera that took them; None if the file does not say.
         damage: Error that ended the file early; None if it is undamaged.
+        lines: Number of each frame's line.
+        report: What was left out, and what is assumed.
     """
 
     frames: tuple[LandmarkFrame, ...]
     camera: Camera | None
     damage: RecordingError | None = None
+    lines: tuple[int, ...] = ()
+    report: ReaderReport = field(default_factory=ReaderReport)
 
 
 def header_record(camera: Camera) -> dict[str, Any]:
@@ -165,16 +421,123 @@ def is_landmark_file(path: Path) -> bool:
     return isinstance(values, dict) and "landmarks" in values
 
 
-def read_landmarks(path: Path) -> LandmarkRecording:
-    """Reads a file up to its end or to the first damaged line.
+def read_landmarks(path: Path, unit: str = "") -> LandmarkRecording:
+    """Reads a file up to its end or to the first line that is not JSON.
+
+    Pictures that cannot be used are left out and counted.
+
+    Args:
+        path: The file.
+        unit: Units that a person gave, such as `cm,ms`; others are found by the hand's size and the
+            frames' rate.
 
     Raises:
-        RecordingError: It cannot be read, or has no picture before the damage.
+        RecordingError: It cannot be read, has no picture that can be used, or sizes that no hand
+            has.
         InputError: Its camera is impossible.
     """
+    report = ReaderReport()
+    header, messages, damage = _messages(path, report)
+    sample = [message for _, message in messages[:_SAMPLE]]
+    seen: dict[Bounds, list[float]] = {}
+    for message in [m for m in sample if m.seen][::_APART]:
+        for bounds, value in quantities(message).items():
+            seen.setdefault(bounds, []).append(value)
+    forget_beyond(seen)
+    times = [m.time if m.taken is None else m.taken for m in sample]
+    stamps = [t for t in times if t is not None]
+    seen[STEP] = steps_of(stamps)
+    units = find_units(
+        seen,
+        LANDMARK_UNITS,
+        parse_units(unit),
+        where=str(path),
+        report=report,
+        error=RecordingError,
+    )
+    _doubt_pictures([in_units(m, units) for m in sample if m.seen][::_APART], report)
+    lines: list[int] = []
     frames: list[LandmarkFrame] = []
+    before: LandmarkFrame | None = None
+    possible = PossibleHands()
+    for number, message in messages:
+        try:
+            read = replace(frame_of(in_units(message, units)), source="file")
+        except FrameError as error:
+            report.leave_out(f"pictures: {error.what}")
+            continue
+        report.leave_out(UNREADABLE, left_hands(message, read))
+        if frames and read.taken < frames[-1].taken:
+            report.leave_out("pictures whose time ran backwards")
+            continue
+        if read == before:
+            report.leave_out("pictures that are there twice")
+            continue
+        before = read
+        lines.append(number)
+        frames.append(possible.only(read, report.left_out))
+    if possible.side.sentence:
+        report.assume(possible.side.sentence)
+    if not frames:
+        raise damage or RecordingError(
+            "the file contains no pictures", where=str(path), got=report.main_reason or None
+        )
+    return LandmarkRecording(
+        tuple(frames), header.camera if header else None, damage, tuple(lines), report
+    )
+
+
+_SAMPLE, _APART = 96, 16
+"""Pictures by which units are found, and those among them of which one is measured."""
+
+
+_MIRRORED = -0.8
+"""Correlation below which points in the picture and in space lie the other way round."""
+_STRETCHED = 1.4
+"""Times that a hand may be wider in the picture than in space, relative to its height; pictures of
+5:4, the nearest to a square, whose width and height are exchanged have 1.6."""
+_WIDE = 0.01
+"""m, standard deviation of points in space along an axis that shows how they lie."""
+
+
+def _doubt_pictures(messages: Sequence[PictureMessage], report: ReaderReport) -> None:
+    """Reports hands that lie in the picture otherwise than in space."""
+    agreements: list[float] = []
+    stretches: list[float] = []
+    for message in messages:
+        hand = message.seen[0]
+        if not len(hand.image) == len(hand.world) == LANDMARKS:
+            continue
+        seen, real = np.array(hand.image), np.array(hand.world)[:, :2]
+        seen, real = seen - seen.mean(axis=0), real - real.mean(axis=0)
+        in_picture, in_space = (np.sqrt((x * x).mean(axis=0)) for x in (seen, real))
+        wide = (in_space > _WIDE) & (in_picture > 0.0)
+        if wide.any():
+            together = (seen * real).mean(axis=0)[wide]
+            agreements.append(float((together / (in_picture * in_space)[wide]).min()))
+        if wide.all():
+            across, up = in_picture / in_space
+            stretches.append(float(across / up))
+    if median(agreements or [1.0]) < _MIRRORED:
+        report.assume(
+            "points in the picture lie the other way round than those in space: if the picture "
+            "is a mirror's, its hands are of the other side"
+        )
+    stretch = median(stretches or [1.0])
+    if not 1.0 / _STRETCHED < stretch < _STRETCHED:
+        report.assume(
+            f"hands are {stretch:.2g} times as wide in the picture as in space: are its width and "
+            "height exchanged?"
+        )
+
+
+def _messages(
+    path: Path, report: ReaderReport
+) -> tuple[Header | None, list[tuple[int, PictureMessage]], RecordingError | None]:
+    """The header, the pictures with the numbers of their lines, and the damage that ended the
+    file."""
+    messages: list[tuple[int, PictureMessage]] = []
     header: Header | None = None
-    damage: RecordingError | None = None
     try:
         for number, line in numbered_lines(path, LONGEST_LINE):
             where = f"{path}, line {number}"
@@ -182,24 +545,30 @@ def read_landmarks(path: Path) -> LandmarkRecording:
                 header = _header(line, where)
                 continue
             try:
-                frame = replace(frame_of(picture_message(line, where), where), source="file")
-                if frames and frame.taken < frames[-1].taken:
-                    raise InputError("the time runs backwards", where=where, got=frame.taken)
+                message = picture_message(line, where)
             except InputError as error:
-                damage = RecordingError(
-                    f"the recording is damaged: {error.what}",
-                    where=where,
-                    got=None if error.got is None else str(error.got)[:40],
-                    expected=error.expected,
-                    remedy="The pictures before it are played" if frames else None,
+                if whole_json(line):
+                    report.leave_out(f"pictures: {error.what}, expected {error.expected}")
+                    continue
+                remedy = "The pictures before it are played" if messages else None
+                return (
+                    header,
+                    messages,
+                    RecordingError(
+                        f"the recording is damaged: {error.what}",
+                        where=where,
+                        got=None if error.got is None else str(error.got)[:40],
+                        expected=error.expected,
+                        remedy=remedy,
+                    ),
                 )
-                break
-            frames.append(frame)
+            if message.time is None:
+                report.leave_out("lines without a picture")
+            else:
+                messages.append((number, message))
     except OSError as error:
         raise RecordingError("cannot be read", where=str(path), got=error.strerror) from None
-    if not frames:
-        raise damage or RecordingError("the file contains no pictures", where=str(path))
-    return LandmarkRecording(tuple(frames), header.camera if header else None, damage)
+    return header, messages, None
 
 
 def _header(line: bytes, where: str) -> Header:
@@ -221,7 +590,7 @@ def _header(line: bytes, where: str) -> Header:
     return header
 
 
-class LandmarkFileDevice(LandmarkDevice):
+class LandmarkFileDevice(FilePlayer, LandmarkDevice):
     """Plays a recording of landmarks; its first picture plays at session time 0.
 
     Args:
@@ -233,29 +602,9 @@ class LandmarkFileDevice(LandmarkDevice):
 
     name = "landmark recording"
     lift = True
-    plays_file = True
-    damage: Exception | None
 
     def __init__(self, recording: LandmarkRecording) -> None:
         start = recording.frames[0].taken
-        self._frames = [
-            replace(f, time=f.taken - start, taken=f.taken - start) for f in recording.frames
-        ]
-        self.damage, self.camera = recording.damage, recording.camera
-        self._next = 0
-
-    @property
-    def finished(self) -> bool:
-        """True after the last picture."""
-        return self._next >= len(self._frames)
-
-    def poll(self, now: float) -> Sequence[LandmarkFrame]:
-        """The pictures due by `now`, oldest first."""
-        first = self._next
-        while not self.finished and self._frames[self._next].time <= now:
-            self._next += 1
-        return self._frames[first : self._next]
-
-    def close(self) -> None:
-        """Ends playback."""
-        self._next = len(self._frames)
+        frames = [replace(f, time=f.taken - start, taken=f.taken - start) for f in recording.frames]
+        super().__init__(frames, recording.damage, recording.report)
+        self.camera = recording.camera

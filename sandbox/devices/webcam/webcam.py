@@ -11,9 +11,20 @@ from pathlib import Path
 
 from models.errors import FrameError
 from models.frames import LandmarkFrame
+from models.plausible import STEP, LiveUnits
+from models.reader_report import ReaderReport
 from sandbox.devices.device import LandmarkDevice
 from sandbox.devices.webcam.landmark_server import LandmarkServer
-from sandbox.devices.webcam.landmarks import PictureMessage, frame_of
+from sandbox.devices.webcam.landmarks import (
+    LANDMARK_UNITS,
+    UNREADABLE,
+    PictureMessage,
+    PossibleHands,
+    frame_of,
+    in_units,
+    left_hands,
+    quantities,
+)
 
 BACK = 1.0
 """s by which a page's time runs back when another page has taken its place unseen."""
@@ -109,6 +120,9 @@ class WebcamDevice(LandmarkDevice):
         self._came = threading.Condition(self._lock)
         self._notice = WAITING
         self._clock = PageClock()
+        self._units = LiveUnits(LANDMARK_UNITS)
+        self._possible = PossibleHands()
+        self._before: float | None = None
         wanted = {
             "sides": list(sides),
             "most": 2,
@@ -130,9 +144,24 @@ class WebcamDevice(LandmarkDevice):
 
     @property
     def notices(self) -> Sequence[str]:
-        """Why there is no picture; empty while there is."""
+        """Why there is no picture, or what is assumed of it; empty while all is well."""
         with self._lock:
-            return (self._notice,) if self._notice else ()
+            notices = (self._notice,) if self._notice else self._assumed
+        return tuple(filter(None, notices))
+
+    @property
+    def _assumed(self) -> Sequence[str]:
+        return self._units.notice, self._possible.side.sentence
+
+    @property
+    def report(self) -> ReaderReport:
+        """What could not be used so far, by reason, and what is assumed."""
+        report = ReaderReport()
+        with self._lock:
+            report.add_counts({k: n for k, n in self.counts.items() if k != "pictures"})
+        for sentence in filter(None, self._assumed):
+            report.assume(sentence)
+        return report
 
     def wait(self, seconds: float) -> bool:
         """Waits until a frame can be fetched; False if none came in time."""
@@ -162,20 +191,38 @@ class WebcamDevice(LandmarkDevice):
                 self._notice = NOTICES[message.trouble]
                 self.counts[f"trouble: {message.trouble}"] += 1
             return
+        if message.seen and not self._units.decided:
+            self._measure(message)
+        left_out: Counter[str] = Counter()
         try:
-            frame = self._clock.moved(frame_of(message), time.monotonic())
+            frame = frame_of(in_units(message, self._units.units))
+            left_out[UNREADABLE] = left_hands(message, frame)
+            frame = self._clock.moved(frame, time.monotonic())
+            if self._units.decided:
+                frame = self._possible.only(frame, left_out)
         except FrameError:
             with self._lock:
                 self.counts["pictures that are not valid"] += 1
+            if message.unread:
+                # It is our page, whose engine could not say where a hand is.
+                return
             raise
         with self._came:
             self._notice = ""
             self.counts["pictures"] += 1
+            self.counts += left_out
             if len(self._frames) == KEPT:
                 self._frames.popleft()
                 self.counts["pictures nobody fetched"] += 1
             self._frames.append(frame)
             self._came.notify_all()
+
+    def _measure(self, message: PictureMessage) -> None:
+        seen = quantities(message)
+        if self._before is not None and message.time is not None and message.time > self._before:
+            seen[STEP] = message.time - self._before
+        self._before = message.time
+        self._units.look(seen)
 
     def _gone(self) -> None:
         """The page has left; called in the server's thread."""

@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from dataclasses import replace
 from itertools import pairwise
-from math import sqrt
+from math import dist, sqrt
 
 import numpy as np
 
 from encoders.headset.controller import controller_points
 from encoders.headset.joint_points import KNUCKLES, THUMB, TIPS, WRIST
-from models.arithmetic.products import total
+from models.arithmetic import total
 from models.errors import FrameError
 from models.frames import TrackedFinger, TrackedHand, Vector
+from models.plausible import DISTANCE, FINGER_AT_ONCE, PALM, PALM_AT_ONCE, Bounds
 from sandbox.server.protocol import JOINTS_OF_A_HAND, HeldController, SeenJoints
 
 Places = tuple[Vector | None, ...]
@@ -30,28 +33,66 @@ _LEAST = 1e-6
 """m, least length of anything that is a bone."""
 
 
-def seen_hand(seen: SeenJoints) -> TrackedHand | None:
+def quantities(seen: SeenJoints) -> dict[Bounds, float]:
+    """Size of the palm in the page's own unit; empty where it is not known."""
+    known = [joint for joint in (seen.joints[0], seen.joints[_KNUCKLES[1]]) if joint is not None]
+    numbers = [c for joint in known for c in joint if c is not None]
+    return {PALM: dist(numbers[:3], numbers[3:])} if len(numbers) == 6 else {}
+
+
+def seen_hand(seen: SeenJoints, metre: float = 1.0) -> TrackedHand | None:
     """The hand of 25 joints, with those fingers of which all joints are known.
 
     None without the wrist or one of the four knuckles: where the palm is cannot be told then.
 
+    Args:
+        seen: The joints.
+        metre: m, unit of their places.
+
     Raises:
         FrameError: The joints are not those of a hand.
     """
-    return _hand(seen.side, tuple(seen.joints))
+    return _hand(seen.side, tuple(_place(joint, metre) for joint in seen.joints))
+
+
+def with_possible_fingers(hand: TrackedHand) -> TrackedHand:
+    """The hand without fingers that are longer than a finger.
+
+    Raises:
+        FrameError: The palm is of a size that no hand has.
+    """
+    known = {finger.finger: finger.joints for finger in hand.fingers}
+    middle = known.get(2)
+    if hand.wrist and middle and not PALM_AT_ONCE.includes(dist(hand.wrist, middle[0])):
+        raise FrameError("hands whose palm is of a size that no hand has", where="headset")
+    fingers = tuple(f for f in hand.fingers if FINGER_AT_ONCE.includes(f.length))
+    return hand if len(fingers) == len(hand.fingers) else replace(hand, fingers=fingers)
+
+
+def _place(joint: Sequence[float | None] | None, metre: float = 1.0) -> Vector | None:
+    """Place of a joint in m; None if the headset does not know it, or if no hand can be there."""
+    x, y, z = joint or (None, None, None)
+    if x is None or y is None or z is None:
+        return None
+    farthest = metre * max(abs(x), abs(y), abs(z))
+    return _times(metre, (x, y, z)) if DISTANCE.includes(farthest) else None
 
 
 def held_hand(held: HeldController) -> TrackedHand:
     """The hand around a controller.
 
     Raises:
-        FrameError: The quaternion is not that of a turn.
+        FrameError: The place is not one of a hand, or the quaternion not that of a turn.
     """
-    quaternion = np.array(held.quaternion)
+    position, trigger = _place(held.position), held.trigger or 0.0
+    if position is None:
+        raise FrameError("no place", where="controller", got=held.position)
+    quaternion = np.array(held.quaternion, float)
     size = sqrt(float((quaternion * quaternion).sum()))
-    if abs(size - 1.0) > _UNIT:
+    if not abs(size - 1.0) <= _UNIT:
         raise FrameError("not a unit quaternion", where="controller", got=held.quaternion)
-    points = controller_points(held.side, held.trigger, np.array(held.position), quaternion / size)
+    pulled = min(max(trigger, 0.0), 1.0)
+    points = controller_points(held.side, pulled, np.array(position), quaternion / size)
     places: list[Vector | None] = [None] * JOINTS_OF_A_HAND
     places[0] = _vector(points[WRIST])
     for finger, joints in enumerate(FINGER_JOINTS):

@@ -10,16 +10,29 @@ from collections.abc import Sequence
 from encoders.headset.joint_points import seen_size
 from models.errors import FrameError
 from models.frames import FINGERS, HandFrame, TrackedHand
+from models.plausible import (
+    JUMPED,
+    ON_ANOTHER,
+    HandJumps,
+    LiveUnits,
+    SideDoubt,
+    lie_on,
+    unit_size,
+)
+from models.reader_report import ReaderReport
 from models.skeleton import ADULT
 from sandbox.devices.device import HandDevice
-from sandbox.devices.webxr.joints import held_hand, seen_hand
+from sandbox.devices.webxr.joints import held_hand, quantities, seen_hand, with_possible_fingers
 from sandbox.server.protocol import HeldController, PageHands, PageScreen, PageTouches, SeenJoints
 from sandbox.server.web import PageDevice
-from sandbox.trial.latency import LatencyLog
 
 KEPT = 1024
 """Largest number of frames that wait for the session, 11 s at 90 Hz; beyond it the oldest are
 dropped."""
+
+
+_PALM = 0.1
+"""m, about the size of a palm."""
 
 
 class HeadsetDevice(HandDevice, PageDevice[HandFrame]):
@@ -27,22 +40,20 @@ class HeadsetDevice(HandDevice, PageDevice[HandFrame]):
 
     The page lays the table into the room, and sends places in the world of the table.
 
-    Args:
-        latency: See `PageDevice`.
-
     Attributes:
         counts: Number of hands that could not be used, by reason.
     """
 
     name = "webxr"
-    latency: LatencyLog
     frame_ready: threading.Event
 
-    def __init__(self, latency: LatencyLog | None = None) -> None:
-        super().__init__(latency)
+    def __init__(self) -> None:
+        super().__init__()
         self.counts: Counter[str] = Counter()
         self._seen = False
         self._sizes: deque[float] = deque(maxlen=KEPT)
+        self._units = LiveUnits({"length": "m"})
+        self._jumps, self._held, self._side = HandJumps(), HandJumps(), SideDoubt()
 
     @property
     def touched(self) -> bool:
@@ -62,10 +73,11 @@ class HeadsetDevice(HandDevice, PageDevice[HandFrame]):
         if not isinstance(message, PageHands):
             return False
         hands: dict[str, TrackedHand] = {}
+        held: set[str] = set()
         everything: list[SeenJoints | HeldController] = [*message.hands, *message.controllers]
         for told in everything:
             try:
-                hand = held_hand(told) if isinstance(told, HeldController) else seen_hand(told)
+                hand = held_hand(told) if isinstance(told, HeldController) else self._hand(told)
             except FrameError as error:
                 self.counts[error.what] += 1
                 continue
@@ -75,12 +87,53 @@ class HeadsetDevice(HandDevice, PageDevice[HandFrame]):
                 self.counts["hands without a finger"] += 1
             if hand is None:
                 continue
-            hands.setdefault(told.side, hand)
+            if told.side in hands:
+                self.counts["hands beside the one of their side"] += 1
+                continue
+            if any(lie_on([hand.palm], [other.palm], _PALM) for other in hands.values()):
+                self.counts[ON_ANOTHER] += 1
+                continue
+            hands[told.side] = hand
+            if isinstance(told, HeldController):
+                held.add(told.side)
+                continue
+            if self._side.due():
+                self._side.look_at(hand)
             size = seen_size(hand, ADULT)
-            if isinstance(told, SeenJoints) and size is not None:
+            if size is not None:
                 self._sizes.append(size)
-        self._put_hands(tuple(hands.values()), message.seq)
+        now = time.monotonic()
+        places = {side: hand.palm for side, hand in hands.items()}
+        jumped = self._jumps.find(now, {s: place for s, place in places.items() if s not in held})
+        # A controller that lies on the table stands still.
+        jumped |= self._held.find(now, {s: place for s, place in places.items() if s in held})
+        if jumped:
+            self.counts[JUMPED] += len(jumped)
+        seen = tuple(hand for side, hand in hands.items() if side not in jumped)
+        self._put_hands(seen, message.seq)
         return True
+
+    def _hand(self, seen: SeenJoints) -> TrackedHand | None:
+        if not self._units.decided:
+            self._units.look(quantities(seen))
+            if self._units.decided:
+                # Places are in another unit from here on.
+                self._jumps.forget()
+        hand = seen_hand(seen, unit_size(self._units.units, "length"))
+        return with_possible_fingers(hand) if hand and self._units.decided else hand
+
+    @property
+    def report(self) -> ReaderReport:
+        """Hands that could not be used so far, by reason, and what is assumed."""
+        report = ReaderReport(+self.counts)
+        for sentence in (*self.notices, *filter(None, (self._jumps.doubt,))):
+            report.assume(sentence)
+        return report
+
+    @property
+    def notices(self) -> Sequence[str]:
+        """The unit that is assumed where it is not the metre, and a doubted side; else empty."""
+        return tuple(filter(None, (self._units.notice, self._side.sentence)))
 
     def cancel_all(self) -> None:
         """The page was closed or fell silent: no hand is seen."""
@@ -92,7 +145,6 @@ class HeadsetDevice(HandDevice, PageDevice[HandFrame]):
         return self._take()
 
     def _put_hands(self, hands: tuple[TrackedHand, ...], seq: int) -> None:
-        now = time.monotonic()
         with self._lock:
             self._seen = bool(hands)
-            self._put(HandFrame(now, hands, self.name), seq, now)
+            self._put(HandFrame(time.monotonic(), hands, self.name), seq)

@@ -8,7 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from models.arithmetic.arrays import Array
+from models.arithmetic import Array
 from models.frames import Contact, TouchFrame
 from models.surface import Surface
 from sandbox.devices.device import Device, DeviceWrapper

@@ -5,13 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from functools import cache
-from itertools import pairwise
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any, Literal, cast
 
 import msgspec
 
 from models.errors import HandSandboxError
-from sandbox.study.design.design import Design, Factor, Level
+from sandbox.study.design.design import Design, Level
 from sandbox.words.words import words_in
 
 if TYPE_CHECKING:
@@ -99,7 +98,7 @@ def run_settings(
     given["device"] = _SIMULATED[devices[0]]
     if "second_device" in given:
         given["second_device"] = _SIMULATED[given["second_device"]]
-    options = TrialOptions(seed=seed, hand=_hand(hand), given=frozenset(given), **given)
+    options = TrialOptions(seed=seed, hand=cast(Any, hand), given=frozenset(given), **given)
     settings = trial_settings(options, base)
     hands = tuple(
         replace(
@@ -128,10 +127,6 @@ def consent_text(design: Design, language: str) -> str:
     return f"{text}\n\n{own['camera_consent']}"
 
 
-def _hand(hand: str) -> Any:
-    return hand
-
-
 def combinations(design: Design) -> Iterator[dict[str, Level]]:
     """Yields every combination of levels in a design."""
 
@@ -157,23 +152,6 @@ def tasks_of(design: Design) -> dict[str, type[Task]]:
     return {name: find_task(name) for name in dict.fromkeys(names)}
 
 
-def drawn_tasks(design: Design) -> dict[str, Task]:
-    """A drawn trial of each task of a design whose combinations can be run, by name."""
-    from sandbox.trial.surfaces import place_all
-    from tasks.guarded import draw_task
-    from tasks.registry import find_task
-    from tasks.task import place_surface
-
-    drawn: dict[str, Task] = {}
-    for levels in combinations(design):
-        settings = run_settings(values_of(design, levels), design.seed % 1000)
-        if settings.task not in drawn:
-            kind = find_task(settings.task)
-            whole, _ = place_all(place_surface(settings.surface.rectangle, kind), settings, kind)
-            drawn[settings.task] = draw_task(kind, settings.seed, whole)
-    return drawn
-
-
 def values_of(design: Design, levels: Mapping[str, Level]) -> dict[str, Any]:
     """Settings of a combination: those of all trials, overridden by those of its levels."""
     values = dict(design.settings)
@@ -182,21 +160,9 @@ def values_of(design: Design, levels: Mapping[str, Level]) -> dict[str, Any]:
     return values
 
 
-def differences(design: Design, a: Level, b: Level) -> list[str]:
-    """Settings in which two levels differ."""
-    names = dict.fromkeys((*a.settings, *b.settings))
-    one, other = ({**design.settings, **level.settings} for level in (a, b))
-    return [name for name in names if one.get(name) != other.get(name)]
-
-
-def sets_nothing(design: Design, factor: Factor) -> bool:
-    """True if all levels of a factor have the same settings."""
-    return not any(differences(design, a, b) for a, b in pairwise(factor.levels))
-
-
 def any_lifts(design: Design) -> bool:
     """True if a trial of a design needs a lift control."""
-    from sandbox.trial.lift import lifts
+    from sandbox.trial.assembly import lifts
 
     every = (values_of(design, levels) for levels in combinations(design))
     return any(lifts(run_settings(values, design.seed % 1000)) for values in every)
@@ -265,8 +231,13 @@ def _check_kinds(design: Design, reader: Reader) -> bool:
 
 
 def _mistake_path(design: Design, levels: Mapping[str, Level], error: HandSandboxError) -> Any:
-    """Path of the factor or setting that has the rejected value, or else the value where it was
-    rejected; of all factors if unknown."""
+    """Path of the factor or setting that the error names, or that has the rejected value; of all
+    factors if unknown."""
+    for i, factor in enumerate(design.factors):
+        if error.where in levels[factor.name].settings:
+            return ("factors", i, "levels")
+    if error.where in design.settings:
+        return ("settings", error.where)
     for told in (str(error.got), error.where):
         if not told:
             continue

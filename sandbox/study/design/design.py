@@ -6,31 +6,9 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from sandbox.study.design.page_settings import PageSettings
 from sandbox.study.design.reading import Text
 from sandbox.study.design.scoring import Scale
-
-SCHEMA = 1
-"""Version of the file's layout."""
-
-ORDERS = ("latin", "blocked", "random", "factorial", "between")
-"""Orders of the levels of a factor. `latin`: a balanced Latin square (each level equally often at
-each place and after each other level); `blocked`: as listed, for all participants; `random`: drawn
-from the seed; `factorial`: every possible order equally often; `between`: each participant gets one
-level only."""
-
-LEARNING = ("trial", "session")
-"""How long layouts of five fingers are kept that name fewer fingers. `trial`: every trial begins
-without them; `session`: it begins with those of the trials before it in its session."""
-
-START, END = "start", "end"
-
-WORDINGS = ("own", "published", "paraphrase", "translation")
-"""Where the wording of a questionnaire comes from. `own`: it was never published in other words;
-`published`: as published in this language; `paraphrase`, `translation`: of a published one, and
-participants, codebook and report are told."""
-
-ITEMS = ("choice", "scale", "number", "text")
+from sandbox.study.measures.measures import Measure
 
 DEMOGRAPHICS = "demographics"
 """Name of the form with the questions about the person."""
@@ -39,7 +17,9 @@ LISTED, JOINED = ", ", " / "
 """Between levels in the list of the codebook, and in the name of a condition in reports."""
 
 FILLED = (
-    *("participant_id", "ppid", "number", "hand", "hand_size", "language", "mode", "simulated"),
+    *("participant_id", "participant", "ppid", "study", "experiment", "mode", "site", "number"),
+    *("group", "date", "hand", "hand_size", "language", "simulated"),
+    *("device", "surface_in", "screen_measured", "software"),
     *("consent", "sessions_done", "trials_done", "trials_planned", "complete"),
     *("excluded", "exclusion_reason", "clock_steps"),
 )
@@ -61,7 +41,7 @@ class Factor:
 
     Attributes:
         name: Name of the column in tables.
-        order: One of `ORDERS`.
+        order: One of `fields.ORDERS`.
         levels: All levels; of a nested factor, the levels within all outer levels.
         outer: Name of the outer factor of a nested factor; empty for a crossed factor.
         nested: Levels by level of the outer factor; None for a crossed factor.
@@ -84,19 +64,10 @@ class Factor:
 
 @dataclass(frozen=True)
 class Item:
-    """One question.
+    """One question: the keys of `fields`, table `items`.
 
     Attributes:
-        name: Name of the column or row in tables.
-        kind: One of `ITEMS`.
-        ask: Text of the question.
-        choices: Stored values of a choice.
-        low, high, step: Limits and step of a scale or number.
-        ends: Texts at both ends of a scale.
-        optional: True if the participant may leave it out.
-        means: Texts of the choices, in the same order; empty uses the stored values.
-        shuffle: True shuffles the choices and the place of the item among adjacent items with
-            `shuffle`, for each participant.
+        ends: Texts at both ends of a scale; None without them.
     """
 
     name: str
@@ -118,17 +89,11 @@ class Item:
 
 @dataclass(frozen=True)
 class Form:
-    """A questionnaire: questions that are asked together.
+    """A questionnaire: questions that are asked together, by the keys of `fields`.
 
     Attributes:
-        name: Name of the instrument.
-        title: Title for the participant.
-        items: Items in order.
-        at: `start`, `end`, or the name of a factor; the form is asked after each of its levels.
-        scales: Scales that compute scores from answers.
         source: Name and text of the file with the items; None if they are in the design.
-        sessions: Sessions in which it is asked; empty means all.
-        wording: One of `WORDINGS` by language.
+        wording: One of `fields.WORDINGS` by language.
     """
 
     name: str
@@ -143,14 +108,7 @@ class Form:
 
 @dataclass(frozen=True)
 class Instruction:
-    """A text for the participant.
-
-    Attributes:
-        text: The text.
-        at: `start`, `end`, or the name of a factor; the text is shown before each of its levels.
-        level: The only level of the factor before which it is shown; empty for all levels.
-        sessions: Sessions in which it is shown; empty means all.
-    """
+    """A text for the participant, by the keys of `fields`; empty `sessions` mean all."""
 
     text: Text
     at: str
@@ -160,14 +118,7 @@ class Instruction:
 
 @dataclass(frozen=True)
 class Exclusion:
-    """A rule that excludes trials or participants; their data are never deleted.
-
-    Attributes:
-        name: Name of the rule in tables.
-        of: `trial` or `participant`.
-        measure: Column of the trial results; for a participant, its mean over counted trials.
-        below, above: Values below or above these bounds are excluded.
-    """
+    """A rule that excludes trials or participants, by the keys of `fields`; no data are deleted."""
 
     name: str
     of: str
@@ -183,35 +134,42 @@ class Exclusion:
 
 
 @dataclass(frozen=True)
+class PageSettings:
+    """Settings of trials on the page.
+
+    Attributes:
+        shows: Items of `fields.SHOWS` that the participant sees or hears.
+        starts: One of `fields.STARTS`.
+        when_gone: One of `fields.WHEN_GONE`.
+        names, goals: Names and goals of tasks as shown to the participant, by task.
+        words: The design's own words for the page, by language and key.
+    """
+
+    shows: tuple[str, ...] = ("task", "goal")
+    starts: str = "touch"
+    when_gone: str = "pause"
+    names: dict[str, Text] = field(default_factory=dict)
+    goals: dict[str, Text] = field(default_factory=dict)
+    words: dict[str, dict[str, str]] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
 class Design:
     """A valid design of a study.
 
+    Attributes are the keys of the file, some of them with a shorter name; `fields` has what each
+    means, its unit and its range. Others are:
+
     Attributes:
-        name: Name of the experiment and its folder.
-        title: Title for people.
-        seed: Seed of all random choices.
-        participants: Number of participants wanted.
-        sessions: Number of sessions of every participant.
-        languages: The first is the default.
-        settings: Settings of all trials, as options of `sandbox run`.
-        factors: Factors from the outermost to the innermost.
-        repetitions: Repetitions of every combination.
-        repeat_inside: Factor inside whose levels the repetitions are made; empty: innermost.
-        practice: Number of practice trials before each new level of `practice_each`.
-        practice_each: Name of a factor; empty for practice once at the start.
-        practice_sessions: Sessions with practice; empty means all.
-        seeds: `own` starts and goals for each participant, or `shared` ones.
-        learning: One of `LEARNING`.
-        time_limit: Time limit of a trial, s; a shorter limit of the task has priority.
-        expected: Expected duration of a trial, s, for plans.
+        time_limit, expected, break_time: Times, s: `time_limit_s`, `expected_s` of `[trials]`,
+            `least_s` of `[breaks]`.
         break_every: Number of trials between breaks; 0 for no breaks.
-        break_time: Shortest duration of a break, s.
         page: Settings of trials on the participant's page.
-        consent: Text of the consent form, and its version; empty asks for none.
-        instructions, demographics, questionnaires, exclusions: See their types.
-        primary: Confirmatory outcomes: measures, and questionnaires for their scores. Only these
-            are tested; empty tests all outcomes of the report.
-        digest: Digest of the file.
+        consent: Text of the consent form; empty asks for none.
+        primary: Confirmatory outcomes; empty tests all outcomes of the report.
+        own_measure: The study's own measure; None without one.
+        own_source: Name and text of the file with it, which lies beside the design.
+        digest: Digest of the file, and of the files beside it that it names.
         text: Text of the file.
         path: Path of the file.
     """
@@ -243,6 +201,8 @@ class Design:
     questionnaires: tuple[Form, ...]
     exclusions: tuple[Exclusion, ...]
     primary: tuple[str, ...]
+    own_measure: Measure | None
+    own_source: tuple[str, str] | None
     digest: str
     text: str
     path: Path

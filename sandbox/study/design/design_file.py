@@ -4,46 +4,44 @@ from __future__ import annotations
 
 import re
 import tomllib
-from dataclasses import replace
 from difflib import get_close_matches
 from hashlib import blake2b
 from pathlib import Path
 from typing import Any
 
-from models.errors import StudyError
+from models.errors import InputError, StudyError
+from sandbox.study.design.balance import MOST_FACTORIAL
 from sandbox.study.design.conditions import check_conditions, setting_types
 from sandbox.study.design.design import (
     DEMOGRAPHICS,
-    END,
     FILLED,
     JOINED,
-    LEARNING,
     LISTED,
-    ORDERS,
-    SCHEMA,
-    START,
     Design,
     Exclusion,
     Factor,
     Form,
     Instruction,
     Level,
+    PageSettings,
 )
-from sandbox.study.design.orders import MOST_FACTORIAL
-from sandbox.study.design.page_settings import read_page_settings
+from sandbox.study.design.fields import END, SCHEMA, SHOWS, START
 from sandbox.study.design.questionnaires import (
     read_form,
     read_item,
     scored_by_its_question,
 )
 from sandbox.study.design.reading import DesignError, Mistake, Reader, TomlTable
-from sandbox.study.measures.registry import measures, rule_measures
+from sandbox.study.design.toml_lines import TomlLines
+from sandbox.study.measures.measures import (
+    REMOVED,
+    Measure,
+    all_measures,
+    load_measure,
+    rule_measures,
+)
 from sandbox.trial.settings import PipelineSettings
-
-MOST_SESSIONS = 99
-"""Largest number of sessions of one participant."""
-PRIMARY = "analysis.primary"
-"""Place of the confirmatory outcomes, without which all else can be read."""
+from sandbox.words.words import RESULT, values_of, words_in, words_of_studies
 
 
 def load_design(path: Path, try_out: bool = True) -> Design:
@@ -83,7 +81,7 @@ def parse_design(text: str, path: Path, try_out: bool = True) -> Design:
         values = tomllib.loads(text)
     except (tomllib.TOMLDecodeError, RecursionError) as error:
         at = re.search(r"line (\d+)", str(error))
-        line = int(at[1]) if at else text.count("\n") + 1
+        line = int(at[1]) if at else TomlLines(text).last
         raise DesignError(
             path.name,
             [
@@ -108,36 +106,13 @@ def parse_design(text: str, path: Path, try_out: bool = True) -> Design:
     return design
 
 
-def read_draft(path: Path) -> Design | None:
-    """The design of a file whose mistakes leave all else readable: texts that lack a language, and
-    confirmatory outcomes, of which the draft then has none.
-
-    None if there are other mistakes, or none at all. So that `check` can look at its numbers and
-    structure, too.
-
-    Raises:
-        StudyError: The file cannot be read.
-    """
-    try:
-        load_design(path, try_out=False)
-    except DesignError as error:
-        unknown = any(mistake.where == PRIMARY for mistake in error.mistakes)
-        if any(not mistake.alone and mistake.where != PRIMARY for mistake in error.mistakes):
-            return None
-        text = path.read_text(encoding="utf-8-sig")
-        reader = Reader(text)
-        draft = _design(TomlTable(reader, tomllib.loads(text)), text, path)
-        return replace(draft, primary=()) if unknown else draft
-    return None
-
-
 def _design(top: TomlTable, text: str, path: Path) -> Design:
     schema = top.raw("schema", SCHEMA)
     if schema != SCHEMA:
         top.add_mistake("schema", f"got {schema!r}", f"This version reads schema {SCHEMA}")
-    sessions = top.number("sessions", 1, 1, MOST_SESSIONS, whole=True)
+    sessions = top.number("sessions")
     top.reader.sessions = sessions
-    languages = top.strings("languages", ("en",)) or ("en",)
+    languages = top.strings("languages") or ("en",)
     top.reader.languages = languages
     factors = _factors(top)
     names = [factor.name for factor in factors]
@@ -145,52 +120,56 @@ def _design(top: TomlTable, text: str, path: Path) -> Design:
     analysis = top.table("analysis")
     forms = tuple(read_form(t, names, path.parent) for t in top.tables("questionnaires"))
     named = analysis.strings("primary") if analysis.has("primary") else None
+    own, own_source = _own_measure(analysis, path.parent)
     # Whoever names a questionnaire of one question means its answer.
     forms = tuple(scored_by_its_question(f) if f.name in (named or ()) else f for f in forms)
     design = Design(
         name=top.name("name"),
         title=_title(top, languages),
-        seed=top.number("seed", 0, 0, 2**53, whole=True),
-        participants=top.number("participants", 12, 1, 10_000, whole=True),
+        seed=top.number("seed"),
+        participants=top.number("participants"),
         sessions=sessions,
         languages=languages,
         settings=_settings(top.table("settings")),
         factors=factors,
-        repetitions=trials.number("repetitions", 1, 1, 1000, whole=True),
+        repetitions=trials.number("repetitions"),
         repeat_inside=_factor(trials, "repeat_inside", names),
-        practice=trials.number("practice", 0, 0, 100, whole=True),
+        practice=trials.number("practice"),
         practice_each=_factor(trials, "practice_each", names),
         practice_sessions=trials.session_numbers("practice_sessions"),
-        seeds=trials.choice("seeds", ("own", "shared"), "own"),
-        learning=trials.choice("learning", LEARNING, LEARNING[0]),
-        time_limit=float(trials.number("time_limit_s", 600.0, 0.05, 3600.0)),
-        expected=float(trials.number("expected_s", 20.0, 0.05, 3600.0)),
-        break_every=breaks.number("every", 0, 0, 10_000, whole=True),
-        break_time=float(breaks.number("least_s", 30.0, 0.0, 7200.0)),
-        page=read_page_settings(top, trials),
+        seeds=trials.choice("seeds"),
+        learning=trials.choice("learning"),
+        time_limit=float(trials.number("time_limit_s")),
+        expected=float(trials.number("expected_s")),
+        break_every=breaks.number("every"),
+        break_time=float(breaks.number("least_s")),
+        page=_page_settings(top, trials),
         consent=consent.text("text") if consent.has("text") else {},
-        consent_version=consent.string("version", "1"),
+        consent_version=consent.string("version"),
         instructions=tuple(_instruction(t, factors) for t in top.tables("instructions")),
         demographics=tuple(read_item(t) for t in top.tables("demographics")),
         questionnaires=forms,
-        exclusions=tuple(_exclusion(t) for t in top.tables("exclusions")),
-        primary=_primary(analysis, forms, named),
-        digest=_digest(text, forms),
+        exclusions=tuple(_exclusion(t, own) for t in top.tables("exclusions")),
+        primary=_primary(analysis, forms, named, own),
+        own_measure=own,
+        own_source=own_source,
+        digest=_digest(text, forms, own_source),
         text=text,
         path=path,
     )
     _check_learning(design, trials)
     for table in (trials, breaks, consent, analysis, top):
         table.done()
-    _check_unique(top, DEMOGRAPHICS, [item.name for item in design.demographics])
-    _check_unique(top, "questionnaires", [form.name for form in design.questionnaires])
+    top.check_names(DEMOGRAPHICS, [item.name for item in design.demographics])
+    top.check_names("questionnaires", [form.name for form in design.questionnaires])
     return design
 
 
-def _digest(text: str, forms: tuple[Form, ...]) -> str:
-    """Digest of the design and of its questionnaire files."""
+def _digest(text: str, forms: tuple[Form, ...], own: tuple[str, str] | None) -> str:
+    """Digest of the design, of its questionnaire files, and of the file of its own measure."""
     digest = blake2b(text.encode(), digest_size=16)
-    for name, content in sorted({form.source for form in forms if form.source}):
+    sources = {form.source for form in forms if form.source} | ({own} if own else set())
+    for name, content in sorted(sources):
         digest.update(b"\0" + name.encode() + b"\0" + content.encode())
     return digest.hexdigest()
 
@@ -208,14 +187,6 @@ def _check_learning(design: Design, trials: TomlTable) -> None:
             "no trial learns layouts",
             'Write labels = "population" in [settings]',
         )
-
-
-def _check_unique(top: TomlTable, key: str, names: list[str]) -> None:
-    for i, name in enumerate(names):
-        if name and name in names[:i]:
-            top.reader.add_mistake(
-                (key, i, "name"), f"{name!r} is used twice", "Rename one of them"
-            )
 
 
 _TAG = re.compile(r"[A-Za-z]{2,8}(-[A-Za-z0-9]{1,8})*")
@@ -249,44 +220,21 @@ def _check_names(design: Design, reader: Reader) -> None:
                 f"{form.name!r} is the name of the questions about the person",
                 "Choose another name",
             )
-    _check_listed(design, reader)
-    _check_joined(design, reader)
-
-
-def _check_listed(design: Design, reader: Reader) -> None:
-    """The codebook lists the levels of a factor, from which reports have their order."""
     for i, factor in enumerate(design.factors):
-        owner: dict[str, str] = {}
         for level in factor.levels:
-            parts = set(level.name.split(LISTED))
-            other = next((owner[part] for part in parts if part in owner), level.name)
-            if other != level.name:
+            sign = next((sign for sign in (LISTED, JOINED) if sign in level.name), "")
+            if sign:
                 reader.add_mistake(
                     ("factors", i, "levels"),
-                    f"a list cannot tell {other!r} and {level.name!r} apart",
-                    "Name them without commas",
+                    f"{level.name!r} has {sign!r} in it, which stands between names in tables and "
+                    "reports",
+                    'Give the level a name without it: {name = "...", ...}',
                 )
-            owner |= dict.fromkeys(parts, level.name)
-
-
-def _check_joined(design: Design, reader: Reader) -> None:
-    """Reports name a condition by its levels; if the levels of two factors had the separator in
-    them, two conditions could have one name."""
-    first = ""
-    for i, factor in enumerate(design.factors):
-        name = next((level.name for level in factor.levels if JOINED in level.name), "")
-        if name and first:
-            reader.add_mistake(
-                ("factors", i, "levels"),
-                f"{name!r} has {JOINED!r} in it, as {first!r} of another factor has",
-                "Name the levels of one of the two without it",
-            )
-        first = first or name
 
 
 def _factor(table: TomlTable, key: str, names: list[str]) -> str:
     given = table.has(key)
-    name = table.string(key, "")
+    name = table.string(key)
     if given and name not in names:
         table.add_mistake(key, f"unknown factor {name!r}", f"Write one of {', '.join(names)}")
         return ""
@@ -314,24 +262,77 @@ def _title(top: TomlTable, languages: tuple[str, ...]) -> str:
     return TomlTable(top.reader, {"title": given}).string("title", "")
 
 
+def _page_settings(top: TomlTable, trials: TomlTable) -> PageSettings:
+    """Reads the settings of the page.
+
+    Args:
+        top: The design, from which `[[tasks]]` is taken.
+        trials: Its table `[trials]`.
+    """
+    shows = trials.strings("shows")
+    for unknown in sorted(set(shows) - set(SHOWS)):
+        trials.add_mistake("shows", f"got {unknown!r}", f"Choose among {', '.join(SHOWS)}")
+    starts = trials.choice("starts")
+    if "demo" in shows and starts != "touch":
+        trials.add_mistake(
+            "shows",
+            f"a demonstration lasts until the first touch, and starts is {starts!r}",
+            'Leave out "demo", or write starts = "touch"',
+        )
+    names, goals = {}, {}
+    for table in top.tables("tasks"):
+        task = table.string("task")
+        names[task], goals[task] = table.text("name"), table.text("goal")
+        table.done()
+    return PageSettings(
+        shows,
+        starts,
+        trials.choice("when_gone"),
+        names,
+        goals,
+        _read_words(top),
+    )
+
+
+def _read_words(top: TomlTable) -> dict[str, dict[str, str]]:
+    """Reads the table `[words]`, which has a table for each language with words of its own."""
+    table, english = top.table("words"), words_in("en")
+    words: dict[str, dict[str, str]] = {}
+    for language in top.reader.languages:
+        if not table.has(language):
+            continue
+        given = table.table(language)
+        taken = {key: given.string(key, "") for key in words_of_studies((RESULT,))}
+        words[language] = {key: text for key, text in taken.items() if text}
+        for key, text in words[language].items():
+            if values_of(text) != values_of(english[key]):
+                wanted = ", ".join(f"{{{name}}}" for name in sorted(values_of(english[key])))
+                given.add_mistake(
+                    key,
+                    f"the values of {english[key]!r} are {wanted or 'none'}",
+                    "Write them as they are there, in braces",
+                )
+        given.done()
+    table.done()
+    return words
+
+
 def _factors(top: TomlTable) -> tuple[Factor, ...]:
     tables = top.tables("factors")
     factors: list[Factor] = []
     for table in tables:
-        factor = _one_factor(table, factors)
-        if factor.name in [f.name for f in factors]:
-            table.add_mistake("name", f"{factor.name!r} is used twice", "Rename one of them")
-        factors.append(factor)
+        factors.append(_read_factor(table, factors))
+    top.check_names("factors", [factor.name for factor in factors])
     if not tables:
         top.add_mistake("", "no factor is given", "Add [[factors]] with name, order and levels")
     return tuple(factors)
 
 
-def _one_factor(table: TomlTable, outer_ones: list[Factor]) -> Factor:
+def _read_factor(table: TomlTable, outer_ones: list[Factor]) -> Factor:
     name = table.name("name")
     setting = table.string("setting", name)
-    order = table.choice("order", ORDERS, "blocked")
-    outer = table.string("inside", "")
+    order = table.choice("order")
+    outer = table.string("inside")
     raw = table.raw("levels")
     nested: dict[str, tuple[Level, ...]] | None = None
     if outer:
@@ -362,7 +363,7 @@ def _one_factor(table: TomlTable, outer_ones: list[Factor]) -> Factor:
         lists = [levels]
     one_a_session = table.flag("one_a_session")
     if one_a_session:
-        _check_one_a_session(table, bool(outer_ones), bool(outer), order, len(levels))
+        _check_level_a_session(table, bool(outer_ones), bool(outer), order, len(levels))
     if order == "factorial" and max(map(len, lists), default=0) > MOST_FACTORIAL:
         table.add_mistake(
             "order",
@@ -373,7 +374,7 @@ def _one_factor(table: TomlTable, outer_ones: list[Factor]) -> Factor:
     return Factor(name, order, levels, outer, nested, one_a_session)
 
 
-def _check_one_a_session(
+def _check_level_a_session(
     table: TomlTable, inner: bool, nested: bool, order: str, count: int
 ) -> None:
     sessions = table.reader.sessions
@@ -434,8 +435,8 @@ def _levels(table: TomlTable, raw: Any, setting: str) -> tuple[Level, ...]:
 
 
 def _instruction(table: TomlTable, factors: tuple[Factor, ...]) -> Instruction:
-    at = table.choice("at", (START, END, *(f.name for f in factors)), START)
-    level = table.string("level", "")
+    at = table.choice("at", (START, END, *(f.name for f in factors)))
+    level = table.string("level")
     names = next(([x.name for x in f.levels] for f in factors if f.name == at), [])
     if level and level not in names:
         table.add_mistake(
@@ -449,7 +450,10 @@ def _instruction(table: TomlTable, factors: tuple[Factor, ...]) -> Instruction:
 
 
 def _primary(
-    table: TomlTable, forms: tuple[Form, ...], named: tuple[str, ...] | None
+    table: TomlTable,
+    forms: tuple[Form, ...],
+    named: tuple[str, ...] | None,
+    own: Measure | None,
 ) -> tuple[str, ...]:
     """Names of the confirmatory outcomes: measures, and questionnaires for their scores.
 
@@ -457,9 +461,10 @@ def _primary(
         table: The table `analysis`, for its mistakes.
         forms: All questionnaires.
         named: What it names; None if it names nothing.
+        own: The study's own measure.
     """
     names = named or ()
-    known = ("time_s", "success", *(m.name for m in measures() if not m.words))
+    known = ("time_s", "success", *(m.name for m in all_measures(own) if not m.words))
     scored = {form.name: form for form in forms if form.scales}
     between = [name for name, form in scored.items() if form.at not in (START, END)]
     if named is not None and not names:
@@ -479,7 +484,7 @@ def _primary(
             in_file = next(form.source for form in forms if form.name == name) is not None
             where = "[[scales]] in its file" if in_file else "[[questionnaires.scales]]"
             remedy = (
-                f"Give {name} a scale, {where} (docs/questionnaires.md), or remove it here: its "
+                f"Give {name} a scale, {where} (docs/studies.md), or remove it here: its "
                 "answers are described"
             )
         else:
@@ -487,19 +492,44 @@ def _primary(
             near = get_close_matches(name, (*known, *between), 1)
             hint = f"Did you mean {near[0]}? " if near else ""
             choice = ", ".join(("time_s", "success", *between))
-            remedy = f"{hint}Write {choice} or a measure (docs/measures.md){_INSTALL}"
+            remedy = f"{hint}Write {choice} or a measure (docs/measures.md){_gone(name)}"
         table.add_mistake("primary", what, remedy)
     return names
 
 
-_INSTALL = "; or install the package that offers the measure"
+def _gone(name: str) -> str:
+    """What takes the place of a measure of an earlier version, as the end of a remedy."""
+    if name not in REMOVED:
+        return ""
+    return f"; {name} is no measure any more, and {REMOVED[name]} takes its place"
 
 
-def _exclusion(table: TomlTable) -> Exclusion:
+def _own_measure(table: TomlTable, folder: Path) -> tuple[Measure | None, tuple[str, str] | None]:
+    """The study's own measure, and name and text of its file; None without one."""
+    place = table.string("own_measure")
+    if not place:
+        return None, None
+    try:
+        measure = load_measure(place, folder)
+        name = place.rpartition(":")[0]
+        return measure, (name, (folder / name).read_text(encoding="utf-8"))
+    except (InputError, OSError, UnicodeDecodeError) as error:
+        table.add_mistake("own_measure", str(error), 'Write own_measure = "FILE.py:NAME"')
+        return None, None
+
+
+def _exclusion(table: TomlTable, own: Measure | None) -> Exclusion:
+    known = rule_measures(own)
+    measure = table.string("measure")
+    if measure and measure not in known:
+        near = get_close_matches(measure, known, 1)
+        hint = f"Did you mean {near[0]}? " if near else ""
+        choice = f"{hint}Write one of {', '.join(known)}{_gone(measure)}"
+        table.add_mistake("measure", f"got {measure!r}", choice)
     exclusion = Exclusion(
         table.name("name"),
-        table.choice("of", ("trial", "participant"), "trial"),
-        table.choice("measure", rule_measures(), rule_measures()[0], _INSTALL),
+        table.choice("of"),
+        measure,
         _bound(table, "below"),
         _bound(table, "above"),
     )
@@ -513,4 +543,4 @@ def _bound(table: TomlTable, key: str) -> float | None:
     if not table.has(key):
         table.raw(key)
         return None
-    return float(table.number(key, 0.0, -1e9, 1e9))
+    return float(table.number(key))

@@ -11,19 +11,10 @@ from dataclasses import dataclass
 from hashlib import blake2b
 from typing import Any
 
-from sandbox.study.design.balance import rows_of
+from sandbox.study.design.balance import order_of, rows_of
 from sandbox.study.design.conditions import WEBCAM, values_of
-from sandbox.study.design.design import (
-    DEMOGRAPHICS,
-    END,
-    START,
-    Design,
-    Factor,
-    Form,
-    Instruction,
-    Level,
-)
-from sandbox.study.design.orders import order_of
+from sandbox.study.design.design import DEMOGRAPHICS, Design, Factor, Form, Instruction, Level
+from sandbox.study.design.fields import END, START
 from sandbox.study.design.questionnaires import arranged
 
 READING = 20.0

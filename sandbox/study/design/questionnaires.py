@@ -7,12 +7,14 @@ from dataclasses import replace
 from fractions import Fraction
 from importlib.resources import files
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
-from sandbox.study.design.design import END, ITEMS, SCHEMA, START, WORDINGS, Form, Item
+from sandbox.study.design.design import Form, Item
+from sandbox.study.design.fields import END, SCHEMA, START, WORDINGS
 from sandbox.study.design.reading import Mistake, Reader, Text, TomlTable
-from sandbox.study.design.scoring import RULES, Scale
+from sandbox.study.design.scoring import Scale
 
 
 def instruments() -> dict[str, str]:
@@ -34,13 +36,13 @@ def read_form(table: TomlTable, factors: list[str], folder: Path) -> Form:
         factors: Names of the factors, which are possible values of `at`.
         folder: Folder of the design.
     """
-    use, file = table.string("use", ""), table.string("file", "")
+    use, file = table.string("use"), table.string("file")
     name = table.name("name") if not use or table.has("name") else use
-    at = table.choice("at", (START, END, *factors), END)
+    at = table.choice("at", (START, END, *factors))
     sessions = table.session_numbers("sessions")
     if use and file:
         table.add_mistake("file", "`use` is given as well", "Remove one of the two")
-    text = _packaged(table, use) if use else _beside(table, file, folder) if file else None
+    text = _packaged(table, use) if use else _form_text(table, file, folder) if file else None
     source = _as_table(table, text, file) if text is not None else None if use or file else table
     if source is None:
         # The mistake in the file has been reported already.
@@ -55,28 +57,19 @@ def read_form(table: TomlTable, factors: list[str], folder: Path) -> Form:
         source.add_mistake(
             "items", "the questionnaire has no items", "Add [[questionnaires.items]], or a file"
         )
-    _check_unique(source, "items", [item.name for item in items])
+    source.check_names("items", [item.name for item in items])
     scales = tuple(_scale(t, items) for t in source.tables("scales"))
     if not table.reader.begun:
-        _check_unique(source, "scales", [scale.name for scale in scales])
+        source.check_names("scales", [scale.name for scale in scales])
     wording = _wording(source)
     if source is not table:
         source.done()
         remedy = "Copy it to a file and translate it there" if use else "Correct that file"
         for cause in _causes(source.reader.mistakes):
-            alone = all(mistake.alone for mistake in source.reader.mistakes)
-            table.add_mistake("use" if use else "file", f"{use or file}, {cause}", remedy, alone)
+            table.add_mistake("use" if use else "file", f"{use or file}, {cause}", remedy)
     table.done()
     origin = (file, text) if file and text else None
     return Form(name, title, items, at, scales, origin, sessions, wording)
-
-
-def _check_unique(source: TomlTable, key: str, names: list[str]) -> None:
-    for i, one in enumerate(names):
-        if one and one in names[:i]:
-            source.reader.add_mistake(
-                (*source.path, key, i, "name"), f"{one!r} is used twice", "Rename one of them"
-            )
 
 
 def scored_by_its_question(form: Form) -> Form:
@@ -105,11 +98,11 @@ def _causes(mistakes: list[Mistake]) -> list[str]:
 def read_item(table: TomlTable) -> Item:
     """Reads a question."""
     name, ask = table.name("name"), table.text("ask")
-    kind = table.choice("kind", ITEMS, "text")
+    kind = table.choice("kind")
     choices = _choices(table)
-    low = float(table.number("low", 0.0, -1e9, 1e9))
-    high = float(table.number("high", 100.0, -1e9, 1e9))
-    step = float(table.number("step", 1.0, 1e-9, 1e9))
+    low = float(table.number("low"))
+    high = float(table.number("high"))
+    step = float(table.number("step"))
     if kind == "choice" and len(choices) < 2:
         table.add_mistake(
             "choices", "a choice needs two or more values", 'Write choices = ["yes", "no"]'
@@ -166,7 +159,7 @@ def _choices(table: TomlTable) -> tuple[str, ...]:
     """Stored values of a choice, which are the same in all languages."""
     given = table.raw("choices", [])
     if not isinstance(given, list) or not any(isinstance(choice, dict) for choice in given):
-        return TomlTable(table.reader, {"choices": given}, table.path).strings("choices")
+        return _item_table(table, choices=given).strings("choices")
     values = [
         next(iter(choice.values()), "") if isinstance(choice, dict) else choice for choice in given
     ]
@@ -178,6 +171,11 @@ def _choices(table: TomlTable) -> tuple[str, ...]:
         f"Write choices = [{stored}], and means = [{{{texts}}}, ...] with a text for each",
     )
     return tuple(str(value) for value in values)
+
+
+def _item_table(table: TomlTable, **values: Any) -> TomlTable:
+    """A table in the place of a question, with one value of it."""
+    return TomlTable(table.reader, values, table.path, ("items",))
 
 
 def _means(table: TomlTable, choices: tuple[str, ...]) -> tuple[Text, ...]:
@@ -192,15 +190,16 @@ def _means(table: TomlTable, choices: tuple[str, ...]) -> tuple[Text, ...]:
             "Write a text for each choice, in the same order",
         )
         return ()
-    return tuple(TomlTable(table.reader, {"means": v}, table.path).text("means") for v in given)
+    return tuple(_item_table(table, means=v).text("means") for v in given)
 
 
 def _wording(table: TomlTable) -> Text:
     """Where the wording comes from, by language: one word for all, or a table."""
     languages = table.reader.languages
-    given = table.raw("wording", WORDINGS[0])
+    own = table.field("wording").default
+    given = table.raw("wording", own)
     words = given if isinstance(given, dict) else dict.fromkeys(languages, given)
-    wording = {language: str(words.get(language, WORDINGS[0])) for language in languages}
+    wording = {language: str(words.get(language, own)) for language in languages}
     for word in sorted(set(wording.values()) - set(WORDINGS)):
         table.add_mistake("wording", f"got {word!r}", f"Write one of {', '.join(WORDINGS)}")
     return wording
@@ -209,7 +208,7 @@ def _wording(table: TomlTable) -> Text:
 def _scale(table: TomlTable, items: tuple[Item, ...]) -> Scale:
     """Reads a scale, and reports a mistake if its score could not be computed."""
     known = {item.name: item for item in items}
-    name, rule = table.name("name"), table.choice("rule", RULES, "sum")
+    name, rule = table.name("name"), table.choice("rule")
     wanted, pairs = table.strings("items"), table.strings("pairs")
     reverse = table.strings("reverse")
     numbers = {i.name for i in items if i.kind in ("scale", "number")}
@@ -233,7 +232,7 @@ def _scale(table: TomlTable, items: tuple[Item, ...]) -> Scale:
         bounds,
         frozenset(reverse),
         table.flag("from_zero"),
-        float(table.number("factor", 1.0, -1e6, 1e6)),
+        float(table.number("factor")),
         pairs,
     )
     table.done()
@@ -258,7 +257,7 @@ def _packaged(table: TomlTable, use: str) -> str | None:
     return known.get(use)
 
 
-def _beside(table: TomlTable, file: str, folder: Path) -> str | None:
+def _form_text(table: TomlTable, file: str, folder: Path) -> str | None:
     """Text of a questionnaire file, which must be in the design's folder or below it."""
     if Path(file).is_absolute() or ".." in Path(file).parts:
         table.add_mistake(
@@ -286,7 +285,7 @@ def _as_table(table: TomlTable, text: str, file: str) -> TomlTable | None:
         return None
     reader = Reader(text)
     reader.languages = table.reader.languages
-    item_table = TomlTable(reader, values)
+    item_table = TomlTable(reader, values, (), ("questionnaires",))
     if item_table.raw("schema", SCHEMA) != SCHEMA:
         table.add_mistake(
             "file", f"{file} has another schema", f"This version reads schema {SCHEMA}"

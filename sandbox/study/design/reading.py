@@ -9,6 +9,7 @@ from difflib import get_close_matches
 from typing import Any
 
 from models.errors import StudyError
+from sandbox.study.design.fields import WHOLE, Field, field_of
 from sandbox.study.design.toml_lines import Path, TomlLines
 
 NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_-]{0,63}")
@@ -20,17 +21,12 @@ Text = dict[str, str]
 
 @dataclass(frozen=True)
 class Mistake:
-    """A mistake in a file: its line, the value, what is wrong, and what to do.
-
-    Attributes:
-        alone: True if all else in the file can be read as it is meant.
-    """
+    """A mistake in a file: its line, the value, what is wrong, and what to do."""
 
     line: int
     where: str
     what: str
     remedy: str
-    alone: bool = False
 
     def __str__(self) -> str:
         where = f"{self.where}: " if self.where else ""
@@ -68,12 +64,17 @@ class Reader:
         self.sessions = 1
         self.begun = False
 
-    def add_mistake(self, path: Path, what: str, remedy: str, alone: bool = False) -> None:
-        """Adds a mistake; `alone` if all else can be read as it is meant."""
-        where = ""
-        for part in path:
-            where += f"[{part + 1}]" if isinstance(part, int) else f".{part}" if where else part
-        self.mistakes.append(Mistake(self.lines.of(path), where, what, remedy, alone))
+    def add_mistake(self, path: Path, what: str, remedy: str) -> None:
+        """Adds a mistake."""
+        self.mistakes.append(Mistake(self.lines.of(path), place_of(path), what, remedy))
+
+
+def place_of(path: Path) -> str:
+    """A place in a file in words, such as `factors[1].levels`; items of a list count from 1."""
+    where = ""
+    for part in path:
+        where += f"[{part + 1}]" if isinstance(part, int) else f".{part}" if where else part
+    return where
 
 
 class TomlTable:
@@ -83,10 +84,15 @@ class TomlTable:
         reader: Reader of the file.
         values: The parsed values.
         path: Path of the table in the file.
+        whose: Path under which its fields are declared, if another: a questionnaire's own file has
+            those of a questionnaire.
     """
 
-    def __init__(self, reader: Reader, values: dict[str, Any], path: Path = ()) -> None:
+    def __init__(
+        self, reader: Reader, values: dict[str, Any], path: Path = (), whose: Path | None = None
+    ) -> None:
         self.reader, self.path = reader, path
+        self._whose = path if whose is None else whose
         self._values = dict(values)
         self._known: list[str] = []
 
@@ -95,31 +101,44 @@ class TomlTable:
         self._known.append(key)
         return key in self._values
 
-    def add_mistake(self, key: str, what: str, remedy: str, alone: bool = False) -> None:
-        """Adds a mistake in one of the values; `alone` if all else can be read as it is meant."""
-        self.reader.add_mistake((*self.path, *([key] if key else [])), what, remedy, alone)
+    def add_mistake(self, key: str, what: str, remedy: str) -> None:
+        """Adds a mistake in one of the values, or in the table if the key is empty."""
+        self.reader.add_mistake((*self.path, *([key] if key else [])), what, remedy)
+
+    def check_names(self, key: str, names: Sequence[str]) -> None:
+        """Adds a mistake for each of a list of tables that has the name of an earlier one."""
+        for i, name in enumerate(names):
+            if name and name in names[:i]:
+                path = (*self.path, key, i, "name")
+                self.reader.add_mistake(path, f"{name!r} is used twice", "Rename one of them")
 
     def raw(self, key: str, default: Any = None) -> Any:
         """Takes a value of any kind."""
         self._known.append(key)
         return self._values.pop(key, default)
 
-    def number(
-        self, key: str, default: float, least: float, most: float, whole: bool = False
-    ) -> Any:
-        """Takes a number within bounds."""
-        value = self.raw(key, default)
-        kind = int if whole else (int, float)
-        if isinstance(value, bool) or not isinstance(value, kind) or not least <= value <= most:
-            noun = "a whole number" if whole else "a number"
+    def field(self, key: str) -> Field:
+        """What is declared of a key."""
+        return field_of(self._whose, key)
+
+    def number(self, key: str) -> Any:
+        """Takes a number within its bounds."""
+        known = self.field(key)
+        value = self.raw(key, known.default)
+        kind = int if known.kind == WHOLE else (int, float)
+        within = isinstance(value, kind) and known.low <= value <= known.high
+        if isinstance(value, bool) or not within:
+            noun = "a whole number" if known.kind == WHOLE else "a number"
             plain = ", without quotation marks" if isinstance(value, str) else ""
-            remedy = f"Write {noun} from {least:g} to {most:g}{plain}"
+            remedy = f"Write {noun} from {known.range}{plain}"
             self.add_mistake(key, f"got {value!r}", remedy)
-            return default
+            return known.low if known.default is None else known.default
         return value
 
     def string(self, key: str, default: str | None = None) -> str:
-        """Takes a string; required unless a default is given."""
+        """Takes a string; required unless it is declared with a default, or one is given."""
+        if default is None:
+            default = self.field(key).default
         if default is None and not self.has(key):
             self.add_mistake("", f"`{key}` is missing", f'Add a line such as {key} = "..."')
             return ""
@@ -141,33 +160,34 @@ class TomlTable:
         return name
 
     def flag(self, key: str) -> bool:
-        """Takes a boolean; false by default."""
-        value = self.raw(key, False)
+        """Takes a boolean."""
+        value = self.raw(key, self.field(key).default)
         if not isinstance(value, bool):
             self.add_mistake(key, f"got {value!r}", "Write true or false")
         return value is True
 
-    def choice(self, key: str, options: Sequence[str], default: str, else_: str = "") -> str:
+    def choice(self, key: str, options: Sequence[str] = (), else_: str = "") -> str:
         """Takes one of several words.
 
         Args:
             key: Key of the table.
-            options: The words.
-            default: The word if there is none.
+            options: The words, if they are not declared.
             else_: What else to do about another word, for the message.
         """
-        value = self.string(key, default)
-        if value not in options:
+        known = self.field(key)
+        options, value = options or tuple(known.options), self.string(key)
+        if value not in options and (value or known.default is not None):
             near = get_close_matches(value, options, 1)
             hint = f"Did you mean {near[0]}? " if near else ""
             self.add_mistake(
                 key, f"got {value!r}", f"{hint}Write one of {', '.join(options)}{else_}"
             )
-            return default
+            return str(known.default or "")
         return value
 
-    def strings(self, key: str, default: Sequence[str] = ()) -> tuple[str, ...]:
+    def strings(self, key: str) -> tuple[str, ...]:
         """Takes a list of different strings."""
+        default = self.field(key).default or ()
         value = self.raw(key, list(default))
         if not isinstance(value, list) or not all(isinstance(v, str) and v for v in value):
             self.add_mistake(key, f"got {value!r}", 'Write a list such as ["one", "two"]')
@@ -197,7 +217,7 @@ class TomlTable:
         languages = self.reader.languages
         if isinstance(value, str) and len(languages) == 1:
             if not value.strip():
-                self.add_mistake(key, "the text is empty", "Write it, or remove the line", True)
+                self.add_mistake(key, "the text is empty", "Write it, or remove the line")
             return {languages[0]: value}
         if isinstance(value, dict) and all(isinstance(v, str) for v in value.values()):
             missing = [lang for lang in languages if not value.get(lang, "").strip()]
@@ -206,7 +226,6 @@ class TomlTable:
                     key,
                     f"the text is missing in {', '.join(missing)}",
                     f'Add {missing[0]} = "..." or remove the language',
-                    alone=True,
                 )
             return {lang: value.get(lang, "") for lang in languages}
         example = ", ".join(f'{lang} = "..."' for lang in languages)
@@ -217,11 +236,8 @@ class TomlTable:
             what = f"there is only one text for {len(languages)} languages"
         else:
             what = f"got {value!r}"
-        one = isinstance(value, str)
-        self.add_mistake(
-            key if value is not None else "", what, f"Write {key} = {wanted}", alone=one
-        )
-        return dict.fromkeys(languages, "") | ({languages[0]: value} if one else {})
+        self.add_mistake(key if value is not None else "", what, f"Write {key} = {wanted}")
+        return dict.fromkeys(languages, "")
 
     def table(self, key: str) -> TomlTable:
         """Takes a table; empty by default."""
@@ -229,7 +245,7 @@ class TomlTable:
         if not isinstance(value, dict):
             self.add_mistake(key, f"got {value!r}", f"Write it as a table: [{key}]")
             value = {}
-        return TomlTable(self.reader, value, (*self.path, key))
+        return TomlTable(self.reader, value, (*self.path, key), (*self._whose, key))
 
     def tables(self, key: str) -> list[TomlTable]:
         """Takes a list of tables; empty by default."""
@@ -237,7 +253,10 @@ class TomlTable:
         if not isinstance(value, list) or not all(isinstance(v, dict) for v in value):
             self.add_mistake(key, "not a list of tables", f"Begin each table with [[{key}]]")
             return []
-        return [TomlTable(self.reader, v, (*self.path, key, i)) for i, v in enumerate(value)]
+        return [
+            TomlTable(self.reader, v, (*self.path, key, i), (*self._whose, key))
+            for i, v in enumerate(value)
+        ]
 
     def done(self) -> None:
         """Reports all values that were not taken out as mistakes."""

@@ -10,10 +10,6 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-RULES = ("sum", "mean", "weighted")
-"""`sum` and `mean` of the items. `weighted`: mean of the items, each weighted by how often it was
-chosen in the scale's pairwise comparisons (NASA-TLX: Hart and Staveland 1988)."""
-
 
 @dataclass(frozen=True)
 class Scale:
@@ -21,7 +17,7 @@ class Scale:
 
     Attributes:
         name: Name in tables.
-        rule: One of `RULES`.
+        rule: One of `fields.RULES`.
         items: Items that are numbers.
         bounds: Lowest and highest answer of each item.
         reverse: Items that are reversed: high + low - answer.
@@ -42,7 +38,7 @@ class Scale:
     @property
     def range(self) -> tuple[float, float]:
         """Lowest and highest possible score."""
-        from models.arithmetic.products import total
+        from models.arithmetic import total
 
         lows = [0.0 if self.from_zero else low for low, _ in self.bounds]
         highs = [high - (low if self.from_zero else 0.0) for low, high in self.bounds]
@@ -67,7 +63,7 @@ class ScaleScore:
 
 def score(scale: Scale, answers: Mapping[str, Any]) -> ScaleScore:
     """Computes the score from answers by item; an absent answer or None is missing."""
-    from models.arithmetic.products import total
+    from models.arithmetic import total
 
     used = (*scale.items, *scale.pairs)
     missing = sum(answers.get(name) is None for name in used)
@@ -102,6 +98,6 @@ def _counted(scale: Scale, name: str, value: float, bounds: tuple[float, float])
 
 
 def _weighted(values: Sequence[float], weights: Sequence[int]) -> float:
-    from models.arithmetic.products import total
+    from models.arithmetic import total
 
     return total(v * w for v, w in zip(values, weights, strict=True)) / total(weights)

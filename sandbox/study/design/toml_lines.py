@@ -1,43 +1,56 @@
-"""Finds the line numbers of keys in a TOML file, which the standard parser does not report."""
+"""Finds the line numbers of keys in a TOML file, which the standard parser does not report.
+
+A table's heading, and a key with its value, are TOML by themselves. So the lines of a file are
+gathered until the standard parser reads them, and what it reads there begins at the first of them.
+Of an array over several lines it reads the beginning, too, once its brackets are closed.
+"""
 
 from __future__ import annotations
 
-import re
+import tomllib
+from collections.abc import Iterator
+from contextlib import suppress
+from typing import Any
 
 Path = tuple[str | int, ...]
 
-_HEADER = re.compile(r"\s*(\[{1,2})\s*([^\[\]]+?)\s*\]{1,2}\s*(#.*)?$")
-_KEY = re.compile(r"""\s*([\w-]+|"[^"]*"|'[^']*')\s*(\.[\w.-]+\s*)?=""")
-_TRIPLE = re.compile(r'"""|' + "'''")
+_CLOSING = ("", "]", "]]", "]}", "]}]", "]]]")
+"""Ends that make a whole value of an array whose end is on a later line."""
+_ENDS = ('"""', "'''", "]", "}")
+"""One of these is in the last line of a value that was not to be read before."""
 
 
 class TomlLines:
-    """Line numbers of the tables and keys of a TOML text.
+    """Line numbers of the tables, keys and list items of a TOML text.
+
+    A text that is no TOML has the lines of what comes before its mistake.
 
     Args:
-        text: Text of the file, which must be valid TOML.
+        text: Text of the file.
+
+    Attributes:
+        last: Line of the last key or item that was found, where a value without an end begins.
     """
 
     def __init__(self, text: str) -> None:
         self._lines: dict[Path, int] = {(): 1}
-        counts: dict[Path, int] = {}
-        table: Path = ()
-        fence = ""
-        for number, line in enumerate(text.split("\n"), start=1):
-            if not fence:
-                if header := _HEADER.match(line):
-                    names = tuple(n.strip().strip("\"'") for n in header[2].split("."))
-                    table = self._inner(names[:-1], counts) + names[-1:]
-                    if header[1] == "[[":
-                        counts[table] = counts.get(table, -1) + 1
-                        self._lines.setdefault(table, number)
-                        table = (*table, counts[table])
-                    self._lines[table] = number
-                elif key := _KEY.match(line):
-                    # Of `text.en` and `text.de`, the first is the line of `text`.
-                    self._lines.setdefault((*table, key[1].strip("\"'")), number)
-            for mark in _TRIPLE.findall(line):
-                fence = "" if mark == fence else fence or mark
+        self._counts: dict[Path, int] = {}
+        self._table: Path = ()
+        self.last = 1
+        gathered, begin, closed, reads = "", 1, "", True
+        for number, line in enumerate(text.split("\n"), 1):
+            gathered += f"{line}\n"
+            if not (reads or any(end in line for end in _ENDS)):
+                continue
+            reads = False
+            for closing in (closed, *_CLOSING):
+                with suppress(tomllib.TOMLDecodeError, RecursionError):
+                    self._take(gathered, tomllib.loads(gathered + closing), begin)
+                    gathered, begin, reads = gathered if closing else "", number + 1, True
+                    closed = closing
+                    break
+        if gathered.strip():
+            self.last = begin
 
     def of(self, path: Path) -> int:
         """Line number of a value, or of the nearest enclosing table or key."""
@@ -49,12 +62,36 @@ class TomlLines:
         """True if a table or key is written in the file."""
         return path in self._lines
 
-    @staticmethod
-    def _inner(names: tuple[str, ...], counts: dict[Path, int]) -> Path:
-        """Path of a table; `[a.b]` after `[[a]]` belongs to the last item of `a`."""
+    def _take(self, gathered: str, values: dict[str, Any], line: int) -> None:
+        """Takes in what some lines hold; of `text.en` and `text.de`, the first is the line of
+        `text`."""
+        if gathered.lstrip().startswith("["):
+            self._heading(values, line)
+            return
+        for path in _paths(values):
+            self._lines.setdefault((*self._table, *path), line)
+
+    def _heading(self, values: Any, line: int) -> None:
+        """Begins a table; `[a.b]` after `[[a]]` belongs to the last item of `a`."""
         path: Path = ()
-        for name in names:
+        while values:
+            if path in self._counts:
+                path = (*path, self._counts[path])
+            ((name, values),) = values.items()
             path = (*path, name)
-            if path in counts:
-                path = (*path, counts[path])
-        return path
+            if isinstance(values, list):
+                self._counts[path] = self._counts.get(path, -1) + 1
+                self._lines.setdefault(path, line)
+                path = (*path, self._counts[path])
+                values = None
+        self._table = path
+        self._lines[path] = line
+
+
+def _paths(value: Any, path: Path = ()) -> Iterator[Path]:
+    """Paths of a value and of all values in it."""
+    if path:
+        yield path
+    inner = value.items() if isinstance(value, dict) else ()
+    for key, one in enumerate(value) if isinstance(value, list) else inner:
+        yield from _paths(one, (*path, key))

@@ -1,11 +1,16 @@
-"""Measures of handling (grasps, regrasps and drops), computed from what pushes an object."""
+"""Measures of handling and of finger labels: grasps, regrasps, drops; changes and errors."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
+
+from models.arithmetic import total
+from models.scene import CONTROL_PERIOD
+from sandbox.study.measures.arrays import NO_CONTACT, ObjectArrays, TrialArrays
 
 RELEASE = 0.1
 """s without any push of the hand, after which the object counts as let go."""
@@ -16,6 +21,9 @@ FALL = 0.010
 """m that an untouched object must fall to count as dropped. One that is let go a little above its
 place is put down, not dropped."""
 PALM = "p"
+
+FingersByContact = Mapping[Any, int]
+"""Finger label (thumb 0 .. little 4) by contact; with two hands, by hand and contact."""
 
 
 def true_intervals(mask: ArrayLike) -> list[tuple[int, int]]:
@@ -76,3 +84,108 @@ def drops(free: ArrayLike, height: ArrayLike) -> int:
         for first, last in true_intervals(free)
     ]
     return sum(bool(fall > FALL) for fall in falls)
+
+
+def _handled(item: ObjectArrays) -> list[tuple[int, int]]:
+    return push_intervals(item.digits, np.nan_to_num(item.grip), CONTROL_PERIOD)
+
+
+def first_push(trial: TrialArrays) -> int | None:
+    """First row in which a hand pushes an object; None if there is none."""
+    known = [item for item in trial.objects.values() if item.pushes_are_known]
+    return min((first for item in known for first, _ in _handled(item)), default=None)
+
+
+def handling(trial: TrialArrays) -> dict[str, Any]:
+    """Pushes, grasps and drops; empty if contacts with objects are unknown."""
+    known = [item for item in trial.objects.values() if item.pushes_are_known]
+    if not known:
+        return {}
+    held = []
+    dropped = 0
+    for item in known:
+        held.append(grasps(item.digits, _handled(item)))
+        free = [not d and not by for d, by in zip(item.digits, item.pushed_by, strict=True)]
+        dropped += drops(free, item.place[:, 2])
+    first = trial.once(first_push)
+    return {
+        "first_push_s": None if first is None else float(trial.t[first]),
+        "grasps": sum(held),  # any order: whole numbers
+        "regrasps": sum(max(number - 1, 0) for number in held),  # any order: whole numbers
+        "drops": dropped,
+    }
+
+
+def labels(trial: TrialArrays) -> dict[str, Any]:
+    """Changes and errors of the labels."""
+    assigned = fingers_by_contact(trial, true=False)
+    true = fingers_by_contact(trial, true=True)
+    return {
+        "label_switches": label_switches(assigned),
+        **label_errors(assigned, true, CONTROL_PERIOD),
+    }
+
+
+def fingers_by_contact(trial: TrialArrays, true: bool) -> list[FingersByContact]:
+    """Finger by hand and contact, for each row: as labelled, or the true one."""
+    hands = [(hand.true if true else hand.labels).tolist() for hand in trial.hands]
+    return [
+        {
+            (hand, contact): finger
+            for hand, rows in enumerate(hands)
+            for finger, contact in enumerate(rows[row])
+            if contact != NO_CONTACT
+        }
+        for row in range(len(trial))
+    ]
+
+
+def label_switches(labels: Sequence[FingersByContact]) -> int:
+    """Number of times that a labelled contact got another label, at once or later."""
+    last: dict[Any, int] = {}
+    switches = 0
+    for now in labels:
+        switches += sum(last.get(contact, finger) != finger for contact, finger in now.items())
+        last.update(now)
+    return switches
+
+
+def label_errors(
+    labels: Sequence[FingersByContact], true: Sequence[FingersByContact], period: float
+) -> dict[str, Any]:
+    """Compares labels with the true fingers.
+
+    An error begins when a contact gets a wrong label, and ends when it gets the right one. Moments
+    without a label in between do not end it. If the contact ends first, the error was never
+    corrected.
+
+    Args:
+        labels: Assigned labels at each moment.
+        true: True fingers at each moment; contacts that are missing here are ignored.
+        period: Time between two moments, s.
+
+    Returns:
+        `label_accuracy`, `label_errors` and `label_recovery_s`; empty if no true finger is known.
+    """
+    if not any(true):
+        return {}
+    compared = right = errors = 0
+    since: dict[Any, int] = {}
+    recoveries: list[float] = []
+    for i, (now, truth) in enumerate(zip(labels, true, strict=True)):
+        for contact, finger in now.items():
+            if contact not in truth:
+                continue
+            fits = finger == truth[contact]
+            compared += 1
+            right += fits
+            if fits and contact in since:
+                recoveries.append((i - since.pop(contact)) * period)
+            elif not fits and contact not in since:
+                errors += 1
+                since[contact] = i
+    return {
+        "label_accuracy": right / compared if compared else None,
+        "label_errors": errors,
+        "label_recovery_s": total(recoveries) / len(recoveries) if recoveries else None,
+    }

@@ -1,404 +1,556 @@
-"""The built-in measures of a trial; docs/measures.md defines them in full.
+"""The measures of a trial: each is declared once, here, with its computation.
 
-To add a measure, add an entry here. Its column in `trial_results.csv`, its row in the codebook, its
-use in exclusion rules and its place in the report follow from it.
+docs/measures.md defines them in full. The column of `trials.csv`, the row in the codebook, the use
+in exclusion rules and the place in the report follow from the declaration. A study may have one
+measure of its own, in a file beside its design.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, field
+from math import inf, isfinite
+from operator import attrgetter
+from pathlib import Path
+from typing import Any
 
-from sandbox.study.measures.measure import (
-    GOALS,
-    HANDLING,
-    HIGH,
-    HINGES,
-    LABELS,
-    LIVE,
-    LOW,
-    PAGE,
-    PLACES,
-    SLIDES,
-    Row,
-    TrialMeasure,
-    live_measure,
-    result_measure,
-)
-from sandbox.study.measures.throughput import Throughput, throughput
+import numpy as np
 
+from models.errors import InputError
+from models.plugins import PluginKind, failure, place_in
+from sandbox.study.measures.arrays import NO_CONTACT, TrialArrays
+from sandbox.study.measures.handling import handling, labels
+from sandbox.study.measures.movement import joints, movement, objects, palm
+from sandbox.trial.result import TrialResult, fields
 
-def _throughput(rows: Sequence[Row]) -> Throughput | None:
-    """Effective throughput over the trials in which one object was moved to a fixed goal."""
-    moves = [row for row in rows if row.get("move_error_m") is not None]
-    return throughput(
-        [row["move_amplitude_m"] for row in moves],
-        [row["move_error_m"] for row in moves],
-        [row["time_s"] for row in moves],
-    )
+Value = bool | int | float | str | None
+"""Value of a measure; None if it does not apply to the trial."""
 
+ALL = "all"
+HANDLING = "tasks with objects to handle"
+GOALS = "tasks with goals"
+HINGES = "tasks with goals of parts on hinges"
+SLIDES = "tasks with goals of parts on slides"
+PLACES = "tasks with one goal that does not move"
+LABELS = "trials in which the true fingers are known, from a simulated user or from the device"
+LIVE = "trials with a live device"
+PAGE = "trials on the page"
 
+HIGH, LOW = "high", "low"
+"""Values of `Measure.better`."""
+LIMIT, SHARE, COUNT, LOG, PLAIN = "limit", "share", "count", "log", "plain"
+"""Values of `Measure.scale`: a time that ends at a limit, yes or no, a count, a number above 0 of
+which ratios are compared, another number."""
+
+SIMULATED_USER, DEVICE = "simulated user", "device"
+"""Values of `label_truth`: who played a trial in the place of a person, or a device knows."""
 BALASUBRAMANIAN = "Balasubramanian, Melendez-Calderon, Roby-Brami and Burdet 2015"
 ISO = "ISO 9241-411; Soukoreff and MacKenzie 2004"
 
-BUILT_IN: tuple[TrialMeasure, ...] = (
-    result_measure("success", "Success", HIGH),
-    result_measure("instant", "Reached for an instant", HIGH),
-    result_measure("held", "Held", HIGH, in_report=False),
-    result_measure("final", "Still there at the end", HIGH),
-    result_measure("progress", "Progress", HIGH),
-    result_measure("time_s", "Time", LOW),
-    TrialMeasure(
-        "first_attempt_success",
-        "0/1",
-        "Success at the first attempt",
-        "1: success without a regrasp, a drop, or an object that left the workspace",
-        better=HIGH,
-        tasks=HANDLING,
-        of_trial=lambda trial: trial.first_attempt_success,
-    ),
-    TrialMeasure(
+
+@dataclass(frozen=True)
+class Measure:
+    """A measure of a trial.
+
+    Attributes:
+        name: Column of `trials.csv`.
+        unit: Unit of the numbers; `0/1` for yes or no; empty for counts and words.
+        title: Title in plots.
+        means: Definition in one line, for the codebook.
+        of: Computes it from the trial up to `time_s` and its result; None where it does not apply.
+            If it raises an error, or returns a number that is not finite, the cell is empty, the
+            reason is printed, and the trial is kept. None for the throughput, which is a measure of
+            several trials.
+        better: `HIGH` or `LOW`, the better direction; empty if neither is better.
+        scale: How a report averages and compares it.
+        tasks: Description of the trials that it applies to.
+        source: Publication that defines it; empty if it was defined for this program.
+        low: Smallest possible value.
+        words: True if the values are words; exclusion rules and reports cannot use them.
+        by_frames: False if the result alone is enough.
+        in_report: False if the report leaves it to the tables.
+    """
+
+    name: str
+    unit: str
+    title: str
+    means: str
+    of: Callable[[TrialArrays, TrialResult], Value] | None = None
+    better: str = ""
+    scale: str = PLAIN
+    tasks: str = ALL
+    source: str = ""
+    low: float = 0.0
+    words: bool = False
+    by_frames: bool = True
+    in_report: bool = True
+
+    @property
+    def limits(self) -> tuple[float, float]:
+        """Smallest and largest possible value."""
+        return self.low, 1.0 if self.unit in ("0/1", "0 to 1") else inf
+
+    @property
+    def meaning(self) -> str:
+        """Definition with its source, for the codebook."""
+        return f"{self.means} ({self.source})" if self.source else self.means
+
+
+Of = Callable[[TrialArrays, TrialResult], Value]
+
+
+def _group(function: Callable[[TrialArrays], dict[str, Any]], name: str) -> Of:
+    """One value of a group that is computed once for a trial."""
+    return lambda trial, result: trial.once(function).get(name)
+
+
+def _of_result(name: str, title: str, better: str, scale: str) -> Measure:
+    """A measure that is a field of the trial's result, with its unit and meaning."""
+    about, value = fields()[name], attrgetter(name)
+    return Measure(
+        name,
+        about.unit,
+        title,
+        about.meaning,
+        lambda trial, result: value(result),
+        better,
+        scale,
+        by_frames=False,
+    )
+
+
+def _live(name: str, unit: str, title: str, means: str, tasks: str = ALL) -> Measure:
+    """A measure that is known only while the trial runs, such as a latency."""
+    return Measure(
+        name,
+        unit,
+        title,
+        means,
+        lambda trial, result: (result.measures or {}).get(name),
+        LOW,
+        LOG,
+        tasks,
+        by_frames=False,
+    )
+
+
+def _first_attempt(trial: TrialArrays, result: TrialResult) -> bool | None:
+    """Success without a regrasp, a drop or an object put back; None if contacts are unknown."""
+    found = trial.once(handling)
+    if not found:
+        return None
+    return result.success and not (found["regrasps"] or found["drops"] or result.respawned)
+
+
+def _label_truth(trial: TrialArrays, result: TrialResult) -> str | None:
+    """Source of the true fingers; None if they are unknown."""
+    if not any((hand.true != NO_CONTACT).any() for hand in trial.hands):
+        return None
+    return result.fingers_by or DEVICE
+
+
+MEASURES: tuple[Measure, ...] = (
+    _of_result("success", "Success", HIGH, SHARE),
+    _of_result("progress", "Progress", HIGH, PLAIN),
+    _of_result("time_s", "Time", LOW, LIMIT),
+    Measure(
         "completion_s",
         "s",
         "Completion time",
         "time_s if the trial succeeded, else empty",
-        better=LOW,
-        of_trial=lambda trial: trial.result.time_s if trial.result.success else None,
+        lambda trial, result: result.time_s if result.success else None,
+        LOW,
+        LOG,
+        by_frames=False,
         in_report=False,
     ),
-    TrialMeasure(
-        "first_contact_s",
-        "s",
-        "Time to first touch",
-        "simulated time of the first touch",
-        better=LOW,
-        of_result=live_measure("first_contact_s"),
+    Measure(
+        "first_attempt_success",
+        "0/1",
+        "Success at the first attempt",
+        "1: success without a regrasp, a drop, or an object that left the workspace",
+        _first_attempt,
+        HIGH,
+        SHARE,
+        HANDLING,
     ),
-    TrialMeasure(
+    _live("first_contact_s", "s", "Time to first touch", "simulated time of the first touch"),
+    Measure(
         "first_push_s",
         "s",
         "Time to first contact",
         "simulated time at which the hand first pushed an object",
-        better=LOW,
-        tasks=HANDLING,
-        of_trial=lambda trial: trial.handling.get("first_push_s"),
+        _group(handling, "first_push_s"),
+        LOW,
+        LOG,
+        HANDLING,
     ),
-    TrialMeasure(
+    Measure(
         "grasps",
         "",
         "Grasps",
         "number of intervals in which the hand pushes an object with two digits or more at once",
-        better=LOW,
-        tasks=HANDLING,
-        of_trial=lambda trial: trial.handling.get("grasps"),
+        _group(handling, "grasps"),
+        LOW,
+        COUNT,
+        HANDLING,
     ),
-    TrialMeasure(
+    Measure(
         "regrasps",
         "",
         "Regrasps",
         "number of grasps, up to time_s, of an object that had been grasped before and let go for "
         "0.1 s or longer",
-        better=LOW,
-        tasks=HANDLING,
-        of_trial=lambda trial: trial.handling.get("regrasps"),
+        _group(handling, "regrasps"),
+        LOW,
+        COUNT,
+        HANDLING,
     ),
-    TrialMeasure(
+    Measure(
         "drops",
         "",
         "Drops",
         "number of times that an untouched object fell by more than 10 mm",
-        better=LOW,
-        tasks=HANDLING,
-        of_trial=lambda trial: trial.handling.get("drops"),
+        _group(handling, "drops"),
+        LOW,
+        COUNT,
+        HANDLING,
     ),
-    TrialMeasure(
+    Measure(
         "palm_path_m",
         "m",
         "Path of the palm",
         "length of the commanded palm's path while the hand was down",
-        better=LOW,
-        of_trial=lambda trial: trial.palm.get("palm_path_m"),
+        _group(palm, "palm_path_m"),
+        LOW,
+        LOG,
     ),
-    TrialMeasure(
+    Measure(
         "palm_efficiency",
         "0 to 1",
         "Path efficiency of the palm",
         "distance from start to end of the palm's path, divided by its length",
-        better=HIGH,
-        of_trial=lambda trial: trial.palm.get("palm_efficiency"),
+        _group(palm, "palm_efficiency"),
+        HIGH,
     ),
-    TrialMeasure(
-        "object_path_m",
-        "m",
-        "Path of the object",
-        "total length of the paths of all objects with a goal",
-        better=LOW,
-        tasks=GOALS,
-        of_trial=lambda trial: trial.objects.get("object_path_m"),
-    ),
-    TrialMeasure(
-        "object_efficiency",
-        "0 to 1",
-        "Path efficiency of the object",
-        "sum of the distances from start to end of the objects' paths, divided by object_path_m",
-        better=HIGH,
-        tasks=GOALS,
-        of_trial=lambda trial: trial.objects.get("object_efficiency"),
-    ),
-    TrialMeasure(
-        "placement_error_m",
-        "m",
-        "Placement error",
-        "distance of an object from its goal at time_s; mean over goals",
-        better=LOW,
-        tasks=GOALS,
-        of_trial=lambda trial: trial.objects.get("placement_error_m"),
-    ),
-    TrialMeasure(
-        "placement_error_deg",
-        "deg",
-        "Placement error (angle)",
-        "angle about the vertical between an object and its goal at time_s, for a symmetric "
-        "object to the nearest equivalent angle; mean over goals",
-        better=LOW,
-        tasks=GOALS,
-        of_trial=lambda trial: trial.objects.get("placement_error_deg"),
-    ),
-    TrialMeasure(
-        "palm_peak_m_s",
-        "m/s",
-        "Peak speed of the palm",
-        "largest speed of the commanded palm while the hand was down",
-        of_trial=lambda trial: trial.palm.get("palm_peak_m_s"),
-    ),
-    TrialMeasure(
-        "object_peak_m_s",
-        "m/s",
-        "Peak speed of the object",
-        "largest speed of an object with a goal",
-        better=LOW,
-        tasks=GOALS,
-        of_trial=lambda trial: trial.objects.get("object_peak_m_s"),
-    ),
-    TrialMeasure(
+    Measure(
         "palm_sparc",
         "",
         "Smoothness of the palm",
         "spectral arc length of the palm's speed in the longest interval in which the hand was "
         "down; negative; values nearer 0 are smoother",
-        better=HIGH,
+        _group(palm, "palm_sparc"),
+        HIGH,
         source=BALASUBRAMANIAN,
-        of_trial=lambda trial: trial.palm.get("palm_sparc"),
+        low=-inf,
     ),
-    TrialMeasure(
+    Measure(
+        "object_path_m",
+        "m",
+        "Path of the object",
+        "total length of the paths of all objects with a goal",
+        _group(objects, "object_path_m"),
+        LOW,
+        LOG,
+        GOALS,
+    ),
+    Measure(
+        "object_efficiency",
+        "0 to 1",
+        "Path efficiency of the object",
+        "sum of the distances from start to end of the objects' paths, divided by object_path_m",
+        _group(objects, "object_efficiency"),
+        HIGH,
+        tasks=GOALS,
+    ),
+    Measure(
         "object_sparc",
         "",
         "Smoothness of the object",
         "spectral arc length of the speed of the object with a goal that moved farthest, from "
         "first_push_s to time_s",
-        better=HIGH,
+        _group(objects, "object_sparc"),
+        HIGH,
         tasks=GOALS,
         source=BALASUBRAMANIAN,
-        of_trial=lambda trial: trial.objects.get("object_sparc"),
+        low=-inf,
     ),
-    TrialMeasure(
+    Measure(
+        "placement_error_m",
+        "m",
+        "Placement error",
+        "distance of an object from its goal at time_s; mean over goals",
+        _group(objects, "placement_error_m"),
+        LOW,
+        LOG,
+        GOALS,
+    ),
+    Measure(
+        "placement_error_deg",
+        "deg",
+        "Placement error (angle)",
+        "angle about the vertical between an object and its goal at time_s, for a symmetric "
+        "object to the nearest equivalent angle; mean over goals",
+        _group(objects, "placement_error_deg"),
+        LOW,
+        tasks=GOALS,
+    ),
+    Measure(
         "hinge_travel_deg",
         "deg",
         "Travel of the hinge",
         "total angle by which the hinges of all parts with a goal were turned, there and back",
-        better=LOW,
+        _group(joints, "hinge_travel_deg"),
+        LOW,
         tasks=HINGES,
-        of_trial=lambda trial: trial.joints.get("hinge_travel_deg"),
     ),
-    TrialMeasure(
+    Measure(
         "hinge_efficiency",
         "0 to 1",
         "Efficiency of the hinge",
         "sum of the changes of these hinges from start to end, divided by hinge_travel_deg",
-        better=HIGH,
+        _group(joints, "hinge_efficiency"),
+        HIGH,
         tasks=HINGES,
-        of_trial=lambda trial: trial.joints.get("hinge_efficiency"),
     ),
-    TrialMeasure(
+    Measure(
         "slide_travel_m",
         "m",
         "Travel of the slide",
         "total way by which the slides of all parts with a goal were moved, there and back",
-        better=LOW,
-        tasks=SLIDES,
-        of_trial=lambda trial: trial.joints.get("slide_travel_m"),
+        _group(joints, "slide_travel_m"),
+        LOW,
+        LOG,
+        SLIDES,
     ),
-    TrialMeasure(
+    Measure(
         "slide_efficiency",
         "0 to 1",
         "Efficiency of the slide",
         "sum of the changes of these slides from start to end, divided by slide_travel_m",
-        better=HIGH,
+        _group(joints, "slide_efficiency"),
+        HIGH,
         tasks=SLIDES,
-        of_trial=lambda trial: trial.joints.get("slide_efficiency"),
     ),
-    TrialMeasure(
+    Measure(
         "label_switches",
         "",
         "Label switches",
         "number of times that a labelled touch got another finger label",
-        better=LOW,
-        of_trial=lambda trial: trial.labels.get("label_switches"),
+        _group(labels, "label_switches"),
+        LOW,
+        COUNT,
     ),
-    TrialMeasure(
+    Measure(
         "label_truth",
         "",
         "Source of the true fingers",
         "source of the true fingers: `simulated user` or `device`; empty if they are unknown",
+        _label_truth,
         tasks=LABELS,
-        of_trial=lambda trial: trial.labels.get("label_truth"),
         words=True,
     ),
-    TrialMeasure(
+    Measure(
         "label_accuracy",
         "0 to 1",
         "Label accuracy",
         "share of the time of labelled touches in which the label was right",
-        better=HIGH,
+        _group(labels, "label_accuracy"),
+        HIGH,
         tasks=LABELS,
-        of_trial=lambda trial: trial.labels.get("label_accuracy"),
     ),
-    TrialMeasure(
+    Measure(
         "label_errors",
         "",
         "Wrong labels",
         "number of times that a touch got a wrong finger label",
-        better=LOW,
-        tasks=LABELS,
-        of_trial=lambda trial: trial.labels.get("label_errors"),
+        _group(labels, "label_errors"),
+        LOW,
+        COUNT,
+        LABELS,
     ),
-    TrialMeasure(
+    Measure(
         "label_recovery_s",
         "s",
         "Time to the right label",
         "time from a wrong label to the right label of the same touch; mean over the corrected "
         "errors",
-        better=LOW,
-        tasks=LABELS,
-        of_trial=lambda trial: trial.labels.get("label_recovery_s"),
+        _group(labels, "label_recovery_s"),
+        LOW,
+        LOG,
+        LABELS,
     ),
-    TrialMeasure(
-        "label_unrecovered",
-        "",
-        "Labels never corrected",
-        "number of wrong labels that were never corrected",
-        better=LOW,
-        tasks=LABELS,
-        of_trial=lambda trial: trial.labels.get("label_unrecovered"),
-    ),
-    TrialMeasure(
+    _live(
         "lost_s",
         "s",
         "Lost time",
         "real time that the simulation lost because the machine was too slow; 0 on a fast machine",
-        better=LOW,
-        of_result=live_measure("lost_s"),
     ),
-    TrialMeasure(
+    _live(
         "waited_s",
         "s",
         "Time before the first touch",
         "real time for which the scene is seen until the first touch, which starts simulated time; "
         "pauses and time without the page are left out; 0 if simulated time starts at once",
-        better=LOW,
-        tasks=PAGE,
-        of_result=live_measure("waited_s"),
+        PAGE,
     ),
-    TrialMeasure(
+    _live(
         "away_s",
         "s",
         "Time without the page",
         "total real time for which the page was closed, hidden, or silent for more than 1.5 s "
         "(1 s with a finger down)",
-        better=LOW,
-        tasks=PAGE,
-        of_result=live_measure("away_s"),
+        PAGE,
     ),
-    TrialMeasure(
-        "away",
-        "",
-        "Absences of the page",
-        "number of times that the page was closed, hidden or silent for that long",
-        better=LOW,
-        tasks=PAGE,
-        of_result=live_measure("away"),
-    ),
-    TrialMeasure(
-        "latency_p50_ms",
-        "ms",
-        "Latency (median)",
-        "median time from receiving a touch to the simulation step in which it took effect",
-        better=LOW,
-        tasks=LIVE,
-        of_result=live_measure("latency_p50_ms"),
-    ),
-    TrialMeasure(
+    _live(
         "latency_p95_ms",
         "ms",
         "Latency (95th percentile)",
         "95th percentile of the time from receiving a touch to the step in which it took effect",
-        better=LOW,
-        tasks=LIVE,
-        of_result=live_measure("latency_p95_ms"),
+        LIVE,
     ),
-    TrialMeasure(
-        "latency_p99_ms",
-        "ms",
-        "Latency (99th percentile)",
-        "99th percentile of the time from receiving a touch to the step in which it took effect",
-        better=LOW,
-        tasks=LIVE,
-        of_result=live_measure("latency_p99_ms"),
-    ),
-    TrialMeasure(
-        "move_amplitude_m",
-        "m",
-        "Amplitude",
-        "distance that the object moved along the line from its start to its goal, at time_s",
-        tasks=PLACES,
-        source=ISO,
-        of_trial=lambda trial: trial.objects.get("move_amplitude_m"),
-    ),
-    TrialMeasure(
-        "move_error_m",
-        "m",
-        "Endpoint error along the line",
-        "signed distance beyond the goal along the line from start to goal, at time_s",
-        tasks=PLACES,
-        source=ISO,
-        of_trial=lambda trial: trial.objects.get("move_error_m"),
-    ),
-    TrialMeasure(
+    Measure(
         "throughput_bit_s",
         "bit/s",
         "Effective throughput",
         "effective throughput over the successful trials of the session with the same levels (at "
         "least 3, without practice and excluded trials); equal in all rows with these levels",
         better=HIGH,
+        scale=LOG,
         tasks=PLACES,
         source=ISO,
-        of_trials=lambda rows: found.value if (found := _throughput(rows)) else None,
-    ),
-    TrialMeasure(
-        "throughput_se_bit_s",
-        "bit/s",
-        "Standard error of throughput",
-        "standard error of throughput_bit_s, to first order",
-        tasks=PLACES,
-        of_trials=lambda rows: found.error if (found := _throughput(rows)) else None,
-        in_report=False,
-    ),
-    TrialMeasure(
-        "throughput_bias_bit_s",
-        "bit/s",
-        "Bias of throughput",
-        "expected excess of throughput_bit_s over the true one, since it is from few movements",
-        tasks=PLACES,
-        of_trials=lambda rows: found.bias if (found := _throughput(rows)) else None,
-        in_report=False,
     ),
 )
+"""All measures but a study's own, in the order of their columns."""
+
+REMOVED = {
+    "instant": "progress",
+    "held": "success",
+    "final": "success",
+    "palm_peak_m_s": "palm_sparc",
+    "object_peak_m_s": "object_sparc",
+    "label_unrecovered": "label_errors",
+    "away": "away_s",
+    "latency_p50_ms": "latency_p95_ms",
+    "latency_p99_ms": "latency_p95_ms",
+    "move_amplitude_m": "throughput_bit_s",
+    "move_error_m": "throughput_bit_s",
+}
+"""Measures of earlier versions, and what takes their place."""
+
+_BY_NAME = {measure.name: measure for measure in MEASURES}
+_IN_FILES: PluginKind[Measure] = PluginKind("measure", "", InputError)
+
+
+def find_measure(name: str, own: Measure | None = None) -> Measure | None:
+    """Returns the measure of a name; None if it does not exist.
+
+    Args:
+        name: Name of its column.
+        own: The study's own measure, if it has one.
+    """
+    return own if own is not None and name == own.name else _BY_NAME.get(name)
+
+
+def all_measures(own: Measure | None) -> tuple[Measure, ...]:
+    """All measures of a study, in the order of their columns."""
+    return MEASURES if own is None else (*MEASURES, own)
+
+
+def rule_measures(own: Measure | None) -> tuple[str, ...]:
+    """Names of the measures that exclusion rules may use (numbers of one trial), default first."""
+    names = [m.name for m in all_measures(own) if not m.words and m.of is not None]
+    return ("time_s", *(name for name in names if name != "time_s"))
+
+
+def load_measure(place: str, folder: Path) -> Measure:
+    """Loads a study's own measure.
+
+    Args:
+        place: `FILE.py:NAME`.
+        folder: Folder of the design, in which the file is.
+
+    Raises:
+        InputError: It is not there, is no valid measure, or has the name of another one.
+    """
+    named = place_in(place)
+    beside = named is not None and Path(named.source).name == named.source
+    if named is None or not (named.in_file and named.member and beside):
+        raise InputError(
+            "this is not the place of a measure",
+            where="own_measure",
+            got=place,
+            expected="FILE.py:NAME, with the file beside the design",
+        )
+    measure = _IN_FILES.load(named._replace(source=str(folder / named.source))).value
+    if not isinstance(measure, Measure):
+        raise InputError(
+            "expected a measure",
+            where=place,
+            got=type(measure).__name__,
+            expected="sandbox.study.measures.measures.Measure",
+        )
+    wrong = ""
+    if measure.name in _BY_NAME or measure.name in REMOVED:
+        wrong = "the program has a measure of this name"
+    elif not measure.name.isidentifier():
+        wrong = "this name cannot be the name of a column"
+    elif measure.of is None:
+        wrong = "the measure has no function that computes it"
+    if wrong:
+        raise InputError(wrong, where=place, got=measure.name, expected="such as palm_height_m")
+    return measure
+
+
+@dataclass(frozen=True)
+class Measured:
+    """Computed measures of a trial.
+
+    Attributes:
+        values: `Value` by name; None for an empty cell.
+        failed: Reasons of the empty cells of measures that failed, by name.
+        moved: Amplitude and error of the movement to the goal, m, for the throughput.
+    """
+
+    values: dict[str, Any] = field(default_factory=dict)
+    failed: dict[str, str] = field(default_factory=dict)
+    moved: tuple[float, float] | None = None
+
+
+def measure_trial(
+    trial: TrialArrays | None, result: TrialResult, measures: Iterable[Measure] = MEASURES
+) -> Measured:
+    """Computes the measures of a trial.
+
+    Args:
+        trial: The trial; None, or one without rows, leaves the measures by frames empty.
+        result: Its result.
+        measures: The measures to compute.
+    """
+    # What happens after success does not count.
+    counts = TrialArrays.of({}) if trial is None else trial.until(result.time_s)
+    found = Measured(moved=movement(counts))
+    for measure in measures:
+        if measure.of is None:
+            continue
+        value: Any = None
+        if len(counts) or not measure.by_frames:
+            try:
+                value = measure.of(counts, result)
+            except Exception as error:
+                # A study's own measure may raise anything; the reason is printed.
+                found.failed[measure.name] = failure(error)
+            value = value.item() if isinstance(value, np.generic) else value
+            if wrong := _wrong(value):
+                found.failed[measure.name], value = wrong, None
+        found.values[measure.name] = value
+    return found
+
+
+def _wrong(value: Any) -> str:
+    """Reason why a value cannot be stored in a table; empty if it can."""
+    if value is not None and not isinstance(value, bool | int | float | str):
+        return f"it returned a {type(value).__name__}, not a number, yes or no, or a word"
+    if isinstance(value, float) and not isfinite(value):
+        return f"it returned {value}"
+    return ""

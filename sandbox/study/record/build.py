@@ -18,7 +18,6 @@ from sandbox.recording.versions import (
 )
 from sandbox.study.design.conditions import combinations, run_settings, values_of
 from sandbox.study.design.design import Design
-from sandbox.study.record.measure_definitions import external_definitions
 
 
 def _with_packages_below(folder: str) -> list[str]:
@@ -30,7 +29,6 @@ def _with_packages_below(folder: str) -> list[str]:
 
 COMPUTES = (
     "models",
-    "models/arithmetic",
     "models/mechanisms",
     "models/robot",
     "encoders",
@@ -47,6 +45,7 @@ COMPUTES = (
     "tasks/mechanisms",
     "tasks/simulated_user",
     *_with_packages_below("sandbox/devices"),
+    "sandbox/hand",
     "sandbox/play",
     "sandbox/recording",
     "sandbox/session",
@@ -60,6 +59,7 @@ COMPUTES = (
 """Folders whose own files take part in a trial or make measures of it."""
 LEFT_OUT = {
     "encoders/captures/conversion": "it makes captures of recordings, which no trial does",
+    "models/motion/read": "it reads files of motion capture, which no trial does",
     "models/skin": "it is drawn, and no state depends on it",
     "sandbox": "lsl.py sends copies of what happens to other instruments",
     "sandbox/server": "it carries the page; the touches that come of it are recorded",
@@ -71,14 +71,13 @@ LEFT_OUT = {
 """Folders that those of `COMPUTES` import and that the digest leaves out, each with the reason."""
 LIBRARIES = ("hand-sandbox", *DECISIVE)
 """Versions to which a study is locked."""
-MEASURES = "measures"
-"""Part of a build: measures of packages, by name. They are computed anew wherever they change."""
-RULES = "measures of rules"
-"""Part of a build: those of them that exclusions or primary outcomes of the design use."""
 OWN_TASKS = "tasks of one's own"
 """Part of a build: tasks that are not built in, by name."""
 NOTED = ("numpy", "python", "scipy")
 """Versions that are noted for people; states do not depend on them."""
+
+SHARED_BUILD = (*LIBRARIES, *NOTED, OWN_TASKS, "program", "encoders", "design")
+"""Parts of a build that `sandbox study share` lets out."""
 
 
 @cache
@@ -106,13 +105,8 @@ def build_of(design: Design) -> dict[str, Any]:
         learned.setdefault(f"{pipeline.encoder}, labels {pipeline.labels}", digests(settings))
         tasks.add(settings.task)
     own = own_tasks(sorted(tasks))
-    outside = external_definitions()
-    used = {*(rule.measure for rule in design.exclusions), *design.primary}
-    of_rules = {name: outside[name] for name in sorted(used & outside.keys())}
     return {
         **{name: here[name] for name in (*LIBRARIES, *NOTED)},
-        **({MEASURES: outside} if outside else {}),
-        **({RULES: of_rules} if of_rules else {}),
         **({OWN_TASKS: own} if own else {}),
         "program": code_digest(),
         "encoders": learned,
@@ -122,14 +116,14 @@ def build_of(design: Design) -> dict[str, Any]:
 
 def changes(locked: dict[str, Any], here: dict[str, Any]) -> list[str]:
     """Parts that differ between two builds and to which a study is locked, with their values."""
-    names = (set(locked) | set(here)) - {*NOTED, MEASURES}
+    names = (set(locked) | set(here)) - set(NOTED)
     # Studies that were begun before tasks of one's own were locked go on.
     return _differences(locked, here, names if OWN_TASKS in locked else names - {OWN_TASKS})
 
 
 def noted_changes(locked: dict[str, Any], here: dict[str, Any]) -> list[str]:
-    """Differences between two builds that change no state: versions, and measures of packages."""
-    return _differences(locked, here, (*NOTED, MEASURES))
+    """Differences between two builds that change no state: versions."""
+    return _differences(locked, here, NOTED)
 
 
 def _differences(locked: dict[str, Any], here: dict[str, Any], names: Collection[str]) -> list[str]:
@@ -138,8 +132,6 @@ def _differences(locked: dict[str, Any], here: dict[str, Any], names: Collection
         before, after = locked.get(name), here.get(name)
         if decisive_part(name, before) != decisive_part(name, after):
             values = "" if name == "encoders" else f" ({before} -> {after})"
-            if name in (MEASURES, RULES):
-                values = f" ({_changed_measures(before or {}, after or {})})"
             if name == OWN_TASKS:
                 values = f" ({_changed_tasks(before or {}, after or {})})"
             differences.append(f"{name}{values}")
@@ -150,14 +142,3 @@ def _changed_tasks(before: dict[str, str], after: dict[str, str]) -> str:
     """Tasks of one's own whose code or things are others, in words."""
     names = [name for name in sorted({*before, *after}) if before.get(name) != after.get(name)]
     return ", ".join(f"the code or the things of {name} have changed" for name in names)
-
-
-def _changed_measures(before: dict[str, str], after: dict[str, str]) -> str:
-    """Measures of packages that are new, changed or gone, in words."""
-    said = []
-    for name in sorted({*before, *after}):
-        if name not in after:
-            said.append(f"{name} is of a package that is not installed here, so tables lack it")
-        elif before.get(name) != after[name]:
-            said.append(f"{name} {'has changed' if name in before else 'is new'}")
-    return ", ".join(said)

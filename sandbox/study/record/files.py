@@ -104,13 +104,18 @@ def _remove(path: Path) -> None:
 
 
 def make_folder(path: Path) -> None:
-    """Creates a folder and its parents; an existing folder is left as it is.
+    """Creates a folder and its parents durably; an existing folder is left as it is.
 
     Raises:
         StudyError: It cannot be created.
     """
     try:
+        if path.is_dir():
+            return
+        new = [folder for folder in (path, *path.parents) if not folder.exists()]
         path.mkdir(parents=True, exist_ok=True)
+        for folder in new:
+            sync_folder(folder.parent)
     except OSError as error:
         raise study_error(error, path, "the folder cannot be created") from None
 

@@ -2,53 +2,63 @@
 
 OUT/EXPERIMENT/            real data; pilot data are in EXPERIMENT-pilot, simulated data in
                            EXPERIMENT-simulated
-  study.json               versions of program, encoders and design that the study is locked to
-                           (derived from the journal of the study)
-  study.jsonl              journal of the study: its lock, participants, sessions, upgrades
-  design.toml              the locked design
-  earlier_designs/DIGEST/  each design that participants had before, with its questionnaires
-  participants.csv  trial_results.csv  questionnaires.csv  codebook.csv     (derived tables)
-  PPID/S001/               a session, with the layout of UXF (Unity Experiment Framework)
+  design.toml              the design in force for the next session, with its questionnaires
+  notes/SITE.jsonl         what the study is and is locked to, seals, copies and withdrawals
+  PPID/                    a person: all there is of them
+    notes.jsonl            who the person is, and decisions about them
+    S001/                  a session
+  tables/                  tables, which are derived
+
+Nothing of a person but seals is outside of their folder, and numbers count within a site. Two
+computers' data are therefore merged by copying folders: people's, and the notes of each site.
 """
 
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import dataclass
-from hashlib import blake2b
+from dataclasses import dataclass, fields, replace
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any
-from uuid import uuid4
-
-from msgspec import Struct
 
 from models.errors import InputError, StudyError
-from models.json_input import check_layout, checked, decoded_record
 from sandbox.study.design.design import Design
 from sandbox.study.record.build import build_of, changes, noted_changes
 from sandbox.study.record.chain import Record
-from sandbox.study.record.files import (
-    json_bytes,
-    locked,
-    make_folder,
-    remove_unfinished,
-    study_error,
-    write_atomically,
+from sandbox.study.record.files import locked, make_folder, remove_unfinished, write_atomically
+from sandbox.study.record.journal import read_journal
+from sandbox.study.record.notes import (
+    ANEW,
+    ANONYMISED,
+    INCLUDE,
+    LIBRARIES,
+    NOTES,
+    PARTICIPANT,
+    PERSON_NOTES,
+    RELEASE,
+    STUDY,
+    UPGRADE,
+    WITHDRAWN,
+    add_note,
+    read_notes,
+    site_notes,
 )
-from sandbox.study.record.journal import Journal, now, read_journal
 from sandbox.study.record.pseudonym import new_pseudonym
+from sandbox.study.record.records import RUNS
 
 if TYPE_CHECKING:
     from sandbox.trial.settings import Settings
 
-SCHEMA = 1
+SCHEMA = 2
 """Version of the folder's layout."""
 
 REAL, PILOT, SIMULATED = "real", "pilot", "simulated"
 """Kinds of data. Each kind has its own folder and is named in every row of the tables; a folder is
 never opened as another kind."""
+SITE = "A"
+"""Site of a study that is run at one place."""
 
 
 @dataclass(frozen=True)
@@ -57,10 +67,11 @@ class Participant:
 
     Attributes:
         ppid: Pseudonym.
-        number: 0, 1, ... in order of arrival; it determines the orders of levels.
+        number: 0, 1, ... in order of arrival at the site; it determines the orders of levels.
         hand, hand_size: The participant's hand, and its length relative to the trained hand.
         language: Language of the texts.
         user: The simulated user's configuration; None for a person.
+        site: The site, whose numbers count by themselves.
     """
 
     ppid: str
@@ -69,37 +80,21 @@ class Participant:
     hand_size: float = 1.0
     language: str = "en"
     user: dict[str, Any] | None = None
+    site: str = SITE
 
 
-WITHDRAWN = "withdrawn"
-"""Kind of the record that takes the place of a participant's who withdrew consent."""
-ANONYMISED = "anonymised"
-"""Kind of the last record of an anonymous copy: what was done, and how many had withdrawn."""
-LOCK = "study"
-"""Kind of the first record of a study's journal: what the study is, and what it is locked to."""
-ANEW = "locked_anew"
-"""Kind of the record of a study that is locked to something else before anybody has taken part."""
-STUDY_JOURNAL, STUDY_FILE, DESIGN_FILE = "study.jsonl", "study.json", "design.toml"
-EARLIER = "earlier_designs"
-"""Folder of the designs that `--force-upgrade` has replaced, each in a folder with the name of its
-digest."""
+DESIGN_FILE = "design.toml"
+JOURNAL = "session.jsonl"
+"""File of a session's folder: its record."""
 REPORT = "report.html"
 """Name of the page of a report, wherever it is."""
-_ABOUT = ("schema", "study", "experiment", "mode", "created", "build")
-"""Fields of `study.json`, in order."""
-
 SETTINGS = "settings"
-"""Field of `study.json` with all settings of a trial that the design leaves as they are: a default
-that changes later changes no study that has begun."""
-
-
-class _StudyFile(Struct):
-    """The fields that `study.json` must have."""
-
-    study: str
-    experiment: str
-    mode: str
-    build: dict[str, Any]
+"""Field of the first note of a site with all settings of a trial that the design leaves as they
+are: a default that changes later changes no study that has begun."""
+FILES = "files"
+"""Field of the records with which a run begins: texts of the design and its questionnaires."""
+OLD_LAYOUT = "study.jsonl"
+"""A file of the layout of before, which `python -m tools.convert_study` brings into this one."""
 
 
 class StudyFolder:
@@ -111,6 +106,7 @@ class StudyFolder:
         mode: `REAL`, `PILOT` or `SIMULATED`.
         upgrade: Reason to continue with another program, encoder or design than the locked one;
             empty refuses such a change.
+        site: Letter of the site.
 
     Attributes:
         noted: Versions that have changed since the study was last opened, and on which no state
@@ -123,58 +119,64 @@ class StudyFolder:
             participant, has another mode, or cannot be written.
     """
 
-    def __init__(self, out: Path, design: Design, mode: str, upgrade: str = "") -> None:
-        self.design, self.mode = design, mode
+    def __init__(
+        self, out: Path, design: Design, mode: str, upgrade: str = "", site: str = SITE
+    ) -> None:
+        if not (len(site) == 1 and site.isascii() and site.isupper()):
+            raise StudyError("not a site", where="--site", got=site, expected="a letter, A to Z")
+        self.design, self.mode, self.site = design, mode, site
         self.path = folder_of(out, design.name, mode)
-        self._about: dict[str, Any] = {}
         self.noted: list[str] = []
         self.anew: list[str] = []
         self._designs: dict[str, Design] = {}
-        make_folder(self.path)
+        _refuse_old_layout(self.path)
+        make_folder(self.path / NOTES)
         with self.lock():
             remove_unfinished(self.path)
             self._lock_to(build_of(design), upgrade)
-            self._keep_design()
             write_design(self.path, design)
 
     @classmethod
     def at(cls, path: Path) -> StudyFolder:
         """Opens an existing study to read it, maintain it or build its tables.
 
-        The version of the program does not matter.
+        The version of the program does not matter. Its site is the first one in the folder.
 
         Raises:
             StudyError: The path is not a study folder, or the design cannot be read.
         """
         from sandbox.study.design.design_file import load_design
 
-        if not (path / STUDY_FILE).is_file():
+        _refuse_old_layout(path)
+        sites = sorted((path / NOTES).glob("*.jsonl"))
+        if not sites:
             raise StudyError(
                 "not a study folder",
                 where=str(path),
-                expected="a folder that contains study.json, such as studies/NAME",
+                expected="a folder that contains notes/A.jsonl, such as studies/NAME",
             )
         folder = cls.__new__(cls)
-        folder._about = read_study_json(path / STUDY_FILE)
         folder.noted, folder.anew, folder._designs = [], [], {}
-        folder.path, folder.mode = path, str(folder._about["mode"])
+        folder.path, folder.site = path, sites[0].stem
+        folder._take(read_notes(sites[0]))
+        folder.mode = str(folder._about["mode"])
         folder.design = load_design(path / DESIGN_FILE, try_out=False)
         return folder
 
     @property
-    def about(self) -> dict[str, Any]:
-        """Content of `study.json`."""
-        return dict(self._about)
+    def notes(self) -> Path:
+        """File with the notes of this site."""
+        return self.path / NOTES / f"{self.site}.jsonl"
 
     @property
-    def id(self) -> str:
-        """Id of this study, recorded in every session."""
-        return str(self._about["study"])
+    def about(self) -> dict[str, Any]:
+        """First note of this site: schema, experiment, mode, settings, build at the beginning."""
+        return dict(self._about)
 
     @property
     def build(self) -> dict[str, Any]:
         """Program, encoders and design that the study is locked to."""
-        return dict(self._about["build"])
+        return dict(self._build)
 
     @property
     def settings(self) -> Settings:
@@ -184,15 +186,26 @@ class StudyFolder:
         return decoded(self._about[SETTINGS]) if SETTINGS in self._about else Settings()
 
     def design_of(self, digest: str) -> Design:
-        """The design of a digest, as a session's records name it; today's one if it was not kept or
-        cannot be read any more."""
+        """The design of a digest, as a session's records name it; today's one if no session has it
+        or it cannot be read any more."""
         if digest == self.design.digest:
             return self.design
         if digest not in self._designs:
-            path = self.path / EARLIER / digest / DESIGN_FILE
-            found = _readable(path)
-            self._designs[digest] = found if found and found.digest == digest else self.design
+            files = next((f for d, f in self._files() if d == digest), None)
+            found = readable_design(files) if files else None
+            self._designs[digest] = found or self.design
         return self._designs[digest]
+
+    def session_designs(self) -> list[str]:
+        """Digests of the designs by which sessions were run."""
+        return list(dict.fromkeys(digest for digest, _ in self._files()))
+
+    def _files(self) -> Iterator[tuple[str, dict[str, str]]]:
+        """Digests and texts of the designs by which sessions were run."""
+        for path in sorted(self.path.glob(f"*/S[0-9][0-9][0-9]/{JOURNAL}")):
+            for record in read_journal(path):
+                if record["kind"] in RUNS and FILES in record:
+                    yield record["design"], record[FILES]
 
     @contextmanager
     def lock(self) -> Iterator[None]:
@@ -201,8 +214,12 @@ class StudyFolder:
             yield
 
     def participants(self) -> list[Participant]:
-        """All participants so far, in order of arrival."""
-        return participants_of(self.records())
+        """All participants so far, in order of arrival.
+
+        Raises:
+            StudyError: Notes of a person are damaged.
+        """
+        return [person for person, _ in self._people()]
 
     def find(self, ppid: str, remedy: str = "") -> Participant:
         """Finds a participant by pseudonym.
@@ -222,25 +239,23 @@ class StudyFolder:
                 where=str(self.path),
                 got=ppid,
                 expected=", ".join(p.ppid for p in known[-8:]) or None,
-                remedy=remedy
-                or "Look for a typing error: the column ppid of participants.csv there lists all",
+                remedy=remedy or "Look for a typing error: tables/participants.csv there lists all",
             )
         return participant
 
     def add(self, number: int | None = None, **about: Any) -> Participant:
-        """Adds a participant.
+        """Adds a participant, whose folder is there when the lock of the study goes.
 
         Args:
             number: Number of the participant; if it is in use, its participant is returned. None
-                uses the first free number.
+                uses the first free number of this site.
             about: Further attributes of `Participant`.
 
         Raises:
             StudyError: Somebody has locked the study to something else since it was opened.
         """
-        with self.lock(), self._journal() as journal:
-            now_locked = about_of(journal.records, self.path / STUDY_FILE)["build"]
-            different = changes(self.build, now_locked)
+        with self.lock():
+            different = changes(self.build, _build_of(read_notes(self.notes)))
             if different:
                 raise StudyError(
                     "the study was locked to something else while it was open here",
@@ -248,88 +263,110 @@ class StudyFolder:
                     got=", ".join(different),
                     remedy="Begin the session again",
                 )
-            people = participants_of(journal.records)
-            released = {r["ppid"] for r in journal.records if r["kind"] == "released"}
-            taken = {p.number: p for p in people if p.ppid not in released}
+            taken = self._holders()
             if number in taken:
                 return taken[number]
             if number is None:
-                number = next(i for i in range(len(people) + 1) if i not in taken)
-            names = {p.ppid for p in people}
+                number = _first_free(taken)
+            gone = {n["ppid"] for n in site_notes(self.path) if n["kind"] == WITHDRAWN}
             ppid = new_pseudonym()
-            while ppid in names or (self.path / ppid).exists():
+            while ppid in gone or (self.path / ppid / PERSON_NOTES).exists():
                 ppid = new_pseudonym()
-            person = Participant(ppid, number, **about)
-            journal.append("participant", durable=True, **vars(person))
+            person = Participant(ppid, number, site=self.site, **about)
+            make_folder(self.path / ppid)
+            add_note(self.path / ppid / PERSON_NOTES, PARTICIPANT, **vars(person))
             return person
 
-    def note(self, kind: str, **values: Any) -> Record:
-        """Writes a record into the journal of the study, durably."""
-        with self.lock(), self._journal() as journal:
-            return journal.append(kind, durable=True, **values)
+    def note(self, kind: str, /, **values: Any) -> Record:
+        """Writes a note of this site, durably."""
+        with self.lock():
+            return add_note(self.notes, kind, **values)
+
+    def note_about(self, ppid: str, kind: str, /, **values: Any) -> Record:
+        """Writes a note about a person into their folder, durably."""
+        with self.lock():
+            return add_note(self.path / ppid / PERSON_NOTES, kind, **values)
 
     def records(self) -> list[Record]:
-        """Records of the journal of the study."""
-        path = self.path / STUDY_JOURNAL
-        return read_journal(path) if path.exists() else []
+        """Notes of all sites."""
+        return site_notes(self.path)
 
     def release(self, ppid: str, reason: str) -> None:
         """Frees a participant's number, so that the next new participant gets it and its orders."""
-        self.note("released", ppid=ppid, reason=reason)
+        self.note_about(ppid, RELEASE, reason=reason)
 
-    @contextmanager
-    def _journal(self) -> Iterator[Journal]:
-        journal = Journal(self.path / STUDY_JOURNAL)
-        try:
-            yield journal
-        finally:
-            journal.close()
+    def is_released(self, ppid: str) -> bool:
+        """True if a participant's number was freed, and nobody has taken that back."""
+        return next((free for p, free in self._people() if p.ppid == ppid), False)
 
-    def _keep_design(self) -> None:
-        """Keeps the design in the folder, before another one takes its place, if somebody may have
-        taken part by it."""
-        path = self.path / DESIGN_FILE
-        begun = any(r["kind"] in ("participant", WITHDRAWN) for r in self.records())
-        if not begun or not path.is_file():
-            return
-        before = _readable(path)
-        if before is None:
-            # What cannot be read any more is kept as it is, by the digest of its text.
-            data = path.read_bytes()
-            name = blake2b(data, digest_size=16).hexdigest()
-            make_folder(self.path / EARLIER / name)
-            write_atomically(self.path / EARLIER / name / DESIGN_FILE, data)
-        elif before.digest != self.design.digest:
-            write_design(self.path / EARLIER / before.digest, before)
+    def include(
+        self, person: Participant, begun: bool, **values: Any
+    ) -> tuple[Participant, Participant | None]:
+        """Notes that a participant whose number was freed takes part again.
+
+        They have their number again. If somebody has got it meanwhile, they get the first free one,
+        unless they have begun trials in the orders of their own.
+
+        Args:
+            person: The participant.
+            begun: True if they have begun a trial.
+            values: Further values of the note.
+
+        Returns:
+            The participant, with the number, and who has got their number meanwhile, if anybody.
+        """
+        with self.lock():
+            held = {
+                p.number: p
+                for p, free in self._people()
+                if not free and p.site == person.site and p.ppid != person.ppid
+            }
+            number, other = person.number, held.get(person.number)
+            if other is not None and not begun:
+                number = _first_free(held)
+            path = self.path / person.ppid / PERSON_NOTES
+            add_note(path, INCLUDE, number=number, **values)
+            return replace(person, number=number), other
+
+    def _holders(self) -> dict[int, Participant]:
+        """Participants of this site by the number that they hold."""
+        return {p.number: p for p, free in self._people() if not free and p.site == self.site}
+
+    def _people(self) -> list[tuple[Participant, bool]]:
+        """Participants in order of arrival, and whether their number was freed."""
+        found = []
+        gone = {n["ppid"] for n in self.records() if n["kind"] == WITHDRAWN}
+        for path in self.path.glob(f"*/{PERSON_NOTES}"):
+            notes = read_notes(path) if path.parent.name not in gone else []
+            if not notes:
+                # They withdrew, or a program was killed before it had written who this is.
+                continue
+            person, free = person_of(notes[0], path), False
+            for note in notes:
+                free = note["kind"] == RELEASE or (free and note["kind"] != INCLUDE)
+                if note["kind"] == INCLUDE and note.get("number") is not None:
+                    person = replace(person, number=note["number"])
+            found.append((notes[0]["time"], person, free))
+        found.sort(key=lambda one: (one[0], one[1].site, one[1].number))
+        return [(person, free) for _, person, free in found]
+
+    def _take(self, notes: list[Record]) -> None:
+        """Takes what the notes of this site say that the study is, and is locked to."""
+        self._about, self._build = notes[0] if notes else {}, _build_of(notes)
+        if self._about.get("kind") != STUDY:
+            raise StudyError(
+                "the notes of a site do not begin with what the study is locked to",
+                where=str(self.notes),
+                remedy="Restore them from a backup; nothing was changed",
+            )
 
     def _lock_to(self, build: dict[str, Any], upgrade: str) -> None:
-        path = self.path / STUDY_FILE
-        with self._journal() as journal:
-            begun = any(r["kind"] in ("participant", WITHDRAWN) for r in journal.records)
-            if not journal.records:
-                journal.append(
-                    LOCK,
-                    durable=True,
-                    schema=SCHEMA,
-                    study=str(uuid4()),
-                    experiment=self.design.name,
-                    mode=self.mode,
-                    created=now(),
-                    build=build,
-                    settings=_default_settings(),
-                )
-            locked_to = about_of(journal.records, path)
-        if path.exists():
-            lock = read_study_json(path)
-            # An upgrade that was cut short is in the journal only.
-            if {**lock, "build": 0} != {**locked_to, "build": 0}:
-                raise StudyError(
-                    "study.json is not what the journal of the study says",
-                    where=str(path),
-                    remedy="Restore both from a backup; nothing was changed",
-                )
-        self._about = locked_to
-        write_atomically(path, json_bytes(self._about))
+        others = [n for n in self.records() if n["kind"] == STUDY]
+        if not read_notes(self.notes):
+            about = {"experiment": self.design.name, "mode": self.mode, "build": build}
+            if not others or others[0]["mode"] == self.mode:
+                add_note(self.notes, STUDY, schema=SCHEMA, **about, settings=_default_settings())
+        self._take(read_notes(self.notes) or others)
         if self._about["mode"] != self.mode:
             raise StudyError(
                 f"this folder holds {self._about['mode']} data",
@@ -337,11 +374,12 @@ class StudyFolder:
                 got=self.mode,
                 remedy="Choose another folder with --out",
             )
-        before = self._about["build"]
+        people = len(self._people()) + withdrawals_of(self.records())
+        before = self._build
         different, self.noted = changes(before, build), noted_changes(before, build)
         if not different and not self.noted:
             return
-        if different and begun and not upgrade:
+        if different and people and not upgrade:
             design = self.path / DESIGN_FILE
             ours = any(name.startswith("design ") for name in different)
             raise StudyError(
@@ -353,17 +391,42 @@ class StudyFolder:
                 'with --force-upgrade "REASON", which is logged'
                 + (f". The locked design is {design}: `diff` shows what differs" if ours else ""),
             )
-        with self._journal() as journal:
-            about = {"changed": [*different, *self.noted], "before": before, "after": build}
-            if different and not begun and not upgrade:
-                self.anew = different
-                journal.append(ANEW, durable=True, **about)
-            elif different:
-                journal.append("upgrade", durable=True, reason=upgrade, **about)
-            else:
-                journal.append("libraries", durable=True, **about)
-        self._about = {**self._about, "build": build}
-        write_atomically(path, json_bytes(self._about))
+        about = {"changed": [*different, *self.noted], "before": before, "after": build}
+        if different and not people and not upgrade:
+            self.anew = different
+            add_note(self.notes, ANEW, **about)
+        elif different:
+            add_note(self.notes, UPGRADE, reason=upgrade, people=people, **about)
+        else:
+            add_note(self.notes, LIBRARIES, **about)
+        self._build = build
+
+
+def _first_free(taken: Collection[int]) -> int:
+    """The first number that is not taken."""
+    return next(i for i in range(len(taken) + 1) if i not in taken)
+
+
+def is_study(path: Path) -> bool:
+    """True if a folder is a study's, of an earlier version, too."""
+    return (path / NOTES).is_dir() or (path / OLD_LAYOUT).is_file()
+
+
+def _refuse_old_layout(path: Path) -> None:
+    if (path / OLD_LAYOUT).exists():
+        raise StudyError(
+            "this study has the layout of an earlier version",
+            where=str(path),
+            remedy=f"`python -m tools.convert_study {path} NEW` in a checkout makes a copy in the "
+            "layout of today",
+        )
+
+
+def _build_of(notes: list[Record]) -> dict[str, Any]:
+    """What a site is locked to, by its notes."""
+    builds = [note["after"] for note in notes if note["kind"] in (ANEW, UPGRADE, LIBRARIES)]
+    first: dict[str, Any] = notes[0].get("build", {}) if notes else {}
+    return builds[-1] if builds else first
 
 
 def _default_settings() -> dict[str, Any]:
@@ -374,59 +437,50 @@ def _default_settings() -> dict[str, Any]:
     return values
 
 
-def about_of(records: list[Record], where: Path) -> dict[str, Any]:
-    """Content of `study.json` according to the journal of the study.
+def person_of(note: Record, where: Path) -> Participant:
+    """The participant in the first note about them.
 
     Raises:
-        StudyError: The journal does not begin with the lock.
+        StudyError: It is another note.
     """
-    start = records[0] if records else {}
-    if start.get("kind") != LOCK or not set(_ABOUT) <= start.keys():
+    if note["kind"] != PARTICIPANT:
         raise StudyError(
-            "the journal of the study does not begin with what the study is locked to",
-            where=str(where.with_name(STUDY_JOURNAL)),
-            remedy="Restore it from a backup; nothing was changed",
+            "the notes of a person do not begin with who this is",
+            where=str(where),
+            remedy="Restore them from a backup; nothing was changed",
         )
-    # A merged study has the upgrades of its sites, too.
-    own = [r for r in records if "site" not in r]
-    builds = [r["after"] for r in own if r["kind"] in (ANEW, "upgrade", "libraries")]
-    about = {name: start[name] for name in (*_ABOUT, SETTINGS) if name in start}
-    return {**about, "build": builds[-1]} if builds else about
+    # A later version may note more.
+    return Participant(**{f.name: note[f.name] for f in fields(Participant) if f.name in note})
 
 
-def copy_earlier_designs(source: Path, to: Path) -> None:
-    """Copies the designs of earlier participants from one study folder to another."""
-    for path in sorted((source / EARLIER).rglob("*")):
-        if path.is_file():
-            copy = to / path.relative_to(source)
-            make_folder(copy.parent)
-            write_atomically(copy, path.read_bytes())
-
-
-def _readable(path: Path) -> Design | None:
-    """A design, or None if it is not there or this version cannot read it."""
+def readable_design(files: Mapping[str, str]) -> Design | None:
+    """A design from the texts of its files by name; None if this version cannot read it."""
     from sandbox.study.design.design_file import load_design
 
-    try:
-        return load_design(path, try_out=False)
-    except InputError:
-        return None
+    with TemporaryDirectory() as folder:
+        for name, text in files.items():
+            path = Path(folder, name)
+            path.parent.mkdir(parents=True, exist_ok=True)
+            path.write_bytes(text.encode())
+        try:
+            return load_design(Path(folder, DESIGN_FILE), try_out=False)
+        except InputError:
+            return None
 
 
 def write_design(folder: Path, design: Design) -> None:
     """Writes a design and the files of its questionnaires into a study folder."""
-    for name, data in design_files(design).items():
+    for name, text in design_files(design).items():
         make_folder((folder / name).parent)
-        write_atomically(folder / name, data)
+        write_atomically(folder / name, text.encode())
 
 
-def design_files(design: Design) -> dict[str, bytes]:
-    """The files of a design in a study folder, by name: the design and its questionnaires."""
-    sources = (form.source for form in design.questionnaires if form.source)
-    return {
-        DESIGN_FILE: design.text.encode(),
-        **{name: text.encode() for name, text in sources},
-    }
+def design_files(design: Design) -> dict[str, str]:
+    """Texts of the files of a design in a study folder, by name: the design, its questionnaires,
+    and the file of its own measure."""
+    sources = [form.source for form in design.questionnaires if form.source]
+    sources += [design.own_source] if design.own_source else []
+    return {DESIGN_FILE: design.text, **dict(sources)}
 
 
 def folder_of(out: Path, name: str, mode: str) -> Path:
@@ -434,41 +488,8 @@ def folder_of(out: Path, name: str, mode: str) -> Path:
     return out / (name if mode == REAL else f"{name}-{mode}")
 
 
-def participants_of(records: list[Record]) -> list[Participant]:
-    """The participants in a study's journal."""
-    return [
-        checked(
-            record,
-            Participant,
-            StudyError,
-            what="the record of a participant is damaged",
-            where=f"{STUDY_JOURNAL}, record {record['n']}",
-        )
-        for record in records
-        if record["kind"] == "participant"
-    ]
-
-
-def withdrawals_of(records: list[Record]) -> int:
-    """Number of participants who withdrew, by a study's journal or that of an anonymous copy."""
-    gone = {record["ppid"] for record in records if record["kind"] == WITHDRAWN}
-    before = [r["about"].get(WITHDRAWN, 0) for r in records if r["kind"] == ANONYMISED]
+def withdrawals_of(notes: list[Record]) -> int:
+    """Number of participants who withdrew, by a study's notes or those of an anonymous copy."""
+    gone = {note["ppid"] for note in notes if note["kind"] == WITHDRAWN}
+    before = [n["about"].get(WITHDRAWN, 0) for n in notes if n["kind"] == ANONYMISED]
     return len(gone) + sum(before)  # any order: whole numbers
-
-
-def read_study_json(path: Path) -> dict[str, Any]:
-    """Reads `study.json`.
-
-    Raises:
-        StudyError: The file cannot be read, or another version of the program wrote it.
-    """
-    try:
-        data = path.read_bytes()
-    except OSError as error:
-        raise study_error(error, path, "the study cannot be read") from None
-    what, where = "the study cannot be read", str(path)
-    remedy = "Restore this file from a backup"
-    check_layout(data, None, SCHEMA, StudyError, what=what, where=where, remedy=remedy)
-    about = decoded_record(data, StudyError, what=what, where=where, remedy=remedy)
-    checked(about, _StudyFile, StudyError, what=what, where=where, remedy=remedy)
-    return about

@@ -1,4 +1,4 @@
-"""The journal of a session or study: append-only JSON lines, from which all else is derived.
+"""The record of a session: append-only JSON lines, from which all else is derived.
 
 Each record is one write. A written record survives the end of the program at once. It survives a
 power cut after at most `SYNC` seconds; a durable record does so at once. The records are a hash
@@ -18,15 +18,15 @@ from typing import Any
 
 from models.errors import StudyError
 from models.json_input import checked, decoded_record
-from sandbox.study.record.chain import DIGEST, Chain, Record, chained, chained_bytes
+from sandbox.study.record.chain import HASH, Record, chained, chained_bytes, follows
 from sandbox.study.record.files import study_error
-from sandbox.study.record.record_forms import FORMS, RecordHead
+from sandbox.study.record.records import CLOCK_STEP, REPAIRED, AnyRecord
 from sandbox.system.files import OPEN, flush, sync_folder
 
 SYNC = 0.5
 """s between two flushes of written data to the disk."""
 
-SCHEMA = 2
+SCHEMA = 3
 """Version of the records."""
 
 STEP = 0.5
@@ -74,7 +74,7 @@ class Journal:
             self.found = len(self.records)
             if sound < len(data):
                 os.ftruncate(self._fd, sound)
-                self.append("recovered", lost_bytes=len(data) - sound)
+                self.append(REPAIRED, lost_bytes=len(data) - sound)
             elif not data and regular:
                 sync_folder(path.parent)
         except OSError as error:
@@ -100,7 +100,7 @@ class Journal:
         try:
             step = self._step(wall.timestamp(), clock)
             if step:
-                self._put(wall, clock, "clock_step", {"seconds": round(step, 3)})
+                self._put(wall, clock, CLOCK_STEP, {"seconds": round(step, 3)})
             record = self._put(wall, clock, kind, values)
             if durable:
                 os.fsync(self._fd)
@@ -110,8 +110,8 @@ class Journal:
 
     @property
     def head(self) -> str:
-        """Digest of the last record; empty without records."""
-        return str(self.records[-1][DIGEST]) if self.records else ""
+        """Hash of the last record; empty without records."""
+        return str(self.records[-1][HASH]) if self.records else ""
 
     def sync(self) -> None:
         """Flushes the file to the disk."""
@@ -125,16 +125,19 @@ class Journal:
 
     def _put(self, wall: datetime, clock: float, kind: str, values: dict[str, Any]) -> Record:
         """Writes a record with the given readings of both clocks."""
-        record, line = chained(
-            {
-                "n": len(self.records),
-                "time": wall.isoformat(timespec="milliseconds"),
-                "clock": round(clock, 6),
-                "kind": kind,
-                **values,
-            },
-            self.head,
-        )
+        head = {
+            "n": len(self.records),
+            "time": wall.isoformat(timespec="milliseconds"),
+            "clock": round(clock, 6),
+            "kind": kind,
+        }
+        try:
+            record, line = chained({**head, **values}, self.head)
+        except UnicodeEncodeError as error:
+            text = error.object
+            raise _letter_error(text, error.start, f"{self.path}, {kind}") from None
+        if NUL_IN_JSON in line:
+            check_texts(values, f"{self.path}, {kind}")
         self._write(line)
         self.records.append(record)
         return record
@@ -169,6 +172,53 @@ class Journal:
             raise
 
 
+NUL_IN_JSON = b"\\u0000"
+"""How a NUL is written in a line; so is a backslash before u0000."""
+
+
+def plain_text(text: str, where: str) -> str:
+    """Returns a text that JSON, CSV and their readers keep as it is.
+
+    Args:
+        text: Any text that somebody has typed.
+        where: Where, for the message.
+
+    Raises:
+        StudyError: It holds a NUL, which ends a row for some readers, or half of a letter
+            (a lone surrogate), which no file in UTF-8 can hold.
+    """
+    for i, letter in enumerate(text):
+        if letter == "\0" or "\ud800" <= letter <= "\udfff":
+            raise _letter_error(text, i, where)
+    return text
+
+
+def _letter_error(text: str, at: int, where: str) -> StudyError:
+    return StudyError(
+        "this text holds a letter that tables cannot keep",
+        where=where,
+        got=f"U+{ord(text[at]):04X} at place {at + 1}",
+        remedy="Type it without that letter",
+    )
+
+
+def check_texts(value: Any, where: str) -> None:
+    """Checks all texts in a JSON value.
+
+    Raises:
+        StudyError: See `plain_text`.
+    """
+    if isinstance(value, str):
+        plain_text(value, where)
+    elif isinstance(value, dict):
+        for name, one in value.items():
+            check_texts(name, where)
+            check_texts(one, where)
+    elif isinstance(value, list | tuple):
+        for one in value:
+            check_texts(one, where)
+
+
 def parse_records(data: bytes, path: Path) -> tuple[list[Record], int]:
     """Parses a journal.
 
@@ -179,7 +229,7 @@ def parse_records(data: bytes, path: Path) -> tuple[list[Record], int]:
         StudyError: A line is damaged or changed, which no crash of the program causes.
     """
     records: list[Record] = []
-    sound, chain = 0, Chain()
+    sound, head = 0, ""
     lines = data.split(b"\n")
     for number, line in enumerate(lines[:-1], start=1):
         if number == len(lines) - 1 and line.endswith(b"\0"):
@@ -187,18 +237,15 @@ def parse_records(data: bytes, path: Path) -> tuple[list[Record], int]:
             break
         where = f"{path}, line {number}"
         record = read_record(line, len(records), where)
-        fault = chain.take(line, record, number)
-        if fault:
-            raise StudyError(f"{_DAMAGED}: {fault}", where=where, remedy=_REMEDY)
+        if not follows(line, record[HASH], head):
+            raise StudyError(
+                f"{_DAMAGED}: it, or the line before, was changed after it was written",
+                where=where,
+                remedy=_REMEDY,
+            )
+        head = record[HASH]
         records.append(record)
         sound += len(line) + 1
-    changed = chain.changed()
-    if changed:
-        raise StudyError(
-            f"{_DAMAGED}: the record was changed after it was written",
-            where=f"{path}, line {changed[0]}",
-            remedy=_REMEDY,
-        )
     return records, sound
 
 
@@ -234,15 +281,7 @@ def checked_record(line: bytes, where: str) -> Record:
         StudyError: The record is damaged.
     """
     record = decoded_record(line, StudyError, what=_DAMAGED, where=where, remedy=_REMEDY)
-    if "n" in record and DIGEST not in record:
-        raise StudyError(
-            "the journal has no hash chain: an older version of the sandbox wrote it",
-            where=where,
-            remedy="Go on with this study in the version that `study.json` names",
-        )
-    head = checked(record, RecordHead, StudyError, what=_DAMAGED, where=where, remedy=_REMEDY)
-    form = FORMS.get(head.kind, RecordHead)
-    checked(record, form, StudyError, what=_DAMAGED, where=where, remedy=_REMEDY)
+    checked(record, AnyRecord, StudyError, what=_DAMAGED, where=where, remedy=_REMEDY)
     return record
 
 

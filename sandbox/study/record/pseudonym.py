@@ -28,15 +28,15 @@ def _check(body: str) -> str:
 def is_text(name: str) -> bool:
     """Returns True if spreadsheets and `read_csv` leave a name unchanged.
 
-    They would convert 12E345 and 000123 to numbers, and 5MAR12 to a date.
+    They would convert 12E345, 0X12AB and 000123 to numbers, and 5MAR12 to a date. What begins with
+    a letter is no number.
     """
-    letters = "".join(c for c in name if c.isalpha())
-    return letters not in ("", "E") and not any(month in name for month in _MONTHS)
+    return name[0].isalpha() and not any(month in name for month in _MONTHS)
 
 
 def new_pseudonym() -> str:
-    """Draws a pseudonym that does not look like a number or date: five random characters and a
-    check character."""
+    """Draws a pseudonym that does not look like a number or date: a letter, four random characters
+    and a check character."""
     while True:
         body = "".join(secrets.choice(ALPHABET) for _ in range(LENGTH))
         name = body + _check(body)
@@ -57,7 +57,7 @@ def read_pseudonym(text: str) -> str:
             "not the id of a participant",
             where="--participant",
             got=text,
-            expected="new, or six characters as in the column ppid of participants.csv",
+            expected="new, or six characters as in the column participant of participants.csv",
             remedy="Look for a typing error: the last character checks the others",
         )
     return name

@@ -1,54 +1,46 @@
-"""The folder of one session: its journal, its recordings and its tables."""
+"""The folder of one session: its record, its recordings and their frames."""
 
 from __future__ import annotations
 
 import json
 from collections.abc import Sequence
 from contextlib import ExitStack, suppress
+from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
-from models.errors import OtherPlanError, StudyError
+from models.errors import DifferentPlanError, StudyError
 from sandbox.devices.device import Closeable
-from sandbox.lsl import tell
+from sandbox.lsl import send_event
 from sandbox.recording.recording import stored
 from sandbox.recording.versions import versions
 from sandbox.study.design.plan import Step, TrialStep, session_plan, trials_of
-from sandbox.study.record.chain import DIGEST, Record
-from sandbox.study.record.file_digests import (
-    PACKED,
-    file_digests,
-    recording_digests,
-    tables_of,
-)
+from sandbox.study.record.chain import HASH, Record
 from sandbox.study.record.files import locked, make_folder, remove_unfinished, study_error
-from sandbox.study.record.folder import Participant, StudyFolder
+from sandbox.study.record.folder import FILES, JOURNAL, Participant, StudyFolder, design_files
 from sandbox.study.record.journal import SCHEMA, Journal, SyncThread, read_journal
-from sandbox.study.record.leftovers import (
-    LOG,
-    lost_records,
-    unknown_recordings,
-    whole_leftovers,
-)
-from sandbox.study.record.pack import pack
-from sandbox.study.record.recorded_result import finished_result
-from sandbox.study.record.session_clock import RUNS
-from sandbox.study.record.state import Attempt, SessionState
+from sandbox.study.record.notes import LOSS, SEALED, broken_seals, person_notes, seals_of
+from sandbox.study.record.records import COMMAND, REPAIRED, RESUME, RUNS, SESSION, TRIAL, TRIAL_END
+from sandbox.study.record.state import Attempt, SessionState, decisions_on
 from sandbox.study.record.stored_sessions import (
-    JOURNAL,
     StoredSession,
     session_path,
     sessions_of,
 )
+from sandbox.study.record.trial_files import (
+    TRIALS,
+    finished_result,
+    recorded_seconds,
+    recording_digest,
+    unknown_recordings,
+    whole_leftovers,
+)
 from sandbox.system.files import sync_file, sync_folder
-from sandbox.trial.result import KeptIn, TrialResult
+from sandbox.trial.result import ResultRecord, TrialResult
 
-SENT = ("n", "step", "trial", "attempt", "practice", "form", "block", "levels")
+SENT = ("n", "step", "trial", "attempt", "practice", "form", "block", "levels", "command")
 """Fields of a record that are sent over LSL to other instruments. Its digest is not: whoever knows
 all else of a record could try out what was answered."""
-BEGUN, SEALED, LOST = "begun", "sealed", "lost"
-"""Kinds of records in the journal of the study: a session has begun; its journal when it was
-closed; its journal when somebody accepted that records after that were lost."""
 
 
 class SessionFolder(Closeable):
@@ -63,13 +55,14 @@ class SessionFolder(Closeable):
         number: Session number of this participant, from 1.
 
         recovering: True opens a session whose journal has lost records; see
-            `sandbox.study.run.recover`.
+            `sandbox.study.run.decisions`.
 
     Attributes:
         path: Path of the folder.
         steps: All steps of the plan.
         state: State of the session according to the journal.
         resumed: True if the session had begun before.
+        away: Time since its last record when it was opened, s, by the wall clock.
 
     Raises:
         StudyError: Another program has the session open, it belongs to another study, an earlier
@@ -87,13 +80,7 @@ class SessionFolder(Closeable):
         self.steps: list[Step] = session_plan(study.design, person.number, number)
         self._check_turn()
         self.path = session_path(study.path, person.ppid, number)
-        for folder in (
-            self.path,
-            self.path / "trials",
-            self.path / "trackers",
-            self.path / "session_info",
-        ):
-            make_folder(folder)
+        make_folder(self.path / TRIALS)
         self._recording: Path | None = None
         self._sealed = ""
         self._syncing: SyncThread | None = None
@@ -107,19 +94,23 @@ class SessionFolder(Closeable):
     def _open(self, recovering: bool) -> None:
         what = f"participant {self.person.ppid}"
         self._closing.enter_context(locked(self.path / ".lock", wait=False, what=what))
-        for name in ("", "trials", "trackers", "session_info"):
-            remove_unfinished(self.path / name)
+        for folder in (self.path, self.path / TRIALS):
+            remove_unfinished(folder)
         if not recovering:
             self._check_losses()
         self.journal = Journal(self.path / JOURNAL)
         self._closing.callback(self.journal.close)
-        self.state = SessionState.of(self.journal.records)
+        notes = person_notes(self.study.path, self.person.ppid)
+        decided = decisions_on(notes, self.number)
+        self.state = SessionState.of(self.journal.records, decided)
         if self.state.start:
             self._check()
             if not self.state.complete:
                 self._check_plan()
         self.resumed = bool(self.state.start)
-        self._tell_study()
+        self.away = _since(self.journal.records)
+        seals = seals_of(self.study.path, self.person.ppid, self.number)
+        self._sealed = seals[-1].hash if seals else ""
         # Who opens what is complete resumes it only if something is left to be written down.
         self._is_opened = False
         if not self.state.complete:
@@ -132,14 +123,17 @@ class SessionFolder(Closeable):
 
     def _write_opening(self) -> None:
         """Records that the session begins or is resumed, and by which program and machine."""
+        design = self.study.design
+        # The texts of a design are in the first record of each session that is run by it.
+        texts = {} if self.state.design == design.digest else {FILES: design_files(design)}
         self.write(
-            "session_resume" if self.resumed else "session_start",
+            RESUME if self.resumed else SESSION,
             durable=True,
             schema=SCHEMA,
-            study=self.study.id,
-            experiment=self.study.design.name,
+            experiment=design.name,
             mode=self.study.mode,
-            design=self.study.design.digest,
+            design=design.digest,
+            **texts,
             session=self.number,
             versions=versions(),
             build=self.study.build,
@@ -164,12 +158,27 @@ class SessionFolder(Closeable):
         if not self._is_opened and kind not in RUNS:
             self._write_opening()
         before = len(self.journal.records)
-        record = self.journal.append(kind, durable, **values)
-        for new in self.journal.records[before:]:
-            self.state.take(new)
+        try:
+            record = self.journal.append(kind, durable, **values)
+        finally:
+            # A step of the clock may have been written, although the record could not be.
+            for new in self.journal.records[before:]:
+                self.state.take(new)
         # Other instruments get the events, but no answers and no texts of the experimenter.
-        tell(f"journal_{kind}", {name: record[name] for name in SENT if name in record})
+        send_event(f"journal_{kind}", {name: record[name] for name in SENT if name in record})
         return record
+
+    def command(self, name: str, /, durable: bool = False, **values: Any) -> Record:
+        """Writes a command of the experimenter; see `write`."""
+        return self.write(COMMAND, durable, command=name, **values)
+
+    def begin_again(self, steps: Sequence[Step], reason: str) -> None:
+        """Records that some steps are done again; attempts at their trials stay, and do not count.
+
+        Raises:
+            StudyError: The record cannot be written.
+        """
+        self.command("begin_again", durable=True, steps=[step.id for step in steps], reason=reason)
 
     def begin(self, trial: TrialStep) -> Path:
         """Records the start of an attempt.
@@ -198,31 +207,33 @@ class SessionFolder(Closeable):
 
     def set_aside(self, file: str, reason: str) -> None:
         """Records that a recording without records does not count; the file stays."""
-        trackers = self.path / "trackers"
-        self.write(
-            "set_aside",
-            durable=True,
-            file=file,
-            reason=reason,
-            recording=self._digests(file),
-            files=file_digests(tables_of(trackers, Path(file).stem)),
-        )
+        self.write(REPAIRED, durable=True, file=file, reason=reason, recording=self._digest(file))
 
-    def accept_loss(self, lost: int, reason: str) -> None:
-        """Records that records were lost, here and in the journal of the study."""
+    def accept_loss(self, lost: int, unlike: bool, reason: str) -> None:
+        """Records that records were lost, here and in the notes about the participant.
+
+        Args:
+            lost: Number of lost records.
+            unlike: True if sealed records are other ones.
+            reason: Reason, for both.
+        """
         kept = self.journal.found
-        self.study.note(
-            LOST,
-            ppid=self.person.ppid,
+        # Of a record that is other than its seals, no earlier seal says anything.
+        most = -1 if unlike else kept
+        seals = seals_of(self.study.path, self.person.ppid, self.number)
+        self.study.note_about(
+            self.person.ppid,
+            LOSS,
             session=self.number,
-            records=kept,
-            digest_of_last=self.journal.records[kept - 1][DIGEST] if kept else "",
+            records=lost,
+            voids=[seal.hash for seal in seals if seal.records > most],
+            reason=reason,
         )
-        self.write(LOST, durable=True, records=lost, reason=reason)
+        self.write(REPAIRED, durable=True, records=lost, reason=reason)
 
     def _start(self, trial: TrialStep, file: str, **more: Any) -> None:
         self.write(
-            "trial_start",
+            TRIAL,
             step=trial.id,
             trial=trial.number,
             attempt=len(self.state.attempts.get(trial.number, [])) + 1,
@@ -243,63 +254,17 @@ class SessionFolder(Closeable):
         Raises:
             StudyError: The record cannot be written.
         """
-        attempt = self.state.attempts[trial.number][-1]
-        self._commit(attempt, result)
+        self._commit(self.state.attempts[trial.number][-1], result)
 
     def break_off(self, trial: TrialStep, why: str) -> None:
         """Records that an attempt was broken off."""
-        start = self.state.attempts[trial.number][-1].start
-        self._recording = None
-        self.write(
-            "trial_broken",
-            step=trial.id,
-            trial=trial.number,
-            attempt=start["attempt"],
-            file=start["file"],
-            recording=self._digests(start["file"]),
-            why=why,
-        )
-
-    def pack(self, file: str) -> None:
-        """Compresses the recording of a finished trial, unless that has been done.
-
-        Raises:
-            StudyError: It cannot be written; the recording is unchanged.
-        """
-        path = self.path / file
-        if not path.exists():
-            return
-        pack(path)
-        if not (self.state.recordings.get(file) or {}).get(PACKED):
-            self.write("packed", file=file, recording=self._digests(file))
-
-    def note_tables(self, attempt: Attempt) -> None:
-        """Records the digests of the tables that were derived from a recording.
-
-        Raises:
-            StudyError: A table cannot be read, or the record cannot be written.
-        """
-        start = attempt.start
-        trackers, stem = self.path / "trackers", Path(start["file"]).stem
-        try:
-            files = file_digests(tables_of(trackers, stem))
-        except OSError as error:
-            raise study_error(error, trackers, "a table cannot be read") from None
-        if files != self.state.tables.get(start["file"]):
-            self.write(
-                "tables",
-                step=start["step"],
-                trial=start["trial"],
-                attempt=start["attempt"],
-                file=start["file"],
-                files=files,
-            )
+        self._end(self.state.attempts[trial.number][-1], why=why)
 
     def seal(self) -> str:
-        """Records in the journal of the study how long this journal is, and its last digest.
+        """Notes how long the record of this session is, and its last hash.
 
         Returns:
-            That digest.
+            That hash.
 
         Raises:
             StudyError: The record cannot be written.
@@ -312,11 +277,11 @@ class SessionFolder(Closeable):
                 ppid=self.person.ppid,
                 session=self.number,
                 records=count,
-                digest_of_last=head,
+                hash=head,
             )
             self._sealed = head
-            # What another machine records of this is a witness of the whole journal.
-            tell(SEALED, {"session": self.number, "records": count, DIGEST: head})
+            # What another machine records of this stands for the whole journal.
+            send_event(SEALED, {"session": self.number, "records": count, HASH: head})
         return head
 
     def close(self) -> None:
@@ -340,27 +305,20 @@ class SessionFolder(Closeable):
 
     def _commit(self, attempt: Attempt, result: TrialResult, **more: Any) -> None:
         start = attempt.start
-        # If it cannot be compressed now, the next opening does it.
-        with suppress(StudyError):
-            pack(self.path / start["file"])
         path = stored(self.path / start["file"])
         try:
             sync_file(path)
             sync_folder(path.parent)
         except OSError as error:
             raise study_error(error, path, "the recording cannot be flushed to the disk") from None
+        self._end(attempt, durable=True, result=result.values_for(ResultRecord.JOURNAL), **more)
+
+    def _end(self, attempt: Attempt, durable: bool = False, **more: Any) -> None:
+        """Records the end of an attempt, with the digest of its recording."""
         self._recording = None
-        self.write(
-            "trial_end",
-            durable=True,
-            step=start["step"],
-            trial=start["trial"],
-            attempt=start["attempt"],
-            file=start["file"],
-            recording=self._digests(start["file"]),
-            result=result.kept_in(KeptIn.JOURNAL),
-            **more,
-        )
+        of = {name: attempt.start[name] for name in ("step", "trial", "attempt", "file")}
+        digest = self._digest(attempt.start["file"])
+        self.write(TRIAL_END, durable, **of, recording=digest, **more)
 
     def _check_turn(self) -> None:
         """Raises an error if the design lacks this session, or an earlier session is unfinished."""
@@ -400,7 +358,7 @@ class SessionFolder(Closeable):
             } - {None}
             now = {trial.levels[factor.name] for trial in planned if factor.name in trial.levels}
             if factor.order == "between" and len(had) == 1 and had != now:
-                raise OtherPlanError(
+                raise DifferentPlanError(
                     "this participant was in another group before the design changed",
                     where=f"participant {self.person.ppid}, session {self.number}",
                     got=f"{factor.name} {', '.join(sorted(now))}",
@@ -412,11 +370,14 @@ class SessionFolder(Closeable):
         """Raises an error for a folder of another study, such as one copied from a pilot."""
         start = self.state.start
         mine = {
-            "study": self.study.id,
+            "experiment": self.study.design.name,
             "mode": self.study.mode,
             "session": self.number,
             **vars(self.person),
         }
+        if not self.state.attempts:
+            # Who takes part again before a trial may have got another number.
+            del mine["number"]
         wrong = [name for name, value in mine.items() if start.get(name) != value]
         if wrong:
             raise StudyError(
@@ -451,11 +412,11 @@ class SessionFolder(Closeable):
                 other = sorted(n for n in chosen if new.get(n) != start["values"].get(n))
                 got = ", ".join(f"{n} {start['values'].get(n)}, now {new.get(n)}" for n in other)
             if got:
-                raise OtherPlanError(
+                raise DifferentPlanError(
                     "this session began with another plan, since the design has changed",
                     where=f"{self.path}, trial {trial}",
                     got=got,
-                    remedy="Finish it with its original design, which earlier_designs has, or "
+                    remedy="Finish it with its original design, which its record has, or "
                     "leave it as it is and add a new participant",
                 )
 
@@ -463,21 +424,28 @@ class SessionFolder(Closeable):
         """Raises an error if the journal has lost records: nothing may go on without a decision."""
         journal = self.path / JOURNAL
         records = read_journal(journal) if journal.exists() else []
-        whole = whole_leftovers(self.path, SessionState.of(records))
-        lost = lost_records(self.path, len(records))
-        if not whole and not lost:
+        self.state = SessionState.of(records)
+        if self.state.start:
+            # What is of another session has lost nothing of this one.
+            self._check()
+        whole = whole_leftovers(self.path, self.state)
+        seals = seals_of(self.study.path, self.person.ppid, self.number)
+        lacks, unlike = broken_seals(records, seals)
+        if not whole and not lacks and not unlike:
             return
         names = ", ".join(Path(file).stem for file in whole)
         found = [
             *([f"whole recordings without a record: {names}"] if whole else []),
-            *([f"{lost} records fewer than {LOG} has"] if lost else []),
+            *([f"{lacks} records fewer than were sealed"] if lacks else []),
+            *(["other records than were sealed"] if unlike else []),
         ]
         raise StudyError(
-            "the journal of this session has lost records",
+            "this session is not what was written of it",
             where=str(self.path),
             got="; ".join(found),
-            remedy=f"`sandbox study recover {self.study.path}` shows what is there, takes it in or "
-            "sets it aside; nothing was changed",
+            remedy=f"Restore {JOURNAL} from a backup; or `sandbox study note {self.study.path} "
+            f'--participant {self.person.ppid} --accept-loss "REASON"` goes on with what is there. '
+            "Nothing was changed",
         )
 
     def _note_leftovers(self) -> None:
@@ -485,48 +453,25 @@ class SessionFolder(Closeable):
         whole = whole_leftovers(self.path, self.state)
         for file in unknown_recordings(self.path, self.state):
             if file not in whole:
-                self.write("leftover", file=file, recording=self._digests(file))
+                self.write(REPAIRED, file=file, recording=self._digest(file))
 
     def _recover(self) -> None:
         """Adds the attempt that ran when the program was killed, or marks it as interrupted."""
         attempt = self.state.open_attempt()
-        broken = {
-            (r["trial"], r["attempt"]) for r in self.journal.records if r["kind"] == "trial_broken"
-        }
-        if attempt is None or (attempt.start["trial"], attempt.start["attempt"]) in broken:
+        if attempt is None:
             return
         start = attempt.start
         result = finished_result(self.path / start["file"])
         if result is not None:
-            self._commit(attempt, result, adopted=True)
+            lasted = recorded_seconds(self.path / start["file"], result)
+            self._commit(attempt, result, adopted=True, lasted=lasted)
         else:
-            self.write(
-                "trial_broken",
-                step=start["step"],
-                trial=start["trial"],
-                attempt=start["attempt"],
-                file=start["file"],
-                recording=self._digests(start["file"]),
-                why="the program ended",
-            )
+            self._end(attempt, why="the program ended")
 
-    def _tell_study(self) -> None:
-        """Records in the journal of the study that this session has begun, unless it is known."""
-        mine = [
-            r
-            for r in self.study.records()
-            if r.get("ppid") == self.person.ppid and r.get("session") == self.number
-        ]
-        if not any(r["kind"] == BEGUN for r in mine):
-            self.study.note(BEGUN, ppid=self.person.ppid, session=self.number)
-        self._sealed = next(
-            (r["digest_of_last"] for r in reversed(mine) if r["kind"] == SEALED), ""
-        )
-
-    def _digests(self, file: str) -> dict[str, Any] | None:
+    def _digest(self, file: str) -> str | None:
         path = self.path / file
         try:
-            return recording_digests(path)
+            return recording_digest(path)
         except OSError as error:
             raise study_error(error, path, "the recording cannot be read") from None
 
@@ -537,6 +482,14 @@ class SessionFolder(Closeable):
         if recording is not None:
             with suppress(FileNotFoundError):
                 sync_file(recording)
+
+
+def _since(lines: Sequence[Record]) -> float:
+    """Time since the last record, s; 0 without one, or if the clock went back."""
+    if not lines:
+        return 0.0
+    passed = datetime.now(UTC) - datetime.fromisoformat(lines[-1]["time"])
+    return max(passed.total_seconds(), 0.0)
 
 
 def boot_id() -> str:

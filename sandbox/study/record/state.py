@@ -4,15 +4,62 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
+from datetime import datetime
 from typing import Any
 
 from models.errors import StudyError
 from models.json_input import checked
 from sandbox.session.own_layouts import Layouts
-from sandbox.study.design.plan import ABOUT_PERSON, Step, TrialStep
+from sandbox.study.design.plan import (
+    ABOUT_PERSON,
+    BreakStep,
+    InstructionStep,
+    Step,
+    TrialStep,
+)
+from sandbox.study.record import records
 from sandbox.study.record.chain import Record
-from sandbox.study.record.session_clock import RUNS, SessionClock
+from sandbox.study.record.notes import EXCLUDE, INCLUDE
 from sandbox.trial.result import TrialResult
+
+
+class SessionClock:
+    """Seconds since the session's start, of every record.
+
+    Within a run of the program, and between runs on a machine that was not restarted, time is that
+    of the monotonic clock, so that nobody who sets the clock changes it. That clock begins anew
+    when a machine starts: the time between two such runs is the wall clock's, and 0 if that went
+    backwards.
+    """
+
+    def __init__(self) -> None:
+        self.of: dict[int, float] = {}
+        self._offset: float | None = None
+        self._boot = ""
+        self._last: dict[str, Any] = {}
+
+    def __getitem__(self, n: int) -> float:
+        return self.of[n]
+
+    def take(self, record: dict[str, Any]) -> None:
+        """Takes the next record of the journal."""
+        if record["kind"] in records.RUNS:
+            self._begin(record)
+        if self._offset is not None:
+            self.of[record["n"]] = round(record["clock"] + self._offset, 6)
+            self._last = record
+
+    def _begin(self, record: dict[str, Any]) -> None:
+        boot = record.get("boot", "")
+        if self._offset is None:
+            self._offset = -record["clock"]
+        elif not boot or boot != self._boot:
+            wall = datetime.fromisoformat(record["time"]) - datetime.fromisoformat(
+                self._last["time"]
+            )
+            now = self.of[self._last["n"]] + max(0.0, wall.total_seconds())
+            self._offset = now - record["clock"]
+        self._boot = boot
 
 
 @dataclass
@@ -20,14 +67,16 @@ class Attempt:
     """One attempt of a trial.
 
     Attributes:
-        start: Its `trial_start` record.
+        start: Its `trial` record.
         end: Its `trial_end` record; None if it was broken off.
         set_aside: Reason why the finished attempt does not count; empty if it may count.
+        over: True once it has ended, with or without a result.
     """
 
     start: Record
     end: Record | None = None
     set_aside: str = ""
+    over: bool = False
 
     @property
     def result(self) -> TrialResult:
@@ -41,12 +90,40 @@ class Attempt:
         return TrialResult.from_json(self.end["result"], where)
 
 
+@dataclass(frozen=True)
+class Decision:
+    """A decision about a session that was taken outside of it.
+
+    Attributes:
+        after: Number of records that the session had then.
+        trial: Number of the trial; None for the participant.
+        excluded: Reason for the exclusion; empty ends one.
+    """
+
+    after: int
+    trial: int | None
+    excluded: str
+
+
+def decisions_on(notes: Iterable[Record], session: int) -> list[Decision]:
+    """Decisions about a session in the notes about its participant."""
+    return [
+        Decision(
+            note["after"].get(str(session), 0),
+            note.get("trial"),
+            note["reason"] if note["kind"] == EXCLUDE else "",
+        )
+        for note in notes
+        if note["kind"] in (EXCLUDE, INCLUDE) and note.get("session") in (None, session)
+    ]
+
+
 @dataclass
 class SessionState:
     """State of a session according to its journal.
 
     Attributes:
-        start: The `session_start` record; empty before the session has begun.
+        start: The `session` record; empty before the session has begun.
         finished: Ids of finished or skipped steps.
         attempts: Attempts by trial number, in order.
         skipped: Reasons for skipping, by step.
@@ -61,8 +138,7 @@ class SessionState:
             calibrate`; None uses an average hand.
         learned: Layouts of five fingers that the last trial to find some has left, by hand.
         complete: True if the session reached its planned end.
-        recordings: Digests of recordings by file (see `sandbox.study.record.file_digests`).
-        tables: Digests of the tables derived from a recording, by name of the table, by recording.
+        recordings: Digest of each recording by file; None for one that is missing.
         seconds: Time of each record since the session's start, s, by number of the record.
         clock_steps: Steps of the wall clock during the session, s.
     """
@@ -81,70 +157,92 @@ class SessionState:
     calibration: dict[str, Any] | None = None
     learned: dict[str, Layouts] = field(default_factory=dict)
     complete: bool = False
-    recordings: dict[str, dict[str, Any] | None] = field(default_factory=dict)
-    tables: dict[str, dict[str, str]] = field(default_factory=dict)
+    recordings: dict[str, Any] = field(default_factory=dict)
     seconds: SessionClock = field(default_factory=SessionClock)
     clock_steps: list[float] = field(default_factory=list)
 
     @classmethod
-    def of(cls, records: Iterable[Record]) -> SessionState:
-        """Computes the state after some records."""
-        state = cls()
-        for record in records:
+    def of(cls, lines: Iterable[Record], decided: Sequence[Decision] = ()) -> SessionState:
+        """Computes the state after some records, and after decisions that were taken meanwhile.
+
+        Args:
+            lines: Records of the session.
+            decided: Decisions, in order; see `decisions_on`.
+        """
+        state, waiting = cls(), list(decided)
+        for record in lines:
+            while waiting and waiting[0].after <= record["n"]:
+                state.decide(waiting.pop(0))
             state.take(record)
+        for decision in waiting:
+            state.decide(decision)
         return state
+
+    def decide(self, decision: Decision) -> None:
+        """Updates the state by a decision that is no record of the session."""
+        if decision.trial is None:
+            self.excluded_participant = decision.excluded
+        elif decision.excluded:
+            self.excluded[decision.trial] = decision.excluded
+        else:
+            self.excluded.pop(decision.trial, None)
 
     def take(self, record: Record) -> None:
         """Updates the state by one record; kinds of later versions are ignored."""
         self.seconds.take(record)
-        if record["kind"] in RUNS:
+        if record["kind"] in records.RUNS:
             self.design = record.get("design", "")
         if "recording" in record and "file" in record:
             self.recordings[record["file"]] = record["recording"]
         match record["kind"]:
-            case "session_start":
+            case records.SESSION:
                 self.start = record
-            case "clock_step":
+            case records.RESUME if "number" in record:
+                # Another one only if no trial has begun; see `StudyFolder.include`.
+                self.start = {**self.start, "number": record["number"]}
+            case records.CLOCK_STEP:
                 self.clock_steps.append(record["seconds"])
-            case "tables":
-                self.tables[record["file"]] = record["files"]
-            case "moved":
-                self.start = {**self.start, "study": record["study"], "ppid": record["ppid"]}
-                self.recordings |= record["recordings"]
-            case "trial_start":
+            case records.TRIAL:
                 self.attempts.setdefault(record["trial"], []).append(Attempt(record))
-            case "trial_end":
-                self._attempt(record).end = record
-                self.learned |= _learned(record)
-                self.finished.add(record["step"])
-            case "trial_broken":
+            case records.TRIAL_END if is_broken(record):
                 # What the experimenter excluded was this attempt; the trial begins anew.
                 self.excluded.pop(record["trial"], None)
+                self._attempt(record).over = True
+            case records.TRIAL_END:
+                attempt = self._attempt(record)
+                attempt.end, attempt.over = record, True
+                self.learned |= _learned(record)
+                self.finished.add(record["step"])
+            case records.COMMAND:
+                self._command(record)
+            case records.ANSWER:
+                self.drafts.setdefault(record["step"], {})[record["item"]] = record["answer"]
+            case records.FORM:
+                self.answers[record["step"]] = record
+                self.asked_by[record["step"]] = self.design
+                self.finished.add(record["step"])
+            case records.DONE:
+                if "calibration" in record:
+                    self.calibration = record["calibration"]
+                self.finished.add(record["step"])
+            case records.CONSENT:
+                self.consent = bool(record["agreed"])
+                if self.consent:
+                    self.finished.add(record["step"])
+            case records.END:
+                self.complete = bool(record["complete"])
+
+    def _command(self, record: Record) -> None:
+        match record["command"]:
             case "repeat":
-                self._set_aside(record)
+                self._set_aside(record["trial"], record["step"], record["reason"] or "repeated")
+            case "begin_again":
+                self._begin_again(record["steps"], record["reason"])
             case "skip":
                 self.skipped[record["step"]] = record["reason"]
                 self.finished.add(record["step"])
             case "exclude":
                 self._exclude(record)
-            case "draft":
-                self.drafts.setdefault(record["step"], {})[record["item"]] = record["answer"]
-            case "answers":
-                self.answers[record["step"]] = record
-                self.asked_by[record["step"]] = self.design
-                self.finished.add(record["step"])
-            case "step_done":
-                self.finished.add(record["step"])
-            case "consent":
-                self.consent = bool(record["agreed"])
-                if self.consent:
-                    self.finished.add(record["step"])
-            case "calibration":
-                # In an anonymous copy, the record has no calibration.
-                self.calibration = record.get("calibration")
-                self.finished.add(record["step"])
-            case "session_end":
-                self.complete = bool(record["complete"])
 
     @property
     def about_person(self) -> dict[str, Any] | None:
@@ -160,10 +258,10 @@ class SessionState:
         return finished[-1] if finished else None
 
     def open_attempt(self) -> Attempt | None:
-        """The last attempt, if it has no end."""
+        """The last attempt, if it is not over."""
         started = [a for some in self.attempts.values() for a in some]
         last = max(started, key=lambda a: a.start["n"], default=None)
-        return last if last and last.end is None else None
+        return last if last and not last.over else None
 
     def last_finished(self, steps: Sequence[Step]) -> TrialStep | None:
         """The trial whose attempt ended last; None before one has."""
@@ -175,6 +273,24 @@ class SessionState:
     def next_step(self, steps: Sequence[Step]) -> Step | None:
         """The first step that is not finished; None at the end."""
         return next((step for step in steps if step.id not in self.finished), None)
+
+    def block_under_way(self, steps: Sequence[Step]) -> list[Step]:
+        """The steps of the block under way that are finished, with its instructions and practice.
+
+        Empty if the next trial is the first one of its block.
+        """
+        upcoming = self.next_step(steps)
+        if upcoming is None:
+            return []
+        end = [*steps].index(upcoming)
+        block = next((s.block for s in steps[end:] if isinstance(s, TrialStep)), None)
+        first = next(
+            (i for i, s in enumerate(steps) if isinstance(s, TrialStep) and s.block == block), end
+        )
+        while first > 0 and _belongs_to_next(steps[first - 1]):
+            first -= 1
+        again = [*steps[first:end]]
+        return again if any(isinstance(step, TrialStep) for step in again) else []
 
     def done(self, steps: Sequence[Step]) -> tuple[int, int]:
         """Number of finished or skipped trials, and number of all trials."""
@@ -193,19 +309,39 @@ class SessionState:
             )
         return attempts[record["attempt"] - 1]
 
-    def _set_aside(self, record: Record) -> None:
-        for attempt in self.attempts.get(record["trial"], []):
-            attempt.set_aside = attempt.set_aside or record["reason"] or "repeated"
-        self.finished.discard(record["step"])
-        self.skipped.pop(record["step"], None)
-        self.excluded.pop(record["trial"], None)
+    def _set_aside(self, trial: int, step: str, reason: str) -> None:
+        for attempt in self.attempts.get(trial, []):
+            attempt.set_aside = attempt.set_aside or reason
+        self.finished.discard(step)
+        self.skipped.pop(step, None)
+        self.excluded.pop(trial, None)
         self.complete = False
+
+    def _begin_again(self, steps: list[str], reason: str) -> None:
+        for trial, attempts in self.attempts.items():
+            if attempts[0].start["step"] in steps:
+                self._set_aside(trial, attempts[0].start["step"], reason)
+        for step in steps:
+            self.finished.discard(step)
+            self.skipped.pop(step, None)
+            self.drafts.pop(step, None)
 
     def _exclude(self, record: Record) -> None:
         if record.get("trial") is None:
             self.excluded_participant = record["reason"]
         else:
             self.excluded[record["trial"]] = record["reason"]
+
+
+def _belongs_to_next(step: Step) -> bool:
+    """True if a step before a block is done for it: instructions, practice, and breaks there."""
+    practice = isinstance(step, TrialStep) and step.practice
+    return practice or isinstance(step, InstructionStep | BreakStep)
+
+
+def is_broken(record: Record) -> bool:
+    """True for the end of an attempt that was broken off."""
+    return record["kind"] == records.TRIAL_END and record.get("result") is None
 
 
 def _learned(record: Record) -> dict[str, Layouts]:

@@ -9,12 +9,12 @@ from pathlib import Path
 from sandbox.study.design.design import Design
 from sandbox.study.design.plan import Step, session_plan, trials_of
 from sandbox.study.record.chain import Record
-from sandbox.study.record.folder import Participant, StudyFolder
+from sandbox.study.record.folder import JOURNAL, Participant, StudyFolder
 from sandbox.study.record.journal import read_journal
-from sandbox.study.record.session_clock import RUNS
-from sandbox.study.record.state import SessionState
+from sandbox.study.record.notes import person_notes
+from sandbox.study.record.records import RUNS
+from sandbox.study.record.state import SessionState, decisions_on
 
-JOURNAL = "journal.jsonl"
 SESSIONS = "S[0-9][0-9][0-9]"
 """Pattern of the names of session folders."""
 
@@ -27,8 +27,9 @@ class StoredSession:
         person: The participant.
         number: Session number, from 1.
         path: Folder of the session.
-        records: Records of its journal.
-        state: State of the session according to the journal.
+        records: Its records.
+        state: State of the session according to its records, and to decisions about it.
+        notes: Notes about the participant that are about this session, or about none.
     """
 
     person: Participant
@@ -36,6 +37,7 @@ class StoredSession:
     path: Path
     records: list[Record]
     state: SessionState
+    notes: tuple[Record, ...] = ()
 
 
 def session_path(study: Path, ppid: str, session: int = 1) -> Path:
@@ -66,12 +68,14 @@ def sessions_of(study: StudyFolder, person: Participant) -> list[StoredSession]:
         StudyError: A journal is damaged.
     """
     sessions = []
+    notes = person_notes(study.path, person.ppid)
     for path in session_folders(study.path / person.ppid):
-        journal = path / JOURNAL
+        journal, number = path / JOURNAL, int(path.name[1:])
         records = read_journal(journal) if journal.exists() else []
-        state = SessionState.of(records)
+        state = SessionState.of(records, decisions_on(notes, number))
         if state.start:
-            sessions.append(StoredSession(person, int(path.name[1:]), path, records, state))
+            about = tuple(n for n in notes if n.get("session") in (None, number))
+            sessions.append(StoredSession(person, number, path, records, state, about))
     return sessions
 
 

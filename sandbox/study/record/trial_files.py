@@ -1,15 +1,31 @@
-"""Finds recordings of a study by short names of trials, such as NAME/3B5G5T/S001/T007."""
+"""The files of trials in a session's folder, and short names of trials: NAME/3B5G5T/S001/T007.
+
+`trials/T007.jsonl.gz` is the recording of the first attempt at trial 7, `trials/T007.a2.jsonl.gz`
+that of the second; `trials/T007.frames.csv.gz` and `trials/T007.a2.frames.csv.gz` have their
+frames. A recording is a plain file until its trial has ended, and is then compressed; a failure or
+kill meanwhile loses no data. One that has its end without a record is what a power cut leaves.
+"""
 
 from __future__ import annotations
 
+import os
 import re
 from pathlib import Path
 
-from models.errors import RecordingError
-from sandbox.recording.recording import SUFFIX, stored
+from msgspec import Struct
+
+from models.errors import RecordingError, StudyError
+from models.json_input import decoded
+from sandbox.recording.recording import SUFFIX, load_recording, packed, read_stored, stored
+from sandbox.study.record.chain import digest_of
+from sandbox.study.record.files import study_error, write_atomically
+from sandbox.study.record.folder import JOURNAL
 from sandbox.study.record.journal import read_journal
-from sandbox.study.record.state import SessionState
-from sandbox.study.record.stored_sessions import JOURNAL, SESSIONS, session_folders
+from sandbox.study.record.state import SessionState, is_broken
+from sandbox.study.record.stored_sessions import SESSIONS, session_folders
+from sandbox.system.files import sync_folder
+from sandbox.trial.result import TrialResult
+from sandbox.trial.settings import recorded_settings
 
 TRIAL = re.compile(r"T\d+(\.a\d+)?")
 TRIALS = "trials"
@@ -22,6 +38,30 @@ def attempt_files(folder: Path) -> list[str]:
     """
     names = {path.name.removesuffix(SUFFIX) for path in folder.glob("T*.jsonl*")}
     return sorted(name for name in names if TRIAL.fullmatch(name.removesuffix(".jsonl")))
+
+
+def recording_digest(path: Path) -> str | None:
+    """Digest of the lines of a recording, compressed or not; None if it is missing.
+
+    Args:
+        path: Path of the recording without `.gz`.
+
+    Raises:
+        OSError: The file cannot be read.
+    """
+    try:
+        return digest_of(read_stored(path).data)
+    except FileNotFoundError:
+        return None
+
+
+def frames_of(recording: Path) -> Path:
+    """File of the 62.5 Hz frames of a recording.
+
+    Args:
+        recording: Path of the recording without `.gz`.
+    """
+    return recording.with_name(f"{recording.stem}.frames.csv.gz")
 
 
 def find_recordings(name: str, out: Path) -> list[Path]:
@@ -72,7 +112,9 @@ def finished_only(files: list[Path]) -> tuple[list[Path], int]:
     for session in {file.parent.parent for file in files}:
         journal = session / JOURNAL
         records = read_journal(journal) if journal.exists() else []
-        ended[session] = {Path(r["file"]).name for r in records if r["kind"] == "trial_end"}
+        ended[session] = {
+            Path(r["file"]).name for r in records if r["kind"] == "trial_end" and not is_broken(r)
+        }
     finished = [file for file in files if file.name in ended[file.parent.parent]]
     return finished, len(files) - len(finished)
 
@@ -107,3 +149,128 @@ def _trial(session: Path, name: str) -> list[Path]:
 def _all(folder: Path) -> list[Path]:
     """All recordings of a session, compressed or not."""
     return [folder / name for name in attempt_files(folder)]
+
+
+def pack(recording: Path) -> Path:
+    """Replaces the recording of a finished trial by a compressed file.
+
+    The compressed file is on the disk and has been read back before the other file is deleted. A
+    kill in between leaves both, with the same content; another call deletes the first one.
+
+    Args:
+        recording: Path of the recording without `.gz`. Nothing is done if only the compressed file
+            exists.
+
+    Returns:
+        The compressed file.
+
+    Raises:
+        StudyError: The compressed file cannot be written; the recording is unchanged.
+    """
+    target = recording.with_name(recording.name + SUFFIX)
+    try:
+        if not recording.exists():
+            return target
+        data = recording.read_bytes()
+    except OSError as error:
+        raise study_error(error, recording, "the recording cannot be read") from None
+    write_atomically(target, packed(data))
+    try:
+        stored = read_stored(target)
+        if stored.data != data or not stored.whole:
+            target.unlink()
+            raise StudyError(
+                "the file that was read back differs from what was written",
+                where=str(target),
+                remedy="Stop using this disk; the uncompressed recording is still there",
+            )
+        recording.unlink()
+        sync_folder(recording.parent)
+    except OSError as error:
+        raise study_error(error, recording, "the recording cannot be compressed") from None
+    return target
+
+
+def finished_result(path: Path) -> TrialResult | None:
+    """Result at the end of a recording; None if it is incomplete or was broken off."""
+    file = stored(path)
+    if not file.exists() or (file == path and not _may_be_complete(path)):
+        return None
+    try:
+        recording = load_recording(path)
+    except RecordingError:
+        # The program was killed before the first line was complete.
+        return None
+    if recording.damage or recording.end is None or recording.end["result"].get("broken_off"):
+        return None
+    return TrialResult.from_json(recording.end["result"], str(path))
+
+
+def recorded_seconds(path: Path, result: TrialResult) -> float:
+    """Real time that a finished trial took according to its recording, s: the simulated time, and
+    the time for which it stood still, on the page or since the machine fell behind."""
+    recording = load_recording(path)
+    assert recording.end is not None
+    simulated = recording.end["step"] * recorded_settings(recording.header).physics.timestep
+    stood = sum((result.measures or {}).get(name) or 0.0 for name in STOOD_STILL)
+    return round(float(simulated + stood), 6)  # any order: three numbers
+
+
+STOOD_STILL = ("waited_s", "away_s", "lost_s")
+"""Measures of real time in which no simulated time passes."""
+
+
+class _LastLine(Struct):
+    """Field that only the last line of a recording has."""
+
+    kind: str = ""
+
+
+def _may_be_complete(path: Path) -> bool:
+    """Returns False if the last line is half written or not an end line; reads 64 KiB at most."""
+    with path.open("rb") as file:
+        file.seek(max(0, os.fstat(file.fileno()).st_size - 65_536))
+        tail = file.read()
+    if not tail.endswith(b"\n"):
+        return False
+    try:
+        line = decoded(
+            tail.split(b"\n")[-2],
+            _LastLine,
+            RecordingError,
+            what="the last line is damaged",
+            where=str(path),
+        )
+    except RecordingError:
+        # The last line may be longer than the part that was read.
+        return True
+    return line.kind == "end"
+
+
+def unknown_recordings(session: Path, state: SessionState) -> list[str]:
+    """Recordings that no record names, without `.gz`, in order.
+
+    Args:
+        session: Folder of the session.
+        state: State of the session according to its journal.
+    """
+    started = {a.start["file"] for attempts in state.attempts.values() for a in attempts}
+    known = started | state.recordings.keys()
+    files = [f"{TRIALS}/{name}" for name in attempt_files(session / TRIALS)]
+    return [file for file in files if file not in known]
+
+
+def is_whole(path: Path) -> bool:
+    """True if a recording has its end, whether the attempt was broken off or not."""
+    if finished_result(path) is not None:
+        return True
+    try:
+        recording = load_recording(path) if stored(path).exists() else None
+    except RecordingError:
+        return False
+    return recording is not None and recording.end is not None and not recording.damage
+
+
+def whole_leftovers(session: Path, state: SessionState) -> list[str]:
+    """Those of `unknown_recordings` that have their end; see `is_whole`."""
+    return [file for file in unknown_recordings(session, state) if is_whole(session / file)]

@@ -10,6 +10,7 @@ from typing import Any
 
 from models.errors import StudyError
 from sandbox.study.design.design import Item
+from sandbox.study.record.journal import plain_text
 
 Answers = dict[str, Any]
 
@@ -37,11 +38,17 @@ class Draft:
         self.answers[item] = value
 
 
-def hint(item: Item, language: str = "") -> str:
-    """Description of the allowed answers; empty for free text."""
+def hint(item: Item, language: str = "", numbered: bool = False) -> str:
+    """Description of the allowed answers; empty for free text.
+
+    Args:
+        item: The question.
+        language: Language of the choices; empty for their stored values.
+        numbered: True puts its number before each choice, where `read_answer` takes a number.
+    """
     if item.kind == "choice":
-        called = [item.called(c, language) if language else c for c in item.choices]
-        return "(" + " / ".join(called) + ")"
+        words = [item.called(c, language) if language else c for c in item.choices]
+        return f"({' / '.join(_numbered(words) if numbered else words)})"
     if item.kind in ("scale", "number"):
         return f"({item.low:g} to {item.high:g}{steps(item)})"
     return ""
@@ -52,10 +59,10 @@ def steps(item: Item) -> str:
     return f" in steps of {item.step:g}" if item.kind == "scale" and item.step != 1 else ""
 
 
-def question(item: Item, language: str) -> str:
-    """An item as a line: the question, and the allowed answers."""
+def question(item: Item, language: str, numbered: bool = False) -> str:
+    """An item as a line: the question, and the allowed answers; see `hint`."""
     if item.ends is None:
-        return f"{item.ask[language]} {hint(item, language)}".rstrip()
+        return f"{item.ask[language]} {hint(item, language, numbered)}".rstrip()
     ends = " to ".join(
         f"{value:g} ({end[language]})"
         for value, end in zip((item.low, item.high), item.ends, strict=True)
@@ -66,7 +73,7 @@ def question(item: Item, language: str) -> str:
 def read_answer(item: Item, text: str, language: str = "") -> Any:
     """Converts a typed answer to the stored one.
 
-    A choice may be given by its stored value or by its text in the language.
+    A choice may be given by its stored value, by its text in the language, or by its number.
 
     Raises:
         StudyError: The item does not allow this answer.
@@ -79,23 +86,54 @@ def read_answer(item: Item, text: str, language: str = "") -> Any:
             "an answer is needed", where=item.name, expected=hint(item, language) or None
         )
     if item.kind == "choice":
-        names = [(c, item.called(c, language) if language else c) for c in item.choices]
-        matches = [c for c, called in names if text.lower() in (c.lower(), called.lower())]
-        if not matches:
+        place = chosen(text, item.choices)
+        if place is None and language:
+            place = chosen(text, [item.called(c, language) for c in item.choices])
+        if place is None:
             raise StudyError(
                 "the answer is not one of the choices",
                 where=item.name,
                 got=text,
                 expected=", ".join(item.choices),
             )
-        return matches[0]
+        return item.choices[place]
     if item.kind == "text":
-        return text
+        return plain_text(text, item.name)
     try:
         value = float(text)
     except ValueError:
         value = float("nan")
     return _number(item, value, text)
+
+
+def chosen(text: str, options: Sequence[str]) -> int | None:
+    """Place of the option, from 0, whose word or number, from 1, was typed; None for neither.
+
+    Where an option is a number itself, numbers are words.
+    """
+    words = [option.lower() for option in options]
+    text = text.strip().lower()
+    if text in words:
+        return words.index(text)
+    numbers = _numbers(options)
+    return numbers.index(text) if text in numbers else None
+
+
+def choice_of(options: Sequence[str]) -> str:
+    """Words that say how one of some options is typed, such as `1 yes, 2 no`."""
+    return ", ".join(_numbered(options))
+
+
+def _numbers(options: Sequence[str]) -> list[str]:
+    """Numbers by which options can be chosen; none where an option is a number itself."""
+    if any(option.strip().isdecimal() for option in options):
+        return []
+    return [str(place) for place in range(1, len(options) + 1)]
+
+
+def _numbered(options: Sequence[str]) -> list[str]:
+    numbers = _numbers(options)
+    return [f"{n} {o}" for n, o in zip(numbers, options, strict=True)] if numbers else [*options]
 
 
 def check_answer(item: Item, value: object) -> Any:
@@ -113,7 +151,7 @@ def check_answer(item: Item, value: object) -> Any:
             return value
         case "text", str() if len(value) <= LONGEST:
             # Spaces around an answer are removed; an empty text is no answer.
-            return value.strip() or None
+            return plain_text(value, item.name).strip() or None
         case (("scale" | "number"), bool()):
             pass
         # The bounds are checked first, since a huge integer cannot be converted to a float.

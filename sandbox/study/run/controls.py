@@ -4,12 +4,16 @@ from __future__ import annotations
 
 import sys
 import threading
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from io import TextIOWrapper, UnsupportedOperation
 from queue import Empty, SimpleQueue
 from typing import TextIO
+
+from models.errors import StudyError
+from sandbox.study.record.journal import plain_text
+from sandbox.study.run.answers import choice_of, chosen
 
 COMMANDS = {
     "i": "show the progress of the session",
@@ -23,6 +27,7 @@ COMMANDS = {
     "h": "show these keys",
 }
 """Description of each command by its key; commands are confirmed with Enter."""
+YES_OR_NO = ("yes", "no")
 NEED_WORDS = "xXn"
 """Keys that need a text."""
 
@@ -43,6 +48,10 @@ def parse_command(line: str) -> Command | str:
         return "keys: " + ", ".join(f"{k} {about}" for k, about in COMMANDS.items())
     if key in NEED_WORDS and not words:
         return f"{key} needs a text: {COMMANDS[key]}"
+    try:
+        plain_text(words, f"the text of {key}")
+    except StudyError as error:
+        return str(error)
     return Command(key, words)
 
 
@@ -84,15 +93,23 @@ class Controls:
 
 
 class Terminal:
-    """Reads lines from the terminal: answers while a form is open, else commands.
+    """Reads lines from the terminal: answers while a question is open, else commands.
+
+    A line that begins with `/` is always a command. Where participants answer in the terminal, no
+    other line is one: what they type before a question is there must not stop or skip anything.
 
     Args:
-        controls: Queue for the commands. While a form is open, commands begin with `/`.
+        controls: Queue for the commands.
         source: Text stream to read; None reads standard input.
+        answers: True if participants answer in this terminal. Lines that are typed while no
+            question is open are left out then; those of a file or a pipe, which come as fast as
+            they are read, answer the next questions.
     """
 
-    def __init__(self, controls: Controls, source: TextIO | None = None) -> None:
-        self._controls = controls
+    def __init__(
+        self, controls: Controls, source: TextIO | None = None, answers: bool = False
+    ) -> None:
+        self._controls, self._for_answers = controls, answers
         self._source = source or sys.stdin
         if isinstance(self._source, TextIOWrapper):
             # What is typed in another encoding than the system's must not end the reading.
@@ -120,6 +137,31 @@ class Terminal:
                     if self.ended and self._answers.empty():
                         return None
 
+    def choose(
+        self,
+        options: Sequence[str],
+        show: Callable[[str], object],
+        poll: Callable[[], None] = lambda: None,
+        ended: Callable[[], StudyError] = lambda: StudyError("the input has ended"),
+    ) -> int:
+        """Waits until one of some options is typed, as its word or its number; returns its place.
+
+        Args:
+            options: Words of the options.
+            show: Prints which there are, before each try.
+            poll: See `ask`.
+            ended: Makes the error for the end of the input.
+        """
+        with self.form():
+            while True:
+                show(f"type {choice_of(options)}, then Enter")
+                text = self.ask(poll)
+                if text is None:
+                    raise ended()
+                place = chosen(text, options)
+                if place is not None:
+                    return place
+
     @contextmanager
     def form(self) -> Iterator[None]:
         """Context in which lines are answers, also between two questions."""
@@ -133,12 +175,20 @@ class Terminal:
 
     def _read(self) -> None:
         try:
-            for line in iter(self._source.readline, ""):
+            for line in self._lines():
                 text = line.rstrip("\n")
-                if self._asking.is_set() and not text.startswith("/"):
-                    self._answers.put(text)
-                else:
+                if text.startswith("/") or not (self._asking.is_set() or self._for_answers):
                     self._controls.type(text)
+                elif self._asking.is_set() or not self._source.isatty():
+                    self._answers.put(text)
+                elif text.strip():
+                    self._controls.say(
+                        "no question is open, so this was left out; keys begin with /, as in /h"
+                    )
         finally:
             self.ended = True
             self._answers.put(None)
+
+    def _lines(self) -> Iterator[str]:
+        with suppress(OSError):  # the terminal was closed
+            yield from iter(self._source.readline, "")

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
+from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any, Protocol
 
@@ -16,12 +17,30 @@ import numpy as np
 from models.errors import StudyError
 from sandbox.study.design.design import Form, Item
 from sandbox.study.run.answers import Answers, Draft, question, read_answer
-from sandbox.study.run.controls import Terminal
+from sandbox.study.run.controls import YES_OR_NO, Terminal
 from sandbox.words.words import words_in
 
 Poll = Callable[[], None]
 """Called repeatedly while a form waits for the participant. It executes commands of the
 experimenter; an exception that it raises ends the form."""
+
+
+@dataclass(frozen=True)
+class NewTask:
+    """What a participant reads before a task that is another one than that of the trial before.
+
+    Attributes:
+        number: Number of the next trial among those of the session, from 1.
+        count: Number of trials of the session.
+        title, goal: Name of the task, and what to do; empty if the design does not show it.
+        picture: Data URL of a picture of it; empty without one.
+    """
+
+    number: int
+    count: int
+    title: str
+    goal: str
+    picture: str = ""
 
 
 class Forms(Protocol):
@@ -33,6 +52,10 @@ class Forms(Protocol):
 
     def instruct(self, text: str, poll: Poll) -> None:
         """Shows a text until the participant has read it."""
+        ...
+
+    def introduce(self, task: NewTask, poll: Poll) -> None:
+        """Shows what comes next and what to do until the participant has read it."""
         ...
 
     def ask(self, form: Form, language: str, poll: Poll, draft: Draft) -> Answers:
@@ -67,11 +90,15 @@ class TerminalForms:
 
     def consent(self, text: str, poll: Poll) -> bool:
         self._show(text)
-        return self._choose(("yes", "no"), poll) == "yes"
+        return self._terminal.choose(YES_OR_NO, self._show, poll, self._ended) == 0
 
     def instruct(self, text: str, poll: Poll) -> None:
         self._show(f"{text}\n[Enter]")
         self._line(poll)
+
+    def introduce(self, task: NewTask, poll: Poll) -> None:
+        parts = (f"{task.number} / {task.count}", task.title, task.goal)
+        self.instruct("\n".join(part for part in parts if part), poll)
 
     def ask(self, form: Form, language: str, poll: Poll, draft: Draft) -> Answers:
         with self._terminal.form():
@@ -96,7 +123,7 @@ class TerminalForms:
 
     def _item(self, item: Item, language: str, poll: Poll) -> Any:
         skips = " [optional: Enter alone skips it]" if item.optional else ""
-        self._show(question(item, language) + skips)
+        self._show(question(item, language, numbered=True) + skips)
         while True:
             text = self._line(poll)
             try:
@@ -104,23 +131,19 @@ class TerminalForms:
             except StudyError as error:
                 self._show(str(error))
 
-    def _choose(self, options: tuple[str, ...], poll: Poll) -> str:
-        while True:
-            self._show(f"type {' or '.join(options)}, then Enter")
-            text = self._line(poll).strip().lower()
-            if text in options:
-                return text
-
     def _line(self, poll: Poll) -> str:
         text = self._terminal.ask(poll)
         if text is None:
-            raise StudyError(
-                "the input has ended, so that questions cannot be answered",
-                where="the terminal",
-                remedy=f"In a terminal, `{self._again}` resumes the session at this step. Nobody "
-                "needs to answer in `sandbox study simulate`",
-            )
+            raise self._ended()
         return text
+
+    def _ended(self) -> StudyError:
+        return StudyError(
+            "the input has ended, so that questions cannot be answered",
+            where="the terminal",
+            remedy=f"In a terminal, `{self._again}` resumes the session at this step. Nobody "
+            "needs to answer in `sandbox study simulate`",
+        )
 
 
 class SimulatedForms:
@@ -138,6 +161,9 @@ class SimulatedForms:
         return True
 
     def instruct(self, text: str, poll: Poll) -> None:
+        poll()
+
+    def introduce(self, task: NewTask, poll: Poll) -> None:
         poll()
 
     def ask(self, form: Form, language: str, poll: Poll, draft: Draft) -> Answers:

@@ -9,8 +9,8 @@ from models.errors import StudyError
 from sandbox.server.protocol import Choice, ItemAnswer, ItemView, Leave
 from sandbox.study.design.design import Form, Item
 from sandbox.study.run.answers import Answers, Draft, check_answer
-from sandbox.study.run.forms import Poll
-from sandbox.study.run.study_page import TICK, StudyPage
+from sandbox.study.run.forms import NewTask, Poll
+from sandbox.study.run.study_page import TICK, StudyPage, inches
 
 
 class PageForms:
@@ -32,6 +32,16 @@ class PageForms:
 
     def instruct(self, text: str, poll: Poll) -> None:
         self._show_until_left(poll, ("done",), lambda: self._page.show_sheet("text", text=text))
+
+    def introduce(self, task: NewTask, poll: Poll) -> None:
+        place = self._page.texts["trial_of"].format(number=task.number, count=task.count)
+        self._show_until_left(
+            poll,
+            ("done",),
+            lambda: self._page.show_sheet(
+                "task", task.title, task.goal, note=place, picture=task.picture
+            ),
+        )
 
     def rest(self, least: float, poll: Poll) -> None:
         until = time.monotonic() + least
@@ -86,8 +96,9 @@ class PageForms:
             self._page.say(f"rejected an answer: {error}")
             return
         if draft.answers.get(item.name) != value:
+            # First for a page that comes back: the disk may take long.
+            self._page.update_sheet(answers={**draft.answers, item.name: value})
             draft.store(item.name, value)
-            self._page.update_sheet(answers=draft.answers)
 
     def _is_complete(self, form: Form, draft: Draft) -> bool:
         """Returns True if all required items are answered; else marks the first missing one."""
@@ -131,6 +142,38 @@ class PageForms:
                 time.sleep(TICK)
         finally:
             self._page.wait()
+
+
+def measure_screens(page: StudyPage, poll: Poll) -> None:
+    """Has the experimenter measure the screens of pages with a bank card, unless that was done.
+
+    It is done before the consent form, or as soon as another device has become a page, and never
+    over a form.
+
+    Args:
+        page: The participant's page, which may have that of the second hand beside it.
+        poll: See `Poll`.
+    """
+    page.wait_until_open(poll)
+    for each in page.pages:
+        if not each.is_unmeasured:
+            continue
+        each.say(
+            f"measure the screen of {each.whose} with a bank card, before the participant gets it; "
+            "s guesses its size"
+        )
+        each.show_sheet("measure", text=each.texts["wait"])
+        try:
+            while not any(isinstance(up, Leave) for up in each.take_inputs()):
+                poll()
+                time.sleep(TICK)
+        finally:
+            each.leave_guessed()
+            each.wait()
+        screen = each.server.screen
+        if screen is not None:
+            guess = "" if screen.calibrated else " (a guess)"
+            each.say(f"the screen of {each.whose} is {inches(screen)}{guess}")
 
 
 def item_view(item: Item, language: str) -> ItemView:

@@ -8,24 +8,28 @@ from functools import partial
 
 from models.errors import StudyError
 from models.surface import Surface
+from sandbox.devices.device import Device
+from sandbox.play.demonstration import Demonstrator
 from sandbox.play.pages import show_session
-from sandbox.server.auto_pause import AutoPause
+from sandbox.server.page_server import AutoPause
 from sandbox.server.protocol import PageScreen, Pause
 from sandbox.server.screen import common, rectangle
 from sandbox.server.web import WebDevice
 from sandbox.session.messages import Snapshot
 from sandbox.session.session import Session
-from sandbox.study.design.page_settings import PageSettings
+from sandbox.study.design.design import PageSettings
 from sandbox.study.run.players import PlayedAttempt, RunningAttempt, TrialRequest
-from sandbox.study.run.study_page import StudyPage, beside_lift, inches, is_too_small
-from sandbox.study.run.task_texts import task_texts
-from sandbox.trial.driver import View
-from sandbox.trial.lift import lifts
-from sandbox.trial.live_run import LiveRun
+from sandbox.study.run.study_page import StudyPage, inches, is_too_small, lift_size_note
+from sandbox.study.run.task_texts import task_hint, task_texts
+from sandbox.trial.assembly import lifts
+from sandbox.trial.driver import TICK, LiveRun, View
+from sandbox.trial.logs import TimedDevice, Timing
 from sandbox.trial.settings import Settings
 
-AFTER = 1.2
-"""s for which the end of a trial stays visible."""
+AFTER, AFTER_WITH_RESULT = 1.2, 3.0
+"""s for which the end of a trial stays visible; the second one where there is a result to read."""
+PATIENCE = 30.0
+"""s for which a trial waits at most for its demonstration."""
 
 
 class PagePlayer:
@@ -48,9 +52,12 @@ class PagePlayer:
         try:
             with attempt.open(self._views) as trial:
                 session = trial.session
-                clock = _PageClock(self._shown, self._options)
                 self._show(session, request)
-                live = LiveRun(trial, [page.server for page in self._shown])
+                self._demonstrate(attempt, request)
+                for page in self._trial_pages:
+                    page.hide_sheet()
+                clock = _PageClock(self._trial_pages, self._options)
+                live = LiveRun(trial, [page.server for page in self._trial_pages])
 
                 def turn() -> Pause | None:
                     pause = clock.pause(attempt, session)
@@ -59,7 +66,7 @@ class PagePlayer:
                 live.play(turn)
                 played = attempt.end(trial, live.lost, clock.measures())
             if not played.broken:
-                time.sleep(AFTER)
+                time.sleep(AFTER_WITH_RESULT if "result" in self._options.shows else AFTER)
             return played
         finally:
             for page in self._page.pages:
@@ -69,13 +76,13 @@ class PagePlayer:
         """Does nothing: the page stays open for forms."""
 
     @property
-    def _shown(self) -> list[StudyPage]:
+    def _trial_pages(self) -> list[StudyPage]:
         """The pages that show this trial: the participant's, and another one that is touched."""
         return [page for page in self._page.pages if page is self._page or page.device]
 
     def _show(self, session: Session, request: TrialRequest) -> None:
         apart = len(session.rigs) > 1 and not request.settings.surface.shared
-        for hand, page in enumerate(self._shown):
+        for hand, page in enumerate(self._trial_pages):
             show_session(
                 page.server,
                 session,
@@ -84,17 +91,39 @@ class PagePlayer:
                 own=hand if apart else None,
                 texts=partial(self._texts, page, request.settings.task),
             )
-            page.hide_sheet()
 
-    def _texts(self, page: StudyPage, key: str, name: str, goal: str) -> tuple[str, str]:
-        return task_texts(self._options, key, name, goal, self._language, page.texts)
+    def _texts(self, page: StudyPage, key: str, name: str, goal: str) -> tuple[str, str, str]:
+        title, goal = task_texts(self._options, key, name, goal, self._language, page.texts)
+        return title, goal, task_hint(self._options, name, page.texts)
+
+    def _demonstrate(self, attempt: RunningAttempt, request: TrialRequest) -> None:
+        """Waits for the demonstration that the design shows before the first trial of a task."""
+        due = "demo" in self._options.shows and request.first
+        if not due or self._page.device is None or len(request.settings.hands) > 1:
+            return
+        server, sent = self._page.server, []
+
+        def show(scene: int, message: bytes) -> None:
+            server.show_demonstration(scene, message)
+            sent.append(scene)
+
+        demonstrator = Demonstrator(show)
+        demonstrator.begin(request.settings, server.next_scene() - 1)
+        end = time.monotonic() + PATIENCE
+        try:
+            while demonstrator.playing and time.monotonic() < end and not attempt.broken:
+                attempt.check_pause()
+                time.sleep(TICK)
+        finally:
+            demonstrator.stop()
+        attempt.demonstrated = bool(sent)
 
     def _views(self, session: Session) -> list[View]:
         def on_pages(snapshot: Snapshot) -> None:
             for page in pages:
-                page.server.publish_step(session, snapshot)
+                page.server.publish(snapshot)
 
-        pages = self._shown
+        pages = self._trial_pages
         return [on_pages]
 
 
@@ -201,7 +230,7 @@ def settings_for_screen(page: StudyPage, settings: Settings, designed: bool) -> 
         raise StudyError(
             "the screen is too small for the design's touch rectangle",
             where="surface" if screen.calibrated else "surface; the screen was not measured",
-            got=f"{inches(screen)} of screen{beside_lift(lifts(settings))}",
+            got=f"{inches(screen)} of screen{lift_size_note(lifts(settings))}",
             expected=f"{wanted[0]:g} x {wanted[1]:g} in",
             remedy="Rotate it, use a larger screen or full screen, or remove `surface` from the "
             "design; the session resumes at this trial",
@@ -218,9 +247,9 @@ def on_both_screens(settings: Settings, other: Settings) -> Settings:
     return settings.changed(**common(sizes))
 
 
-def page_device(page: StudyPage, surface: Surface) -> WebDevice:
-    """Creates the device of a trial on the page."""
-    return page.use_device(WebDevice(surface, page.server.latency))
+def page_device(page: StudyPage, surface: Surface) -> Device:
+    """Creates the device of a trial on the page, whose latency is logged."""
+    return TimedDevice(page.use_device(WebDevice(surface)), Timing(page.server.latency))
 
 
 def _is_another(now: PageScreen | None, before: PageScreen | None) -> bool:

@@ -13,11 +13,10 @@ from sandbox.server.protocol import Pause
 from sandbox.session.messages import Snapshot
 from sandbox.session.own_layouts import learned_layouts
 from sandbox.session.session import Session
-from sandbox.study.measures.measure import SIMULATED_USER
+from sandbox.study.measures.measures import SIMULATED_USER
 from sandbox.study.tables.frames import FrameTable
-from sandbox.trial.driver import Trial, View, ViewMaker, open_trial
-from sandbox.trial.live_run import TICK, LiveRun, Pace
-from sandbox.trial.open_devices import DeviceMakers
+from sandbox.trial.assembly import DeviceMakers
+from sandbox.trial.driver import TICK, LiveRun, RealTime, Trial, View, ViewMaker, open_trial
 from sandbox.trial.result import TrialResult
 from sandbox.trial.settings import Settings
 from tasks.score import Status
@@ -39,6 +38,7 @@ class TrialRequest:
         watch: See `Watch`.
         paused: Returns True while simulated time must stand still.
         learns: Names of the hands whose new layouts of five fingers are kept for the next trial.
+        first: True for the first trial of its task in the session.
     """
 
     settings: Settings
@@ -49,11 +49,12 @@ class TrialRequest:
     watch: Watch
     paused: Callable[[], bool]
     learns: tuple[str, ...] = ()
+    first: bool = False
 
 
 @dataclass
 class PlayedAttempt:
-    """A finished attempt: result, tables, and the reason if it was broken off (else empty)."""
+    """A finished attempt: result, frames, and the reason if it was broken off (else empty)."""
 
     result: TrialResult
     table: FrameTable
@@ -88,7 +89,7 @@ class HeadlessPlayer:
 
     def play(self, request: TrialRequest) -> PlayedAttempt:
         attempt = RunningAttempt(request)
-        pace = Pace() if self.paced else None
+        pace = RealTime() if self.paced else None
         with attempt.open() as trial:
             trial.run(pace, attempt.wait_if_paused, lambda: bool(attempt.broken))
             return attempt.end(trial, pace.lost if pace else 0.0)
@@ -145,17 +146,20 @@ class WindowPlayer:
 
 
 class RunningAttempt:
-    """A running attempt at a trial: creates its tables and measures for every kind of player.
+    """A running attempt at a trial: collects its frames, for every kind of player.
 
     Attributes:
-        table: The 60 Hz table, filled while the trial runs.
+        table: Its frames, collected while the trial runs.
         broken: Reason why the attempt was broken off; empty otherwise.
+        demonstrated: True if the participant's page got a demonstration, False if there was none to
+            get; None if none was due.
     """
 
     def __init__(self, request: TrialRequest) -> None:
         self._request = request
         self.table = FrameTable()
         self.broken = ""
+        self.demonstrated: bool | None = None
 
     def open(self, *views: ViewMaker) -> AbstractContextManager[Trial]:
         """Opens the trial, ready for its first step.
@@ -206,12 +210,18 @@ class RunningAttempt:
             more: Further measures by name.
         """
         session = trial.session
+        settings = self._request.settings
+        width, height = settings.surface.size_in
         fields: dict[str, Any] = {
             "measures": {
+                "device": settings.device.name,
+                "surface_in": None if settings.in_air else f"{width:g}x{height:g}",
+                "screen_measured": None if settings.in_air else settings.surface.calibrated,
                 "first_contact_s": self.table.first_contact,
                 "lost_s": round(lost, 6),
                 **(more or {}),
-            }
+            },
+            "demonstrated": self.demonstrated,
         }
         learned = learned_layouts(session)
         if kept := {name: learned[name] for name in self._request.learns if name in learned}:
@@ -226,7 +236,7 @@ class RunningAttempt:
             }
         truths = [dict(rig.device.true_labels or {}) for rig in session.rigs]
         if any(truths):
-            self.table.truths, self.table.truth_by = truths, SIMULATED_USER
+            self.table.truths = truths
             names = ("fingers", "second_fingers")
             fields |= {k: sorted(t.items()) for k, t in zip(names, truths, strict=False)}
             fields["fingers_by"] = SIMULATED_USER

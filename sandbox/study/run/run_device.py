@@ -23,8 +23,7 @@ from sandbox.study.run.runner import FitSettings, OpenDevices
 from sandbox.study.run.session_camera import SessionCamera
 from sandbox.study.run.simulate import simulated_devices, simulated_hand
 from sandbox.study.run.study_page import StudyPage
-from sandbox.trial.lift import with_lift
-from sandbox.trial.open_devices import DeviceMaker, DeviceMakers, shared_makers
+from sandbox.trial.assembly import DeviceMaker, DeviceMakers, shared_makers, with_lift
 from sandbox.trial.settings import Settings
 from tasks.task import Task
 from tasks.user import UserConfiguration

@@ -6,8 +6,6 @@ import time
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from enum import StrEnum
-from hashlib import blake2b
-from pathlib import Path
 from typing import Any
 
 from models.errors import InputError, StudyError
@@ -23,19 +21,22 @@ from sandbox.study.design.plan import (
     InstructionStep,
     Step,
     TrialStep,
+    trials_of,
 )
 from sandbox.study.record.session_folder import SessionFolder
 from sandbox.study.run.answers import Draft, still_allowed
 from sandbox.study.run.controls import Command, Controls
 from sandbox.study.run.finished_trials import bring_up_to_date
-from sandbox.study.run.forms import Forms, Poll
+from sandbox.study.run.forms import Forms, NewTask, Poll
 from sandbox.study.run.players import PlayedAttempt, TrialPlayer, TrialRequest
 from sandbox.study.run.simulated_user import simulated_user
-from sandbox.study.tables.tables import StudyTables, rebuild_session
-from sandbox.trial.live_run import TICK
-from sandbox.trial.open_devices import DeviceMakers
+from sandbox.study.run.task_texts import texts_by_design
+from sandbox.study.tables.frames import FrameWriter
+from sandbox.trial.assembly import DeviceMakers
+from sandbox.trial.driver import TICK
 from sandbox.trial.result import TrialResult
 from sandbox.trial.settings import Settings
+from sandbox.words.words import words_in
 
 OpenDevices = Callable[[TrialStep, Settings], DeviceMakers]
 """Returns functions that open the devices of a trial, one for every hand."""
@@ -51,6 +52,10 @@ class SessionOutcome(StrEnum):
     COMPLETE = "complete"
     STOPPED = "stopped"
     NO_CONSENT = "no consent"
+
+
+SCREENS = Step("screens")
+"""What the experimenter does before a step, which can be skipped as one."""
 
 
 class _StepLeft(Exception):  # noqa: N818 - not an error, but a signal that ends a form
@@ -71,9 +76,11 @@ class SessionRunner:
         device: The device of the first hand, for recordings.
         fit: See `FitSettings`.
         calibrate: See `Calibrate`.
-        tables: Tables of the study that have been read before; None reads all journals.
+        makes_tables: False leaves the tables of the study to the caller.
         second_device: The second hand's device, for recordings of trials with two hands.
-        witness: File to which the digests of journals are appended at the end; None writes none.
+        before_step: Called before every step, with a function to call while it waits.
+        picture_of: Returns the data URL of a picture of a task; empty for none. It polls while it
+            waits.
     """
 
     session: SessionFolder
@@ -85,16 +92,18 @@ class SessionRunner:
     device: DeviceSettings = field(default_factory=DeviceSettings)
     fit: FitSettings = lambda trial, settings, poll: settings
     calibrate: Calibrate = lambda poll: None
-    tables: StudyTables | None = None
+    makes_tables: bool = True
     second_device: DeviceSettings = field(default_factory=DeviceSettings)
-    witness: Path | None = None
+    before_step: Callable[[Poll], None] = lambda poll: None
+    picture_of: Callable[[str, Poll], str] = lambda task, poll: ""
 
     def __post_init__(self) -> None:
         self._leave_key = self._leave_reason = ""
         self._step: Step | None = None
+        self._task = ""
         # A session that goes on after a crash may begin with a trial to exclude.
         self._last = self.session.state.last_finished(self.session.steps)
-        self._study_tables = self.tables or StudyTables(self.session.study, self.say)
+        self._frames = FrameWriter()
 
     def run(self) -> SessionOutcome:
         """Runs the session from the first unfinished step until its end, or until it is stopped.
@@ -102,27 +111,33 @@ class SessionRunner:
         Raises:
             StudyError: The journal or a recording cannot be written; earlier data are safe.
         """
-        self._update_tables()
         disk_is_writable = True
         try:
             return self._run_steps()
         except StudyError:
-            # The tables are built again when the session is opened.
+            # What is missing is made when the session is opened again.
             disk_is_writable = False
             raise
         finally:
+            for line in self._frames.finish():
+                self.say(line)
             if disk_is_writable:
-                self._update_tables(seal=True)
+                bring_up_to_date(self.session, self.say, self.makes_tables)
 
     def _run_steps(self) -> SessionOutcome:
         """Runs the remaining steps of the plan."""
         session = self.session
         while (step := session.state.next_step(session.steps)) is not None:
-            self._step, self._leave_key = step, ""
+            self._step, self._leave_key = SCREENS, ""
+            try:
+                self.before_step(self._poll_form)
+            except _StepLeft:
+                self._say_left(SCREENS)
+            self._step, self._leave_key = step, self._leave_key.replace("s", "")
             self._take_commands()
             self._wait_while_paused()
             if self._leave_key == "s":
-                session.write("skip", step=step.id, reason=self._leave_reason)
+                session.command("skip", step=step.id, reason=self._leave_reason)
                 self._say_left(step)
             elif not self._leave_key:
                 self._run_step(step)
@@ -130,12 +145,12 @@ class SessionRunner:
                 return SessionOutcome.STOPPED
             if session.state.consent is False:
                 why = SessionOutcome.NO_CONSENT.value
-                session.write("session_end", durable=True, complete=False, why=why)
+                session.write("end", durable=True, complete=False, why=why)
                 # The next participant gets the same orders.
                 session.study.release(session.person.ppid, why)
                 return SessionOutcome.NO_CONSENT
         if not session.state.complete:
-            session.write("session_end", durable=True, complete=True)
+            session.write("end", durable=True, complete=True)
         return SessionOutcome.COMPLETE
 
     def _run_step(self, step: Step) -> None:
@@ -150,7 +165,6 @@ class SessionRunner:
                 case ConsentStep():
                     text = consent_text(design, language)
                     agreed = self.forms.consent(text, self._poll_form)
-                    read = blake2b(text.encode(), digest_size=16)
                     session.write(
                         "consent",
                         durable=True,
@@ -158,15 +172,15 @@ class SessionRunner:
                         agreed=agreed,
                         version=design.consent_version,
                         language=language,
-                        text=read.hexdigest(),
+                        text=text,
                     )
                 case InstructionStep():
                     self.forms.instruct(step.instruction.text[language], self._poll_form)
-                    session.write("step_done", step=step.id)
+                    session.write("done", step=step.id)
                 case CalibrationStep():
                     calibration = self.calibrate(self._poll_form)
                     session.write(
-                        "calibration",
+                        "done",
                         durable=True,
                         step=step.id,
                         hand=session.person.hand,
@@ -177,13 +191,13 @@ class SessionRunner:
                     draft = Draft(
                         still_allowed(step.form.items, session.state.drafts.get(step.id, {})),
                         lambda item, answer: session.write(
-                            "draft", step=step.id, item=item, answer=answer
+                            "answer", durable=True, step=step.id, item=item, answer=answer
                         ),
                         step.id,
                     )
                     answers = self.forms.ask(step.form, language, self._poll_form, draft)
                     session.write(
-                        "answers",
+                        "form",
                         durable=True,
                         step=step.id,
                         form=step.form.name,
@@ -194,7 +208,7 @@ class SessionRunner:
                     )
                 case BreakStep():
                     self.forms.rest(step.least, self._poll_form)
-                    session.write("step_done", step=step.id)
+                    session.write("done", step=step.id)
         except _StepLeft:
             self._say_left(step)
 
@@ -205,6 +219,7 @@ class SessionRunner:
         )
         settings = _calibrated(settings, person.hand, session.state.calibration)
         try:
+            self._introduce(settings.task)
             settings = self.fit(trial, settings, self._poll_form)
         except _StepLeft:
             self._say_left(trial)
@@ -242,6 +257,7 @@ class SessionRunner:
                     self._poll_trial,
                     lambda: self.controls.paused,
                     learns,
+                    self._is_first(trial),
                 )
             )
         except InputError as error:
@@ -251,6 +267,29 @@ class SessionRunner:
             self._break_off(trial, "interrupted")
             raise
         self._commit(trial, played)
+
+    def _is_first(self, trial: TrialStep) -> bool:
+        """True if no other trial of the same task has begun in this session."""
+        attempts = self.session.state.attempts
+        return not any(
+            other.number in attempts and other.values.get("task") == trial.values.get("task")
+            for other in trials_of(self.session.steps)
+            if other.number != trial.number
+        )
+
+    def _introduce(self, task: str) -> None:
+        """Shows what to do, if the last trial had another task."""
+        if task == self._task:
+            return
+        session = self.session
+        page, language = session.study.design.page, session.person.language
+        words = words_in(language, page.words.get(language))
+        title, goal = texts_by_design(page, task, language, words)
+        if title or goal:
+            done, of = session.state.done(session.steps)
+            new = NewTask(done + 1, of, title, goal, self.picture_of(task, self._poll_form))
+            self.forms.introduce(new, self._poll_form)
+        self._task = task
 
     def _learning_hands(self, trial: TrialStep, settings: Settings) -> tuple[str, ...]:
         """Names of the participant's hands if the design lets a session learn their layouts."""
@@ -281,23 +320,21 @@ class SessionRunner:
         if played.broken:
             session.break_off(trial, played.broken)
             if self._leave_key == "s":
-                session.write("skip", step=trial.id, trial=trial.number, reason=played.broken)
+                session.command(
+                    "skip",
+                    step=trial.id,
+                    trial=trial.number,
+                    reason=played.broken,
+                )
             self._say_left(trial, "" if self._leave_key else played.broken)
             return
         session.finish(trial, played.result)
         self._last = trial
-        self.say(f"  {_trial_summary(played.result)}")
+        # With this hash, written down, a record that is cut here or before is told from this one.
+        self.say(f"  {_trial_summary(played.result)}; hash {session.journal.head[:12]}")
         file = session.state.attempts[trial.number][-1].start["file"]
-        stem = file.removeprefix("trials/").removesuffix(".jsonl")
-        try:
-            for notice in played.table.write(session.path / "trackers", stem, played.result):
-                self.say(f"  {notice}")
-            session.note_tables(session.state.attempts[trial.number][-1])
-            session.pack(file)
-            rebuild_session(session, say=self.say)
-        except StudyError as error:
-            # Journal and recording contain the trial; the tables are built from them later.
-            self.say(str(error))
+        # The participant goes on; the frames are written meanwhile.
+        self._frames.write(played.table, session.path / file)
 
     def _break_off(self, trial: TrialStep, why: str) -> None:
         """Records that an attempt was broken off; if that fails, the next opening does it."""
@@ -305,14 +342,6 @@ class SessionRunner:
             self.session.break_off(trial, why)
         except StudyError as error:
             self.say(str(error))
-
-    def _update_tables(self, seal: bool = False) -> None:
-        """Builds the tables of the session and the study, and missing tables of trials.
-
-        Args:
-            seal: True records the journal's end in the journal of the study before.
-        """
-        bring_up_to_date(self.session, self._study_tables, self.say, seal, self.witness)
 
     def _announce(self, step: Step) -> None:
         """Says which step begins."""
@@ -333,7 +362,7 @@ class SessionRunner:
         self._take_commands()
         if self._leave_key:
             if self._leave_key == "s" and self._step is not None:
-                self.session.write("skip", step=self._step.id, reason=self._leave_reason)
+                self.session.command("skip", step=self._step.id, reason=self._leave_reason)
             raise _StepLeft
 
     def _wait_while_paused(self) -> None:
@@ -353,24 +382,24 @@ class SessionRunner:
         match command.key:
             case "p":
                 self.controls.paused = not self.controls.paused
-                session.write("pause" if self.controls.paused else "go_on")
+                session.command("pause" if self.controls.paused else "go_on")
                 self.say("paused; p continues" if self.controls.paused else "continuing")
             case "i":
                 self.say(self._progress_text())
             case "n":
-                session.write("note", text=words, trial=trial.number if trial else None)
+                session.command("note", text=words, trial=trial.number if trial else None)
                 self.say("noted")
             case "X":
-                session.write("exclude", durable=True, trial=None, reason=words)
+                session.command("exclude", durable=True, trial=None, reason=words)
                 session.study.release(session.person.ppid, words)
                 self.say("the participant is excluded; nothing is deleted")
             case "x" if trial is not None:
-                session.write("exclude", durable=True, trial=trial.number, reason=words)
+                session.command("exclude", durable=True, trial=trial.number, reason=words)
                 self.say(f"trial {trial.number} is excluded; nothing is deleted")
             case "r" if began and running is not None and self._under_way(running):
                 self._leave_key, self._leave_reason = "r", words or "repeated"
             case "r" if self._last is not None:
-                session.write(
+                session.command(
                     "repeat",
                     durable=True,
                     step=self._last.id,
@@ -401,8 +430,7 @@ class SessionRunner:
         )
 
     def _under_way(self, trial: TrialStep) -> bool:
-        attempt = self.session.state.attempts[trial.number][-1]
-        return attempt.end is None and self.session.journal.records[-1]["kind"] != "trial_broken"
+        return not self.session.state.attempts[trial.number][-1].over
 
 
 def _calibrated(settings: Settings, side: str, calibration: dict[str, Any] | None) -> Settings:
@@ -431,6 +459,8 @@ def _called(step: Step) -> str:
             return "instructions"
         case CalibrationStep():
             return "measuring the hand"
+        case _ if step is SCREENS:
+            return "measuring the screen"
         case _:
             return "consent"
 

@@ -66,7 +66,7 @@ class SessionCamera(Closeable):
         """The camera as a device of one trial, whose end does not switch it off."""
         device = self._opened()
         device.poll(0.0)
-        return _KeptOn(device)
+        return _StaysOn(device)
 
     def close(self) -> None:
         """Switches the camera off."""
@@ -82,7 +82,7 @@ class SessionCamera(Closeable):
         return self._device
 
 
-class _KeptOn(LandmarkDevice):
+class _StaysOn(LandmarkDevice):
     """A camera that stays on when a trial ends."""
 
     lift = True

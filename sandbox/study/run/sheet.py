@@ -1,19 +1,20 @@
 """The sheet of a session: everything that a participant will meet, in order.
 
-The steps are those of `session_plan`, and the texts are those that forms get from the session.
+The steps are those of `session_plan`, and the texts are those that forms get from the session. Its
+lines are text, its page is one HTML file without scripts.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
-from dataclasses import dataclass, replace
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from html import escape
 from itertools import groupby
 
 from models.errors import StudyError
 from models.message import counted
-from sandbox.server.frames import summary
 from sandbox.study.design.conditions import WEBCAM, consent_text, run_settings
-from sandbox.study.design.design import Design, Form
+from sandbox.study.design.design import Design
 from sandbox.study.design.plan import (
     BreakStep,
     CalibrationStep,
@@ -27,8 +28,21 @@ from sandbox.study.design.plan import (
     session_plan,
 )
 from sandbox.study.run.answers import question
-from sandbox.study.run.task_texts import task_texts
+from sandbox.study.run.task_texts import texts_by_design
 from sandbox.words.words import words_in
+
+STYLE = """
+body { margin: 2rem auto; max-width: 44rem; padding: 0 1rem; font: 11pt/1.45 system-ui, sans-serif;
+  color: #1c2430; background: #fff; }
+h1 { font-size: 1.3rem; }
+h2 { font-size: 1rem; margin: 1.4rem 0 0.3rem; border-top: 1px solid #c8ced6; padding-top: 0.6rem; }
+section { break-inside: avoid; }
+p { margin: 0.3rem 0; white-space: pre-line; }
+ul { margin: 0.3rem 0; padding-inline-start: 1.4rem; }
+li { margin: 0.5rem 0; }
+.read { border-inline-start: 3px solid #1f5fa8; padding-inline-start: 0.8rem; }
+@media print { body { margin: 0; max-width: none; } h1 + section h2 { border-top: 0; } }
+"""
 
 
 @dataclass(frozen=True)
@@ -39,13 +53,13 @@ class SheetPart:
         steps: Ids of its steps; several for trials of one condition that follow each other.
         heading: What it is, for the experimenter.
         texts: What the participant reads, in their language.
-        form: The form that is asked; None if none is.
+        questions: What the participant is asked, each in one line.
     """
 
     steps: tuple[str, ...]
     heading: str
     texts: tuple[str, ...] = ()
-    form: Form | None = None
+    questions: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -53,35 +67,14 @@ class SessionSheet:
     """Everything that a participant will meet in a session.
 
     Attributes:
-        design: Design of the study.
-        number: Number of the participant, from 1 in order of arrival.
-        session: Number of the session, from 1.
+        title: Study, participant, session, language and duration.
         language: Language of the participant.
-        minutes: Expected duration, min.
         parts: Parts in order.
     """
 
-    design: Design
-    number: int
-    session: int
+    title: str
     language: str
-    minutes: float
     parts: tuple[SheetPart, ...]
-
-    @property
-    def words(self) -> dict[str, str]:
-        """Words of the page in the participant's language, by key."""
-        return words_in(self.language, self.design.page.words.get(self.language))
-
-    @property
-    def title(self) -> str:
-        """Study, participant, session, language and duration."""
-        sessions = self.design.sessions
-        of_several = f", session {self.session} of {sessions}" if sessions > 1 else ""
-        return (
-            f"{self.design.name}: participant number {self.number}{of_several}, language "
-            f"{self.language}, about {self.minutes:.0f} min"
-        )
 
 
 def session_sheet(
@@ -114,9 +107,13 @@ def session_sheet(
         )
     language = language or design.languages[0]
     steps = session_plan(design, number - 1, session)
-    minutes = duration(design, steps) / 60
-    sheet = SessionSheet(design, number, session, language, minutes, ())
-    return replace(sheet, parts=tuple(_parts(sheet, steps)))
+    of_several = f", session {session} of {design.sessions}" if design.sessions > 1 else ""
+    title = (
+        f"{design.name}: participant number {number}{of_several}, language {language}, about "
+        f"{duration(design, steps) / 60:.0f} min"
+    )
+    groups = [[step for _, step in some] for _, some in groupby(enumerate(steps), key=_together)]
+    return SessionSheet(title, language, tuple(_part(design, language, some) for some in groups))
 
 
 def sheet_lines(sheet: SessionSheet) -> Iterator[str]:
@@ -127,21 +124,31 @@ def sheet_lines(sheet: SessionSheet) -> Iterator[str]:
         yield f"{number}. {part.heading}"
         for text in part.texts:
             yield from (f"   {line}".rstrip() for line in text.strip().splitlines())
-        for item in part.form.items if part.form else ():
-            optional = f" [{sheet.words['optional']}]" if item.optional else ""
-            yield f"   - {question(item, sheet.language)}{optional}"
+        yield from (f"   - {asked}" for asked in part.questions)
 
 
-def _parts(sheet: SessionSheet, steps: Iterable[Step]) -> Iterator[SheetPart]:
-    for _, some in groupby(enumerate(steps), key=_together):
-        same = [step for _, step in some]
-        first = same[0]
-        ids = tuple(step.id for step in same)
-        heading, texts = _told(sheet, first)
-        if isinstance(first, TrialStep):
-            heading = _trials([step for step in same if isinstance(step, TrialStep)])
-        form = first.form if isinstance(first, FormStep) else None
-        yield SheetPart(ids, heading, tuple(text for text in texts if text), form)
+def sheet_page(sheets: Sequence[SessionSheet]) -> str:
+    """Returns the HTML text of sheets, in the order of the sessions."""
+    body = "\n".join(line for sheet in sheets for line in _html(sheet))
+    return (
+        '<!doctype html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n'
+        '<meta name="viewport" content="width=device-width, initial-scale=1">\n'
+        f"<title>{escape(sheets[0].title)}</title>\n<style>{STYLE}</style>\n</head>\n"
+        f"<body>\n{body}\n</body>\n</html>\n"
+    )
+
+
+def _html(sheet: SessionSheet) -> Iterator[str]:
+    """Lines of the page; what the participant reads is marked with their language."""
+    yield f"<h1>{escape(sheet.title)}</h1>"
+    for number, part in enumerate(sheet.parts, 1):
+        yield f"<section>\n<h2>{number}. {escape(part.heading)}</h2>"
+        yield f'<div class="read" lang="{escape(sheet.language)}" dir="auto">'
+        yield from (f'<p dir="auto">{escape(text.strip())}</p>' for text in part.texts)
+        if part.questions:
+            asked = (f'<li dir="auto">{escape(one)}</li>' for one in part.questions)
+            yield from ("<ul>", *asked, "</ul>")
+        yield "</div>\n</section>"
 
 
 def _together(numbered: tuple[int, Step]) -> object:
@@ -152,30 +159,37 @@ def _together(numbered: tuple[int, Step]) -> object:
     return place
 
 
-def _told(sheet: SessionSheet, step: Step) -> tuple[str, list[str]]:
-    """Heading of a step, and what the participant reads."""
-    design, language, words = sheet.design, sheet.language, sheet.words
-    match step:
+def _part(design: Design, language: str, steps: list[Step]) -> SheetPart:
+    """The part of some steps that belong together."""
+    words = words_in(language, design.page.words.get(language))
+    questions: list[str] = []
+    match step := steps[0]:
         case ConsentStep():
-            text = consent_text(design, language)
-            return "consent", [text, f"[{words['agree']}]  [{words['decline']}]"]
+            heading = "consent"
+            texts = [consent_text(design, language), f"[{words['agree']}]  [{words['decline']}]"]
         case InstructionStep():
-            return "instructions", [step.instruction.text[language]]
+            heading, texts = "instructions", [step.instruction.text[language]]
         case CalibrationStep():
-            return "the hand is measured over the Leap", [words["measure_hand"]]
+            heading, texts = "the hand is measured over the Leap", [words["measure_hand"]]
         case FormStep():
-            asked = counted(len(step.form.items), "question")
             about = ", ".join(f"{name} = {level}" for name, level in step.levels.items())
+            heading = f"{step.form.name}, {counted(len(step.form.items), 'question')}"
+            heading += f", about {about}" if about else ""
             note = words.get(f"wording_{step.form.wording.get(language)}", "")
-            return (
-                f"{step.form.name}, {asked}" + (f", about {about}" if about else ""),
-                [step.form.title.get(language, ""), note],
-            )
+            texts = [step.form.title.get(language, ""), note]
+            for item in step.form.items:
+                optional = f" [{words['optional']}]" if item.optional else ""
+                questions.append(question(item, language) + optional)
         case BreakStep():
-            return f"break of {step.least:g} s or longer", [words["rest"], words["rest_over"]]
+            heading = f"break of {step.least:g} s or longer"
+            texts = [words["rest"], words["rest_over"]]
         case TrialStep():
-            return "", _trial_texts(sheet, step)
-    raise AssertionError(f"no such step: {step.id}")
+            heading = _trials([trial for trial in steps if isinstance(trial, TrialStep)])
+            texts = _trial_texts(design, language, step)
+        case _:
+            raise AssertionError(f"no such step: {step.id}")
+    ids = tuple(each.id for each in steps)
+    return SheetPart(ids, heading, tuple(filter(None, texts)), tuple(questions))
 
 
 def _trials(trials: list[TrialStep]) -> str:
@@ -190,13 +204,8 @@ def _trials(trials: list[TrialStep]) -> str:
     return f"{kind}{several}: {levels}{where}"
 
 
-def _trial_texts(sheet: SessionSheet, trial: TrialStep) -> list[str]:
+def _trial_texts(design: Design, language: str, trial: TrialStep) -> list[str]:
     """What the page shows of a trial's task."""
-    from tasks.registry import find_task
-
-    page = sheet.design.page
     key = run_settings(trial.values, trial.seed).task
-    task = find_task(key)
-    title, goal = task_texts(page, key, task.name, summary(task), sheet.language, sheet.words)
-    shown = [text for name, text in (("task", title), ("goal", goal)) if name in page.shows]
-    return shown
+    words = words_in(language, design.page.words.get(language))
+    return [text for text in texts_by_design(design.page, key, language, words) if text]

@@ -5,12 +5,11 @@ from __future__ import annotations
 import shlex
 from collections.abc import Callable
 from dataclasses import asdict, replace
-from pathlib import Path
 from typing import Any, cast
 
 import numpy as np
 
-from models.errors import OtherPlanError, StudyError
+from models.errors import DifferentPlanError, StudyError
 from models.surface import Surface
 from sandbox.devices.device import Device, Sees
 from sandbox.devices.simulated import NEXT_PERSON
@@ -29,10 +28,9 @@ from sandbox.study.run.forms import SimulatedForms
 from sandbox.study.run.players import HeadlessPlayer
 from sandbox.study.run.runner import OpenDevices, SessionOutcome, SessionRunner
 from sandbox.study.run.simulated_user import simulated_user
-from sandbox.study.tables.tables import StudyTables
-from sandbox.trial.open_devices import DeviceMaker, DeviceMakers, shared_by_users
+from sandbox.study.tables.tables import make_tables
+from sandbox.trial.assembly import DeviceMaker, DeviceMakers, home, shared_by_users
 from sandbox.trial.settings import Settings
-from sandbox.trial.surfaces import home
 from tasks.task import Task
 from tasks.user import UserConfiguration
 
@@ -135,17 +133,24 @@ def run_simulated(
     number: int,
     say: Callable[[str], object],
     controls: Controls | None = None,
-    tables: StudyTables | None = None,
-    witness: Path | None = None,
+    tables: bool = True,
 ) -> SessionOutcome:
-    """Runs the remaining sessions of a participant, until one is not completed."""
+    """Runs the remaining sessions of a participant, until one is not completed.
+
+    Args:
+        study: The study.
+        number: Number of the participant, from 0.
+        say: Prints a line.
+        controls: Commands of the experimenter; None gives none.
+        tables: False leaves the tables to the caller.
+    """
     person = study.add(number, **simulated_person(study.design, number))
     outcome = SessionOutcome.COMPLETE
     for n in range(1, study.design.sessions + 1):
         with SessionFolder(study, person, n) as session:
             if session.state.complete:
                 # A design that has changed since may have more for it; it stays as it was.
-                bring_up_to_date(session, tables or StudyTables(study, say), say, witness=witness)
+                bring_up_to_date(session, say, tables)
                 continue
             forms = SimulatedForms((study.design.seed % 2**31 + number) ^ ((n - 1) << DAYS))
             outcome = SessionRunner(
@@ -155,8 +160,7 @@ def run_simulated(
                 forms,
                 controls or Controls(say),
                 say,
-                tables=tables,
-                witness=witness,
+                makes_tables=tables,
             ).run()
         if outcome is not SessionOutcome.COMPLETE:
             break
@@ -168,7 +172,6 @@ def simulate(
     participants: int,
     resume: bool,
     say: Callable[[str], object],
-    witness: Path | None = None,
 ) -> dict[str, int]:
     """Runs a study with a number of simulated participants, one after another.
 
@@ -177,10 +180,9 @@ def simulate(
         participants: Number of participants.
         resume: True continues with those who have begun.
         say: Prints a line.
-        witness: File to which the digests of journals are appended after every session.
 
     Returns:
-        See `StudyTables.update`.
+        See `make_tables`.
 
     Raises:
         StudyError: The study has participants already, and `resume` is False; or the design has
@@ -199,16 +201,12 @@ def simulate(
             got=study.design.name,
             remedy='Simulate a copy of the design with device = "leap" or "touch"',
         )
-    tables = StudyTables(study, say)
     people = study.participants()
     finished = {p.number for p in people if has_finished(study, p)}
-    if people:
-        # After a change of the design, tables follow it whatever becomes of the next session.
-        tables.update()
     for number in range(participants):
         try:
-            outcome: str = run_simulated(study, number, say, tables=tables, witness=witness)
-        except OtherPlanError as error:
+            outcome: str = run_simulated(study, number, say, tables=False)
+        except DifferentPlanError as error:
             outcome = f"left as it is: {error}"
         already = " already" if number in finished else ""
         say(f"participant {number + 1} of {participants}: {outcome}{already}")
@@ -218,4 +216,4 @@ def simulate(
             f"{shlex.join(['sandbox', 'study', 'report', str(study.path)])}. "
             f"For more people: --participants {len(finished) + 1} or more"
         )
-    return tables.update()
+    return make_tables(study, say)

@@ -20,7 +20,7 @@ from sandbox.server.protocol import (
 )
 from sandbox.server.screen import room
 from sandbox.server.web import WebDevice
-from sandbox.study.design.page_settings import PageSettings
+from sandbox.study.design.design import PageSettings
 from sandbox.study.run.players import PlayedAttempt, TrialPlayer, TrialRequest
 from sandbox.words.words import words_in
 
@@ -47,12 +47,14 @@ class StudyPage:
 
     Attributes:
         server: Server of the page.
+        whose: See above.
         texts: Texts of the page in the participant's language, by name.
         beside: Page of the second hand, for trials with two hands; None without one. It has no
             forms.
         device: Device of the running trial; None if it does not use the page.
         needed_in: Size of the touch rectangle that trials need, inches; None for any size.
         needed_lifts: True if a trial needs the lift control beside the touch rectangle, too.
+        record: Writes that the page came, went, came back or has another size, with its screen.
     """
 
     def __init__(
@@ -63,12 +65,15 @@ class StudyPage:
         own: dict[str, str] | None = None,
         whose: str = "the participant's page",
     ) -> None:
-        self.server, self.say, self._whose = server, say, whose
+        self.server, self.say, self.whose = server, say, whose
         self.texts = words_in(language, own)
         self.device: WebDevice | None = None
         self.beside: StudyPage | None = None
         self.needed_in: tuple[float, float] | None = None
         self.needed_lifts = False
+        self.record: Callable[..., object] = lambda **values: None
+        self._recorded: PageScreen | None = None
+        self._measured_at = -1
         self._screen: PageScreen | None = None
         self._small = self._went_on = False
         self._sheet = Sheet(0, "wait", "", self.texts["wait"], [], {}, 0.0)
@@ -90,6 +95,7 @@ class StudyPage:
         answers: dict[str, Given] | None = None,
         seconds: float = 0.0,
         note: str = "",
+        picture: str = "",
     ) -> None:
         """Shows a sheet to the participant, which replaces the previous one."""
         self._sheet = Sheet(
@@ -101,6 +107,7 @@ class StudyPage:
             dict(answers or {}),
             seconds,
             note,
+            picture,
         )
         self.server.show_sheet(self._sheet)
 
@@ -154,17 +161,42 @@ class StudyPage:
         if (silent > GONE) != self._gone:
             self._gone = silent > GONE
             if self._came and self._gone:
-                self.say(f"{self._whose} is gone; reload it, or open it again")
+                self.say(f"{self.whose} is gone; reload it, or open it again")
+                self._note_screen("gone")
             elif self._came:
-                self.say(f"{self._whose} is back")
+                self.say(f"{self.whose} is back")
+                self._note_screen("back")
         if silent <= GONE and not self._came:
             self._came = True
-            self.say(f"{self._whose} is open")
-        self._look_at_screen()
+            self.say(f"{self.whose} is open")
+            self._note_screen("open")
+        if self._came and self.server.screen != self._recorded:
+            self._note_screen("changed")
+        self._check_screen()
         if self.beside is not None:
             self.beside.check_connection()
 
-    def _look_at_screen(self) -> None:
+    def _note_screen(self, event: str) -> None:
+        """Records what became of the page, with its screen."""
+        screen = self._recorded = self.server.screen
+        about = {} if screen is None else msgspec.structs.asdict(screen)
+        about.pop("fit", None)
+        self.record(page=self.whose, event=event, **about, browser=self.server.browser)
+
+    @property
+    def is_unmeasured(self) -> bool:
+        """True if the size of this page's screen is a guess, and nobody has chosen to leave it."""
+        screen = self.server.screen
+        known = screen is None or screen.calibrated
+        return not known and self._measured_at != self.server.seated
+
+    def leave_guessed(self) -> None:
+        """Asks no more for the size of this screen if it is a guess; that of another device is
+        asked for again."""
+        if self.is_unmeasured:
+            self._measured_at = self.server.seated
+
+    def _check_screen(self) -> None:
         """Tells the experimenter before the first trial if the screen is too small for the trials,
         and when it no longer is.
 
@@ -180,13 +212,13 @@ class StudyPage:
         if self._small:
             known = "" if screen.calibrated else " (a guess, since it was not measured)"
             self.say(
-                f"the screen of {self._whose} is too small for the trials: it has "
+                f"the screen of {self.whose} is too small for the trials: it has "
                 f"{inches(screen)}{known}, and the design's touch rectangle "
-                f"{wanted[0]:g} x {wanted[1]:g} in{beside_lift(self.needed_lifts)}. "
+                f"{wanted[0]:g} x {wanted[1]:g} in{lift_size_note(self.needed_lifts)}. "
                 "Rotate it, use a larger one, or make the design's `surface` smaller"
             )
         elif before:
-            self.say(f"the screen of {self._whose} is large enough for the trials now")
+            self.say(f"the screen of {self.whose} is large enough for the trials now")
 
     def wait_until_open(self, poll: Callable[[], None]) -> None:
         """Waits until the page is open; `poll` is called meanwhile, and may raise an exception."""
@@ -197,7 +229,7 @@ class StudyPage:
             if not self._gone:
                 return
             if not announced:
-                self.say(f"waiting for {self._whose}")
+                self.say(f"waiting for {self.whose}")
                 announced = True
             time.sleep(TICK)
 
@@ -210,7 +242,7 @@ def is_too_small(screen: PageScreen, wanted: tuple[float, float], lifts: bool = 
     return any(r < w * (1.0 - SLACK) for r, w in zip(room(screen, lifts), wanted, strict=True))
 
 
-def beside_lift(lifts: bool) -> str:
+def lift_size_note(lifts: bool) -> str:
     """Words after a size that does not include the lift control; empty where there is none."""
     return f", and the lift control needs {LIFT_STRIP_PX:g} pixels of its width" if lifts else ""
 

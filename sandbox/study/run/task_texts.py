@@ -1,10 +1,11 @@
-"""Title and goal of a task, as a participant reads them."""
+"""Title, goal and hint of a task, as a participant reads them."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 
-from sandbox.study.design.page_settings import PageSettings
+from sandbox.server.frames import summary
+from sandbox.study.design.design import PageSettings
 
 
 def task_texts(
@@ -22,6 +23,28 @@ def task_texts(
     """
     title = page.names.get(key, {}).get(language, words.get(f"task_{name}", _readable(name)))
     return title, page.goals.get(key, {}).get(language, words.get(f"goal_{name}", goal))
+
+
+def task_hint(page: PageSettings, name: str, words: Mapping[str, str]) -> str:
+    """How a task is done, in the words of a language; empty unless the design shows hints.
+
+    Args:
+        page: Settings of trials on the page.
+        name: Name of the task.
+        words: Words of the page in this language, by key.
+    """
+    return words.get(f"how_{name}", words["how_any"]) if "hint" in page.shows else ""
+
+
+def texts_by_design(
+    page: PageSettings, key: str, language: str, words: Mapping[str, str]
+) -> tuple[str, str]:
+    """Title and goal of a task as `task_texts` has them, each empty if the design hides it."""
+    from tasks.registry import find_task
+
+    task = find_task(key)
+    title, goal = task_texts(page, key, task.name, summary(task), language, words)
+    return title if "task" in page.shows else "", goal if "goal" in page.shows else ""
 
 
 def _readable(task: str) -> str:

@@ -1,1 +1,1 @@
-"""Copies of a study (anonymous, Motion-BIDS, backup, merged), and withdrawal of participants."""
+"""Copies of a study (anonymous, merged), and withdrawal of participants."""

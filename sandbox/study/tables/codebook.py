@@ -1,31 +1,63 @@
-"""Columns of all tables of a study, and `codebook.csv`, which gives unit and meaning of each, and
-the role of primary outcomes."""
+"""Columns of all tables of a study, and `codebook.csv`, which gives type, unit and meaning of each,
+the role of primary outcomes, and titles, scales and limits of measures."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from math import isinf
+from types import MappingProxyType
 
 from sandbox.study.design.balance import cycle_line
 from sandbox.study.design.design import Design, Form
-from sandbox.study.measures.kept import ORDERS, WORDING
-from sandbox.study.measures.measure import PRIMARY
-from sandbox.study.tables.column import NO_EARLIER, Column, Earlier, csv_bytes
-from sandbox.study.tables.frame_columns import FRAMES, TOUCHES
-from sandbox.study.tables.participant_table import participant_columns
-from sandbox.study.tables.questionnaire_tables import answer_columns, score_columns
-from sandbox.study.tables.trial_table import trial_columns
+from sandbox.study.measures.measures import Measure, find_measure
+from sandbox.study.tables.column import (
+    CLOCK_STEPS,
+    FACTOR,
+    ORDERS,
+    PRIMARY,
+    STUDY,
+    WORDING,
+    Column,
+    Row,
+    csv_bytes,
+)
+from sandbox.study.tables.frames import FRAMES
+from sandbox.study.tables.rows import (
+    EVENT,
+    answer_columns,
+    participant_columns,
+    score_columns,
+)
+from sandbox.study.tables.trial_table import PLACE, trial_columns
 
+COLUMNS = (
+    *("table", "column", "type", "unit", "meaning", "role"),
+    *("title", "better", "scale", "low", "high"),
+)
+"""Columns of the codebook; the last five are about measures that a report shows."""
+INTEGERS = (
+    *("session", "trial", "block", "trial_in_block", "position", "respawned", "states"),
+    *("number", "attempt", "repetition", "place", "items_missing", "seed", "step"),
+    *("sessions_done", "trials_done", "trials_planned"),
+)
+NUMBERS = ("hand_size", "score", "score_low", "score_high")
+"""Columns of numbers without a unit."""
+ITEM_TYPES = {"text": "text", "choice": "factor", "scale": "number", "number": "number"}
+"""Type of the answers to an item, by its kind."""
 TOLD = {"paraphrase": "a paraphrase", "translation": "a translation that nobody has validated"}
 """Wordings that readers have to know of, in their words."""
 
 
-def columns_by_table(design: Design, earlier: Earlier = NO_EARLIER) -> dict[str, list[Column]]:
-    """Columns of the tables that exist for each session and for the whole study."""
+def columns_by_table(
+    design: Design, rows: Mapping[str, Sequence[Row]] = MappingProxyType({})
+) -> dict[str, list[Column]]:
+    """All columns of the tables, by table, also those of an earlier design that its rows have."""
     return {
-        "trial_results.csv": trial_columns(design, earlier),
-        "questionnaires.csv": answer_columns(design, earlier),
-        "questionnaire_scores.csv": score_columns(design, earlier),
-        "participants.csv": participant_columns(design, earlier),
+        "trials.csv": trial_columns(design, rows.get("trials.csv", ())),
+        "answers.csv": answer_columns(design, rows.get("answers.csv", ())),
+        "scores.csv": score_columns(design, rows.get("scores.csv", ())),
+        "participants.csv": participant_columns(design, rows.get("participants.csv", ())),
+        "events.csv": list(EVENT),
     }
 
 
@@ -35,50 +67,95 @@ def _wording(form: Form) -> str:
     return f"not the published wording, but {', '.join(told)}" if told else ""
 
 
-def codebook(design: Design, earlier: Earlier = NO_EARLIER) -> bytes:
-    """Content of `codebook.csv`."""
-    tables: dict[str, Sequence[Column]] = {
-        **columns_by_table(design, earlier),
-        "trackers/frames_*": FRAMES,
-        "trackers/touches_*": TOUCHES,
-    }
+def codebook(
+    design: Design,
+    tables: Mapping[str, Sequence[Column]],
+    names: Mapping[str, str] = MappingProxyType({}),
+    study: Mapping[str, str] = MappingProxyType({}),
+) -> bytes:
+    """Content of `codebook.csv`.
+
+    Args:
+        design: Design of the study.
+        tables: Columns of the tables as they were written, by table.
+        names: Other names of columns, as they were written.
+        study: Facts about the study, by name.
+    """
     language = design.languages[0]
-    items = [
-        Column(f"item {form.name}/{item.name}", "", item.ask[language])
-        for form in design.questionnaires
-        for item in form.items
-    ]
-    wordings = [
+    about: dict[str, list[Column]] = {name: list(columns) for name, columns in tables.items()}
+    about["trials/*.frames.csv.gz"] = list(FRAMES)
+    kinds = {("participants.csv", item.name): ITEM_TYPES[item.kind] for item in design.demographics}
+    for form in design.questionnaires:
+        for item in form.items:
+            name = f"item {form.name}/{item.name}"
+            kinds["answers.csv", name] = ITEM_TYPES[item.kind]
+            about["answers.csv"].append(Column(name, "", item.ask[language]))
+    about["answers.csv"] += [
         Column(f"{WORDING}{form.name}", "", told)
         for form in design.questionnaires
         if (told := _wording(form))
     ]
-    tables["questionnaires.csv"] = [*tables["questionnaires.csv"], *items, *wordings]
     # The first scale of a questionnaire is its score.
     scored = {
         f"score {f.name}/{f.scales[0].name}": f.name for f in design.questionnaires if f.scales
     }
-    scores = [Column(name, "", f"the score of {form}") for name, form in scored.items()]
-    tables["questionnaire_scores.csv"] = [*tables["questionnaire_scores.csv"], *scores]
+    about["scores.csv"] += [
+        Column(name, "", f"the score of {form}") for name, form in scored.items()
+    ]
     primary = {
-        *(("trial_results.csv", name) for name in design.primary),
-        *(
-            ("questionnaire_scores.csv", name)
-            for name, form in scored.items()
-            if form in design.primary
-        ),
+        *(("trials.csv", name) for name in design.primary),
+        *(("scores.csv", name) for name, form in scored.items() if form in design.primary),
     }
-    orders = Column(ORDERS, "", cycle_line(design))
-    tables["trial_results.csv"] = [*tables["trial_results.csv"], orders]
+    about["trials.csv"].append(Column(ORDERS, "", cycle_line(design)))
+    own = design.own_measure
     rows = [
         {
             "table": table,
-            "column": c.name,
+            "column": names.get(c.name, c.name) if table in tables else c.name,
+            "type": kinds.get((table, c.name)) or type_of(c, find_measure(c.name, own)),
             "unit": c.unit,
             "meaning": c.meaning,
             "role": PRIMARY if (table, c.name) in primary else "",
+            **(_measured(find_measure(c.name, own)) if table == "trials.csv" else {}),
         }
-        for table, columns in tables.items()
+        for table, columns in about.items()
         for c in columns
     ]
-    return csv_bytes(rows, ["table", "column", "unit", "meaning", "role"])
+    facts = [
+        {"table": STUDY, "column": name, "type": "text", "meaning": fact}
+        for name, fact in study.items()
+    ]
+    return csv_bytes([*facts, *rows], COLUMNS)
+
+
+def _measured(measure: Measure | None) -> Row:
+    """Cells about a measure that a report shows; none for other columns."""
+    if measure is None or measure.words or not measure.in_report:
+        return {}
+    low, high = (None if isinf(end) else end for end in measure.limits)
+    return {
+        "title": measure.title,
+        "better": measure.better,
+        "scale": measure.scale,
+        "low": low,
+        "high": high,
+    }
+
+
+def type_of(column: Column, measure: Measure | None = None) -> str:
+    """Type of a column's cells: number, integer, logical (0 and 1), factor or text.
+
+    Args:
+        column: The column.
+        measure: The measure of its name, if there is one.
+    """
+    if column.name.startswith(FACTOR):
+        return "factor"
+    if column.name == CLOCK_STEPS:
+        return "text"
+    if column.unit == "0/1":
+        return "logical"
+    if column.name in INTEGERS or column.name.startswith(PLACE):
+        return "integer"
+    numeric = column.unit or (measure is not None and not measure.words) or column.name in NUMBERS
+    return "number" if numeric else "text"

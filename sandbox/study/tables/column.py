@@ -5,32 +5,45 @@ from __future__ import annotations
 import csv
 import io
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from types import MappingProxyType
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from sandbox.study.design.design import LISTED, Design
+if TYPE_CHECKING:
+    # A report, which reads tables and nothing else, gets their names from here.
+    from sandbox.study.design.design import Design
 
 Row = dict[str, Any]
+TABLES = "tables"
+"""Folder of a study with its tables."""
 FACTOR = "factor_"
 """Prefix of the names of columns with levels."""
-
-
-@dataclass(frozen=True)
-class Earlier:
-    """What rows have from an earlier design and their design has not, as after `--force-upgrade`.
-
-    Attributes:
-        factors: Levels of factors in order of appearance, by name of the column.
-        questions: Questions about the person.
-    """
-
-    factors: Mapping[str, tuple[str, ...]] = field(default_factory=lambda: MappingProxyType({}))
-    questions: tuple[str, ...] = ()
-
-
-NO_EARLIER = Earlier()
-"""What the rows of one design have."""
+UXF_NAMES = {
+    "study": "experiment",
+    "participant": "ppid",
+    "session": "session_num",
+    "trial": "trial_num",
+    "block": "block_num",
+    "trial_in_block": "trial_num_in_block",
+    "started_s": "start_time",
+    "ended_s": "end_time",
+}
+"""Names of columns in UXF (Unity Experiment Framework), by ours."""
+ORDERS = "orders of the design"
+"""Row of the codebook that says how many participants a full cycle of orders takes."""
+WORDING = "wording of "
+"""Begin of the rows of the codebook about questionnaires that have not the published wording."""
+PRIMARY = "primary"
+"""Role of a confirmatory outcome in the codebook."""
+STUDY = "study"
+"""In the place of a table's name: rows of the codebook that are about the study."""
+EXPERIMENT, MODE, WITHDRAWALS, CHANGE = "experiment", "mode", "withdrawals", "change "
+"""Such rows: its name, its kind of data, how many people withdrew, and the begin of the names of
+those on changes after somebody had taken part."""
+CLOCK_STEPS = "clock_steps"
+"""Column of `participants.csv` with the steps of the wall clock."""
+LISTED = ", "
+"""Separator of levels in the codebook."""
 
 
 @dataclass(frozen=True)
@@ -48,40 +61,26 @@ class Column:
     meaning: str
 
 
-def factor_columns(design: Design, earlier: Earlier = NO_EARLIER) -> list[Column]:
-    """Columns of the factors of a design, and then those of earlier designs."""
+def factor_columns(design: Design, rows: Iterable[Row] = ()) -> list[Column]:
+    """Columns of the factors of a design, and then those that rows have from an earlier design, as
+    after `--force-upgrade`."""
+    columns = [
+        Column(FACTOR + f.name, "", "level: " + LISTED.join(x.name for x in f.levels))
+        for f in design.factors
+    ]
+    now = names_of(columns)
+    earlier: dict[str, dict[str, None]] = {}
+    for row in rows:
+        for name, level in row.items():
+            if name.startswith(FACTOR) and name not in now:
+                earlier.setdefault(name, {})[level] = None
     return [
-        *(
-            Column(FACTOR + f.name, "", "level: " + LISTED.join(x.name for x in f.levels))
-            for f in design.factors
-        ),
+        *columns,
         *(
             Column(name, "", "level in an earlier design, empty since then: " + LISTED.join(levels))
-            for name, levels in earlier.factors.items()
+            for name, levels in earlier.items()
         ),
     ]
-
-
-def earlier_factors(design: Design, rows: Iterable[Row]) -> Earlier:
-    """Factors that rows have and a design has not."""
-    own = {FACTOR + factor.name for factor in design.factors}
-    return united(
-        Earlier({name: (level,)})
-        for row in rows
-        for name, level in row.items()
-        if name.startswith(FACTOR) and name not in own
-    )
-
-
-def united(some: Iterable[Earlier]) -> Earlier:
-    """What any of several have."""
-    levels: dict[str, dict[str, None]] = {}
-    questions: dict[str, None] = {}
-    for one in some:
-        for name, names in one.factors.items():
-            levels.setdefault(name, {}).update(dict.fromkeys(names))
-        questions.update(dict.fromkeys(one.questions))
-    return Earlier({name: tuple(names) for name, names in levels.items()}, tuple(questions))
 
 
 def names_of(columns: Iterable[Column]) -> list[str]:
@@ -89,21 +88,27 @@ def names_of(columns: Iterable[Column]) -> list[str]:
     return [column.name for column in columns]
 
 
-def csv_bytes(rows: Iterable[Row], columns: Sequence[str]) -> bytes:
+def csv_bytes(
+    rows: Iterable[Row], columns: Sequence[str], names: Mapping[str, str] = MappingProxyType({})
+) -> bytes:
     """A table as CSV: UTF-8, separated by commas, with decimal points, 1 and 0 for yes and no, and
-    empty cells for missing values."""
-    return _lines([columns]) + csv_rows(rows, columns)
+    empty cells for missing values.
 
-
-def csv_rows(rows: Iterable[Row], columns: Sequence[str]) -> bytes:
-    """Rows as CSV, without the header line."""
-    return _lines([_cell(row.get(name)) for name in columns] for row in rows)
-
-
-def _lines(rows: Iterable[Sequence[Any]]) -> bytes:
+    Args:
+        rows: The rows.
+        columns: Names of the columns in the rows.
+        names: Other names of columns in the header line.
+    """
     text = io.StringIO()
-    csv.writer(text, lineterminator="\n").writerows(rows)
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(names.get(name, name) for name in columns)
+    writer.writerows([_cell(row.get(name)) for name in columns] for row in rows)
     return text.getvalue().encode()
+
+
+def is_empty(value: Any) -> bool:
+    """True if the cell of a value is empty."""
+    return value is None or value == ""
 
 
 def _cell(value: Any) -> Any:

@@ -1,35 +1,32 @@
-"""The 60 Hz tables of a trial: commanded pose, labels, touches and objects, as CSV and Parquet.
+"""The frames of a trial, every 16 ms: commanded pose, labels, objects and contacts, as CSV.
 
-They are built while the trial runs, and from its recording if they are missing later.
+They are collected while the trial runs, written once after its end, and made from its recording by
+a replay where they are missing.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass
-from importlib.util import find_spec
+import csv
+import gzip
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from concurrent.futures import Future, ThreadPoolExecutor
+from io import StringIO
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from models.errors import RecordingError
+from models.errors import RecordingError, StudyError
 from models.frames import FINGERS, TouchFrame
 from models.objects import Box, Symmetric
 from models.pose import POSE_SIZE
 from models.rotations import matrix_to_quaternion
-from models.skeleton import ADULT
 from sandbox.recording.recording import load_recording
-from sandbox.study.measures.columns import SECOND, Columns
-from sandbox.study.measures.object_contacts import ContactReader, ContactSample, ObjectPushes
+from sandbox.study.measures.arrays import POSE_COLUMNS, SECOND, TrialArrays, texts_of
 from sandbox.study.record.files import write_atomically
-from sandbox.study.tables.frame_columns import frame_column
-from sandbox.study.tables.measures_file import (
-    keep_measures,
-    measures_are_complete,
-    measures_were_kept,
-    write_measures,
-)
+from sandbox.study.record.trial_files import frames_of, pack
+from sandbox.study.tables.column import Column
+from sandbox.study.tables.contacts import ContactReader, ContactSample, ObjectPushes
 from sandbox.trial.result import TrialResult
 from tasks.task import flat_yaw
 
@@ -38,24 +35,111 @@ if TYPE_CHECKING:
     from sandbox.session.messages import ObjectView, Snapshot
     from sandbox.session.session import Session
     from sandbox.trial.driver import View
+    from sandbox.trial.replay import Verification
     from tasks.task import Goal
 
 SAME_MACHINE = "the program or the recording's settings (MuJoCo, architecture and libm are equal)"
 """What differs if states differ where equal states are promised."""
-POSE_COLUMNS = tuple(
-    f"q_{name}_{axis}"
-    for name in ("position", "rotation", *(b.name for b in ADULT.bones))
-    for axis in "xyz"
+
+FRAMES = (
+    Column("time_s", "s", "simulated time since the trial's start"),
+    Column("step", "", "physics steps since the trial's start"),
+    Column("phase", "", "phase of the hand, such as hovering or down"),
+    Column("solid", "", "fingers that collide with objects, as letters t i m r l"),
+    Column(
+        "q_*",
+        "m, rad",
+        "commanded pose in the world: root position, root rotation "
+        "vector, then a rotation vector for each of 14 joints",
+    ),
+    Column("touch_*", "", "id of the contact with this finger label; empty if there is none"),
+    Column(
+        "true_*",
+        "",
+        "id of the contact that this finger really makes; empty if neither simulated user nor "
+        "device tells",
+    ),
+    Column("hand2_phase", "", "phase of the second hand; only in trials with two hands"),
+    Column("hand2_solid", "", "same as solid, for the second hand"),
+    Column("hand2_q_*", "m, rad", "same as q_*, for the second hand"),
+    Column("hand2_touch_*", "", "same as touch_*, for the second hand"),
+    Column("hand2_true_*", "", "same as true_*, for the second hand"),
+    Column(
+        "OBJECT_*",
+        "m, 1",
+        "position of the object in the world, and its rotation as a quaternion w x y z",
+    ),
+    Column(
+        "OBJECT_hinge_rad",
+        "rad",
+        "position of the hinge of a mechanism's part; turns are counted on beyond a whole one",
+    ),
+    Column("OBJECT_slide_m", "m", "position of the slide of a mechanism's part"),
+    Column(
+        "OBJECT_digits",
+        "",
+        "digits that push the object: letters t i m r l, and p for the palm; capital letters for a "
+        "second hand; unknown if grip_N is empty",
+    ),
+    Column("OBJECT_grip_N", "N", "sum of the normal forces of all hands on the object"),
+    Column("OBJECT_by", "", "other things that push the object: the table, names of objects"),
+    Column(
+        "OBJECT_on",
+        "",
+        "those of OBJECT_by that bear the object: each pushes up 60 percent of its weight or more",
+    ),
+    Column("OBJECT_goal_*", "m", "position of the goal of the object's centre"),
+    Column(
+        "OBJECT_off_rad",
+        "rad",
+        "angle about the vertical from the goal to the object; for a symmetric object, the "
+        "smallest of the equivalent angles",
+    ),
 )
-"""Columns of the 48 numbers of a pose, in the order of the pose."""
+"""Columns of the frames."""
+_PARTS = {
+    "q_*": POSE_COLUMNS,
+    "touch_*": tuple(f"touch_{name}" for name in FINGERS),
+    "true_*": tuple(f"true_{name}" for name in FINGERS),
+    "OBJECT_*": tuple(f"OBJECT_{part}" for part in (*"xyz", "qw", "qx", "qy", "qz")),
+    "OBJECT_goal_*": tuple(f"OBJECT_goal_{part}" for part in "xyz"),
+}
+"""Columns that a column of `FRAMES` stands for, where it stands for several."""
+
+
+def declared_columns(names: Collection[str]) -> list[str]:
+    """Those of the columns of a file that `FRAMES` declares, in order.
+
+    Args:
+        names: Columns of a file; each object of the trial is one that has a rotation.
+    """
+    objects = [name.removesuffix("_qw") for name in names if name.endswith("_qw")]
+    known = set()
+    for column in FRAMES:
+        second = SECOND if column.name.startswith(SECOND) else ""
+        base = column.name.removeprefix(second)
+        for name in _PARTS.get(base, (base,)):
+            of = objects if name.startswith("OBJECT_") else [""]
+            known |= {second + name.replace("OBJECT", item, 1) for item in of}
+    return [name for name in names if name in known]
+
+
+def frames_bytes(columns: Iterable[str], rows: Iterable[Sequence[str]]) -> bytes:
+    """The file of frames, compressed: the same cells give the same bytes."""
+    out = StringIO(newline="")
+    # Names of objects are in names of columns, and may have commas.
+    writer = csv.writer(out, lineterminator="\n")
+    writer.writerow(columns)
+    writer.writerows(rows)
+    return gzip.compress(out.getvalue().encode(), compresslevel=5, mtime=0)
 
 
 class FrameTable:
-    """A view that collects the snapshots of a trial and writes its 60 Hz tables and measures.
+    """A view that collects the snapshots of a trial and writes its frames.
 
     Attributes:
-        truths: True finger by id of the contact, for each hand; empty if unknown.
-        truth_by: Source of the true fingers; empty if they are unknown.
+        truths: True finger by id of the contact, for each hand, of a simulated user; labels that
+            devices report are used where these are empty.
     """
 
     def __init__(self) -> None:
@@ -65,7 +149,6 @@ class FrameTable:
         self._session: Session | None = None
         self._reader: ContactReader | None = None
         self.truths: list[dict[int, int]] = []
-        self.truth_by = ""
 
     @property
     def first_contact(self) -> float | None:
@@ -89,39 +172,15 @@ class FrameTable:
         """Discards the contacts with objects, if the simulation differs from the recorded poses."""
         self._contacts = []
 
-    def write(self, folder: Path, stem: str, result: TrialResult | None = None) -> list[str]:
-        """Writes the tables and measures of a trial.
+    def data(self) -> bytes:
+        """The file of the frames, compressed CSV, which R and pandas can read directly."""
+        columns = {name: texts_of(values) for name, values in self.columns().items()}
+        return frames_bytes(columns, zip(*columns.values(), strict=True))
 
-        Args:
-            folder: Folder of the tables.
-            stem: Name of the trial's recording without suffix.
-            result: Result at the end of the recording; None writes no measures.
-
-        Returns:
-            A line for every failed measure.
-
-        Raises:
-            StudyError: A file cannot be written.
-        """
-        if not any(self.truths):
-            self._use_labels_of_devices()
-        frames = self._frames()
-        if find_spec("pyarrow"):
-            write_atomically(folder / f"frames_{stem}.parquet", _parquet(frames), durable=False)
-        columns = Columns.of(frames)
-        notices = []
-        if result is not None:
-            notices = write_measures(folder, stem, columns, result, self.truth_by)
-        touches = Columns.of(self._touches())
-        for name, table in (
-            (f"touches_{stem}.csv.gz", touches),
-            (f"frames_{stem}.csv.gz", columns),
-        ):
-            write_atomically(folder / name, table.csv(), durable=False)
-        return notices
-
-    def _use_labels_of_devices(self) -> None:
-        """Uses the finger labels that devices report as the true fingers."""
+    def _true_fingers(self) -> list[dict[int, int]]:
+        """True finger by id of the contact, for each hand, also from labels of devices."""
+        if any(self.truths):
+            return self.truths
         labels = [
             {
                 contact.id: contact.label
@@ -131,19 +190,18 @@ class FrameTable:
             }
             for frames in zip(*self._inputs, strict=True)
         ]
-        if any(labels):
-            self.truths, self.truth_by = labels, "device"
+        return labels
 
-    def _frames(self) -> dict[str, Any]:
+    def columns(self) -> dict[str, Any]:
         """Columns of the table of frames, by name: one row for every snapshot."""
-        shots = self._snapshots
+        shots, truths = self._snapshots, self._true_fingers()
         columns: dict[str, Any] = {
             "time_s": [s.time for s in shots],
             "step": [s.step for s in shots],
-            **self._hand(0, ""),
+            **self._hand(0, "", truths),
         }
         if shots and len(shots[0].hands) > 1:
-            columns |= self._hand(1, SECOND)
+            columns |= self._hand(1, SECOND, truths)
         for name in shots[0].objects if shots else ():
             views = [s.objects[name] for s in shots]
             positions = np.array([view.position for view in views])
@@ -152,10 +210,10 @@ class FrameTable:
             columns |= {f"{name}_q{part}": rotations[:, i] for i, part in enumerate("wxyz")}
         return columns | self._joints() | self._pushes() | self._goals()
 
-    def _hand(self, hand: int, prefix: str) -> dict[str, Any]:
+    def _hand(self, hand: int, prefix: str, truths: list[dict[int, int]]) -> dict[str, Any]:
         """Columns of one hand."""
         views = [s.hands[hand] for s in self._snapshots]
-        truth = self.truths[hand] if hand < len(self.truths) else {}
+        truth = truths[hand] if hand < len(truths) else {}
         poses = np.array([view.target for view in views]).reshape(-1, POSE_SIZE)
         labelled = [{c.label: c.id for c in view.contacts} for view in views]
         true = [{truth.get(c.id): c.id for c in view.contacts} for view in views]
@@ -220,26 +278,6 @@ class FrameTable:
                 symmetries[item.name] = 4 if abs(a - b) < 1e-9 else 2
         return symmetries
 
-    def _touches(self) -> dict[str, Any]:
-        """Columns of the table of touches, by name: one row for every contact of every snapshot."""
-        rows = [
-            (
-                s.time,
-                c.id,
-                *map(float, c.position),
-                "" if c.label is None else FINGERS[c.label],
-                c.state,
-                number,
-            )
-            for s in self._snapshots
-            for number, hand in enumerate(s.hands, start=1)
-            for c in hand.contacts
-        ]
-        names = ["time_s", "contact", "x", "y", "z", "finger", "state"]
-        if self._snapshots and len(self._snapshots[0].hands) > 1:
-            names.append("hand")
-        return {name: [row[i] for row in rows] for i, name in enumerate(names)}
-
 
 def yaw_error(view: ObjectView, goal: Goal, symmetry: int) -> float:
     """Angle about the vertical from a goal to an object, rad, to the nearest equivalent angle.
@@ -261,107 +299,109 @@ def _yaw(rotation: Any) -> float:
     return float(np.arctan2(rotation[1, 0], rotation[0, 0]))
 
 
-def tables_are_missing(folder: Path, stem: str) -> bool:
-    """Returns True if the tables of a trial must be built from its recording."""
-    # The CSV of the frames is written last.
-    lacks = not (folder / f"frames_{stem}.csv.gz").exists()
-    return (
-        lacks
-        or not measures_are_complete(folder, stem)
-        or (find_spec("pyarrow") is not None and not (folder / f"frames_{stem}.parquet").exists())
-    )
+class FrameWriter:
+    """Writes the frames of trials one after another, and compresses their recordings, while the
+    participant goes on."""
+
+    def __init__(self) -> None:
+        self._thread = ThreadPoolExecutor(max_workers=1, thread_name_prefix="frames")
+        self._written: list[Future[Any]] = []
+
+    def write(self, table: FrameTable, recording: Path) -> None:
+        """Begins to write the frames of a finished trial, and to compress its recording.
+
+        Args:
+            table: The frames, to which nothing is added any more.
+            recording: Path of its recording, whose end is recorded.
+        """
+        self._written.append(self._thread.submit(_write, table, recording))
+        self._written.append(self._thread.submit(pack, recording))
+
+    def finish(self) -> Iterator[str]:
+        """Waits until all are written; yields a line for every file that could not be."""
+        while self._written:
+            try:
+                self._written.pop(0).result()
+            except StudyError as error:
+                yield str(error)
 
 
-@dataclass(frozen=True)
-class Rebuilt:
-    """Result of building the tables of a trial again.
+def read_frames(recording: Path) -> TrialArrays | None:
+    """The frames of a trial; None if the file is missing or damaged.
 
-    Attributes:
-        notices: A line for every failed measure.
-        differs: What differs here, if the replayed states were not the recorded ones; empty if they
-            were, or if nothing was to be built.
-        built: True if something was to be built.
+    Args:
+        recording: Path of the trial's recording.
     """
+    try:
+        return TrialArrays.read(frames_of(recording).read_bytes())
+    except (OSError, EOFError, ValueError, csv.Error):
+        return None
 
-    notices: tuple[str, ...] = ()
-    differs: str = ""
-    built: bool = True
 
+def make_frames(recording: Path) -> str:
+    """Writes the frames of a trial by replaying its recording.
 
-def complete_tables(recording: Path, folder: Path, anew: bool = False) -> Rebuilt:
-    """Builds the tables and measures of a trial that are missing; see `rebuild_tables`.
-
-    Nothing is replayed where all are there, or where a replay here has differed before.
+    Where the replay does not give the recorded states, they are made of the recorded poses, and
+    what pushes the objects is unknown; where it cannot begin, there are none.
 
     Args:
         recording: Recording of a finished trial.
-        folder: Folder of the tables.
-        anew: True builds them even if all are there.
-    """
-    stem = recording.stem
-    if measures_were_kept(folder, stem):
-        return Rebuilt(built=anew)
-    if not anew and not tables_are_missing(folder, stem):
-        return Rebuilt(built=False)
-    return rebuild_tables(recording, folder)
 
-
-def rebuild_tables(recording: Path, folder: Path) -> Rebuilt:
-    """Builds the tables and measures of a trial by replaying its recording.
-
-    Everything is written anew where the replay gives every recorded state. Elsewhere tables and
-    measures that are there stay. A missing measure is empty, with the reason; a missing 60 Hz table
-    is built from the recorded poses, without contacts.
-
-    Args:
-        recording: Recording of a finished trial.
-        folder: Folder of the tables.
+    Returns:
+        What differs here, if the replayed states are not the recorded ones; empty if they are.
 
     Raises:
-        StudyError: A file cannot be written.
+        StudyError: The file cannot be written.
     """
+    try:
+        verification, table = _replayed(recording)
+    except RecordingError as error:
+        # Not where it lies: names of folders may be names of people, and tables are shared.
+        return error.what if error.got is None else f"{error.what} (got {error.got})"
+    differs = ""
+    if not (verification.exact and verification.complete):
+        reasons = (verification.task_change, *verification.differs_in)
+        differs = "; ".join(filter(None, reasons)) or SAME_MACHINE
+        if not verification.shown_recorded:
+            return differs
+        table.forget_contacts()
+    _write(table, recording)
+    return differs
+
+
+def frames_again(recording: Path) -> tuple[Verification, bytes | None]:
+    """Replays a recording, and makes its frames again.
+
+    Args:
+        recording: Recording of a finished trial.
+
+    Returns:
+        How the states compare, and the file of the frames; None where the states are others.
+
+    Raises:
+        RecordingError: The recording cannot be replayed.
+    """
+    verification, table = _replayed(recording)
+    same = verification.exact and verification.complete
+    return verification, table.data() if same else None
+
+
+def _replayed(recording: Path) -> tuple[Verification, FrameTable]:
+    """Replays a recording, and collects its frames."""
     from sandbox.trial.replay import replay
 
-    table, stem = FrameTable(), recording.stem
+    table, loaded = FrameTable(), load_recording(recording)
 
     def views(session: Session) -> list[View]:
         table.watch(session)
         return [table.show]
 
-    try:
-        loaded = load_recording(recording)
-        _, verification = replay(loaded, views)
-    except RecordingError as error:
-        # Not where it lies: names of folders may be names of people, and tables are shared.
-        differs = error.what if error.got is None else f"{error.what} (got {error.got})"
-        keep_measures(folder, stem, differs, compared=False)
-        return Rebuilt(differs=differs)
-    end = loaded.end
-    result = TrialResult.from_json(end["result"], str(recording)) if end else None
-    if result is not None:
+    _, verification = replay(loaded, views)
+    if loaded.end is not None:
+        result = TrialResult.from_json(loaded.end["result"], str(recording))
         table.truths = [dict(result.fingers or ()), dict(result.second_fingers or ())]
-        table.truth_by = result.fingers_by or ""
-    if verification.exact and verification.complete:
-        return Rebuilt(tuple(table.write(folder, stem, result)))
-    reasons = (verification.task_change, *verification.differs_in)
-    differs = "; ".join(filter(None, reasons)) or SAME_MACHINE
-    if verification.shown_recorded and not (folder / f"frames_{stem}.csv.gz").exists():
-        table.forget_contacts()
-        table.write(folder, stem)
-    keep_measures(folder, stem, differs, compared=True)
-    return Rebuilt(differs=differs)
+    return verification, table
 
 
-def _parquet(table: dict[str, Any]) -> bytes:
-    import pyarrow as pa
-    from pyarrow import parquet
-
-    columns = {
-        name: pa.array(values.astype(np.float32))
-        if isinstance(values, np.ndarray)
-        else pa.array(values, type=pa.type_for_alias(frame_column(name).type))
-        for name, values in table.items()
-    }
-    sink = pa.BufferOutputStream()
-    parquet.write_table(pa.table(columns), sink, compression="zstd")
-    return bytes(sink.getvalue())
+def _write(table: FrameTable, recording: Path) -> None:
+    write_atomically(frames_of(recording), table.data())

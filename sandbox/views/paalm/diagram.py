@@ -16,7 +16,7 @@ from PIL import Image, ImageDraw, ImageFont
 
 from encoders.paalm.calibration import measure, pointing
 from encoders.paalm.paalm import PaalmHand
-from models.arithmetic.arrays import Array
+from models.arithmetic import Array
 from models.frames import FINGERS, HandFrame, TrackedHand
 from sandbox.views import palette
 from sandbox.views.palette import Colour
@@ -76,7 +76,7 @@ class HandMemory:
     def __init__(self) -> None:
         self._last: dict[tuple[str, int], tuple[Array, Array]] = {}
 
-    def look(self, frame: HandFrame, hands: Mapping[str, PaalmHand]) -> list[HandPicture]:
+    def update(self, frame: HandFrame, hands: Mapping[str, PaalmHand]) -> list[HandPicture]:
         """The drawn parts of a frame's hands, from PAALM's result."""
         return [self._hand(frame, side, hand) for side, hand in hands.items()]
 

@@ -10,7 +10,7 @@ from PIL import Image, ImageDraw, ImageFont
 
 from encoders.paalm.hand_pose import hand_pose
 from encoders.paalm.paalm import PaalmFrame, PaalmHand
-from models.arithmetic.arrays import Array
+from models.arithmetic import Array
 from models.frames import FINGERS, HandFrame
 from models.hand import Hand
 from models.kinematics import Kinematics
@@ -19,13 +19,12 @@ from models.scene import Scene, SceneSpec
 from models.skeleton import ADULT
 from models.surface import Surface
 from sandbox.devices.device import Closeable
-from sandbox.session.messages import DrawnScene, HandView, Snapshot
+from sandbox.session.messages import HandView, Snapshot
 from sandbox.views import palette
 from sandbox.views.graphics import GLContext
 from sandbox.views.lens import Lens
 from sandbox.views.paalm.diagram import GROUND, HandMemory, HandPicture, diagram
 from sandbox.views.renderer import Renderer
-from tasks.score import Score
 
 SIZE = (1100, 620)
 """px, default size."""
@@ -79,15 +78,15 @@ class PaalmPicture(Closeable):
             self._scene, surface, self._half(), camera=self._camera, context=context
         )
 
-    def look(self, frame: HandFrame, result: PaalmFrame) -> list[HandPicture]:
+    def update(self, frame: HandFrame, result: PaalmFrame) -> list[HandPicture]:
         """Processes a frame that is not drawn, to keep the places of its fingers."""
         known = {s: result.hands[s] for s in self.sides if s in result.hands}
-        return self._memory.look(frame, known)
+        return self._memory.update(frame, known)
 
     def draw(self, frame: HandFrame, result: PaalmFrame) -> Image.Image:
         """The RGB picture of a frame."""
         known = {s: result.hands[s] for s in self.sides if s in result.hands}
-        pictures = self.look(frame, result)
+        pictures = self.update(frame, result)
         whole = Image.new("RGB", self.size, palette.bytes_of(GROUND)[:3])
         half = self._half()
         whole.paste(diagram(pictures, half, AZIMUTH, ELEVATION), (0, 0))
@@ -134,7 +133,7 @@ class PaalmPicture(Closeable):
             solid = frozenset(range(len(FINGERS))) if seen else frozenset[int]()
             views.append(HandView(pose, tips, solid, "down", ()))
         self._camera.lookat[:] = np.mean(palms, axis=0)
-        snapshot = Snapshot(time, 0, self._qpos.copy(), DrawnScene(tuple(views)), Score())
+        snapshot = Snapshot(time, 0, self._qpos.copy()).with_hands(*views)
         picture, lens = self._renderer.plain(snapshot)
         pen = ImageDraw.Draw(picture)
         for side, view in zip(self.sides, views, strict=True):

@@ -147,7 +147,7 @@ class FilePictures:
 
     def show(self, frame: HandFrame, result: PaalmFrame) -> bool:
         """Takes a frame without drawing it."""
-        self._picture.look(frame, result)
+        self._picture.update(frame, result)
         return True
 
     def rest(self) -> bool:
@@ -167,7 +167,7 @@ class PagePictures(FilePictures):
     """Shows pictures on a page of this machine."""
 
     def __init__(self, sides: Sequence[str], caption: str, port: int) -> None:
-        from sandbox.server.picture_page import PicturePage
+        from sandbox.views.paalm.picture_page import PicturePage
 
         super().__init__(sides, caption)
         try:

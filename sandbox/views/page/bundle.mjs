@@ -1,6 +1,6 @@
 // Writes ../static: the same sources give the same bytes, on any machine.
 import { build } from "esbuild";
-import { copyFile, mkdir, readFile, readdir, writeFile } from "node:fs/promises";
+import { copyFile, cp, mkdir, readFile, readdir, writeFile } from "node:fs/promises";
 import { dirname, join } from "node:path";
 import { fileURLToPath } from "node:url";
 
@@ -24,9 +24,36 @@ const withoutHeadset = {
       return { contents: JSON.stringify(others), loader: "json" };
     }),
 };
+/** Names that the sources import from three.js, save types. */
+const fromThree = new Set();
+for (const name of (await readdir(join(here, "src"))).filter((name) => name.endsWith(".ts")).sort())
+  for (const [, names] of (await readFile(join(here, "src", name), "utf8")).matchAll(/import \{([^}]*)\} from "three"/g))
+    for (const one of names.split(",").map((one) => one.trim()))
+      if (one && !one.startsWith("type ")) fromThree.add(one.split(" as ")[0]);
+/** Both pages take three.js from a file of its own. */
+const sharedThree = {
+  name: "shared three.js",
+  setup: (build) => {
+    build.onResolve({ filter: /^three$/ }, () => ({ path: "three", namespace: "shared" }));
+    build.onLoad({ filter: /.*/, namespace: "shared" }, () => ({ contents: "module.exports = THREE;" }));
+  },
+};
 await build({
   absWorkingDir: here,
-  plugins: [withoutHeadset],
+  stdin: { contents: `export { ${[...fromThree].sort().join(", ")} } from "three";`, resolveDir: here },
+  outfile: join(out, "three.js"),
+  bundle: true,
+  minify: true,
+  format: "iife",
+  globalName: "THREE",
+  target: ["safari15", "chrome100", "firefox100"],
+  charset: "utf8",
+  legalComments: "none",
+  logLevel: "warning",
+});
+await build({
+  absWorkingDir: here,
+  plugins: [withoutHeadset, sharedThree],
   entryPoints: { app: "src/main.ts", early: "src/early.ts" },
   define: { PREPARING: JSON.stringify(ofEach((page) => page.preparing)) },
   outdir: out,
@@ -40,6 +67,7 @@ await build({
 });
 await build({
   absWorkingDir: here,
+  plugins: [sharedThree],
   entryPoints: { headset: "src/headset.ts" },
   outdir: out,
   bundle: true,
@@ -70,9 +98,11 @@ for (const page of ["index.html", "headset.html", "return.html"]) {
   await writeFile(join(out, page), text);
 }
 await copyFile(join(here, "src/manifest.json"), join(out, "manifest.json"));
+// Of the tasks, by `python -m tools.docs.task_pictures`.
+await cp(join(here, "src/pictures"), join(out, "pictures"), { recursive: true });
 const three = JSON.parse(await readFile(join(here, "node_modules/three/package.json"), "utf8"));
 const text = await readFile(join(here, "node_modules/three/LICENSE"), "utf8");
 await writeFile(
   join(out, "licences.txt"),
-  `app.js and headset.js contain parts of three.js ${three.version}, which comes under this licence:\n\n${text.trim()}\n`,
+  `three.js contains parts of three.js ${three.version}, which comes under this licence:\n\n${text.trim()}\n`,
 );

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-HINT = ("h  keys",)
+HINT = ("h or ?  keys",)
 MOUSE_HELP = (
     "drag  one finger",
     "shift + click  pin a finger, or lift it",
@@ -22,7 +22,7 @@ HELP = (
     "s  slow motion: half, a quarter, a tenth",
     "r  start again",
     "q  close",
-    "h  hide this",
+    "h or ?  hide this",
 )
 
 LEAP = 62

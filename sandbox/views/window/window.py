@@ -14,7 +14,7 @@ import glfw
 import numpy as np
 from PIL import Image
 
-from models.arithmetic.arrays import Array
+from models.arithmetic import Array
 from models.scene import Scene
 from models.surface import Surface
 from sandbox.devices.device import AnyDevice, Closeable
@@ -59,6 +59,8 @@ class Window(Closeable):
         paused: True while the person wants a pause.
         speed: Wanted pace in simulated seconds per second, one of `SPEEDS`.
         footer: Lines at the bottom right.
+        goal: What is to be done, shown all the time; empty shows the hand's state instead.
+        hint: Lines on how it is done.
         help: Help on the keys; None shows that for trials.
         link: Link shown as a QR code; empty shows none.
         pictures: Number of pictures drawn so far.
@@ -77,6 +79,8 @@ class Window(Closeable):
     ) -> None:
         self.paused, self.speed = False, 1.0
         self.footer: tuple[str, ...] = ()
+        self.goal = ""
+        self.hint: tuple[str, ...] = ()
         self.help: tuple[str, ...] | None = None
         self.link = ""
         self.pictures, self.picture_time = 0, 0.0
@@ -211,6 +215,8 @@ class Window(Closeable):
             "paused" if self.paused else SPEEDS[self.speed] or self._contact_word(),
             self.footer,
             self.link,
+            self.goal,
+            self.hint,
         )
         camera = renderer.camera
         view = (camera.azimuth, camera.elevation, camera.distance) if camera else None
@@ -311,7 +317,7 @@ class Window(Closeable):
             # With shift, some systems report a sideways turn of the wheel.
             self._mouse.wheel(steps or sideways, turn=self._down(glfw.KEY_LEFT_SHIFT))
 
-    def _on_key(self, key: int, _code: int, action: int, _mods: int) -> None:
+    def _on_key(self, key: int, _code: int, action: int, mods: int) -> None:
         if self._lift is not None and key in LIFT:
             self._lift.hold(LIFT[key] if action != glfw.RELEASE else 0.0)
             return
@@ -324,7 +330,7 @@ class Window(Closeable):
             self._mouse.hand(key - glfw.KEY_0, self._touched.size / 2 if place is None else place)
         elif self._mouse is not None and key == glfw.KEY_SPACE:
             self._mouse.lift_fingers()
-        elif key == glfw.KEY_H:
+        elif key == glfw.KEY_H or (key == glfw.KEY_SLASH and mods & glfw.MOD_SHIFT):
             self._help = not self._help
         elif key == glfw.KEY_P:
             self.paused = not self.paused

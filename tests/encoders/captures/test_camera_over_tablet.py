@@ -214,7 +214,7 @@ def test_what_was_seen_before_and_after_counts_alike_in_the_end() -> None:
     looks = [{1: rng.uniform(0, 0.02, 5), 2: rng.uniform(0, 0.02, 5)} for _ in range(12)]
     end = Belief(rules)
     for off in looks:
-        end.look(off, 0.2)
+        end.update(off, 0.2)
     found = names_of(looks, [0.2] * 12, rules)
     for contact, share in end.names().items():
         assert np.allclose(found[contact], share, atol=1e-9)

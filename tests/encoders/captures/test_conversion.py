@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from encoders.captures.conversion import ConversionReport, JointTrack, TouchLog
 from encoders.captures.conversion.touch_log import valid_contacts
 from encoders.store import load_capture, save_capture
-from models.arithmetic.arrays import Array
+from models.arithmetic import Array
 from models.errors import CaptureError
 from tests.support.hand_recording import (
     AHEAD,

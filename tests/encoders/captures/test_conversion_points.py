@@ -20,7 +20,7 @@ from encoders.captures.conversion import (
 )
 from encoders.captures.conversion.sites import mapped, recognised, sites_of
 from encoders.captures.conversion.surface_frame import frame_from_fingertips
-from models.arithmetic.arrays import Array
+from models.arithmetic import Array
 from models.errors import CaptureError
 from models.pose import joint_vectors
 from models.rotations import exp, geodesic_angle

@@ -48,23 +48,9 @@ def folder(truth: Truth, tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 def converted(folder: Path, kind: str, out: Path, *more: object) -> int:
     up, hand = KINDS[kind][1], folder / f"hand.{kind}"
-    return main(
-        [
-            "capture",
-            "--touches",
-            str(folder / "shown.jsonl"),
-            "--joints",
-            str(hand),
-            "--mapping",
-            str(folder / f"{up}.toml"),
-            "--offset",
-            str(AHEAD),
-            "--simulated",
-            "--out",
-            str(out),
-            *map(str, more),
-        ]
-    )
+    recorded = f"--touches {folder}/shown.jsonl --joints {hand} --mapping {folder}/{up}.toml"
+    line = f"capture {recorded} --offset {AHEAD} --simulated --out {out}"
+    return main([*line.split(), *map(str, more)])
 
 
 @pytest.mark.parametrize("kind", KINDS)

@@ -29,7 +29,7 @@ from encoders.labels.paper import PaperLabels
 from encoders.regression.polynomial import LinearEncoder
 from encoders.regression.train import save_model
 from encoders.regression.trained import TrainedModel, builtin, builtin_capture
-from models.arithmetic.arrays import Array
+from models.arithmetic import Array
 from models.errors import EncoderError
 from models.kinematics import Kinematics
 from models.pose import JOINTS, POSE_SIZE

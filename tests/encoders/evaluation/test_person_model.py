@@ -19,11 +19,11 @@ from encoders.evaluation.person_model import (
     person_model,
     train_person,
 )
+from encoders.reconstruction.hand_motion import PoseFilter
 from encoders.regression.train import blocked_predictions
 from encoders.regression.trained import TrainedModel, builtin_capture, builtin_folder
-from encoders.smoothing import PoseFilter
 from encoders.validation import FOLDS, error_product, robust_covariance, trial_folds
-from models.arithmetic.arrays import Array
+from models.arithmetic import Array
 from models.errors import EncoderError
 from models.pose import absolute_pose
 from tests.encoders.regression.turning import turned_places, turned_pose

@@ -9,7 +9,7 @@ import pytest
 
 from encoders.headset.joint_fit import JointFit, JointsFitted
 from encoders.headset.joint_points import KNUCKLES, PALM, TIPS, seen_points, seen_size
-from models.arithmetic.arrays import Array
+from models.arithmetic import Array
 from models.pose import JOINTS, ROOT_POSITION, ROOT_ROTATION, violations
 from models.rotations import geodesic_angle
 from models.skeleton import ADULT

@@ -8,8 +8,8 @@ import pytest
 from encoders.headset.controller import controller_points
 from encoders.headset.joint_points import TIPS
 from encoders.headset.joint_reconstructor import JointReconstructor
-from encoders.reconstruction.arrival import Phase
 from encoders.reconstruction.followed_hand import UNSEEN_NOTICE
+from encoders.reconstruction.hand_motion import Phase
 from encoders.reconstruction.reconstructor import Reconstruction
 from models.frames import HandFrame, TrackedHand
 from models.kinematics import Kinematics

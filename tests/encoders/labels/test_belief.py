@@ -8,6 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from encoders.labels.belief import BeliefLabels, _marginals, builtin_population_model
+from encoders.labels.finger_use import odds_of_first
 from encoders.labels.labelling import Labelling, hypotheses
 from encoders.regression.trained import builtin_capture
 
@@ -301,7 +302,7 @@ def test_a_hand_with_fewer_fingers_gets_their_names_in_proportion_to_what_is_bel
     contacts: Contacts, fingers: int
 ) -> None:
     whole, fewer = new_belief(), new_belief()
-    fewer.fingers = fingers
+    fewer.odds = odds_of_first(fingers)
     ids = list(contacts)
     believed = whole.assign(contacts, {})
     labelling = fewer.assign(contacts, {})

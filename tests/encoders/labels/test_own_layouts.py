@@ -8,9 +8,9 @@ from scipy.linalg import null_space
 from scipy.special import logsumexp
 from scipy.stats import multivariate_normal
 
+from encoders.labels.belief import MOST, KernelShape, LayoutDensity, Layouts, OwnLayouts
 from encoders.labels.labelling import finger_sets, hypotheses, true_row
-from encoders.labels.own_layouts import MOST, KernelShape, LayoutDensity, Layouts, OwnLayouts
-from models.arithmetic.arrays import Array
+from models.arithmetic import Array
 from models.errors import EncoderError
 from models.surface import METRES_PER_INCH
 

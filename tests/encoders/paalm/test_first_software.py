@@ -25,16 +25,11 @@ from sandbox.devices.leap.leap_file import read_leap
 from tests.support.leap_hands import real_take, take
 
 
-def test_a_real_hand_is_plausible(shared_data: Path) -> None:
-    found = plausibility(read_leap(shared_data / "leap" / "v1-hands.json").frames)
-    assert found.remark == ""
-    assert found.fingers > 3000
-    assert found.backward < 0.08 and found.claws < 0.05 and found.at_limit < 0.05
-    assert found.tips < 0.005
-
-
-def test_a_real_hand_over_a_live_device_is_as_plausible(shared_data: Path) -> None:
-    found = plausibility(read_leap(shared_data / "leap" / "v1-hands.json").frames, live=True)
+@pytest.mark.parametrize("live", [False, True])
+def test_a_real_hand_is_plausible(live: bool, shared_data: Path) -> None:
+    frames = read_leap(shared_data / "leap" / "v1-hands.json").frames
+    found = plausibility(frames, live=live)
+    assert live or found.remark == ""
     assert found.fingers > 3000
     assert found.backward < 0.08 and found.claws < 0.05 and found.at_limit < 0.05
     assert found.tips < 0.005

@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from encoders.paalm import Coupling, Paalm, PaalmOptions
+from encoders.paalm import Paalm, PaalmOptions
 from encoders.paalm.average import average_calibration
 from encoders.paalm.calibration import coupling_of_joints
 from encoders.paalm.coupling import ORION
@@ -109,12 +109,3 @@ def test_a_recordings_line_is_that_of_its_joints() -> None:
     assert coupling_of_joints(joints[:0]) is None
     still = np.array([[f.joints for f in bent(50.0, 30.0).fingers]] * 20)
     assert coupling_of_joints(still) is None
-
-
-def test_a_chosen_coupling_is_kept() -> None:
-    take = leap_take(simulate_air(5, "right", replace(FROZEN_AIR, seconds=3.0)), 5, "v3")
-    paalm = Paalm(PaalmOptions(coupling=Coupling(0.8)))
-    paalm.use({"right": average_calibration(take.frames[:50], "right")})
-    bends = np.array([paalm.step(f).hands["right"].table for f in take.frames])[:, 1:, 2:]
-    free = (bends[..., 1] < 79.9) & (bends[..., 0] > 1.0)
-    np.testing.assert_allclose(bends[free][:, 1], 0.8 * bends[free][:, 0], rtol=1e-9)

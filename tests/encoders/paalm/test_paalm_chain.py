@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from encoders.paalm import EQUAL, TWO_THIRDS, Coupling
 from encoders.paalm.angles import NAMES, angles_of_joints, by_name, joints_of_angles
-from encoders.paalm.chain import FINGER_LIMITS, AskedBend, Bend, FingerChain, tables_of
+from encoders.paalm.chain import FINGER_LIMITS, Bend, DeferredBend, FingerChain, tables_of
 from models.errors import EncoderError
 
 LENGTHS = (0.045, 0.026, 0.021)
@@ -112,10 +112,11 @@ def test_many_targets_at_once_give_the_same_bits_as_one_by_one(
 
 def test_bends_that_are_asked_for_together_or_alone_are_the_same() -> None:
     chain = FingerChain(LENGTHS, TWO_THIRDS)
-    held = AskedBend(None, chain, (0.01, 0.07, -0.02))
-    known = AskedBend(Bend(1.0, 2.0, 3.0, 4.0, 0.0))
+    held = DeferredBend(None, chain, (0.01, 0.07, -0.02))
+    known = DeferredBend(Bend(1.0, 2.0, 3.0, 4.0, 0.0))
     hands = [
-        [held, known, AskedBend(None, chain, (0.0, 0.01 * i, -0.05)), held, known] for i in range(6)
+        [held, known, DeferredBend(None, chain, (0.0, 0.01 * i, -0.05)), held, known]
+        for i in range(6)
     ]
     tables = tables_of(hands)
     assert tables_of([]).shape == (0, 5, 4)

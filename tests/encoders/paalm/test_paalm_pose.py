@@ -14,7 +14,7 @@ from encoders.paalm.angles import FRAMES, angles_of_joints
 from encoders.paalm.hand_pose import PALM_CENTRE, hand_pose, hand_poses
 from encoders.paalm.hand_reconstructor import HandReconstructor
 from encoders.paalm.palm import Palm, palm_of
-from encoders.reconstruction.arrival import Phase
+from encoders.reconstruction.hand_motion import Phase
 from models.errors import EncoderError
 from models.frames import HandFrame, TrackedHand
 from models.kinematics import Kinematics

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from encoders.store import load_capture
-from models.arithmetic.arrays import Array
+from models.arithmetic import Array
 from models.pose import ROOT_POSITION
 
 CAPTURE = Path(__file__).resolve().parents[3] / "encoders" / "data" / "capture.npz"

@@ -6,7 +6,6 @@ from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
-import mujoco
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -19,7 +18,6 @@ from encoders.person.hand_size import SPREADS, HandSizes, builtin_sizes
 from encoders.person.natural_layout import of_capture
 from encoders.reconstruction.reconstructor import Reconstruction
 from encoders.regression.trained import builtin, builtin_capture
-from models.arithmetic.arrays import Array
 from models.errors import CaptureError, InputError
 from models.frames import Contact, TouchFrame
 from models.hand import Hand
@@ -33,7 +31,6 @@ from sandbox.trial.assembly import build
 from sandbox.trial.settings import HandSettings, Settings
 from tasks.simulated_user.spreads import _SPREADS, spread_layout
 from tests.support.scripted import Script
-from tests.support.simulation import legal_poses, put
 
 GRASP = np.array([(-0.03, 0.03), (0.0, -0.03), (0.025, -0.035), (0.045, -0.025), (0.055, 0.0)])
 
@@ -83,31 +80,8 @@ def test_fingertips_of_a_hand_of_any_size_are_on_the_real_touches(size: float) -
     assert last.down and last.tip_error < 1e-3
     tips = Kinematics(Person(hand_size=size).skeleton(ADULT)).tips(last.q)
     for contact in last.contacts:
-        off = np.linalg.norm(surface.to_surface(tips[contact.label]) - contact.xy)
+        off = np.linalg.norm(surface.to_surface(tips[contact.label]) - [contact.x, contact.y])
         assert off < 1e-3
-
-
-def test_a_hand_of_size_one_is_the_trained_one_itself() -> None:
-    assert Person().skeleton(ADULT) is ADULT
-    plain = Settings()
-    made = build(plain, (lambda task, surface: None,))
-    assert made.scene.spec.hands[0].skeleton is ADULT
-
-
-@given(q=legal_poses, size=st.floats(0.6, 1.6))
-@settings(max_examples=20)
-def test_kinematics_and_mujoco_agree_on_a_scaled_hand(q: Array, size: float) -> None:
-    skeleton = ADULT.scaled(size)
-    place = Kinematics(skeleton).place(q)
-    plain = Kinematics(ADULT).place(q)
-    root = q[:3]
-    np.testing.assert_allclose(place.tips - root, size * (plain.tips - root), atol=1e-12)
-    scene = Scene(SceneSpec((Hand(skeleton=skeleton),)))
-    data = mujoco.MjData(scene.model)
-    put(scene, data, q)
-    mujoco.mj_kinematics(scene.model, data)
-    found = [data.body(link.body).xpos for link in scene.spec.hands[0].links]
-    np.testing.assert_allclose(found, place.joints, atol=1e-8)
 
 
 def test_flesh_grows_with_the_third_power_of_the_size() -> None:

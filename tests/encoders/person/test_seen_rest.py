@@ -1,4 +1,4 @@
-"""A hand that is held still in the air, as it rests on a screen, is a look at its rest posture."""
+"""A hand held still in the air, as it rests on a screen, is a sample of its rest posture."""
 
 from __future__ import annotations
 
@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from encoders.correction import PAD_HEIGHT
-from encoders.person.rest_posture import check_looks
+from encoders.person.rest_posture import check_rest_samples
 from encoders.person.seen_rest import SECONDS, SeenRest
-from models.arithmetic.arrays import Array
+from models.arithmetic import Array
 from models.kinematics import Kinematics
 from models.pose import JOINTS, ROOT_POSITION
 from models.skeleton import ADULT
@@ -41,11 +41,11 @@ def test_a_still_hand_is_a_look_wherever_it_is_held() -> None:
     for place in ((0.0, 0.0, 0.0), (0.2, -0.1, 0.35)):
         seen = SeenRest(ADULT)
         assert sum(shown(seen, trembling(moved(q, place), 1.5))) == 1
-        (look,) = seen.looks
-        check_looks(seen.looks, 1.0)
-        tips, pose = HAND.tips(q), np.array(look.pose)
-        touches = np.array(look.touches)
-        # What a look is used for is relative: layout, height of the wrist, joints.
+        (sample,) = seen.samples
+        check_rest_samples(seen.samples, 1.0)
+        tips, pose = HAND.tips(q), np.array(sample.pose)
+        touches = np.array(sample.touches)
+        # What a sample is used for is relative: layout, height of the wrist, joints.
         layout = tips[:, :2] - tips[0, :2]
         assert np.abs((touches - touches[0]) * [1.0, -1.0] - layout).max() < 0.002
         assert abs(pose[2] - (q[2] - np.median(tips[:, 2]) + PAD_HEIGHT)) < 0.002
@@ -70,7 +70,7 @@ def test_the_next_look_needs_another_rest() -> None:
     seen, q = SeenRest(ADULT), resting()
     assert sum(shown(seen, trembling(q, 4.0))) == 1
     assert sum(shown(seen, trembling(moved(q, (0.05, 0.0, 0.0)), 2.0), 4.0)) == 1
-    assert len(seen.looks) == 2
+    assert len(seen.samples) == 2
 
 
 def test_fingertips_that_are_not_on_one_level_are_told() -> None:
@@ -87,4 +87,4 @@ def test_hands_of_other_sizes_fit_their_touches(size: float) -> None:
     q = resting(size)
     seen = SeenRest(skeleton)
     assert sum(shown(seen, trembling(q, 1.5))) == 1
-    check_looks(seen.looks, size)
+    check_rest_samples(seen.samples, size)

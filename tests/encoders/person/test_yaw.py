@@ -14,7 +14,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from encoders.input_vector import contact_vector
-from encoders.person.yaw_range import YawMonitor, YawRange, YawWarningSettings
+from encoders.person.natural_layout import YawMonitor, YawRange, YawWarningSettings
 from encoders.regression.trained import builtin, builtin_capture
 from models.errors import CaptureError
 from models.frames import Contact, TouchFrame

@@ -13,7 +13,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from encoders.reconstruction.arrival import Arrival, ArrivalSettings, Phase, RecentPlaces
+from encoders.reconstruction.hand_motion import Arrival, ArrivalSettings, Phase, RecentPlaces
 
 DT = 0.016
 S = ArrivalSettings()

@@ -122,7 +122,7 @@ def test_positions_stay_finite_and_counts_only_grow(frames: list[TouchFrame]) ->
     counts: dict[str, int] = {}
     for each in frames:
         tracker.step(each)
-        assert all(np.isfinite(t.xy).all() for t in tracker.tracks.values())
+        assert all(np.isfinite(t.place).all() for t in tracker.tracks.values())
         assert all(tracker.counts[reason] >= n for reason, n in counts.items())
         counts = dict(tracker.counts)
 
@@ -140,7 +140,7 @@ def test_after_a_reset_the_past_is_forgotten(
         assert used.ignored == fresh.ignored
         for a, b in zip(used.tracks.values(), fresh.tracks.values(), strict=True):
             assert (a.device_id, a.lost_at, a.born) == (b.device_id, b.lost_at, b.born)
-            np.testing.assert_array_equal(a.xy, b.xy)
+            np.testing.assert_array_equal(a.place, b.place)
 
 
 @given(lost=st.integers(0, 4), x=st.floats(-0.05, 0.05), y=st.floats(-0.05, 0.05))
@@ -148,7 +148,7 @@ def test_a_lost_finger_is_carried_by_the_others(lost: int, x: float, y: float) -
     there = moved(HAND, x, y)
     there[lost] = None
     tracker = after(frame(0.0, *HAND), frame(DT, *there))
-    np.testing.assert_allclose(tracker.tracks[lost].xy, moved(HAND, x, y)[lost], atol=1e-12)
+    np.testing.assert_allclose(tracker.tracks[lost].place, moved(HAND, x, y)[lost], atol=1e-12)
     assert not tracker.tracks[lost].active
 
 
@@ -157,7 +157,7 @@ def test_what_carries_a_lost_finger_is_the_others_mean_motion() -> None:
         frame(0.0, THUMB, INDEX, MIDDLE),
         frame(DT, (0.03, 0.10), (0.04, 0.07), None),
     )
-    np.testing.assert_allclose(tracker.tracks[2].xy, np.add(MIDDLE, (0.005, 0.01)), atol=1e-12)
+    np.testing.assert_allclose(tracker.tracks[2].place, np.add(MIDDLE, (0.005, 0.01)), atol=1e-12)
 
 
 @given(
@@ -177,7 +177,7 @@ def test_a_new_id_close_to_a_lost_finger_inherits_it(
     assert list(tracker.tracks) == [0, 1]
     assert tracker.tracks[1].active
     assert tracker.tracks[1].device_id == 3
-    np.testing.assert_array_equal(tracker.tracks[1].xy, near)
+    np.testing.assert_array_equal(tracker.tracks[1].place, near)
     assert tracker.tracks[1].born == 0.0
     assert tracker.counts["found again"] == 1
 
@@ -324,14 +324,14 @@ def test_smoothing_is_the_same_in_one_step_and_in_two_halves(dt: float, x: float
     once = after(start, frame(dt, *there), settings=SETTINGS)
     twice = after(start, frame(dt / 2, *there), frame(dt, *there), settings=SETTINGS)
     for a, b in zip(once.tracks.values(), twice.tracks.values(), strict=True):
-        np.testing.assert_allclose(a.xy, b.xy, atol=1e-12)
+        np.testing.assert_allclose(a.place, b.place, atol=1e-12)
 
 
 def test_smoothing_is_a_first_order_low_pass() -> None:
     tracker = after(
         frame(0.0, THUMB), frame(SETTINGS.low_pass, *moved([THUMB], 0.01, 0.0)), settings=SETTINGS
     )
-    share = (tracker.tracks[0].xy[0] - THUMB[0]) / 0.01
+    share = (tracker.tracks[0].place[0] - THUMB[0]) / 0.01
     assert share == pytest.approx(1.0 - np.exp(-1.0))
 
 

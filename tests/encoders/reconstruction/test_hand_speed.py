@@ -7,11 +7,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from encoders.labels.belief import builtin_population_belief
-from encoders.reconstruction.arrival import Phase
+from encoders.reconstruction.hand_motion import Phase, RateLimit
 from encoders.reconstruction.touch_reconstructor import ReconstructorSettings, TouchReconstructor
 from encoders.regression.trained import builtin
 from models.frames import Contact, TouchFrame
-from models.pose import JOINTS, ROOT_POSITION, RateLimit
+from models.pose import JOINTS, ROOT_POSITION
 from models.skeleton import ADULT
 from models.surface import Surface
 

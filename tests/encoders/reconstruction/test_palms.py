@@ -10,9 +10,15 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from encoders.reconstruction.arrival import Phase
-from encoders.reconstruction.contact_tracker import ContactTracker
-from encoders.reconstruction.palms import LARGEST, Kind, PalmJudge, SizeCourse, place_odds
+from encoders.reconstruction.contact_tracker import (
+    LARGEST,
+    ContactTracker,
+    Kind,
+    PalmJudge,
+    SizeCourse,
+    place_odds,
+)
+from encoders.reconstruction.hand_motion import Phase
 from encoders.reconstruction.touch_reconstructor import TouchReconstructor
 from models.frames import Contact, TouchFrame
 from models.skeleton import ADULT

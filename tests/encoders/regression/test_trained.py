@@ -28,7 +28,6 @@ from encoders.regression.trained import (
 )
 from encoders.regression.yaw_normalised import YawNormalisedEncoder
 from encoders.store import save_capture
-from encoders.validation import trial_folds
 from models.errors import EncoderError
 from models.pose import absolute_pose
 from models.skeleton import ADULT
@@ -154,13 +153,6 @@ def test_covariance_is_that_of_errors_on_takes_not_seen(
     assert np.trace(C) > 0.9 * np.trace(seen.T @ seen / len(seen))
 
 
-def test_frames_of_one_take_are_never_on_both_sides_of_a_split(capture: Capture) -> None:
-    fold = trial_folds(capture.trial)
-    assert all(len(set(fold[capture.trial == t])) == 1 for t in np.unique(capture.trial))
-    sizes = np.bincount(fold)
-    assert len(sizes) == 10 and sizes.max() < 1.5 * sizes.min()
-
-
 def test_without_a_ridge_validation_chooses_one(capture: Capture) -> None:
     chosen = train(capture, "mine", 2, None)
     assert isinstance(chosen.encoder, PolynomialEncoder)
@@ -204,14 +196,6 @@ def test_the_papers_model_is_least_squares_on_the_built_in_capture() -> None:
     np.testing.assert_allclose(
         paper.encoder.predict(capture.u), fresh.predict(capture.u), atol=1e-4
     )
-
-
-def test_shipped_files_are_small() -> None:
-    assert sum(p.stat().st_size for p in builtin_folder().glob("*.npz")) < 5e6
-
-
-def test_a_built_in_model_is_loaded_once() -> None:
-    assert builtin("cubic") is builtin("cubic")
 
 
 def test_an_unknown_name_is_answered_with_the_known_ones() -> None:

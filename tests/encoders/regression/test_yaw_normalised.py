@@ -20,7 +20,7 @@ from encoders.regression.yaw_normalised import (
     normalised_touches,
     yaw_of,
 )
-from models.arithmetic.arrays import Array
+from models.arithmetic import Array
 from models.errors import EncoderError
 from models.pose import absolute_pose, joint_vectors, relative_pose
 from models.rotations import exp, geodesic_angle, log

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from models.arithmetic.arrays import Array
+from models.arithmetic import Array
 from models.pose import ROOT_POSITION, ROOT_ROTATION
 from models.rotations import exp, log
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from encoders.webcam.camera import Camera
 from encoders.webcam.landmarks import OF_POINTS, HandPoints
-from models.arithmetic.arrays import Array
+from models.arithmetic import Array
 from models.frames import LandmarkFrame, SeenHand
 from models.pose import POSE_SIZE, ROOT_POSITION, ROOT_ROTATION
 from models.rotations import exp, log

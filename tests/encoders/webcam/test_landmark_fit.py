@@ -13,10 +13,10 @@ from hypothesis import strategies as st
 from encoders.webcam.camera import Camera
 from encoders.webcam.landmark_fit import FitSettings, LandmarkFit
 from encoders.webcam.landmarks import HandPoints
-from models.arithmetic.arrays import Array
-from models.one_pose import OnePose
+from models.arithmetic import Array
 from models.pose import JOINTS, ROOT_POSITION, ROOT_ROTATION, violations
 from models.rotations import exp, log
+from models.single_pose import SinglePose
 from models.skeleton import ADULT
 from tests.encoders.webcam.seen_hands import SIZE, held_up, seen
 
@@ -168,7 +168,7 @@ def test_an_uncertain_pose_stays_near_the_picture_before() -> None:
 def test_the_derivative_of_joints_and_tips_is_that_of_finite_differences() -> None:
     rng = np.random.default_rng(3)
     q = 0.4 * rng.standard_normal(48)
-    pose = OnePose(ADULT)
+    pose = SinglePose(ADULT)
     points, jacobian = pose.joints_and_jacobian(q)
     assert points == pytest.approx(np.concatenate(pose.joints_and_tips(q)))
     step = 1e-6
@@ -189,7 +189,7 @@ def test_the_derivative_of_joints_and_tips_is_that_of_finite_differences() -> No
 
 def test_the_derivative_of_tips_is_not_changed_by_asking_for_joints() -> None:
     q = 0.3 * np.random.default_rng(4).standard_normal(48)
-    pose = OnePose(ADULT)
+    pose = SinglePose(ADULT)
     before = pose.tips_and_jacobian(q)
     pose.joints_and_jacobian(q)
     after = pose.tips_and_jacobian(q)

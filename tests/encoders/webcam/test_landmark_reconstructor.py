@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from encoders.reconstruction.arrival import Phase
+from encoders.reconstruction.hand_motion import Phase
 from encoders.reconstruction.reconstructor import Reconstruction
 from encoders.webcam.camera import Camera
 from encoders.webcam.landmark_reconstructor import LandmarkReconstructor
@@ -88,7 +88,7 @@ def test_of_two_hands_of_one_side_the_one_that_was_followed_goes_on() -> None:
     reconstructor = LandmarkReconstructor(CAMERA)
     alone = watched(LandmarkReconstructor(CAMERA), still([mine]), 1.0)
     assert watched(reconstructor, frames, 1.0).q.tobytes() == alone.q.tobytes()
-    assert reconstructor.counts["several hands of one side"] > 0
+    assert reconstructor.counts["hands beside the one of their side"] > 0
 
 
 def test_a_lost_hand_stays_for_a_moment_and_then_rises_as_a_ghost() -> None:

@@ -13,7 +13,7 @@ import pygltflib
 import pytest
 from scipy.spatial.transform import Rotation
 
-from models.arithmetic.arrays import Array
+from models.arithmetic import Array
 from models.motion.armature import ORDERS, Y_UP, Armature
 from models.motion.points import HandPoints
 from models.motion.write.asf import AmcWriter

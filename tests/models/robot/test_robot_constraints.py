@@ -19,6 +19,7 @@ from models.robot.mapping_fit import MappingFit, fit_mapping
 from models.robot.robot_hand import RobotHand
 from models.robot.robot_model import RobotModel
 from tests.models.robot.hinge_hand import TIPS, hinge_hand
+from tests.support.robot_tips import greatest_distance
 
 
 def fitted(path: Path, hand: str = "") -> MappingFit:
@@ -34,29 +35,6 @@ def edited(folder: Path, *changes: tuple[str, str], extra: str = "") -> Path:
         text = text.replace(old, new)
     path.write_text(text, encoding="utf-8")
     return path
-
-
-def greatest_distance(hand: RobotHand, count: int) -> float:
-    """m, between fingertips in the robot's own model and in the scene's, at equal angles."""
-    robot, ours = hand.robot, hand.kinematic
-    own, here = mujoco.MjData(robot.model), mujoco.MjData(ours)
-    low, high = robot.limits().T
-    rng = np.random.default_rng(0)
-    apart = 0.0
-    for _ in range(count):
-        angles = rng.uniform(low, high)
-        own.qpos[robot.model.jnt_qposadr[robot.joints]] = angles
-        here.qpos[7:] = angles
-        mujoco.mj_kinematics(robot.model, own)
-        mujoco.mj_kinematics(ours, here)
-        palm, turn = own.xpos[robot.palm], own.xmat[robot.palm].reshape(3, 3)
-        our_palm = here.body(hand.palm)
-        for finger, (body, place) in enumerate(robot.tips):
-            tip = own.xpos[body] + own.xmat[body].reshape(3, 3) @ np.array(place)
-            ours_tip = here.site(FINGERS[finger]).xpos - our_palm.xpos
-            difference = turn.T @ (tip - palm) - our_palm.xmat.reshape(3, 3).T @ ours_tip
-            apart = max(apart, float(np.abs(difference).max()))
-    return apart
 
 
 @given(zeros=st.lists(st.floats(-1.5, 1.5), min_size=3, max_size=3))
@@ -250,6 +228,20 @@ def test_the_side_of_a_hand_without_ranges_is_given_and_not_guessed(
     assert all(map(np.isfinite, (*mapping.offset, *mapping.turn, *mapping.scales)))
 
 
+@pytest.mark.parametrize("side", ("right", "left"))
+@pytest.mark.parametrize("order", [(4, 3, 2, 1), (3, 2, 1), (1, 3, 2, 4), (2, 1)])
+def test_fingertips_in_another_order_are_no_hand_of_the_other_side(
+    side: str, order: tuple[int, ...], tmp_path: Path
+) -> None:
+    path = hinge_hand(tmp_path, side=side)
+    tips = (TIPS[0], *(TIPS[finger] for finger in order))
+    right = ",".join((TIPS[0], *(TIPS[finger] for finger in sorted(order))))
+    with pytest.raises(InputError, match=f"another order.*--tips {right}"):
+        fit_mapping(path, tips)
+    assert fit_mapping(path, right.split(",")).mapping.side == side
+    assert fit_mapping(path, tips, hand=side).mapping.side == side
+
+
 def test_a_palm_in_the_world_is_the_same_hand(tmp_path: Path) -> None:
     whole = hinge_hand(tmp_path)
     text = whole.read_text(encoding="utf-8")
@@ -364,3 +356,112 @@ def test_a_urdf_keeps_its_fixed_links_and_follows_mimic_with_its_offset(tmp_path
     hand = RobotHand("right", find_robot(str(path)))
     assert greatest_distance(hand, 50) < 1e-6
     assert max(hand.robot.force_limits()) == 0.5
+
+
+def test_a_urdf_with_inertias_that_no_body_can_have_is_read_and_they_are_named(
+    tmp_path: Path,
+) -> None:
+    path = urdf_hand(tmp_path)
+    text = path.read_text(encoding="utf-8")
+    # Of "ring_far_link", whose inertia is written first after its name.
+    start = text.index('<link name="ring_far_link">')
+    path.write_text(
+        text[:start] + text[start:].replace('ixx="1e-5"', 'ixx="4e-5"', 1), encoding="utf-8"
+    )
+    result = fitted(path)
+    assert result.not_followed == (
+        "inertias that no body can have, made equal about all axes: ring_far_link",
+    )
+    assert greatest_distance(RobotHand("right", result.mapping), 30) < 1e-6
+
+
+_SHAPE = '<{0}><geometry><mesh filename="{1}"/></geometry></{0}>'
+
+
+@pytest.mark.parametrize(
+    "file", ["package://some_robot/meshes/far.stl", "meshes/far.glb", "far.dae"]
+)
+@pytest.mark.parametrize("kind", ["visual", "collision"])
+def test_a_urdf_whose_shapes_cannot_be_read_is_read_without_them_and_they_are_named(
+    file: str, kind: str, tmp_path: Path
+) -> None:
+    path = urdf_hand(tmp_path)
+    text = path.read_text(encoding="utf-8")
+    link = '<link name="index_far_link">'
+    path.write_text(text.replace(link, link + _SHAPE.format(kind, file)), encoding="utf-8")
+    result = fitted(path)
+    # MuJoCo itself leaves out what is only seen.
+    names = ("shapes in files that MuJoCo cannot read: index_far_link",)
+    assert result.not_followed == (names if kind == "collision" else ())
+    assert greatest_distance(RobotHand("right", result.mapping), 30) < 1e-6
+
+
+def test_a_urdf_whose_unreadable_shape_alone_says_what_a_link_weighs_is_refused(
+    tmp_path: Path,
+) -> None:
+    path = urdf_hand(tmp_path)
+    text = path.read_text(encoding="utf-8")
+    link = '<link name="index_far_link">'
+    shape = _SHAPE.format("collision", "far.glb")
+    path.write_text(text.replace(link + _INERTIAL, link + shape), encoding="utf-8")
+    with pytest.raises(InputError, match=r"MuJoCo cannot read this robot.*far\.glb"):
+        fitted(path)
+
+
+@pytest.mark.parametrize(
+    ("changes", "named"),
+    [
+        ([('joint="index_middle"', 'joint="nobody"')], "warnings of MuJoCo: <mimic> on joint"),
+        ([('joint="index_middle"', 'joint="mount"')], "warnings of MuJoCo: <mimic> on joint"),
+        ([('name="ring_far" type="revolute"', 'name="ring_far" type="planar"')], "ring_far"),
+        # MuJoCo drops the second name, so that the first joint follows two.
+        ([('name="ring_far"', 'name="index_far"')], "couplings of joints: index_far with ring"),
+        (
+            [
+                (
+                    'joint="index_middle" multiplier=".7" offset=".1"',
+                    'joint="index_middle" multiplier="0" offset=".3"',
+                )
+            ],
+            "couplings of joints: index_far with index_middle",
+        ),
+    ],
+)
+def test_mimics_that_are_not_followed_are_named(
+    changes: list[tuple[str, str]],
+    named: str,
+    tmp_path: Path,
+    capfd: pytest.CaptureFixture[str],
+) -> None:
+    path = urdf_hand(tmp_path)
+    text = path.read_text(encoding="utf-8")
+    for old, new in changes:
+        assert old in text
+        text = text.replace(old, new)
+    path.write_text(text, encoding="utf-8")
+    assert any(named in part for part in fitted(path).not_followed)
+    assert capfd.readouterr().err == ""
+
+
+def test_ranges_that_are_degrees_taken_for_radians_or_the_other_way_round_are_refused(
+    tmp_path: Path,
+) -> None:
+    path = urdf_hand(tmp_path)
+    text = path.read_text(encoding="utf-8").replace('upper="1.5"', 'upper="86"')
+    path.write_text(text, encoding="utf-8")
+    with pytest.raises(InputError, match=r"got '86 rad in the middle'.*written in degrees"):
+        fitted(path)
+    path = edited(
+        tmp_path,
+        *((f'range="0 {most}"', f'range="0 {np.deg2rad(most):.4f}"') for most in (80, 90, 95)),
+    )
+    with pytest.raises(InputError, match="written in radians"):
+        fitted(path)
+
+
+def test_a_number_that_is_none_is_named(tmp_path: Path) -> None:
+    path = urdf_hand(tmp_path)
+    text = path.read_text(encoding="utf-8").replace('xyz="0 .028 0"', 'xyz="0 nan 0"')
+    path.write_text(text, encoding="utf-8")
+    with pytest.raises(InputError, match=r"a number of this robot's model is none.*body_pos"):
+        fitted(path)

@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+import sys
 from dataclasses import replace
+from importlib.machinery import ModuleSpec
 from pathlib import Path
+from types import ModuleType
 
 import mujoco
 import numpy as np
 import pytest
 
 from encoders import builtin_capture
-from models.arithmetic.arrays import Array
+from models.arithmetic import Array
 from models.errors import InputError
 from models.frames import FINGERS
 from models.hand import Hand, SceneHand
@@ -83,23 +86,6 @@ def test_tips_of_hands_known_by_name_are_within_5_mm(robot: str) -> None:
         retargeter.follow(q)
         off.append(retargeter.off)
     assert np.percentile(np.array(off), 95) < 0.005
-
-
-def test_joints_keep_within_their_ranges_and_coupled_ones_together(tmp_path: Path) -> None:
-    coupling = """<tendon><fixed name="both" limited="true" range="-.001 .001">
-        <joint joint="index_dip" coef="1"/><joint joint="index_pip" coef="-.8"/>
-      </fixed></tendon>"""
-    path = hinge_hand(tmp_path, extra=coupling)
-    mapping = fit_mapping(path, TIPS, model=path.name).mapping
-    assert mapping.coupled == {"index_dip": ("index_pip", pytest.approx(0.8))}
-    hand = RobotHand("right", mapping)
-    names, limits = hand.robot.joint_names(), hand.robot.limits()
-    retargeter = hand.retargeter()
-    for q in people_s_poses(40):
-        angles = retargeter.follow(q)[7:]
-        assert np.all(angles >= limits[:, 0] - 1e-9) and np.all(angles <= limits[:, 1] + 1e-9)
-        dip, pip = names.index("index_dip"), names.index("index_pip")
-        assert angles[dip] == pytest.approx(0.8 * angles[pip], abs=1e-12)
 
 
 def test_couplings_in_a_row_lead_to_the_joint_that_follows_no_other(tmp_path: Path) -> None:
@@ -220,6 +206,32 @@ def test_hands_of_mujoco_menagerie_are_looked_for_where_robot_descriptions_keeps
         model.parent.mkdir(parents=True)
         model.write_text("<mujoco/>")
         assert mapping.path == model
+
+
+def test_hands_of_mujoco_menagerie_come_from_its_package_where_there_is_no_clone(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("ROBOT_DESCRIPTIONS_CACHE", str(tmp_path / "none"))
+    model = tmp_path / "models" / "wonik_allegro" / "right_hand.xml"
+    model.parent.mkdir(parents=True)
+    model.write_text("<mujoco/>")
+    package = ModuleType("mujoco_menagerie")
+    package.__spec__ = ModuleSpec("mujoco_menagerie", None)
+
+    class Robot:
+        def __init__(self, name: str) -> None:
+            self._name = name
+
+        def path(self) -> Path:
+            if self._name != "wonik_allegro":
+                raise LookupError("no network")
+            return model.parent
+
+    package.__dict__.update(get=Robot, MenagerieError=LookupError)
+    monkeypatch.setitem(sys.modules, "mujoco_menagerie", package)
+    assert find_robot("allegro").path == model
+    with pytest.raises(InputError, match=r"cannot give this hand's model.*no network"):
+        _ = find_robot("leap").path
 
 
 def test_a_mapping_is_read_as_it_was_written(mapping: RobotMapping, tmp_path: Path) -> None:

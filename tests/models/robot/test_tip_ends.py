@@ -8,7 +8,7 @@ import mujoco
 import numpy as np
 import pytest
 
-from models.arithmetic.arrays import Array
+from models.arithmetic import Array
 from models.errors import InputError
 from models.robot.mapping import load_mapping
 from models.robot.mapping_fit import fit_mapping

@@ -17,7 +17,6 @@ from models.motion.read.pose_table import COLUMNS, read_pose_table
 from models.pose import joint_vectors
 from models.reader_report import ReaderReport
 from models.rotations import geodesic_angle
-from models.skeleton import ADULT
 from models.surface import Surface
 from sandbox.cli.main import main
 from sandbox.devices.files.touch_log_file import read_touch_log
@@ -66,9 +65,9 @@ def folder(truth: Truth, tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
-def converted(capsys: pytest.CaptureFixture[str], *args: object) -> tuple[int, str, str]:
-    """Exit status, what was printed, and what was complained about."""
-    status = main(["capture", *map(str, args)])
+def converted(capsys: pytest.CaptureFixture[str], *words: object) -> tuple[int, str, str]:
+    """Exit status of a command of these words, what was printed and what was complained about."""
+    status = main(["capture", *" ".join(map(str, words)).split()])
     said = capsys.readouterr()
     return status, said.out, said.err
 
@@ -92,18 +91,8 @@ def test_touches_and_bvh_become_a_capture_by_taps(
 ) -> None:
     status, out, err = converted(
         capsys,
-        "--touches",
-        folder / "shown.jsonl",
-        "--joints",
-        folder / "hand.bvh",
-        "--mapping",
-        folder / "corners.toml",
-        "--sync",
-        "tap",
-        "--out",
-        tmp_path / "c.npz",
-        "--subject",
-        "P07",
+        f"--touches {folder}/shown.jsonl --joints {folder}/hand.bvh",
+        f"--mapping {folder}/corners.toml --sync tap --out {tmp_path}/c.npz --subject P07",
         "--simulated",
     )
     assert status == 0, err
@@ -118,18 +107,8 @@ def test_touches_and_a_table_become_a_capture_by_clock(
 ) -> None:
     status, _, err = converted(
         capsys,
-        "--touches",
-        folder / "shown.jsonl",
-        "--joints",
-        folder / "hand.csv",
-        "--sync",
-        "clock",
-        "--offset",
-        AHEAD,
-        "--scale",
-        SCALE,
-        "--out",
-        tmp_path / "c.npz",
+        f"--touches {folder}/shown.jsonl --joints {folder}/hand.csv --sync clock",
+        f"--offset {AHEAD} --scale {SCALE} --out {tmp_path}/c.npz",
     )
     assert status == 0, err
     assert_as_played(tmp_path / "c.npz", truth, degrees=0.5, wrist=0.001)
@@ -140,12 +119,7 @@ def test_markers_alone_become_a_capture(
 ) -> None:
     status, out, err = converted(
         capsys,
-        "--markers",
-        folder / "hand.tsv",
-        "--mapping",
-        folder / "corners.toml",
-        "--out",
-        tmp_path / "c.npz",
+        f"--markers {folder}/hand.tsv --mapping {folder}/corners.toml --out {tmp_path}/c.npz",
     )
     assert status == 0, err
     assert "within 5 mm" in out
@@ -162,18 +136,8 @@ def test_a_left_hand_comes_out_as_its_mirror_image(
     (tmp_path / "corners.toml").write_text(CORNERS)
     status, _, err = converted(
         capsys,
-        "--touches",
-        tmp_path / "left.jsonl",
-        "--markers",
-        tmp_path / "left.tsv",
-        "--side",
-        "left",
-        "--mapping",
-        tmp_path / "corners.toml",
-        "--offset",
-        AHEAD,
-        "--out",
-        tmp_path / "c.npz",
+        f"--touches {tmp_path}/left.jsonl --markers {tmp_path}/left.tsv --side left",
+        f"--mapping {tmp_path}/corners.toml --offset {AHEAD} --out {tmp_path}/c.npz",
     )
     assert status == 0, err
     capture = assert_as_played(tmp_path / "c.npz", truth, degrees=8.0, wrist=0.010)
@@ -206,16 +170,8 @@ def test_a_packet_capture_and_a_recording_say_the_same(
         # A packet capture's clock begins with its first packet.
         status, _, err = converted(
             capsys,
-            "--touches",
-            file_of_touches,
-            "--joints",
-            folder / "hand.csv",
-            "--offset",
-            offset,
-            "--surface",
-            f"{1000 * WIDTH:g}x{1000 * HEIGHT:g}mm",
-            "--out",
-            tmp_path / "c.npz",
+            f"--touches {file_of_touches} --joints {folder}/hand.csv --offset {offset}",
+            f"--surface {1000 * WIDTH:g}x{1000 * HEIGHT:g}mm --out {tmp_path}/c.npz",
         )
         assert status == 0, err
         assert ("breaks off" in err) == (file_of_touches.name == "run.jsonl")
@@ -224,42 +180,14 @@ def test_a_packet_capture_and_a_recording_say_the_same(
     np.testing.assert_allclose(captures[0].xy, captures[1].xy, atol=1e-6)
 
 
-def test_an_encoder_is_trained_on_what_was_converted(
-    folder: Path, capsys: pytest.CaptureFixture[str], tmp_path: Path
-) -> None:
-    converted(
-        capsys,
-        "--touches",
-        folder / "shown.jsonl",
-        "--joints",
-        folder / "hand.csv",
-        "--offset",
-        AHEAD,
-        "--out",
-        tmp_path / "c.npz",
-    )
-    capture = load_capture(tmp_path / "c.npz")
-    assert len(np.unique(capture.trial)) > 1
-    out = tmp_path / "model.npz"
-    status = main(
-        ["train", "--capture", str(tmp_path / "c.npz"), "--out", str(out), "--ridge", "0.1"]
-    )
-    assert status == 0, capsys.readouterr().err
-    assert out.is_file()
-
-
 def test_the_real_glove_becomes_a_capture(
     shared_data: Path, capsys: pytest.CaptureFixture[str], tmp_path: Path
 ) -> None:
     """Fingers on a pillow: a soft surface, so that 10 mm must pass for touching it."""
     status, out, err = converted(
         capsys,
-        "--markers",
-        shared_data / "formats" / "hand-markers.tsv.gz",
-        "--threshold",
-        10,
-        "--out",
-        tmp_path / "c.npz",
+        f"--markers {shared_data}/formats/hand-markers.tsv.gz --threshold 10",
+        f"--out {tmp_path}/c.npz",
     )
     assert status == 0, err
     assert "hand scale" in out
@@ -274,11 +202,7 @@ def test_a_hard_surface_is_not_seen_where_there_is_a_pillow(
     shared_data: Path, capsys: pytest.CaptureFixture[str], tmp_path: Path
 ) -> None:
     status, _, err = converted(
-        capsys,
-        "--markers",
-        shared_data / "formats" / "hand-markers.tsv.gz",
-        "--out",
-        tmp_path / "c.npz",
+        capsys, f"--markers {shared_data}/formats/hand-markers.tsv.gz --out {tmp_path}/c.npz"
     )
     assert status == 2
     assert "no plane" in err and "corners" in err
@@ -357,13 +281,7 @@ def test_a_mapping_file_with_a_wrong_part_is_refused(
 ) -> None:
     (tmp_path / "m.toml").write_text(text)
     status, _, err = converted(
-        capsys,
-        "--markers",
-        folder / "hand.tsv",
-        "--mapping",
-        tmp_path / "m.toml",
-        "--out",
-        tmp_path / "c.npz",
+        capsys, f"--markers {folder}/hand.tsv --mapping {tmp_path}/m.toml --out {tmp_path}/c.npz"
     )
     assert status == 2
     assert err.count("sandbox: ") == 1
@@ -382,13 +300,7 @@ def test_markers_on_the_corners_tell_where_the_surface_is(
         json.dumps({"surface": {"top_left": "c1", "top_right": "c2", "bottom_left": "c3"}})
     )
     status, _, err = converted(
-        capsys,
-        "--markers",
-        tmp_path / "hand.tsv",
-        "--mapping",
-        tmp_path / "m.json",
-        "--out",
-        tmp_path / "c.npz",
+        capsys, f"--markers {tmp_path}/hand.tsv --mapping {tmp_path}/m.json --out {tmp_path}/c.npz"
     )
     assert status == 0, err
     assert_as_played(tmp_path / "c.npz", truth, degrees=8.0, wrist=0.010, ahead=0.0)
@@ -412,11 +324,6 @@ def test_a_table_of_poses_comes_back_to_the_bit_in_any_order_of_columns(tmp_path
     head = ",".join(numbered.get(rows[0][i], "time") for i in order)
     path.write_text("\n".join([head, *path.read_text().splitlines()[1:]]))
     np.testing.assert_array_equal(read_pose_table(path, ReaderReport())[1], q)
-
-
-def test_columns_are_named_after_the_skeleton_in_the_order_of_the_pose() -> None:
-    assert len(COLUMNS) == 48
-    assert [c[:-3] for c in COLUMNS[6::3]] == [bone.name for bone in ADULT.bones]
 
 
 @pytest.mark.parametrize(

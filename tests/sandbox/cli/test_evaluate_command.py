@@ -54,17 +54,8 @@ def pictures(folder: Path) -> tuple[Path, dict[str, Any]]:
     """A folder of pictures, and the report they were made from."""
     out = folder / "pictures"
     report = folder / "drawn.json"
-    status = evaluate(
-        folder,
-        "--capture",
-        str(folder / "tests"),
-        "--no-copas",
-        "--json",
-        str(report),
-        "--plots",
-        str(out),
-    )
-    assert status == 0
+    line = f"--capture {folder}/tests --no-copas --json {report} --plots {out}"
+    assert evaluate(folder, *line.split()) == 0
     return out, json.loads(report.read_text())
 
 

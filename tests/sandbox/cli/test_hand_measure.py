@@ -13,7 +13,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from encoders.person.spreads import REST, STILL, SpreadCollector
-from models.arithmetic.arrays import Array
+from models.arithmetic import Array
 from models.errors import InputError
 from models.frames import Contact, TouchFrame
 from models.person import HANDS, TURNS, Person
@@ -22,8 +22,8 @@ from sandbox.cli.hand.command import main
 from sandbox.cli.play import PlayOptions
 from sandbox.devices.files.frame_file import frame_record, header_record
 from sandbox.devices.simulated.spreads import SimulatedSpreads
+from sandbox.hand.profiles import Profile, default_path, find_profile, load_profile, save_profile
 from sandbox.trial.driver import open_trial, play_trial
-from sandbox.trial.profiles import Profile, default_path, find_profile, load_profile, save_profile
 from sandbox.trial.settings import HandSettings, Settings
 from sandbox.trial.trial_options import TrialOptions, trial_settings
 

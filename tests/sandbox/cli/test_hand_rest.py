@@ -12,7 +12,7 @@ from encoders.paalm.hand_pose import PALM_CENTRE
 from encoders.paalm.simulated.forward import ForwardLeap
 from encoders.person.rest_posture import load_rest
 from encoders.webcam.camera import Camera
-from models.arithmetic.arrays import Array
+from models.arithmetic import Array
 from models.frames import HandFrame
 from models.kinematics import Kinematics
 from models.pose import JOINTS, ROOT_POSITION, ROOT_ROTATION
@@ -108,8 +108,8 @@ def test_a_left_hand_is_kept_as_one(tmp_path: Path) -> None:
         (("--device", "tuio"), "does not see a person's hand"),
         (("--device", "webxr"), "--record"),
         (("--device", "leap-simulated"), "does not see a person's hand"),
-        (("--device", "HAND", "--looks", "0"), "out of range"),
-        (("--device", "HAND", "--looks", "2"), "1 of 2 looks"),
+        (("--device", "HAND", "--samples", "0"), "out of range"),
+        (("--device", "HAND", "--samples", "2"), "1 of 2 samples"),
         (("--device", "HAND", "--seconds", "0"), "positive time"),
         (("--device", "HAND", "--out", "nowhere/rest.json"), "no such folder"),
         (("--device", "HAND", "--out", "FOLDER"), "this is a folder"),

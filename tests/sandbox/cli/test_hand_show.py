@@ -11,7 +11,7 @@ import pytest
 from models.errors import InputError
 from models.person import Person
 from sandbox.cli.hand.command import main
-from sandbox.trial.profiles import Profile, load_profile, save_profile
+from sandbox.hand.profiles import Profile, load_profile, save_profile
 from sandbox.trial.trial_options import TrialOptions, trial_settings
 
 LAYOUT = ((0.0, 0.0), (0.035, -0.042), (0.06, -0.055), (0.083, -0.048), (0.104, -0.026))

@@ -188,15 +188,8 @@ def test_a_capture_becomes_leap_recordings(
     whole = builtin_capture()
     trials = np.unique(whole.trial)[:2]
     save_capture(whole.select(np.isin(whole.trial, trials)), tmp_path / "touches.npz")
-    args = [
-        "devices",
-        "leap",
-        "simulate",
-        "--capture",
-        str(tmp_path / "touches.npz"),
-        "--takes",
-        "2",
-    ]
+    made_of = ["--capture", str(tmp_path / "touches.npz"), "--takes", "2"]
+    args = ["devices", "leap", "simulate", *made_of]
     assert main([*args, "--out", str(tmp_path / "made")]) == 0
     made = sorted((tmp_path / "made").iterdir())
     assert len(made) == 2

@@ -20,7 +20,6 @@ from sandbox.cli.main import main
 from sandbox.datasets import export
 from sandbox.datasets.data_set import DataSet
 from sandbox.datasets.export import export_data_set
-from sandbox.datasets.kind import is_data_set
 from sandbox.datasets.minari_file import check_name
 from sandbox.datasets.npz_file import read_npz
 from sandbox.datasets.playback import first_difference
@@ -85,7 +84,7 @@ def test_recordings_in_folders_of_a_folder_are_demonstrations_too_and_those_of_a
     for file, place in ((first, "."), (second, "simulated"), (first, "studies/mine/trials")):
         (folder / place).mkdir(parents=True, exist_ok=True)
         shutil.copy(file, folder / place)
-    (folder / "studies" / "mine" / "study.json").write_text("{}")
+    (folder / "studies" / "mine" / "notes").mkdir()
     out = tmp_path / "all.npz"
     assert main(["export", str(folder), "--to", str(out)]) == 0
     assert [episode.seed for episode in read_npz(out).episodes] == list(SEEDS)
@@ -287,11 +286,6 @@ def test_the_true_labels_of_a_recording_are_those_of_its_environment(tmp_path: P
     assert data.episodes[0].about["same_states_as_recorded"]
 
 
-def test_words_for_data_sets_are_told_from_files_of_motion() -> None:
-    assert all(map(is_data_set, map(Path, ("minari", "lerobot", "a.npz"))))
-    assert not is_data_set(Path("hand.bvh"))
-
-
 def test_states_that_are_not_the_recording_s_are_said_to_be_so(
     recordings: Path, tmp_path: Path
 ) -> None:
@@ -319,11 +313,11 @@ def trial(journal: Journal, number: int, attempt: int, ends: bool, repeated: boo
     """Journals an attempt; the name of its file."""
     name = f"T{number:03d}{f'.a{attempt}' if attempt > 1 else ''}.jsonl"
     known: dict[str, Any] = {"step": f"trial-{number}", "trial": number, "attempt": attempt}
-    journal.append("trial_start", **known, file=f"trials/{name}")
+    journal.append("trial", **known, file=f"trials/{name}")
     if ends:
         journal.append("trial_end", **known, file=f"trials/{name}", result={})
     if repeated:
-        journal.append("repeat", **known, reason="the tablet was moved")
+        journal.append("command", command="repeat", **known, reason="the tablet was moved")
     return name
 
 
@@ -334,7 +328,7 @@ def test_a_data_set_of_a_study_has_the_counted_attempt_of_each_finished_trial_an
     trials = session / "trials"
     trials.mkdir(parents=True)
     first, second = (recordings / f"{seed}.jsonl" for seed in SEEDS)
-    journal = Journal(session / "journal.jsonl")
+    journal = Journal(session / "session.jsonl")
     # Killed, broken off, repeated: each was done again.
     killed = trials / trial(journal, 1, 1, ends=False)
     killed.write_bytes(first.read_bytes()[:20_000])

@@ -18,7 +18,9 @@ from sandbox.devices.evdev.evdev_touch import (
     EV_SYN,
     SYN_DROPPED,
     SYN_REPORT,
+    TURNED,
     Axis,
+    Matrix,
     Slots,
 )
 
@@ -34,10 +36,12 @@ class KernelSlots:
         x: Axis | None = None,
         y: Axis | None = None,
         diameter: Axis | None = None,
+        matrix: Matrix = TURNED[0],
+        warning: str = "",
     ) -> None:
         self.name = "a made-up touch screen (/dev/input/event99)"
         self.x, self.y = x or Axis(0, 4000, 20), y or Axis(0, 3000, 20)
-        self.diameter = diameter
+        self.diameter, self.matrix, self.warning = diameter, matrix, warning
         self._values: dict[int, dict[int, int]] = {
             n: {ABS_MT_POSITION_X: 0, ABS_MT_POSITION_Y: 0, ABS_MT_TRACKING_ID: -1}
             for n in range(slots)

@@ -45,7 +45,7 @@ from sandbox.recording.recorded_device import RecordedDevice
 from sandbox.recording.recording import load_recording
 from sandbox.server.protocol import PageHands, PageScreen, PageTouches
 from sandbox.server.web import WebDevice
-from sandbox.trial.variations import parse_variation
+from sandbox.trial.trial_options import parse_variation
 from tasks.guarded import draw_task
 from tasks.registry import find_task
 from tasks.task import place_surface
@@ -105,7 +105,7 @@ def send_tuio(device: TuioDevice, step: int) -> None:
 
 def send_touches(device: WebDevice, step: int) -> None:
     contacts = [(i, 1200.0 * x, 500.0 * y, 8.0, 8.0) for i, (x, y) in circle(step).items()]
-    device.push(PageTouches(step + 1, 0.0, contacts, [] if step % 3 else [1, 2, 77]), SCREEN)
+    device.receive(PageTouches(step + 1, 0.0, contacts, [] if step % 3 else [1, 2, 77]), SCREEN)
 
 
 def hold_keys(device: LiftKeys, step: int) -> None:

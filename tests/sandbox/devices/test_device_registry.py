@@ -84,7 +84,7 @@ def test_a_device_of_an_installed_package_is_played_by_its_name(
     out, record = tmp_path / "out.json", tmp_path / "run.jsonl"
     arguments = ["--device", "lab-pad:3", "--json", str(out), "--record", str(record)]
     assert "lab-pad" in overview({"a": "b"})
-    monkeypatch.setattr("sandbox.trial.live_run.RealTime.wait", lambda clock, time: None)
+    monkeypatch.setattr("sandbox.trial.driver.RealTime.wait", lambda clock, time: None)
     assert main(["run", "box-to-goal", *arguments]) == 0
     assert json.loads(out.read_text())["status"] == "input_ended"
     assert len(load_recording(record).touches()[0].contacts) == 3

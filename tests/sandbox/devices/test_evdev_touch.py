@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+import os
+import sys
 import time
 from collections.abc import Callable
 from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
 
 import pytest
 from hypothesis import given
@@ -13,7 +17,13 @@ from hypothesis import strategies as st
 from models.errors import DeviceError
 from models.frames import TouchFrame
 from models.surface import Surface
-from sandbox.devices.evdev.evdev_device import EvdevDevice, LinuxNode, evdev_surface, open_node
+from sandbox.devices.evdev.evdev_device import (
+    EvdevDevice,
+    LinuxNode,
+    calibration,
+    evdev_surface,
+    open_node,
+)
 from sandbox.devices.evdev.evdev_touch import (
     ABS_MT_DISTANCE,
     ABS_MT_POSITION_X,
@@ -25,11 +35,18 @@ from sandbox.devices.evdev.evdev_touch import (
     ABS_MT_TRACKING_ID,
     EV_ABS,
     EV_SYN,
+    INPUT_PROP_DIRECT,
+    INPUT_PROP_SEMI_MT,
     MT_TOOL_PALM,
     SYN_DROPPED,
     SYN_REPORT,
+    TURNED,
     Axis,
+    Matrix,
     MultiTouch,
+    doubts,
+    read_matrix,
+    why_unusable,
 )
 from tests.sandbox.devices.kernel_slots import KernelSlots
 from tests.support.processes import PATIENCE
@@ -107,6 +124,21 @@ def test_a_new_finger_at_the_x_of_the_one_before_it_is_in_its_place() -> None:
     assert (contact.id, contact.x, contact.y) == (6, 0.3, 0.7)
 
 
+def test_an_id_in_two_slots_is_one_finger_and_the_other_slot_is_counted() -> None:
+    touch = MultiTouch(Axis(0, 100), Axis(0, 100), (1.0, 1.0))
+    for slot, x in ((0, 30), (1, 60)):
+        for code, value in (
+            (ABS_MT_SLOT, slot),
+            (ABS_MT_TRACKING_ID, 9),
+            (ABS_MT_POSITION_X, x),
+            (ABS_MT_POSITION_Y, 40),
+        ):
+            touch.feed(EV_ABS, code, value)
+    assert touch.feed(EV_SYN, SYN_REPORT, 0)
+    assert [(c.id, c.x) for c in touch.contacts()] == [(9, 0.3)]
+    assert "touches with the id of another" in touch.report.line()
+
+
 def test_fingers_that_lie_on_it_when_it_is_opened_are_seen() -> None:
     kernel = KernelSlots()
     kernel.show({1: (100, 200), 2: (300, 400)})
@@ -161,6 +193,176 @@ def test_width_and_height_are_those_of_the_ellipse_in_units_of_its_own_axis() ->
     ellipse, unknown = opened(kernel).poll()[0].contacts
     assert ellipse.extent == pytest.approx((0.015, 0.030))
     assert unknown.extent is None
+
+
+MOUNTED = {
+    0: (0.1, 0.2),
+    90: (0.8, 0.1),
+    180: (0.9, 0.8),
+    270: (0.2, 0.9),
+}
+"""Where a touch at 0.1, 0.2 of a panel is on the surface, by degrees clockwise."""
+
+
+@pytest.mark.parametrize("degrees", MOUNTED)
+def test_a_panel_that_is_mounted_turned_is_turned_back(degrees: int) -> None:
+    kernel = KernelSlots(matrix=TURNED[degrees], diameter=Axis(0, 255, 10))
+    kernel.set(0, ABS_MT_TOUCH_MAJOR, 120)
+    kernel.set(0, ABS_MT_TOUCH_MINOR, 60)
+    kernel.show({1: (400, 600)})
+    surface = evdev_surface(kernel)
+    assert surface is not None
+    width, height = surface.size
+    sides = degrees in (90, 270)
+    assert (width, height) == pytest.approx((0.15, 0.2) if sides else (0.2, 0.15))
+    (contact,) = opened(kernel).poll()[0].contacts
+    assert (contact.x / width, contact.y / height) == pytest.approx(MOUNTED[degrees])
+    assert contact.extent == pytest.approx((0.012, 0.006) if sides else (0.006, 0.012))
+
+
+@pytest.mark.parametrize(
+    ("text", "matrix"),
+    [
+        ("0 -1 1 1 0 0", TURNED[90]),
+        ("-1.000000 0.0 1.0 0.0 -1.0 1.0", TURNED[180]),
+        ("0 1 0 -1 0 1 0 0 1", TURNED[270]),
+        ("1.1 0 -0.05 0 1.2 -0.1", (1.1, 0.0, -0.05, 0.0, 1.2, -0.1)),
+        *((odd, None) for odd in ("", "1 0 0 0 1", "1 0 0 0 1 nan", "a b c d e f")),
+        *((odd, None) for odd in ("0 0 0 0 0 0", "1 0 0 0 1 0 1 0 0")),
+    ],
+)
+def test_libinput_s_matrix_is_read_where_udev_has_one(
+    tmp_path: Path, text: str, matrix: Matrix | None
+) -> None:
+    assert read_matrix(text) == matrix
+    number = os.stat("/dev/null").st_rdev
+    data = tmp_path / f"c{os.major(number)}:{os.minor(number)}"
+    assert calibration("/dev/null", tmp_path) is None
+    data.write_text(f"I:1\nE:ID_INPUT=1\nE:LIBINPUT_CALIBRATION_MATRIX={text}\n")
+    if matrix is None and text:
+        with pytest.raises(DeviceError, match="--turned 0"):
+            calibration("/dev/null", tmp_path)
+    else:
+        assert calibration("/dev/null", tmp_path) == matrix
+
+
+def test_a_matrix_may_shift_and_stretch() -> None:
+    kernel = KernelSlots(matrix=(1.1, 0.0, -0.05, 0.0, 1.0, 0.1))
+    kernel.show({1: (2000, 1500), 2: (0, 0)})
+    first, second = opened(kernel).poll()[0].contacts
+    assert (first.x, first.y) == pytest.approx((0.1, 0.09))
+    assert (second.x, second.y) == pytest.approx((0.0, 0.015)), "moved onto the edge"
+
+
+def test_a_position_far_beyond_the_panel_costs_itself_alone() -> None:
+    kernel = KernelSlots()
+    device = opened(kernel)
+    kernel.show({1: (100, 100), 2: (4200, 3100), 3: (2**31 - 1, 0), 4: (0, -2000)})
+    (frame,) = device.poll()
+    assert units(frame) == [(100, 100), (4000, 3000)]
+    assert device.report.left_out == {"positions beyond the surface": 2}
+
+
+@pytest.mark.parametrize(
+    ("major", "minor", "known"),
+    [
+        *((160, 0, True), (2400, 0, True), (10, 0, False), (3100, 0, False)),
+        *((60_000, 160, False), (160, 1, False), (2000, 150, False), (1600, 300, True)),
+        (2**31 - 1, 2**31 - 1, False),
+    ],
+)
+def test_a_size_that_no_finger_has_is_an_unknown_one(major: int, minor: int, known: bool) -> None:
+    kernel = KernelSlots()
+    kernel.set(0, ABS_MT_TOUCH_MAJOR, major)
+    kernel.set(0, ABS_MT_TOUCH_MINOR, minor)
+    kernel.show({1: (100, 100)})
+    device = opened(kernel)
+    (contact,) = device.poll()[0].contacts
+    assert (contact.size is None, contact.extent is None) == (not known, not known)
+    assert bool(device.report.left_out) == (not known)
+
+
+ABS = {
+    code: Axis(0, 4000, 20)
+    for code in (ABS_MT_SLOT, ABS_MT_POSITION_X, ABS_MT_POSITION_Y, ABS_MT_TRACKING_ID)
+}
+KINDS: dict[str, tuple[dict[int, Axis], str]] = {
+    "protocol B": (ABS, ""),
+    "protocol A": ({c: a for c, a in ABS.items() if c != ABS_MT_SLOT}, "protocol A"),
+    "no ids": ({c: a for c, a in ABS.items() if c != ABS_MT_TRACKING_ID}, "tracking ids"),
+    "one finger": ({0: Axis(0, 9), 1: Axis(0, 9)}, "one finger"),
+    "no touches": ({}, "no touches"),
+    "no y": ({c: a for c, a in ABS.items() if c != ABS_MT_POSITION_Y}, "no touches"),
+    "no width": (ABS | {ABS_MT_POSITION_X: Axis(0, 0)}, "no length"),
+    "backwards": (ABS | {ABS_MT_POSITION_Y: Axis(9, 0)}, "no length"),
+}
+
+
+@pytest.mark.parametrize(("axes", "reason"), KINDS.values(), ids=KINDS)
+def test_a_node_that_cannot_work_is_refused_for_its_own_reason(
+    axes: dict[int, Axis], reason: str
+) -> None:
+    assert reason in why_unusable(axes)
+    assert bool(reason) == bool(why_unusable(axes))
+
+
+def test_a_pad_that_sees_a_box_says_so() -> None:
+    assert doubts([INPUT_PROP_DIRECT]) == ""
+    warning = doubts([0, INPUT_PROP_SEMI_MT])
+    device = opened(KernelSlots(warning=warning))
+    assert "two corners" in warning
+    assert list(device.notices) == device.report.assumed == [warning]
+    assert not opened(KernelSlots()).notices
+
+
+class FakeNodes:
+    """The package evdev on a machine with some nodes: path -> its axes and properties."""
+
+    def __init__(self, nodes: dict[str, tuple[dict[int, Axis], list[int]]]) -> None:
+        self._nodes = nodes
+
+    def list_devices(self) -> list[str]:
+        return list(self._nodes)
+
+    def InputDevice(self, path: str) -> Any:  # noqa: N802  (the package's name)
+        axes, properties = self._nodes[path]
+        absolute = [
+            (c, SimpleNamespace(min=a.low, max=a.high, resolution=a.resolution))
+            for c, a in axes.items()
+        ]
+        return SimpleNamespace(
+            name=f"panel {path[-1]}",
+            capabilities=lambda absinfo: {EV_ABS: absolute},
+            input_props=lambda: properties,
+            close=lambda: None,
+        )
+
+
+def test_the_node_that_is_opened_is_the_best_that_works(monkeypatch: pytest.MonkeyPatch) -> None:
+    a, b, c = (f"/dev/input/event{n}" for n in "123")
+    semi, screen, pad = [INPUT_PROP_SEMI_MT], [INPUT_PROP_DIRECT], [0]
+
+    def chosen(*kinds: tuple[dict[int, Axis], list[int]]) -> str:
+        nodes = FakeNodes(dict(zip((a, b, c), kinds, strict=False)))
+        monkeypatch.setitem(sys.modules, "evdev", nodes)
+        return open_node().name
+
+    old = KINDS["protocol A"][0]
+    assert a in chosen((ABS, pad))
+    assert b in chosen((ABS, pad), (ABS, screen))
+    assert c in chosen((ABS, semi), (old, screen), (ABS, pad))
+    assert a in chosen((ABS, semi))
+    assert b in chosen((KINDS["no ids"][0], screen), (ABS, semi))
+    with pytest.raises(DeviceError, match="protocol A") as refusal:
+        chosen(({}, []), (old, screen))
+    assert "usermod" not in str(refusal.value)
+    assert "--device web" in str(refusal.value)
+    with pytest.raises(DeviceError, match="usermod"):
+        chosen(({}, []), (KINDS["one finger"][0], pad))
+    with pytest.raises(DeviceError, match="tracking ids") as refusal:
+        monkeypatch.setitem(sys.modules, "evdev", FakeNodes({a: (KINDS["no ids"][0], screen)}))
+        open_node(a)
+    assert "usermod" not in str(refusal.value)
 
 
 EVENTS = st.tuples(

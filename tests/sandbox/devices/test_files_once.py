@@ -16,7 +16,7 @@ from sandbox.devices.files.frame_file import frame_record, header_record, read_f
 from sandbox.devices.leap.leap_file import read_leap
 from sandbox.devices.leap.leap_write import write_take
 from sandbox.recording.recording import load_recording
-from sandbox.trial.open_devices import device_makers
+from sandbox.trial.assembly import device_makers
 from sandbox.trial.trial_options import TrialOptions, trial_settings
 from tasks.guarded import draw_task
 from tasks.registry import find_task
@@ -80,6 +80,6 @@ def test_a_recording_of_two_hands_is_read_once_for_both(
     assert main(["run", *task, "--record", str(path)]) == 0
     reads = Reads(load_recording)
     monkeypatch.setattr("sandbox.recording.recording.load_recording", reads)
-    monkeypatch.setattr("sandbox.trial.open_devices.load_recording", reads)
+    monkeypatch.setattr("sandbox.trial.trial_options.load_recording", reads)
     opened(str(path))
     assert reads.count == 1

@@ -19,16 +19,16 @@ from sandbox.devices.files.frame_file import (
     read_frame_file,
 )
 
-LENGTHS = st.floats(-0.5, 0.5)
+LENGTHS = st.floats(0.0, 0.12)
 CONTACTS = st.lists(
     st.builds(
         Contact,
         st.integers(-(2**63), 2**63 - 1),
         LENGTHS,
         LENGTHS,
-        st.none() | st.floats(1e-4, 0.1),
+        st.none() | st.floats(2e-3, 0.1),
         st.none() | st.integers(0, 4),
-        st.none() | st.tuples(st.floats(1e-4, 0.1), st.floats(1e-4, 0.1)),
+        st.none() | st.tuples(st.floats(0.02, 0.1), st.floats(0.02, 0.1)),
     ),
     max_size=6,
     unique_by=lambda c: c.id,
@@ -87,16 +87,6 @@ DAMAGE = [
     "17",
     "[]",
     "{}",
-    '{"time": 9, "contacts": [{"id": 1, "x": 1}]}',
-    '{"time": 9, "contacts": [{"id": true, "x": 1, "y": 1}]}',
-    '{"time": 9, "contacts": [{"id": 1, "x": NaN, "y": 1}]}',
-    '{"time": 9, "contacts": [{"id": 1, "x": 1, "y": 1}, {"id": 1, "x": 2, "y": 2}]}',
-    '{"time": 9, "contacts": [{"id": 1, "x": 1, "y": 1, "finger": "toe"}]}',
-    '{"time": 9, "contacts": [{"id": 1, "x": 1, "y": 1, "size": -1}]}',
-    '{"time": 9, "contacts": [], "lift": 7}',
-    '{"time": 9, "contacts": [], "cancelled": ["a"]}',
-    '{"time": 1e999, "contacts": []}',
-    '{"time": 0.01, "contacts": []}',
     '{"time": 9, "contacts": 4}',
     '{"surface_in": [1, 2]}',
     "[" * 100_000,
@@ -111,6 +101,126 @@ def test_a_damaged_file_is_good_up_to_the_line_that_is_named(tmp_path: Path, lin
     assert isinstance(file.damage, RecordingError)
     assert "frames.jsonl, line 4" in str(file.damage)
     assert len(str(file.damage)) < 700
+
+
+TOUCH = '{"id": 1, "x": 1, "y": 1}'
+OTHER = '{"id": 2, "x": 1, "y": 1'
+PARTS = {
+    "no place": ('{"id": 2, "x": 1}', 1, "cannot be read"),
+    "an id that is a truth value": ('{"id": true, "x": 1, "y": 1}', 1, "cannot be read"),
+    "a place that is no number": ('{"id": 2, "x": NaN, "y": 1}', 1, "beyond the surface"),
+    "a place that is text": ('{"id": 2, "x": "a", "y": 1}', 1, "cannot be read"),
+    "no objects": ("7, null, []", 1, "3 touches that cannot be read"),
+    "one id twice": ('{"id": 1, "x": 2, "y": 2}', 1, "id of another"),
+    "an endless id": (f'{{"id": {2**70}, "x": 1, "y": 1}}', 1, "more than 64 bits"),
+    "no finger's name": (OTHER + ', "finger": "toe"}', 2, "names that no finger has"),
+    "a negative size": (OTHER + ', "size": -1}', 2, ""),
+    "a size of 0": (OTHER + ', "size": 0, "width": 0, "height": 0.3}', 2, ""),
+    "a vast size": (OTHER + ', "size": 9}', 2, "no finger or hand has"),
+    "a size of 30 x 2000 px": (OTHER + ', "width": 0.2, "height": 15}', 2, "no finger or hand has"),
+    "a little beyond the edge": ('{"id": 2, "x": 7.9, "y": -0.2}', 2, ""),
+    "far beyond the edge": ('{"id": 2, "x": 1e9, "y": 1}', 1, "beyond the surface"),
+    "a lift of 7": (OTHER + '}], "lift": 7, "cancelled": ["a"], "more": [4', 2, "lift control"),
+}
+
+
+@pytest.mark.parametrize(("line", "touches", "reason"), PARTS.values(), ids=PARTS)
+def test_one_wrong_part_costs_itself_alone(
+    tmp_path: Path, line: str, touches: int, reason: str
+) -> None:
+    header = json.dumps(header_record(Surface(), "page"))
+    after = GOOD[3].replace("0.375", "9.5")
+    middle = f'{{"time": 9, "contacts": [{TOUCH}, {line}]}}'
+    path = written(tmp_path / "frames.jsonl", header, *GOOD[:2], middle, after)
+    file = read_frame_file(path)
+    assert file.damage is None
+    assert [len(frame.contacts) for frame in file.frames] == [1, 1, touches, 1]
+    width, height = Surface().size
+    assert all(0.0 <= c.x <= width and 0.0 <= c.y <= height for c in file.frames[2].contacts)
+    assert reason in file.report.line()
+    assert bool(reason) == bool(file.report.line())
+
+
+@pytest.mark.parametrize(
+    "time", ["NaN", "null", '"1"', "1e999", "-1e999", "0.01", "1e9", "1" * 400]
+)
+def test_a_frame_without_a_possible_time_costs_itself_alone(tmp_path: Path, time: str) -> None:
+    line = f'{{"time": {time}, "contacts": [{TOUCH}]}}'
+    path = written(tmp_path / "frames.jsonl", *GOOD[:2], line, *GOOD[2:])
+    file = read_frame_file(path)
+    assert [frame.time for frame in file.frames] == [n / 8 for n in range(4)]
+    assert file.damage is None
+    assert "1 frames" in file.report.line() and "time" in file.report.line()
+
+
+def test_a_second_recording_behind_the_first_is_told(tmp_path: Path) -> None:
+    file = read_frame_file(written(tmp_path / "frames.jsonl", *GOOD, *GOOD[:3]))
+    assert len(file.frames) == 4
+    assert "3 frames whose time runs backwards" in file.report.line()
+
+
+def steady(unit: float, step: float = 1 / 60, count: int = 30, inch: float = 1.0) -> list[str]:
+    """Frames of a finger that moves beside another over an iPad, in other units."""
+    return [
+        json.dumps(
+            {
+                "time": n * step * unit,
+                "contacts": [
+                    {"id": 1, "x": (2.0 + n / 10) * inch, "y": 3.0 * inch},
+                    {"id": 2, "x": 5.2 * inch, "y": 5.1 * inch},
+                ],
+            }
+        )
+        for n in range(count)
+    ]
+
+
+@pytest.mark.parametrize(
+    ("second", "inch", "told"),
+    [
+        (1.0, 1.0, ""),
+        *((1e3, 1.0, "times are read in ms"), (1e6, 1.0, "times are read in us")),
+        *((1e9, 1.0, "times are read in ns"), (1.0, 25.4, "lengths are read in mm")),
+        *((1.0, 2.54, "lengths are read in cm"), (1.0, 0.0254, "lengths are read in m")),
+        (1e3, 25.4, "times are read in ms"),
+    ],
+)
+def test_times_and_places_are_read_in_the_unit_in_which_they_are_possible(
+    tmp_path: Path, second: float, inch: float, told: str
+) -> None:
+    header = json.dumps(header_record(Surface(), "page"))
+    path = written(tmp_path / "frames.jsonl", header, *steady(second, inch=inch))
+    file = read_frame_file(path)
+    assert [f.time for f in file.frames] == pytest.approx([n / 60 for n in range(30)])
+    assert file.frames[0].contacts[0].x == pytest.approx(2.0 * 0.0254)
+    assert told in file.report.line()
+    assert bool(told) == bool(file.report.line())
+    again = read_frame_file(path, "s,in")
+    assert again.frames[1].time == pytest.approx(second / 60), "a person's unit is not doubted"
+
+
+@pytest.mark.parametrize(("second", "inch"), [(0.0, 1.0), (1e-3, 1.0), (1.0, 132.0), (1.0, 1e3)])
+def test_times_and_places_that_are_impossible_in_any_unit_are_refused(
+    tmp_path: Path, second: float, inch: float
+) -> None:
+    header = json.dumps(header_record(Surface(), "page"))
+    path = written(tmp_path / "frames.jsonl", header, *steady(second, inch=inch))
+    with pytest.raises(RecordingError, match=r"zero|impossible|several") as refusal:
+        read_frame_file(path)
+    assert "frames.jsonl" in str(refusal.value)
+
+
+def test_rests_and_slow_frames_are_no_other_unit(tmp_path: Path) -> None:
+    assert not read_frame_file(written(tmp_path / "slow.jsonl", *steady(60.0))).report
+
+
+def test_a_screen_that_nobody_touches_is_silent_for_any_time(tmp_path: Path) -> None:
+    lines = steady(1.0)
+    lines[10:10] = ['{"time": 0.16, "contacts": []}']
+    late = [line.replace('"time": ', '"time": 900') for line in lines[11:]]
+    bursts = steady(1.0, step=1e-5)[:2]
+    file = read_frame_file(written(tmp_path / "frames.jsonl", *bursts, *lines[2:11], *late))
+    assert not file.report.line()
 
 
 def test_a_file_without_a_single_frame_is_refused(tmp_path: Path) -> None:

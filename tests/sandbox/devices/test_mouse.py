@@ -49,14 +49,6 @@ def test_a_drag_is_one_finger_from_press_to_release() -> None:
     assert mouse.poll(0.0) == []
 
 
-def test_every_touch_has_an_id_of_its_own() -> None:
-    mouse = MouseDevice(SURFACE)
-    for _ in range(3):
-        mouse.press(MIDDLE)
-        mouse.release()
-    assert len({c.id for f in mouse.poll(0.0) for c in f.contacts}) == 3
-
-
 def test_a_press_beside_the_surface_is_no_touch_and_a_drag_over_the_border_stays_at_it() -> None:
     mouse = MouseDevice(SURFACE)
     mouse.press([-0.001, 0.05])

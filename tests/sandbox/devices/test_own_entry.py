@@ -13,10 +13,11 @@ from typing import Any
 import pytest
 
 from models.errors import InputError
+from models.surface import Surface
 from sandbox import DeviceEntry, check_device, load_recording, run_trial
-from sandbox.cli.common.printing import HelpShown
+from sandbox.cli.common.printing import HelpExit
 from sandbox.cli.main import main
-from sandbox.devices.device import NoOptions
+from sandbox.devices.device import NoOptions, Place, PlayedOptions
 from sandbox.devices.registry import DEVICES, named_device
 from sandbox.trial.settings import recorded_settings
 from tests.support.processes import ROOT
@@ -37,7 +38,11 @@ class Sticks:
 
     def set(self, kind: int, number: int, value: int) -> None:
         """Writes an event."""
-        os.write(self._file, EVENT.pack(0, value, kind, number))
+        self.write(EVENT.pack(0, value, kind, number))
+
+    def write(self, data: bytes) -> None:
+        """Writes bytes."""
+        os.write(self._file, data)
 
     def close(self) -> None:
         """Removes the gamepad."""
@@ -83,10 +88,10 @@ def test_its_option_moves_its_fingers_and_is_in_the_header(sticks: Sticks, tmp_p
 def test_its_option_stands_in_the_help_where_it_is_named(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
-    with pytest.raises(HelpShown):
+    with pytest.raises(HelpExit):
         main(["play", "--device", GAMEPAD, "--help"])
     assert "--dead-zone SHARE" in capsys.readouterr().out
-    with pytest.raises(HelpShown):
+    with pytest.raises(HelpExit):
         main(["play", "--help"])
     assert "--dead-zone" not in capsys.readouterr().out
 
@@ -122,28 +127,25 @@ def test_options_of_another_device_are_refused_from_python_and_for_touches(
     assert "--grab: this is an option of another device" in capsys.readouterr().err
 
 
-def test_an_option_with_the_name_of_another_is_refused(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    file = tmp_path / "pad.py"
-    file.write_text(
-        "from dataclasses import dataclass\n"
-        "from sandbox import DeviceEntry\n"
-        "@dataclass(frozen=True)\n"
-        "class Options:\n"
-        "    seed: int = 3\n"
-        "PAD = DeviceEntry('a pad', lambda options, place: None, Options)\n"
-    )
-    assert main(["run", "box-to-goal", "--device", f"{file}:PAD"]) == 2
-    (line,) = capsys.readouterr().err.splitlines()
-    assert "the name of another option" in line and "--seed" in line
+NOT_FROZEN = ["pad.py:PAD", "@dataclass(frozen=True)"]
 
 
 @pytest.mark.parametrize(
-    "options", ["@dataclass\nclass Options:\n    reach: int = 3", "class Options:\n    reach = 3"]
+    ("options", "said"),
+    [
+        (
+            "@dataclass(frozen=True)\nclass Options:\n    seed: int = 3",
+            ["the name of another option", "--seed"],
+        ),
+        (
+            "@dataclass\nclass Options:\n    reach: int = 3",
+            NOT_FROZEN,
+        ),
+        ("class Options:\n    reach = 3", NOT_FROZEN),
+    ],
 )
-def test_options_that_are_no_frozen_dataclass_are_refused(
-    options: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+def test_options_that_share_a_name_or_are_no_frozen_dataclass_are_refused(
+    options: str, said: list[str], tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     file = tmp_path / "pad.py"
     file.write_text(
@@ -154,7 +156,7 @@ def test_options_that_are_no_frozen_dataclass_are_refused(
     )
     assert main(["run", "box-to-goal", "--device", f"{file}:PAD"]) == 2
     (line,) = capsys.readouterr().err.splitlines()
-    assert "pad.py:PAD" in line and "@dataclass(frozen=True)" in line
+    assert all(words in line for words in said)
 
 
 def test_a_line_in_the_registry_gives_a_device_its_name(
@@ -167,10 +169,34 @@ def test_a_line_in_the_registry_gives_a_device_its_name(
     monkeypatch.setitem(DEVICES, "gamepad", replace(spec["GAMEPAD"]))
     sticks.set(BUTTON, 4, 1)
     out, record = tmp_path / "out.json", tmp_path / "run.jsonl"
-    monkeypatch.setattr("sandbox.trial.live_run.RealTime.wait", lambda clock, time: None)
+    monkeypatch.setattr("sandbox.trial.driver.RealTime.wait", lambda clock, time: None)
     device = ["--device", f"gamepad:{sticks.path}", "--dead-zone", "0.3"]
     task = ["tests/support/regress_tasks.py:Quick", "--json", str(out), "--record", str(record)]
     assert main(["run", *task, *device]) == 0
     assert json.loads(out.read_text())["task"]
     header = load_recording(record).header
     assert header["settings"]["device"]["options"] == {"dead_zone": 0.3}
+
+
+def test_touches_are_shown_with_the_options_of_the_device(
+    sticks: Sticks, capsys: pytest.CaptureFixture[str]
+) -> None:
+    sticks.set(BUTTON, 4, 1)
+    device = ["--device", f"{GAMEPAD}:{sticks.path}"]
+    shown = ["touches", "show", *device, "--dead-zone", "0.3", "--frames", "1", "--json"]
+    assert main(shown) == 0
+    (frame,) = capsys.readouterr().out.splitlines()
+    assert len(json.loads(frame)["contacts"]) == 1
+    assert main(["touches", "show", *device, "--node", "js1"]) == 2
+    assert "--node" in capsys.readouterr().err
+
+
+def test_an_event_may_come_in_pieces(sticks: Sticks) -> None:
+    entry = named_device(GAMEPAD).entry
+    device: Any = entry.open(PlayedOptions(), Place(Surface(10.0, 5.0), argument=str(sticks.path)))
+    event = EVENT.pack(0, 1, BUTTON, 4)
+    sticks.write(event[:3])
+    assert not device.poll(0.0)[-1].contacts
+    sticks.write(event[3:])
+    assert len(device.poll(0.1)[-1].contacts) == 1
+    device.close()

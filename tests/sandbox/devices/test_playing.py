@@ -91,7 +91,7 @@ def touch(
     web: WebDevice, seq: int, *contacts: tuple[int, float, float], lift: float | None = None
 ) -> None:
     px = [(i, 100.0 * x, 100.0 * y, 1.0, 1.0) for i, x, y in contacts]
-    web.push(PageTouches(seq, 1.0, px, [], lift), SCREEN)
+    web.receive(PageTouches(seq, 1.0, px, [], lift), SCREEN)
 
 
 def test_fingers_on_the_page_and_pins_of_the_mouse_are_one_hand() -> None:

@@ -10,6 +10,7 @@ from typing import Any
 import pytest
 
 from encoders.webcam.camera import Camera
+from models.errors import InputError
 from models.frames import HandFrame, LandmarkFrame
 from models.surface import Surface
 from sandbox.devices.device import AnyDevice, HandDevice, Sees
@@ -20,8 +21,7 @@ from sandbox.devices.wrappers.shared import SharedDevice, SharedPart, Split
 from sandbox.server.protocol import PageHands, PageScreen
 from sandbox.session.messages import Snapshot
 from sandbox.session.session import Session
-from sandbox.trial.assembly import build
-from sandbox.trial.open_devices import DeviceMakers, device_makers, shared_makers
+from sandbox.trial.assembly import DeviceMakers, build, device_makers, shared_makers
 from sandbox.trial.settings import Settings
 from sandbox.trial.trial_options import TrialOptions, trial_settings
 from tasks.task import Task
@@ -74,7 +74,8 @@ def headset(folder: Path) -> tuple[Settings, DeviceMakers]:
     return chosen, shared_makers(people, chosen, Sees.HEADSET)
 
 
-def camera(folder: Path) -> tuple[Settings, DeviceMakers]:
+def camera_file(folder: Path) -> Path:
+    """Landmarks of both hands before a camera."""
     sees = Camera(70.0, (0.0, 0.45, 0.12))
     poses = [held_up(30.0, (0.1, 0.01 * i, 0.0)) for i in range(60)]
     frames = [
@@ -84,7 +85,11 @@ def camera(folder: Path) -> tuple[Settings, DeviceMakers]:
     path = folder / "hands.jsonl"
     lines = [header_record(sees), *map(message_of, frames)]
     path.write_text("\n".join(map(json.dumps, lines)) + "\n")
-    chosen = trial_settings(TrialOptions(task=TASK, device=str(path)))
+    return path
+
+
+def camera(folder: Path) -> tuple[Settings, DeviceMakers]:
+    chosen = trial_settings(TrialOptions(task=TASK, device=str(camera_file(folder))))
     return chosen, device_makers(chosen)
 
 
@@ -103,6 +108,17 @@ def test_the_tray_is_played_by_two_hands_with_one_device(
     assert not second.wants_snapshots and not second.address
     right, left = played(session, 2.0)
     assert right > 0.01 and left < -0.01, "each hand is over its own half of the table"
+
+
+@pytest.mark.parametrize("device", ["leap-simulated", "webxr", "camera"])
+def test_two_right_hands_before_one_device_are_refused_and_so_is_noise(
+    device: str, tmp_path: Path
+) -> None:
+    device = str(camera_file(tmp_path)) if device == "camera" else device
+    with pytest.raises(InputError, match="a right and a left hand"):
+        trial_settings(TrialOptions(task=TASK, device=device, second_hand="right"))
+    with pytest.raises(InputError, match="hands in the air cannot"):
+        trial_settings(TrialOptions(device=device, vary="noise=0.001"))
 
 
 def played(session: Session, seconds: float) -> tuple[float, float]:

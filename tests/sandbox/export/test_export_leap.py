@@ -234,7 +234,7 @@ def test_frames_that_are_read_one_by_one_are_those_of_the_whole_file(
         write(path, together())
     whole, streamed = read_leap(path), LeapFrames(path)
     for _ in range(2):
-        assert tuple(streamed) == whole.frames and streamed.counts == whole.counts
+        assert tuple(streamed) == whole.frames and streamed.report == whole.report
     assert streamed.metadata == whole.metadata
 
 

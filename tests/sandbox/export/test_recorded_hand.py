@@ -9,7 +9,7 @@ import pytest
 
 from encoders.paalm import Paalm
 from encoders.paalm.recorded import calibrate_on_recording
-from encoders.reconstruction.arrival import Phase
+from encoders.reconstruction.hand_motion import Phase
 from models.frames import HandFrame
 from sandbox.export.leap_hands import straight_reconstructor
 from sandbox.export.recorded_hand import RecordedHand

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from models.arithmetic.arrays import Array
+from models.arithmetic import Array
 
 FINGERS = {0: (-1.0, 0.0), 1: (1.0, 0.010), 2: (1.0, -0.012)}
 """Finger -> side of the box and m along it: the thumb to the left, two fingers to the right."""

@@ -14,7 +14,7 @@ import pytest
 from gymnasium.utils.env_checker import check_env
 from gymnasium.wrappers import RescaleAction
 
-from models.arithmetic.arrays import Array
+from models.arithmetic import Array
 from models.errors import InputError
 from sandbox.gym import HandSandboxEnv
 from sandbox.gym.goals import ARRIVED

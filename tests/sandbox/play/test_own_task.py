@@ -7,13 +7,14 @@ from pathlib import Path
 from rich.console import Console
 
 from sandbox.play.page import PagePlay
-from sandbox.play.pages import open_page
+from sandbox.play.pages import EASIEST_FIRST, open_page
 from sandbox.play.play import PlayerRequests
 from sandbox.server.page_options import PageOptions
 from sandbox.server.protocol import PlayerRequest
-from sandbox.trial.events import EventLog
+from sandbox.trial.logs import EventLog
 from sandbox.trial.settings import Settings
 from sandbox.trial.trial_options import TrialOptions
+from tasks.registry import TASKS, hands_of
 from tests.sandbox.play.played_page import played
 from tests.support.page_client import Page
 
@@ -48,6 +49,11 @@ def test_another_task_is_chosen_and_then_the_players_own_again(tmp_path: Path) -
             assert page.until("scene", task="lab-push")
     finally:
         server.close()
+
+
+def test_every_built_in_task_of_one_hand_has_its_place_in_the_order_of_difficulty() -> None:
+    names = [name for name, kind in TASKS.items() if hands_of(kind) == 1]
+    assert sorted(EASIEST_FIRST) == sorted(names)
 
 
 def test_a_task_that_is_on_no_menu_is_no_request(tmp_path: Path) -> None:

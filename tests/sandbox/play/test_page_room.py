@@ -17,7 +17,7 @@ from sandbox.server.page_server import PageServer
 from sandbox.server.screen import explain_refusal, fitting
 from sandbox.server.web import WebDevice
 from sandbox.trial.assembly import build
-from sandbox.trial.events import EventLog
+from sandbox.trial.logs import EventLog
 from sandbox.trial.settings import Settings
 from sandbox.trial.trial_options import TrialOptions
 from tasks.registry import TASKS, hands_of
@@ -81,7 +81,7 @@ def test_a_phone_makes_room_for_a_tablet_and_looks_on(server: PageServer) -> Non
 def test_who_gets_the_seat_gets_a_trial_on_their_own_screen(
     server: PageServer, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(clients, "SEAT_KEPT", 0.5)
+    monkeypatch.setattr(clients, "SEAT_TIMEOUT", 0.5)
     with Page(server.url, "second", screen={**SCREEN, "width_px": 1200.0}) as second:
         assert second.until("welcome")["role"] == "player"
         with Page(server.url, "third") as third:

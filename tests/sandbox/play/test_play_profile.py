@@ -15,12 +15,12 @@ from models.errors import InputError
 from models.person import Person
 from sandbox.cli.play import PlayOptions
 from sandbox.cli.play import main as play
+from sandbox.hand.profiles import Profile, load_profile, save_profile
 from sandbox.play.own_profile import Learner, with_usable_profile
 from sandbox.play.page import PagePlay
 from sandbox.play.pages import open_page
 from sandbox.server.page_options import PageOptions
-from sandbox.trial.events import EventLog
-from sandbox.trial.profiles import Profile, load_profile, save_profile
+from sandbox.trial.logs import EventLog
 from sandbox.trial.trial_options import trial_settings
 from tests.sandbox.play.played_page import played
 from tests.support.page_client import Page

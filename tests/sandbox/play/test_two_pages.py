@@ -16,9 +16,8 @@ from sandbox.server.page_options import PageOptions
 from sandbox.server.page_server import PageServer
 from sandbox.server.protocol import LIFT_STRIP_PX, PageScreen, PageTouches
 from sandbox.server.screen import common, rectangle
-from sandbox.trial.assembly import build
-from sandbox.trial.events import EventLog
-from sandbox.trial.open_devices import device_makers
+from sandbox.trial.assembly import build, device_makers
+from sandbox.trial.logs import EventLog
 from sandbox.trial.trial_options import TrialOptions, trial_settings
 from tests.sandbox.play.played_page import played
 from tests.sandbox.server.test_page_server import wait_for
@@ -135,7 +134,7 @@ def test_two_tablets_carry_a_tray_together(servers: tuple[PageServer, PageServer
     while not session.over:
         snapshot = session.advance()
         for server in servers:
-            server.publish_step(session, snapshot)
+            server.publish(snapshot)
         for k, (user, page, (_, device)) in enumerate(zip(users, pages, touched, strict=True)):
             user.show(snapshot)
             frame = user.poll(snapshot.time)[-1]

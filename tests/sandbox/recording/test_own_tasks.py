@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import os
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
 
 from sandbox.recording.recorded_task import own_tasks
+from tests.support.processes import printed
 
 TASK = """
 from pathlib import Path
@@ -48,8 +47,7 @@ def known(lab: Path) -> str:
         "import sys; from sandbox.recording.recorded_task import own_tasks;"
         "print(own_tasks(sys.argv[1:]))"
     )
-    command = [sys.executable, "-c", line, str(lab / "push.py"), "box-to-goal"]
-    return subprocess.run(command, capture_output=True, text=True, check=True).stdout
+    return printed("-c", line, lab / "push.py", "box-to-goal")
 
 
 def test_a_built_in_task_is_not_listed_and_one_of_ones_own_is() -> None:

@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import json
-import subprocess
-import sys
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -21,6 +19,7 @@ from sandbox.trial.driver import play_trial, trial_header
 from sandbox.trial.settings import Settings
 from sandbox.trial.trial_options import TrialOptions, trial_settings
 from tasks.registry import find_task
+from tests.support.processes import python
 
 SURFACE = Surface()
 TASK = """
@@ -72,8 +71,7 @@ def lab(tmp_path: Path) -> Path:
 
 def fresh(*arguments: object) -> tuple[int, str]:
     """Exit status of a program that has loaded no task yet, and what it said."""
-    command = [sys.executable, "-m", "sandbox", *map(str, arguments)]
-    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    done = python("-m", "sandbox", *arguments)
     return done.returncode, done.stdout + done.stderr
 
 

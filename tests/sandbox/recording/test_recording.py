@@ -11,7 +11,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from models.arithmetic.arrays import Array
+from models.arithmetic import Array
 from models.errors import FrameError, RecordingError
 from models.frames import Contact, TouchFrame
 from sandbox.recording.recorded_device import RecordedDevice

@@ -15,7 +15,7 @@ from models.errors import RecordingError
 from sandbox.cli.main import main
 from sandbox.export.sources import open_source
 from sandbox.recording.recording import load_recording
-from sandbox.recording.versions import STATES, OtherStatesError, commit, made_with, states_of
+from sandbox.recording.versions import STATES, DifferentStatesError, commit, made_with, states_of
 from sandbox.study.record.stored_sessions import session_path
 from sandbox.study.run.simulate import run_simulated
 from sandbox.trial.driver import play_trial
@@ -130,7 +130,7 @@ def test_a_header_whose_states_are_no_number_is_refused_with_its_file(
             load_recording(broken)
     recording = load_recording(recorded)
     recording.header["states"] = STATES + 1
-    with pytest.raises(OtherStatesError):
+    with pytest.raises(DifferentStatesError):
         replay(recording)
     assert made_with({}) == "states 1 (hand-sandbox unknown)"
 
@@ -141,14 +141,14 @@ def test_a_study_of_other_states_is_verified_but_for_its_replays(
     study = open_study(tmp_path)
     run_simulated(study, 0, lambda text: None)
     tables = session_path(study.path, study.participants()[0].ppid)
-    frames = sorted(path.name for path in tables.rglob("frames_*"))
+    frames = sorted(path.name for path in tables.rglob("*.frames.csv.gz"))
     assert frames
     monkeypatch.setattr("sandbox.recording.versions.STATES", STATES + 1)
     capsys.readouterr()
     assert main(["replay", str(study.path), "--verify"]) == 0
     said = " ".join(capsys.readouterr().out.split())
     assert f"{TRIALS} recordings not replayed: made with states {STATES}" in said
-    assert sorted(path.name for path in tables.rglob("frames_*")) == frames
+    assert sorted(path.name for path in tables.rglob("*.frames.csv.gz")) == frames
 
 
 def git(folder: Path, *words: str) -> str:

@@ -38,8 +38,7 @@ def test_more_seeds_and_less_scatter_find_smaller_changes() -> None:
     calm = power_of(baseline(0.02), [*LIMITS], range(20), LIMITS)
     for a, b, c in zip(few, many, calm, strict=True):
         assert a.time is not None and b.time is not None and c.time is not None
-        assert a.time == pytest.approx(2 * b.time)
-        assert c.time < a.time
+        assert b.time < 0.6 * a.time and c.time < 0.6 * a.time
     assert few[-1].task == "all tasks" and few[-1].time < min(row.time or 1 for row in few[:-1])
 
 
@@ -51,7 +50,7 @@ def test_without_repeated_trials_the_scatter_is_unknown() -> None:
 
 
 def test_a_change_of_the_size_that_is_named_is_found_four_times_in_five() -> None:
-    made, rng = baseline(0.05), np.random.default_rng(1)
+    made, rng = baseline(0.05, 400, 400), np.random.default_rng(1)
     made = replace(made, tasks={"quick": made.tasks["quick"]})
     (row,) = power_of(made, ["quick"], range(40), LIMITS)
     assert row.time is not None
@@ -64,9 +63,9 @@ def test_a_change_of_the_size_that_is_named_is_found_four_times_in_five() -> Non
                 "success": True,
                 "status": "held",
                 "progress": 1.0,
-                "time_s": trial.time_s * float(np.exp(row.time + rng.normal(0, 0.05))),
+                "time_s": trial.time_s * float(np.exp(np.log1p(row.time) + rng.normal(0, 0.05))),
             }
-            for seed, trial in made.tasks["quick"].trials.items()
+            for seed, trial in [*made.tasks["quick"].trials.items()][:40]
         ]
         comparisons, _ = compared({"quick": trials}, made, LIMITS, {}, states=False)
         found += comparisons["quick"].significant

@@ -21,6 +21,7 @@ from sandbox.cli.common.command_line import parse
 from sandbox.cli.main import main
 from sandbox.recording.recording import load_recording
 from sandbox.recording.versions import DECISIVE
+from sandbox.regress.baseline import load_baseline
 from sandbox.regress.execute import CRASHED, Executor, Processes, Serial, run_job
 from sandbox.regress.plan import (
     RegressionPlan,
@@ -333,3 +334,19 @@ def test_a_task_of_ones_own_cannot_take_anothers_name() -> None:
     with registered(Quick):
         assert TASKS["quick"] is Quick
     assert "quick" not in TASKS
+
+
+@pytest.mark.needs("opengl")
+def test_lost_trials_are_filmed_with_the_lines_that_film_them_before(
+    quick: Path, tmp_path: Path
+) -> None:
+    with registered(Worse):
+        assert quick_run("--baseline", quick, "--film-lost", tmp_path / "films") == 1
+    films = sorted((tmp_path / "films").glob("*.webp"))
+    assert [film.name for film in films] == [f"quick-{seed}.webp" for seed in (1, 2, 4, 5, 7)]
+    page = (tmp_path / "films" / "films.md").read_text()
+    assert str(load_baseline(quick).origin) in page
+    for film in films:
+        seed = film.stem.removeprefix("quick-")
+        assert f"| ![](before-{film.name}) | ![]({film.name}) |" in page
+        assert f"sandbox run quick --seed {seed} --film before-{film.name}" in page

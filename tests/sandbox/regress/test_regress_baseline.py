@@ -32,7 +32,7 @@ from sandbox.regress.plan import RegressionPlan, registered
 from sandbox.regress.report import Report, junit, make_report, markdown
 from sandbox.regression import Regression
 from sandbox.system.files import write_whole
-from sandbox.trial.result import KeptIn, kept_fields
+from sandbox.trial.result import ResultRecord, record_fields
 from tasks.registry import TASKS
 from tasks.sensing import Sensing
 from tasks.task import Measure
@@ -52,7 +52,7 @@ def trials(
     """What a run would give, were these seeds to fail."""
     return [
         {
-            **dict.fromkeys(kept_fields(KeptIn.REGRESS)),
+            **dict.fromkeys(record_fields(ResultRecord.REGRESS)),
             "task": job.name,
             "task_version": 1,
             "seed": job.seed,
@@ -297,7 +297,7 @@ def test_the_summary_is_a_table_that_any_reader_of_markdown_reads(
     assert html.count("<table>") == 1 and html.count("<tr>") == 1 + 2 + 1
     assert ("a loss beyond chance" in html) == (not report.passed)
     assert ("Trials that moved most" in html) == (not report.passed)
-    assert all(int(at.rpartition(" ")[2]) in failed for at, _, _ in report.moved_most())
+    assert all(trial.seed in failed for trial in report.moved_most())
 
 
 def test_junit_of_a_sound_run_has_no_failure_and_of_a_broken_one_none_either() -> None:

@@ -16,9 +16,9 @@ def test_lines_come_when_they_are_due_and_at_the_end() -> None:
     lines = PlainLines("", 4, write=said.append, clock=lambda: now[0])
     for time, ended, succeeded in ((FIRST - 1, 1, 1), (FIRST, 2, 1), (FIRST + 1, 3, 2)):
         now[0] = time
-        lines.tell(ended, succeeded)
+        lines.update(ended, succeeded)
     assert said == ["2 of 4 trials, 1 succeeded, about 1 min left"]
-    lines.tell(4, 3)
+    lines.update(4, 3)
     assert said[1:] == ["4 of 4 trials, 3 succeeded"]
 
 
@@ -27,10 +27,10 @@ def test_time_that_is_left_is_told_from_the_trials_of_this_run_alone() -> None:
     now = [0.0]
     lines = PlainLines("dial, size=0.8", 100, 50, said.append, lambda: now[0])
     now[0] = 600.0
-    lines.tell(60, 50)
+    lines.update(60, 50)
     assert said == ["dial, size=0.8: 60 of 100 trials, 50 succeeded, about 40 min left"]
     now[0] += EVERY - 1
-    lines.tell(61, 51)
+    lines.update(61, 51)
     assert len(said) == 1
 
 

@@ -18,9 +18,9 @@ from sandbox.figures.variation import draw, save_plot
 from sandbox.regress.baseline import Baseline, BaselineTask
 from sandbox.regress.execute import Serial
 from sandbox.regress.plan import RegressionPlan, registered
-from sandbox.regress.sweep import Runner, Sweep, check_possible, parse_wanted, sweep, varied
+from sandbox.regress.sweep import Runner, Sweep, check_possible, parse_variations, sweep, varied
 from sandbox.regress.trials_file import TrialsFile
-from sandbox.trial.variations import KINDS
+from sandbox.trial.trial_options import KINDS
 from tasks.box_to_goal import BoxToGoal
 from tasks.sensing import Sensing
 from tasks.stack import Stack
@@ -90,7 +90,7 @@ def limited(plan: RegressionPlan) -> list[dict[str, Any]]:
 def found_by(
     task: str | type[Task], *words: str, seeds: tuple[int, ...] = SEEDS, runner: Runner = limited
 ) -> Sweep:
-    return sweep(RegressionPlan((task,), seeds), parse_wanted(words), runner)
+    return sweep(RegressionPlan((task,), seeds), parse_variations(words), runner)
 
 
 def test_a_direction_ends_where_success_is_lower_beyond_chance_and_no_later() -> None:
@@ -175,7 +175,7 @@ def test_a_run_that_is_stopped_says_what_is_not_finished_and_counts_what_ended(
         return trials[: ended if runs == stops_in else None if runs < stops_in else 0]
 
     plan = RegressionPlan((Heavy, Quick), SEEDS)
-    wanted = parse_wanted(["mass=4,2,8", "size"])
+    wanted = parse_variations(["mass=4,2,8", "size"])
     found = sweep(plan, wanted, stopped)
     assert [each.text(len(SEEDS)) for each in found.unfinished] == missing
     assert found.complete == (not missing)
@@ -228,7 +228,7 @@ def test_what_no_task_can_have_is_refused_before_anything_is_played(
 
 def test_what_some_task_can_have_is_possible() -> None:
     plan = RegressionPlan(("box-to-goal", "dial"), SEEDS)
-    check_possible(plan, parse_wanted(["resistance", "start", "size=0.5,1", "latency"]))
+    check_possible(plan, parse_variations(["resistance", "start", "size=0.5,1", "latency"]))
 
 
 def test_a_varied_run_is_never_compared_with_a_baseline_of_one_that_is_not() -> None:
@@ -252,9 +252,9 @@ def test_two_variations_of_a_plan_hold_together() -> None:
 @pytest.mark.parametrize("word", ["weight", "mass=", "mass=a", "mass=2,,3", "mass=1000", "=2", ""])
 def test_what_cannot_be_varied_is_one_clear_error(word: str) -> None:
     with pytest.raises(InputError, match="--vary"):
-        parse_wanted([word])
+        parse_variations([word])
     with pytest.raises(InputError, match="twice"):
-        parse_wanted(["mass", "mass=2"])
+        parse_variations(["mass", "mass=2"])
 
 
 def heavy_regress(*words: str | Path) -> int:

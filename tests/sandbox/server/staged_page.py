@@ -10,7 +10,7 @@ from urllib.parse import urlsplit
 from models.frames import TouchFrame
 from models.surface import METRES_PER_INCH
 from sandbox.devices.simulated.simulated import SimulatedDevice
-from sandbox.server.frames import describe_scene, hand_feedback, pack_skin
+from sandbox.server.frames import describe_scene, pack_skin
 from sandbox.server.page_server import PageServer
 from sandbox.server.protocol import LIFT_STRIP_PX, TaskName
 from sandbox.server.web import WebDevice
@@ -26,7 +26,6 @@ WIDTH, HEIGHT = 640, 480
 KEY = f"hand-sandbox:px-per-inch:{HEIGHT}x{WIDTH}@1"
 KNOWN = {
     KEY: str(PPI),
-    "hand-sandbox:advised": "yes",
     "hand-sandbox:quality": "3",
     "hand-sandbox:hint": "done",
 }
@@ -58,7 +57,7 @@ def staged(server: PageServer, **settings: object) -> Stage:
     values = {"size_in": (WIDTH / PPI, HEIGHT / PPI), **settings}
     session = build(
         Settings().changed(**values),
-        (lambda task, surface: WebDevice(surface, server.latency),),
+        (lambda task, surface: WebDevice(surface),),
     )
     device = session.rigs[0].device
     assert isinstance(device, WebDevice)
@@ -140,7 +139,7 @@ def play_through(stage: Stage, glass: Glass, corner: tuple[float, float], finger
     while not session.over:
         snapshot = session.advance()
         user.show(snapshot)
-        stage.server.publish(snapshot, feedback=hand_feedback(session))
+        stage.server.publish(snapshot)
         # In step with the browser, however slow it is today: what the user's fingers do in this
         # period has arrived before the next one begins. Moves go out twenty times a second.
         wanted = px(user.poll(snapshot.time)[-1], *corner)

@@ -9,8 +9,7 @@ import pytest
 
 from models.surface import Surface
 from sandbox.server import clients
-from sandbox.server.auto_pause import AutoPause
-from sandbox.server.page_server import PageServer
+from sandbox.server.page_server import AutoPause, PageServer
 from sandbox.server.protocol import PageScreen, PageTouches
 from sandbox.server.web import WebDevice
 from tests.sandbox.server.test_page_server import Stage, opened, wait_for
@@ -38,7 +37,7 @@ def pages(count: int) -> tuple[list[Present], list[WebDevice]]:
 
 
 def touch(device: WebDevice) -> None:
-    device.push(FINGER, PageScreen(**SCREEN))
+    device.receive(FINGER, PageScreen(**SCREEN))
 
 
 def test_time_begins_with_the_first_touch_on_any_page_and_stops_while_one_is_away() -> None:

@@ -118,13 +118,13 @@ def fuzz(seed: int, count: int) -> tuple[int, int]:
         understood += message is not None
         refused += message is None
         if isinstance(message, PageTouches):
-            device.push(message, screen)
+            device.receive(message, screen)
         elif hasattr(message, "screen"):
             screen = message.screen
         if n % 50 == 49:
             good = decode(json.dumps(MESSAGES[2]))
             assert isinstance(good, PageTouches)
-            device.push(good, msgspec.convert(SCREEN, PageScreen))
+            device.receive(good, msgspec.convert(SCREEN, PageScreen))
             frames += device.poll()
             assert [c.id for c in frames[-1].contacts] == [1]
     sizes = [c.size for f in frames for c in f.contacts if c.size is not None]

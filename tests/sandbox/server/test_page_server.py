@@ -19,9 +19,9 @@ from websockets.exceptions import ConnectionClosed, InvalidStatus
 from models.errors import DeviceError
 from models.frames import TouchFrame
 from sandbox.server import clients
-from sandbox.server.address import checked_address
 from sandbox.server.clients import MOST_QUEUED
 from sandbox.server.frames import describe_scene
+from sandbox.server.page_options import checked_address
 from sandbox.server.page_server import PageServer
 from sandbox.server.protocol import CREDIT
 from sandbox.server.server_thread import GREETING
@@ -70,7 +70,7 @@ def server() -> Iterator[PageServer]:
 
 def opened(server: PageServer) -> Stage:
     """A stage with its first scene."""
-    session = build(Settings(), (lambda task, surface: WebDevice(surface, server.latency),))
+    session = build(Settings(), (lambda task, surface: WebDevice(surface),))
     device = session.rigs[0].device
     assert isinstance(device, WebDevice)
     stage = Stage(server, session, device)
@@ -220,8 +220,8 @@ def test_a_touch_takes_effect_at_its_place_in_metres_and_the_frame_says_so(stage
         frame = page.until("frame", touch=seq)
         contact = frame["state"]["hands"][0]["contacts"][0]
         assert contact["id"] == 7
-        seen = stage.session.reconstructions[0].contacts[0].xy
-        np.testing.assert_allclose(seen, [2.0 * 0.0254, 1.0 * 0.0254], atol=1e-9)
+        seen = stage.session.reconstructions[0].contacts[0]
+        np.testing.assert_allclose([seen.x, seen.y], [2.0 * 0.0254, 1.0 * 0.0254], atol=1e-9)
 
 
 def test_a_frame_has_every_body_where_the_simulation_has_it(stage: Stage) -> None:
@@ -285,7 +285,7 @@ def test_a_page_that_falls_silent_loses_its_fingers(stage: Stage) -> None:
 def test_the_second_page_looks_on_and_plays_once_the_first_ones_seat_is_free(
     stage: Stage, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(clients, "SEAT_KEPT", 0.5)
+    monkeypatch.setattr(clients, "SEAT_TIMEOUT", 0.5)
     first, second = Page(stage.server.url, "first"), Page(stage.server.url, "second")
     assert first.until("welcome")["role"] == "player"
     assert second.until("welcome")["role"] == "spectator"
@@ -333,7 +333,7 @@ def test_a_page_of_another_version_is_told_so(stage: Stage) -> None:
         '{"type":"touches","seq":1,"t":0,"contacts":[[1,1e999,0,0,0]]}',
         '{"type":"touches","seq":1,"t":0,"contacts":[[1.5,0,0,0,0]]}',
         '{"type":"touches","seq":-1,"t":0,"contacts":[]}',
-        '{"type":"touches","seq":1,"t":0,"contacts":[],"lift":2}',
+        '{"type":"touches","seq":1,"t":0,"contacts":[],"lift":"up"}',
         '{"type":"touches","seq":1,"t":0,"contacts":[],"surprise":1}',
         '{"type":"touches","seq":1,"t":0,"contacts":'
         + str([[i, 0, 0, 0] for i in range(21)])
@@ -506,7 +506,7 @@ def test_a_hidden_page_is_away_at_once_and_gives_up_its_seat_to_who_waits(
         first.say(type="presence", here=False)
         with Page(stage.server.url, "second") as second:
             assert second.until("welcome")["role"] == "spectator"
-            monkeypatch.setattr(clients, "SEAT_KEPT", 0.3)
+            monkeypatch.setattr(clients, "SEAT_TIMEOUT", 0.3)
             assert second.until("welcome")["role"] == "player"
             assert first.until("welcome")["role"] == "spectator"
             assert not stage.server.away
@@ -583,3 +583,28 @@ def test_a_page_that_goes_takes_the_menu_that_was_open_on_it_with_it(stage: Stag
         page.until("echo")
     assert wait_for(lambda: stage.server.clients == 0)
     assert [ask.what for ask in stage.server.take_requests()] == ["pause", "resume"]
+
+
+def test_who_waits_for_the_seat_learns_when_it_is_free_and_may_ask_for_it(
+    server: PageServer, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(clients, "REQUESTED_SEAT_TIMEOUT", 1.0)
+    first, second = (Page(server.url, name, beats=True) for name in ("first", "second"))
+    with first, second:
+        assert first.until("welcome")["role"] == "player"
+        assert second.until("welcome")["role"] == "spectator"
+        assert second.until("seat")["wait_s"] is None
+        second.say(type="ask", what="seat", value="")
+        assert first.until("seat")["requested"] is False
+        assert first.until("seat")["requested"] is True
+        # One who goes loses it sooner than without asking.
+        first.close()
+        assert second.until("seat")["wait_s"] == 1
+        assert second.until("welcome")["role"] == "player"
+
+
+def test_a_spectator_cannot_ask_for_the_seat(server: PageServer) -> None:
+    with Page(server.url, "first") as first, Page(server.url, "other", "spectator") as other:
+        other.say(type="ask", what="seat", value="")
+        assert first.until("seat")["requested"] is False
+        assert wait_for(lambda: server.counters["not the player"] == 1)

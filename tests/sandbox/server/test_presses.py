@@ -20,11 +20,11 @@ from models.frames import TouchFrame
 from models.surface import METRES_PER_INCH, Surface
 from sandbox.devices.check_device import check_frames
 from sandbox.devices.mouse.mouse import GRAB_RADIUS, MouseDevice, default_hand
-from sandbox.devices.tuio.tuio import touch_frame
 from sandbox.devices.tuio.tuio_senders import Commit, Tuio
 from sandbox.server.protocol import PageScreen, PageTouches, decode
 from sandbox.server.web import WebDevice
 from tests.support.tuio_packets import alv, bundle, frame, frm, ptr
+from tests.support.tuio_table import metres
 
 EVENTS = pytest.mark.parametrize("events", [1_000, pytest.param(10_000, marks=pytest.mark.full)])
 """Presses and lifts."""
@@ -109,7 +109,7 @@ def through_tuio(encode: Encoder, events: int) -> Told:
     tuio, told = Tuio(), []
     for n, scene in enumerate(story(7, events)):
         (commit,) = tuio.feed(encode(n, scene, False), "a", n * PERIOD)
-        told.append((touch_frame(commit, SURFACE, n * PERIOD), scene))
+        told.append((metres(commit, SURFACE, n * PERIOD), scene))
     return told
 
 
@@ -135,10 +135,10 @@ def through_a_bad_network(encode: Encoder, events: int) -> tuple[Told, list[Comm
         everything += shown
         if fate >= 0.15:
             assert shown, "a packet that comes in time counts"
-            told.append((touch_frame(shown[-1], SURFACE, now), scene))
+            told.append((metres(shown[-1], SURFACE, now), scene))
         if n % 60 == 59:  # once a second senders repeat all that is the case
             (commit,) = tuio.feed(encode(n, scene, True), "a", now)
-            told.append((touch_frame(commit, SURFACE, now), scene))
+            told.append((metres(commit, SURFACE, now), scene))
             everything.append(commit)
     return told, everything + tuio.expire(1e6)
 
@@ -164,7 +164,7 @@ def through_the_page(events: int) -> tuple[Told, list[tuple[frozenset[int], set[
         }
         touches = decode(json.dumps(message))
         assert isinstance(touches, PageTouches)
-        device.push(touches, SCREEN)
+        device.receive(touches, SCREEN)
         (got,) = device.poll()
         told.append((got, scene))
         cancelled.append((got.cancelled, set(gone)))

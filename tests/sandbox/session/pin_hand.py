@@ -9,10 +9,10 @@ from xml.etree.ElementTree import Element, SubElement
 
 import numpy as np
 
-from models.arithmetic.arrays import Array
+from models.arithmetic import Array
 from models.frames import FINGERS
-from models.hand import CONTACT_HAND, Follower, Link, PoseFollower
-from models.one_pose import OnePose
+from models.hand import CONTACT_HAND, Link
+from models.single_pose import SinglePose
 from models.skeleton import ADULT, Skeleton
 
 LENGTH, RADIUS = 0.03, 0.008
@@ -121,8 +121,8 @@ class PinHand:
     def assets(self) -> list[Element]:
         return []
 
-    def follower(self) -> Follower:
-        return PoseFollower(self.controls)
+    def follower(self) -> None:
+        pass
 
     def coordinates(self, qpos: Array) -> Array:
         return qpos
@@ -131,4 +131,4 @@ class PinHand:
         return self.controls(q)
 
     def tips_of(self) -> Callable[[Array], Array]:
-        return OnePose(ADULT).tips
+        return SinglePose(ADULT).tips

@@ -9,13 +9,13 @@ import mujoco
 import numpy as np
 import pytest
 
-from models.arithmetic.arrays import Array
+from models.arithmetic import Array
 from models.errors import InputError
 from models.frames import Contact
 from models.hand import Hand
 from models.objects import Box
-from models.one_pose import OnePose
 from models.scene import Scene, SceneSpec
+from models.single_pose import SinglePose
 from models.skeleton import ADULT
 from sandbox.recording.recording import load_recording
 from sandbox.session.collision_avoidance import REACH, HandDistances
@@ -82,7 +82,7 @@ def test_a_free_finger_keeps_its_distance_and_the_touching_tips_stay() -> None:
     after = session.scene.object_pose(session.data, "box")[0]
     assert np.abs(after - before).max() < 0.0005
     hand = session.snapshot().hands[0]
-    touches = np.array([c.position[:2] for c in hand.contacts])
+    touches = hand.places[:, :2]
     assert np.abs(hand.tips[:2, :2] - touches).max() < 0.003
     session.close()
 
@@ -135,7 +135,7 @@ def test_the_derivatives_of_distances_are_finite_differences(seed: int) -> None:
     middle = 0.5 * (ADULT.lower + ADULT.upper)
     joints = middle + 0.2 * rng.uniform(-1.0, 1.0, 42) * (ADULT.upper - middle)
     q = np.concatenate([[0.0, 0.0, 0.11], 0.1 * rng.uniform(-1.0, 1.0, 3), joints])
-    kinematics = OnePose(ADULT, (0,))
+    kinematics = SinglePose(ADULT, (0,))
     kinematics.tips_and_jacobian(q)
 
     def near(pose: Array) -> dict[int, tuple[float, int]]:

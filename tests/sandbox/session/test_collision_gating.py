@@ -8,7 +8,7 @@ import mujoco
 import numpy as np
 import pytest
 
-from encoders.reconstruction.arrival import Phase
+from encoders.reconstruction.hand_motion import Phase
 from encoders.reconstruction.reconstructor import Reconstruction
 from models.hand import Hand
 from models.kinematics import Kinematics
@@ -82,7 +82,7 @@ def test_one_finger_inside_a_thing_holds_up_the_others_where_a_hand_becomes_soli
     every = frozenset(range(5))
 
     def solid(fingers: frozenset[int]) -> frozenset[int]:
-        gate.update(data, Reconstruction(q, Phase.DOWN, fingers, None, 1.0, 0.0, ()))
+        gate.update(data, Reconstruction(q, Phase.DOWN, fingers, None, 1.0, 0.0))
         return gate.fingers
 
     assert solid(every) == (GHOST if together else every - {1})

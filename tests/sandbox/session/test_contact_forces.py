@@ -9,7 +9,8 @@ import pytest
 from models.frames import Contact
 from models.hand import SERVOS, Hand
 from models.scene import Scene, SceneSpec
-from sandbox.session.contact_forces import FingerLoad, FingerLoads, HandLoad
+from sandbox.session.contact_forces import FingerLoads
+from sandbox.session.messages import FingerLoad, HandLoad
 from tests.sandbox.session.test_collision_gating import BESIDE_IT, grip
 from tests.support.scripted import box_xy, run, scripted
 from tests.support.simulation import pinched, put, random_pose
@@ -92,4 +93,4 @@ def test_forces_are_those_that_mujoco_reads_from_its_contacts() -> None:
     force = np.zeros(6)
     for contact in range(data.ncon):
         mujoco.mj_contactForce(scene.model, data, contact, force)
-        np.testing.assert_array_equal(FingerLoads(scene).keep(data).force(contact), force[:3])
+        np.testing.assert_array_equal(FingerLoads(scene).forces(data).of(contact), force[:3])

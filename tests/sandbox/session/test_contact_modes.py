@@ -13,7 +13,7 @@ from models.errors import InputError
 from models.frames import Contact
 from models.surface import Surface
 from sandbox.recording.recording import load_recording
-from sandbox.session.contact_modes import SOFT_IMPULSE, SOFT_SOLREF
+from sandbox.session.collision_gating import SOFT_IMPULSE, SOFT_SOLREF
 from sandbox.session.messages import Snapshot
 from sandbox.session.session import Session
 from sandbox.trial.driver import View, play_trial

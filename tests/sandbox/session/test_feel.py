@@ -12,7 +12,7 @@ import pytest
 from encoders.correction import PAD_HEIGHT
 from models.frames import Contact
 from models.hand import IMPULSE_PROFILES, SERVOS
-from sandbox.session.contact_modes import ContactMode
+from sandbox.session.collision_gating import ContactMode
 from sandbox.session.session import Session
 from sandbox.trial.settings import SOLID
 from tasks.registry import TASKS, hands_of

@@ -14,7 +14,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from encoders.reconstruction.reconstructor import Reconstruction
-from models.arithmetic.arrays import Array
+from models.arithmetic import Array
 from models.errors import InputError
 from models.frames import Contact, TouchFrame
 from models.hand import Hand
@@ -93,7 +93,7 @@ def test_mirrored_touches_give_the_mirrored_left_hand() -> None:
         assert (a.phase, a.fingers) == (b.phase, b.fingers)
         assert b.probability == pytest.approx(a.probability, rel=1e-9)
         for mine, other in zip(a.contacts, b.contacts, strict=True):
-            np.testing.assert_allclose(other.xy, [width - mine.xy[0], mine.xy[1]], atol=1e-15)
+            np.testing.assert_allclose([other.x, other.y], [width - mine.x, mine.y], atol=1e-15)
 
 
 @pytest.mark.parametrize(("turn", "hand"), [(90, "right"), (180, "left"), (270, "left")])

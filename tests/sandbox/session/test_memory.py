@@ -14,8 +14,8 @@ from pathlib import Path
 import pytest
 
 from sandbox.session.session import Session
+from sandbox.trial.assembly import device_makers
 from sandbox.trial.driver import View, play_trial
-from sandbox.trial.open_devices import device_makers
 from sandbox.trial.trial_options import TrialOptions, trial_settings
 from tasks.registry import find_task, task_names
 

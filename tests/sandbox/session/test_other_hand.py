@@ -11,10 +11,9 @@ from models.hand import Hand, SceneHand
 from models.scene import Scene, SceneSpec
 from sandbox.server.frames import pack_skin
 from sandbox.session.session import Session
-from sandbox.trial.assembly import build
-from sandbox.trial.open_devices import device_makers
+from sandbox.trial.assembly import build, device_makers
 from sandbox.trial.trial_options import TrialOptions, trial_settings
-from sandbox.views.hand_look import skinned_model
+from sandbox.views.hand_appearance import skinned_model
 from tests.sandbox.session.pin_hand import PinHand
 from tests.support.simulation import no_warning, random_pose
 

@@ -138,4 +138,4 @@ def test_layouts_are_for_names_by_the_population_and_for_the_same_side() -> None
     known = SETTINGS.with_layouts({"right": KNOWN}).hands[0]
     assert known.on("right") == known
     assert known.on("left").layouts == ()
-    assert known.other.layouts == ()
+    assert known.opposite.layouts == ()

@@ -11,7 +11,7 @@ import mujoco
 import numpy as np
 import pytest
 
-from models.arithmetic.arrays import Array
+from models.arithmetic import Array
 from models.frames import Contact
 from models.objects import Box
 from models.scene import CONTROL_PERIOD

@@ -161,7 +161,7 @@ def test_fingertips_are_within_a_millimetre_of_resting_touches() -> None:
     assert reconstruction.down
     tips = Kinematics(session.rigs[0].hand.skeleton).tips(reconstruction.q)
     for contact in reconstruction.contacts:
-        off = surface.to_surface(tips[contact.label]) - [contact.xy[0], contact.xy[1]]
+        off = surface.to_surface(tips[contact.label]) - [contact.x, contact.y]
         assert np.linalg.norm(off) < 1e-3
 
 

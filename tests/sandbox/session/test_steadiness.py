@@ -12,8 +12,8 @@ from models.skeleton import ADULT
 from sandbox.session import collision_avoidance
 from sandbox.session.messages import Snapshot
 from sandbox.session.session import Session
+from sandbox.trial.assembly import device_makers
 from sandbox.trial.driver import play_trial
-from sandbox.trial.open_devices import device_makers
 from sandbox.trial.trial_options import TrialOptions, trial_settings
 from tests.support.corrections import Changes
 

@@ -11,7 +11,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from models.arithmetic.arrays import Array
+from models.arithmetic import Array
 from models.frames import Contact
 from models.mjcf_object import MjcfObject
 from models.objects import Box
@@ -206,7 +206,7 @@ def test_fingers_at_the_faces_become_solid_beside_them_and_move_nothing(beside: 
     after, _ = box_of(session)
     assert np.linalg.norm(after - before) < 0.0005
     hand = session.snapshot().hands[0]
-    touches = np.array([c.position[:2] for c in hand.contacts])
+    touches = hand.places[:, :2]
     off = np.linalg.norm(hand.tips[:2, :2] - touches, axis=1)
     radius = session.scene.spec.hands[0].skeleton.tip_radius[:2]
     assert np.all(off < radius + REACH)
@@ -264,7 +264,7 @@ def test_a_solid_finger_that_leaves_the_thing_comes_back_to_its_touch() -> None:
     run(session, 1.8)
     assert session._tip_offsets[0]._out is None
     hand = session.snapshot().hands[0]
-    touches = np.array([c.position[:2] for c in hand.contacts])
+    touches = hand.places[:, :2]
     assert np.linalg.norm(hand.tips[:2, :2] - touches, axis=1).max() < 0.001
 
 
@@ -314,7 +314,7 @@ def test_a_hand_that_is_to_pass_through_things_is_not_led() -> None:
     session = pinched(0.002, contact="none")
     run(session, SETTLED)
     hand = session.snapshot().hands[0]
-    touches = np.array([c.position[:2] for c in hand.contacts])
+    touches = hand.places[:, :2]
     assert not hand.solid and not hand.inside
     assert np.linalg.norm(hand.tips[:2, :2] - touches, axis=1).max() < 0.001
 

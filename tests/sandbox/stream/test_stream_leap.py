@@ -104,7 +104,9 @@ def test_what_cannot_be_streamed_is_refused_in_one_line(
 ) -> None:
     leap = write(tmp_path / "leap.json", alone("right")[:60])
     none = tmp_path / "none.json"
-    none.write_text(json.dumps([{"timestamp": i, "hands": [], "pointables": []} for i in range(9)]))
+    none.write_text(
+        json.dumps([{"timestamp": 10_000 * i, "hands": [], "pointables": []} for i in range(9)])
+    )
     words = [word.format(leap=leap, none=none) for word in words]
     assert main(["stream", *words, "--print"]) == 2
     lines = [t for t in capsys.readouterr().err.splitlines() if t.startswith("sandbox: ")]

@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 from encoders.paalm import TWO_THIRDS
 from encoders.paalm.hand_pose import hand_pose
 from encoders.paalm.palm import Palm
-from models.arithmetic.arrays import Array
+from models.arithmetic import Array
 from models.motion.armature import Y_UP, Armature
 from models.person import Person
 from models.skeleton import ADULT

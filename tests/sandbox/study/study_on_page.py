@@ -6,6 +6,7 @@ import threading
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from functools import partial
 from pathlib import Path
 from queue import Empty, SimpleQueue
 from typing import Any
@@ -17,10 +18,11 @@ from sandbox.server.page_server import PageServer
 from sandbox.session.messages import Snapshot
 from sandbox.session.session import Session
 from sandbox.study.record.folder import PILOT, Participant, StudyFolder
+from sandbox.study.record.records import SCREEN
 from sandbox.study.record.session_folder import SessionFolder
 from sandbox.study.record.stored_sessions import session_path
 from sandbox.study.run.controls import Controls
-from sandbox.study.run.page_forms import PageForms
+from sandbox.study.run.page_forms import PageForms, measure_screens
 from sandbox.study.run.page_player import PagePlayer
 from sandbox.study.run.run_device import person_devices, settings_fitter
 from sandbox.study.run.runner import SessionOutcome, SessionRunner
@@ -33,7 +35,6 @@ PPI = 64.0
 WIDTH, HEIGHT = 640, 480
 KNOWN = {
     f"hand-sandbox:px-per-inch:{HEIGHT}x{WIDTH}@1": str(PPI),
-    "hand-sandbox:advised": "yes",
     "hand-sandbox:quality": "3",
 }
 
@@ -135,6 +136,7 @@ class OnPage:
         self.controls = Controls(self.said.append)
         self.outcome: SessionOutcome | None = None
         self.failure: BaseException | None = None
+        self.pictures: dict[str, str] = {}
         language = person.language
         self.page = StudyPage(
             server, language, self.said.append, study.design.page.words.get(language)
@@ -148,6 +150,11 @@ class OnPage:
     @property
     def folder(self) -> Path:
         return session_path(self.study.path, self.person.ppid)
+
+    @property
+    def tables(self) -> Path:
+        """Folder with the tables of the study."""
+        return self.folder.parents[1]
 
     def type(self, line: str) -> None:
         """The experimenter types."""
@@ -179,6 +186,8 @@ class OnPage:
         two = self.page.beside is not None
         try:
             with SessionFolder(self.study, self.person) as session:
+                for page in self.page.pages:
+                    page.record = partial(session.write, SCREEN)
                 self.outcome = SessionRunner(
                     session,
                     self.player,
@@ -189,6 +198,8 @@ class OnPage:
                     DeviceSettings.of("web"),
                     settings_fitter("web", self.page, "web" if two else ""),
                     second_device=DeviceSettings.of("web" if two else "simulated"),
+                    before_step=partial(measure_screens, self.page),
+                    picture_of=lambda task, poll: self.pictures.get(task, ""),
                 ).run()
             self.page.show_sheet("end", text=self.page.texts["end"])
         except BaseException as error:

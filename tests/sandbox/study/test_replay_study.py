@@ -20,14 +20,13 @@ from sandbox.recording.recording import (
     read_stored,
     stored,
 )
-from sandbox.session.messages import DrawnScene, Snapshot
+from sandbox.session.messages import Snapshot
 from sandbox.study.record.folder import StudyFolder
 from sandbox.study.record.stored_sessions import session_path
 from sandbox.study.record.trial_files import find_recordings
 from sandbox.study.run.simulate import run_simulated
 from sandbox.trial.replay import Playback, replay
-from tasks.score import Score
-from tests.support.study_files import TRIALS, open_study
+from tests.support.study_files import TRIALS, open_study, quiet
 
 PERIOD = 0.016
 
@@ -35,7 +34,7 @@ PERIOD = 0.016
 @pytest.fixture(scope="module")
 def study(tmp_path_factory: pytest.TempPathFactory) -> StudyFolder:
     found = open_study(tmp_path_factory.mktemp("replays"))
-    run_simulated(found, 0, lambda text: None)
+    run_simulated(found, 0, quiet)
     return found
 
 
@@ -198,7 +197,7 @@ class Clock:
 
 
 def row(count: int) -> list[Snapshot]:
-    return [Snapshot(PERIOD * i, i, np.empty(0), DrawnScene(), Score()) for i in range(count)]
+    return [Snapshot(PERIOD * i, i, np.empty(0)) for i in range(count)]
 
 
 def test_what_is_looked_at_goes_by_the_clock_and_stops_at_the_end() -> None:

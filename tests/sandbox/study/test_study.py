@@ -6,12 +6,12 @@ import csv
 import gzip
 import io
 import json
+from fnmatch import fnmatch
 from pathlib import Path
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from pyarrow import parquet
 
 from models.errors import StudyError
 from sandbox.cli.main import main
@@ -19,98 +19,53 @@ from sandbox.recording.recording import load_recording, read_stored
 from sandbox.study.record import build as build_module
 from sandbox.study.record.folder import PILOT, REAL, SIMULATED, StudyFolder
 from sandbox.study.record.journal import Journal, journal_bytes, now, parse_records, read_journal
+from sandbox.study.record.notes import write_notes
 from sandbox.study.record.session_folder import SessionFolder
 from sandbox.study.record.stored_sessions import session_path
 from sandbox.study.run.runner import SessionOutcome
 from sandbox.study.run.simulate import run_simulated, simulated_person
 from sandbox.study.tables.column import csv_bytes
-from sandbox.study.tables.tables import rebuild_session, rebuild_study
+from sandbox.study.tables.tables import make_tables
 from sandbox.trial.replay import replay
-from tests.support.study_files import DESIGN, TRIALS, design, open_study
-
-
-def quiet(text: str) -> None:
-    """Nobody listens."""
-
-
-def rows_of(path: Path) -> list[dict[str, str]]:
-    return list(csv.DictReader(path.open(encoding="utf-8")))
+from tests.support.study_files import DESIGN, TRIALS, design, open_study, pilot, quiet, rows_of
 
 
 @pytest.fixture(scope="module")
 def finished(tmp_path_factory: pytest.TempPathFactory) -> StudyFolder:
     study = open_study(tmp_path_factory.mktemp("study"))
     assert run_simulated(study, 0, quiet) is SessionOutcome.COMPLETE
-    rebuild_study(study)
+    make_tables(study)
     return study
 
 
-@pytest.fixture
-def folder(finished: StudyFolder) -> Path:
-    return session_path(finished.path, finished.participants()[0].ppid)
-
-
-def test_every_trial_has_one_row_one_recording_and_its_tables(folder: Path) -> None:
-    rows = rows_of(folder / "trial_results.csv")
-    assert [int(r["trial_num"]) for r in rows] == list(range(1, TRIALS + 1))
-    assert list(rows[0])[:8] == [
-        "experiment",
-        "ppid",
-        "session_num",
-        "trial_num",
-        "block_num",
-        "trial_num_in_block",
-        "start_time",
-        "end_time",
-    ]
+def test_every_trial_has_one_row_one_recording_and_its_tables(finished: StudyFolder) -> None:
+    rows = rows_of(finished.path / "tables/trials.csv")
+    assert [int(r["trial"]) for r in rows] == list(range(1, TRIALS + 1))
+    assert list(rows[0])[:5] == ["study", "mode", "site", "participant", "number"]
     for row in rows:
-        recording = load_recording(folder / row["trial_recording_location_0"])
+        recording = load_recording(finished.path / row["recording"])
         assert not recording.damage and recording.end is not None
         assert recording.end["result"]["state_hash"] == row["state_hash"]
-        assert recording.header["study"]["ppid"] == row["ppid"]
-        table = parquet.read_table(
-            folder / row["hand_pose_location_0"].replace(".csv.gz", ".parquet")
-        )
-        assert table.num_rows == round(recording.end["step"] * 0.002 / 0.016)
-        assert sum(name.startswith("q_") for name in table.column_names) == 48
+        assert recording.header["study"]["ppid"] == row["participant"]
+        with gzip.open(finished.path / row["frames"], "rt") as file:
+            head, *frames = csv.reader(file)
+        assert len(frames) == round(recording.end["step"] * 0.002 / 0.016)
+        assert sum(name.startswith("q_") for name in head) == 48
 
 
-def test_a_trial_of_a_study_just_plays_and_every_state_is_the_same(folder: Path) -> None:
-    _, found = replay(load_recording(folder / "trials/T002.jsonl"))
-    assert found.exact and found.complete
-    assert main(["replay", str(folder / "trials/T003.jsonl")]) == 0
-
-
-def test_tables_made_again_from_recordings_are_the_same_to_the_byte(
-    finished: StudyFolder, folder: Path
-) -> None:
-    trackers = folder / "trackers"
-    names = [*trackers.glob("*T004*"), folder / "trial_results.csv"]
-    before = {path: path.read_bytes() for path in names}
-    assert len(before) == 5
-    for path in before:
-        path.unlink()
-    run_simulated(finished, 0, quiet)
-    assert {path: path.read_bytes() for path in before} == before
-
-
-def test_every_column_is_in_the_codebook(finished: StudyFolder) -> None:
-    told = {
-        (r["table"], r["column"]): r["meaning"] for r in rows_of(finished.path / "codebook.csv")
-    }
-    for table in ("trial_results.csv", "questionnaires.csv"):
-        head = (finished.path / table).read_text().splitlines()[0].split(",")
-        assert head and all(told[table, name] for name in head)
-    touches = next(finished.path.glob("*/S001/trackers/touches_*.csv.gz"))
-    names = gzip.decompress(touches.read_bytes()).decode().splitlines()[0].split(",")
-    assert names and all(told["trackers/touches_*", name] for name in names)
+def test_every_column_of_the_frames_is_in_the_codebook(finished: StudyFolder) -> None:
+    book = rows_of(finished.path / "tables/codebook.csv")
+    patterns = [r["column"] for r in book if r["table"] == "trials/*.frames.csv.gz"]
+    frames = next(finished.path.glob("*/S001/trials/*.frames.csv.gz"))
+    for name in gzip.decompress(frames.read_bytes()).decode().splitlines()[0].split(","):
+        assert any(fnmatch(name, p.replace("OBJECT", "*")) for p in patterns), name
 
 
 def test_answers_are_there_once_each(finished: StudyFolder) -> None:
-    rows = rows_of(finished.path / "questionnaires.csv")
+    rows = rows_of(finished.path / "tables/answers.csv")
     assert [r["instrument"] for r in rows] == ["demographics", "effort", "effort"]
     assert {r["factor_contact"] for r in rows[1:]} == {"hard", "soft"}
-    person = rows_of(finished.path / "participants.csv")[0]
+    person = rows_of(finished.path / "tables/participants.csv")[0]
     assert person["age"] == rows[0]["answer"] and person["complete"] == "1"
 
 
@@ -119,33 +74,18 @@ def test_a_journal_that_lost_the_end_of_a_trial_is_completed_from_the_recording(
 ) -> None:
     study = open_study(tmp_path)
     run_simulated(study, 0, quiet)
-    path = next(study.path.glob("*/S001/journal.jsonl"))
+    path = next(study.path.glob("*/S001/session.jsonl"))
     lines = path.read_bytes().splitlines(keepends=True)
     last = max(i for i, line in enumerate(lines) if b'"kind":"trial_end"' in line)
-    # What a power cut may take; tables are written after that.
+    # What a power cut may take; tables and the seal are written after that.
     path.write_bytes(b"".join(lines[:last]))
-    (path.parent / "session_info/log.csv").unlink()
+    write_notes(study.notes, [note for note in study.records() if note["kind"] != "sealed"])
     recording = read_stored(path.parent / "trials/T006.jsonl").data
     assert run_simulated(study, 0, quiet) is SessionOutcome.COMPLETE
-    rows = rows_of(path.parent / "trial_results.csv")
-    assert [r["trial_num"] for r in rows if r["counted"] == "1"] == list("123456")
-    assert rows[-1]["trial_recording_location_0"] == "trials/T006.jsonl.gz"
+    rows = rows_of(study.path / "tables/trials.csv")
+    assert [r["trial"] for r in rows if r["counted"] == "1"] == list("123456")
+    assert rows[-1]["recording"].endswith("S001/trials/T006.jsonl.gz")
     assert read_stored(path.parent / "trials/T006.jsonl").data == recording
-
-
-def test_a_resumed_session_that_is_complete_adds_no_trial(finished: StudyFolder) -> None:
-    before = [
-        r
-        for r in read_journal(next(finished.path.glob("*/S001/journal.jsonl")))
-        if r["kind"].startswith("trial")
-    ]
-    assert run_simulated(finished, 0, quiet) is SessionOutcome.COMPLETE
-    after = [
-        r
-        for r in read_journal(next(finished.path.glob("*/S001/journal.jsonl")))
-        if r["kind"].startswith("trial")
-    ]
-    assert before == after
 
 
 def contents(study: Path) -> dict[str, bytes]:
@@ -182,8 +122,7 @@ def test_to_run_a_session_that_is_complete_adds_nothing_unless_files_of_it_are_m
     study = open_study(tmp_path, mode=PILOT)
     run_simulated(study, 0, quiet)
     person = study.participants()[0].ppid
-    run = ["study", "run", str(tmp_path / "design.toml"), "--out", str(tmp_path), "--pilot"]
-    run += ["--device", "simulated", "--view", "none", "--participant", person]
+    run = [*pilot(tmp_path / "design.toml"), "--participant", person]
     first = contents(study.path)
     for more in ([], ["--resume"]):
         capsys.readouterr()
@@ -198,28 +137,28 @@ def test_to_run_a_session_that_is_complete_adds_nothing_unless_files_of_it_are_m
     stray = packed.with_name("T001.a2.jsonl.gz")
     stray.write_bytes(packed.read_bytes()[:200])
     assert main(run) == 0
-    added = read_journal(folder / "journal.jsonl")[-2:]
-    assert [record["kind"] for record in added] == ["session_resume", "leftover"]
+    added = read_journal(folder / "session.jsonl")[-2:]
+    assert [record["kind"] for record in added] == ["resume", "repaired"]
 
 
 @given(cut=st.integers(0, 10_000), tail=st.binary(max_size=20))
 def test_a_journal_cut_anywhere_keeps_every_whole_record(
     tmp_path_factory: pytest.TempPathFactory, cut: int, tail: bytes
 ) -> None:
-    path = tmp_path_factory.mktemp("journal") / "journal.jsonl"
+    path = tmp_path_factory.mktemp("journal") / "session.jsonl"
     journal = Journal(path)
     for i in range(8):
-        journal.append("note", text=f"ü {i}")
+        journal.append("command", command="note", text=f"ü {i}")
     journal.close()
     whole = path.read_bytes()
     data = whole[: cut % (len(whole) + 1)]
     path.write_bytes(data + tail.replace(b"\n", b""))
     again = Journal(path)
     kept = data.count(b"\n")
-    assert [r["text"] for r in again.records if r["kind"] == "note"][:kept] == [
+    assert [r["text"] for r in again.records if r.get("command") == "note"][:kept] == [
         f"ü {i}" for i in range(kept)
     ]
-    again.append("note", text="after")
+    again.append("command", command="note", text="after")
     again.close()
     records = read_journal(path)
     assert [r["n"] for r in records] == list(range(len(records)))
@@ -227,10 +166,10 @@ def test_a_journal_cut_anywhere_keeps_every_whole_record(
 
 
 def test_damage_in_the_middle_of_a_journal_is_refused_and_changes_nothing(tmp_path: Path) -> None:
-    path = tmp_path / "journal.jsonl"
+    path = tmp_path / "session.jsonl"
     journal = Journal(path)
     for i in range(3):
-        journal.append("note", text=str(i))
+        journal.append("command", command="note", text=str(i))
     journal.close()
     lines = path.read_bytes().split(b"\n")
     path.write_bytes(b"\n".join([lines[0], b"{broken", *lines[2:]]))
@@ -241,13 +180,13 @@ def test_damage_in_the_middle_of_a_journal_is_refused_and_changes_nothing(tmp_pa
 
 
 def test_a_last_block_of_zeros_as_a_power_cut_leaves_it_is_cut_off() -> None:
-    line = journal_bytes([{"time": now(), "clock": 1.5, "kind": "note"}])
+    line = journal_bytes([{"time": now(), "clock": 1.5, "kind": "command", "command": "note"}])
     assert parse_records(line + bytes(500) + b"\n", Path("x")) == ([json.loads(line)], len(line))
 
 
 def test_real_pilot_and_simulated_data_never_share_a_folder(tmp_path: Path) -> None:
     studies = [open_study(tmp_path, mode=mode) for mode in (REAL, PILOT, SIMULATED)]
-    assert len({s.path for s in studies}) == len({s.id for s in studies}) == 3
+    assert len({s.path for s in studies}) == 3
     studies[1].path.rename(tmp_path / "moved")
     studies[0].path.rename(tmp_path / "quick-pilot")
     with pytest.raises(StudyError, match="holds real data"):
@@ -263,27 +202,10 @@ def test_another_program_is_refused_unless_forced_and_that_is_logged(
     with pytest.raises(StudyError, match="force-upgrade"):
         open_study(tmp_path)
     study = StudyFolder(tmp_path, design(), SIMULATED, "a fix of the lamp")
-    record = read_journal(study.path / "study.jsonl")[-1]
+    record = study.records()[-1]
     assert (record["kind"], record["reason"]) == ("upgrade", "a fix of the lamp")
     assert record["before"]["program"] != record["after"]["program"] == "another"
     open_study(tmp_path)
-
-
-def test_another_design_under_the_same_name_is_refused(tmp_path: Path) -> None:
-    study = open_study(tmp_path)
-    study.add()
-    with pytest.raises(StudyError, match="design"):
-        open_study(tmp_path, DESIGN.replace("repetitions = 2", "repetitions = 3"))
-    assert (study.path / "design.toml").read_text() == DESIGN
-
-
-def test_newcomers_get_numbers_that_nobody_has_and_those_of_the_excluded(tmp_path: Path) -> None:
-    study = open_study(tmp_path)
-    people = [study.add() for _ in range(3)]
-    assert [p.number for p in people] == [0, 1, 2]
-    study.release(people[1].ppid, "fell ill")
-    assert study.add().number == 1
-    assert len({p.ppid for p in study.participants()}) == 4
 
 
 def test_a_finished_trial_that_is_repeated_counts_in_its_last_attempt(tmp_path: Path) -> None:
@@ -291,10 +213,10 @@ def test_a_finished_trial_that_is_repeated_counts_in_its_last_attempt(tmp_path: 
     run_simulated(study, 0, quiet)
     person = study.participants()[0]
     with SessionFolder(study, person) as session:
-        session.write("repeat", step="trial:3", trial=3, reason="wrong chair")
+        session.command("repeat", step="trial:3", trial=3, reason="wrong chair")
     assert run_simulated(study, 0, quiet) is SessionOutcome.COMPLETE
-    rows = rows_of(session_path(study.path, person.ppid) / "trial_results.csv")
-    third = [(r["attempt"], r["counted"]) for r in rows if r["trial_num"] == "3"]
+    rows = rows_of(study.path / "tables/trials.csv")
+    third = [(r["attempt"], r["counted"]) for r in rows if r["trial"] == "3"]
     assert third == [("1", "0"), ("2", "1")]
     assert len(rows) == TRIALS + 1
 
@@ -306,7 +228,7 @@ def test_the_time_limit_of_a_study_ends_a_trial_and_its_recording_replays(tmp_pa
     study = open_study(tmp_path, text)
     run_simulated(study, 0, quiet)
     folder = session_path(study.path, study.participants()[0].ppid)
-    rows = rows_of(folder / "trial_results.csv")
+    rows = rows_of(study.path / "tables/trials.csv")
     assert {(r["status"], r["time_s"]) for r in rows} == {("timeout", "0.08")}
     _, found = replay(load_recording(folder / "trials/T001.jsonl"))
     assert found.exact and found.complete
@@ -316,7 +238,7 @@ def test_rules_exclude_by_what_was_measured(tmp_path: Path) -> None:
     rule = '[[exclusions]]\nname = "quick"\nmeasure = "time_s"\nbelow = 0.2\n'
     study = open_study(tmp_path, DESIGN + rule)
     run_simulated(study, 0, quiet)
-    rows = rows_of(session_path(study.path, study.participants()[0].ppid) / "trial_results.csv")
+    rows = rows_of(study.path / "tables/trials.csv")
     for row in rows:
         assert (row["excluded"] == "1") == (float(row["time_s"]) < 0.2)
         assert row["exclusion_reason"] == ("rule quick" if row["excluded"] == "1" else "")
@@ -350,10 +272,8 @@ def test_simulated_people_differ_in_skill_and_hand_and_are_the_same_every_time()
     assert {p["hand"] for p in people} == {"left", "right"}
 
 
-def test_the_tables_of_a_session_do_not_change_when_nothing_has(finished: StudyFolder) -> None:
-    person = finished.participants()[0]
-    with SessionFolder(finished, person) as session:
-        path = session.path / "trial_results.csv"
-        before = path.stat().st_ino
-        rebuild_session(session)
-        assert path.stat().st_ino == before
+def test_tables_do_not_change_when_nothing_has(finished: StudyFolder) -> None:
+    path = finished.path / "tables/trials.csv"
+    before = path.stat().st_ino
+    make_tables(finished)
+    assert path.stat().st_ino == before

@@ -23,7 +23,7 @@ from sandbox.study.run.players import HeadlessPlayer
 from sandbox.study.run.run_device import person_devices, settings_fitter
 from sandbox.study.run.runner import SessionOutcome, SessionRunner
 from sandbox.trial.replay import replay
-from tests.support.study_files import DESIGN, design
+from tests.support.study_files import DESIGN, design, quiet
 from tests.support.tuio_packets import frame
 
 SHORT = DESIGN.replace("repetitions = 2\npractice = 1", "repetitions = 1\npractice = 0")
@@ -74,15 +74,15 @@ def test_touches_over_tuio_are_played_and_inches_are_a_guess_unless_the_design_t
             person_devices(device, person),
             SimulatedForms(1),
             Controls(),
-            lambda text: None,
+            quiet,
             device,
             settings_fitter("tuio"),
         )
         assert runner.run() is SessionOutcome.COMPLETE
     folder = session_path(study.path, person.ppid)
-    rows = list(csv.DictReader((folder / "trial_results.csv").open()))
+    rows = list(csv.DictReader((study.path / "tables/trials.csv").open()))
     assert len(rows) == 2 and all(float(r["first_contact_s"]) < 0.3 for r in rows)
-    for path in sorted((folder / "trials").iterdir()):
+    for path in sorted((folder / "trials").glob("*.jsonl.gz")):
         recording = load_recording(path)
         assert recording.header["settings"]["surface"]["calibrated"] is told
         _, found = replay(recording)

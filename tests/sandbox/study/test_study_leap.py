@@ -25,10 +25,10 @@ from sandbox.study.run.hand_calibration import hand_measurer
 from sandbox.study.run.players import HeadlessPlayer
 from sandbox.study.run.run_device import person_devices, settings_fitter
 from sandbox.study.run.runner import SessionOutcome, SessionRunner
-from sandbox.study.share.privacy import Masking, anonymise
+from sandbox.study.share.share import Masking, share_study
 from sandbox.trial.replay import replay
 from tests.support.leap_hands import take
-from tests.support.study_files import DESIGN, design
+from tests.support.study_files import DESIGN, design, quiet
 
 SHORT = DESIGN.replace("repetitions = 2\npractice = 1", "repetitions = 1\npractice = 0")
 OVER_A_LEAP = SHORT.replace("[settings]\n", '[settings]\ndevice = "leap"\n')
@@ -70,10 +70,10 @@ def study(tmp_path_factory: pytest.TempPathFactory) -> StudyFolder:
                 person_devices(DeviceSettings.of("mouse"), person, leap=server.address),
                 forms,
                 Controls(),
-                lambda text: None,
+                quiet,
                 DeviceSettings.of("leap"),
                 settings_fitter("mouse"),
-                hand_measurer(forms, person, server.address, lambda text: None, WANTED),
+                hand_measurer(forms, person, server.address, quiet, WANTED),
             )
             assert runner.run() is SessionOutcome.COMPLETE
     finally:
@@ -83,8 +83,8 @@ def study(tmp_path_factory: pytest.TempPathFactory) -> StudyFolder:
 
 def measured(study: StudyFolder) -> tuple[Path, dict[str, Any]]:
     session = session_path(study.path, study.participants()[0].ppid)
-    records = read_journal(session / "journal.jsonl")
-    (found,) = (r["calibration"] for r in records if r["kind"] == "calibration")
+    records = read_journal(session / "session.jsonl")
+    (found,) = (r["calibration"] for r in records if "calibration" in r)
     return session, found
 
 
@@ -92,7 +92,7 @@ def test_every_trial_is_played_with_the_hand_that_was_measured_and_replays(
     study: StudyFolder,
 ) -> None:
     session, hand = measured(study)
-    recordings = sorted((session / "trials").iterdir())
+    recordings = sorted((session / "trials").glob("*.jsonl*"))
     assert len(recordings) == 2 and hand["frames"] > WANTED / 2
     for path in recordings:
         recording = load_recording(path)
@@ -106,12 +106,12 @@ def test_lengths_of_fingers_are_in_an_anonymous_copy_only_if_somebody_wants_them
     study: StudyFolder, tmp_path: Path, kept: bool
 ) -> None:
     _, hand = measured(study)
-    done = anonymise(study, tmp_path / "copy", Masking(hands=kept), lambda text: None)
+    done = share_study(study, tmp_path / "copy", Masking(hands=kept), quiet)
     assert done.hands == (0 if kept else 2)
     copy = StudyFolder.at(tmp_path / "copy")
     session = session_path(copy.path, copy.participants()[0].ppid)
-    assert len(list((session / "trials").iterdir())) == (2 if kept else 0)
-    assert len(list((session / "trackers").glob("frames_*.csv.gz"))) == 2
+    assert len(list((session / "trials").glob("*.jsonl*"))) == (2 if kept else 0)
+    assert len(list((session / "trials").glob("*.frames.csv.gz"))) == 2
     length = str(hand["standard"][0]).encode()
     files = [p.read_bytes() for p in copy.path.rglob("*") if p.is_file()]
     inside = [gzip.decompress(d) if d[:2] == b"\x1f\x8b" else d for d in files]
@@ -124,9 +124,7 @@ def test_a_sensor_that_falls_silent_ends_the_session_with_one_clear_line(
     monkeypatch.setattr("sandbox.devices.leap.leap.SILENCE", 0.5)
     server = FakeLeapd(open_hand()[:30], port=0, rate=1000.0)
     person = Participant("3B5G5T", 0)
-    measure = hand_measurer(
-        SimulatedForms(1), person, server.address, lambda text: None, 1000, again="run it"
-    )
+    measure = hand_measurer(SimulatedForms(1), person, server.address, quiet, 1000, again="run it")
     try:
         with pytest.raises(
             DeviceError, match=r"is silent.*`run it` resumes the session at this step"

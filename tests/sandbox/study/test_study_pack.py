@@ -8,34 +8,33 @@ import pytest
 
 from models.errors import StudyError
 from sandbox.recording.recording import packed, read_stored
-from sandbox.study.record.pack import pack
 from sandbox.study.record.stored_sessions import session_path
+from sandbox.study.record.trial_files import pack
 from sandbox.study.run.simulate import run_simulated
-from tests.support.study_files import TRIALS, open_study, recordings
+from tests.support.study_files import TRIALS, open_study, quiet, recordings
 
 
 def test_every_finished_trial_is_compressed_and_its_row_says_where(tmp_path: Path) -> None:
     study = open_study(tmp_path)
-    run_simulated(study, 0, lambda text: None)
+    run_simulated(study, 0, quiet)
     folder = session_path(study.path, study.participants()[0].ppid)
-    files = sorted(p.name for p in (folder / "trials").iterdir())
+    files = sorted(p.name for p in (folder / "trials").glob("*.jsonl*"))
     assert files == [f"T{n:03d}.jsonl.gz" for n in range(1, TRIALS + 1)]
-    for table in (folder / "trial_results.csv", study.path / "trial_results.csv"):
-        told = table.read_text()
-        assert all(f"trials/{name}" in told for name in files)
+    told = (study.path / "tables/trials.csv").read_text()
+    assert all(f"trials/{name}" in told for name in files)
 
 
 def test_a_session_that_an_older_version_left_uncompressed_is_compressed_when_it_is_opened(
     tmp_path: Path,
 ) -> None:
     study = open_study(tmp_path)
-    run_simulated(study, 0, lambda text: None)
+    run_simulated(study, 0, quiet)
     folder = session_path(study.path, study.participants()[0].ppid)
     small = folder / "trials/T002.jsonl.gz"
     before, plain = small.read_bytes(), folder / "trials/T002.jsonl"
     plain.write_bytes(read_stored(plain).data)
     small.unlink()
-    run_simulated(study, 0, lambda text: None)
+    run_simulated(study, 0, quiet)
     assert small.read_bytes() == before and not plain.exists()
 
 
@@ -44,7 +43,7 @@ def test_where_something_else_is_read_than_was_written_the_recording_stays_as_it
 ) -> None:
     ((path, data),) = recordings(tmp_path, 1).items()
     monkeypatch.setattr(
-        "sandbox.study.record.pack.packed", lambda found: packed(found.replace(b"a", b"b"))
+        "sandbox.study.record.trial_files.packed", lambda found: packed(found.replace(b"a", b"b"))
     )
     with pytest.raises(StudyError, match="differs from what was written"):
         pack(path)

@@ -78,8 +78,8 @@ def agreed(page: Page) -> dict[str, Any]:
 
 def drafts(running: OnPage) -> dict[str, Any]:
     """What is written down of forms that are still open."""
-    records = read_journal(running.folder / "journal.jsonl")
-    return {r["item"]: r["answer"] for r in records if r["kind"] == "draft"}
+    records = read_journal(running.folder / "session.jsonl")
+    return {r["item"]: r["answer"] for r in records if r["kind"] == "answer"}
 
 
 def trial(page: Page) -> None:
@@ -105,6 +105,10 @@ def test_a_whole_session_is_asked_and_played_on_the_page(running: OnPage) -> Non
         text = page.until("sheet", kind="text")
         assert text["text"] == "Schieben Sie die Kiste."
         leave(page, text)
+        new = page.until("sheet", kind="task")
+        assert (new["title"], new["text"]) == ("Quick", "Every third seed fails.")
+        assert new["note"] == "1 von 2"
+        leave(page, new)
         scene = page.until("scene")
         assert (scene["task"], scene["goal"]) == ("Quick", "Every third seed fails.")
         trial(page)
@@ -115,7 +119,7 @@ def test_a_whole_session_is_asked_and_played_on_the_page(running: OnPage) -> Non
         leave(page, last)
         assert page.until("sheet", kind="end")["text"] == words_in("de")["end"]
     assert running.ended() is SessionOutcome.COMPLETE
-    rows = list(csv.DictReader((running.folder / "questionnaires.csv").open(encoding="utf-8")))
+    rows = list(csv.DictReader((running.tables / "tables/answers.csv").open(encoding="utf-8")))
     found = {r["item"]: r["answer"] for r in rows}
     assert found == {
         "handedness": "left",
@@ -124,7 +128,7 @@ def test_a_whole_session_is_asked_and_played_on_the_page(running: OnPage) -> Non
         "remarks": "",
         "effort": "85",
     }
-    trials = list(csv.DictReader((running.folder / "trial_results.csv").open(encoding="utf-8")))
+    trials = list(csv.DictReader((running.tables / "tables/trials.csv").open(encoding="utf-8")))
     assert [(r["practice"], r["counted"]) for r in trials] == [("1", "1"), ("0", "1")]
 
 
@@ -218,6 +222,7 @@ def test_the_experimenter_skips_pauses_and_repeats_while_forms_and_trials_are_on
         assert form["answers"] == {}
         running.type("s late")
         leave(page, page.until("sheet", kind="text"))
+        leave(page, page.until("sheet", kind="task"))
         page.until("sheet", kind="none")
         running.type("p")
         page.until("sheet", kind="wait")
@@ -235,7 +240,7 @@ def test_the_experimenter_skips_pauses_and_repeats_while_forms_and_trials_are_on
         running.heard("2 of 2 trials")
         running.type("q")
         assert running.ended() is SessionOutcome.STOPPED
-    state = SessionState.of(read_journal(running.folder / "journal.jsonl"))
+    state = SessionState.of(read_journal(running.folder / "session.jsonl"))
     assert "form:demographics" in state.skipped
     assert [len(some) for some in state.attempts.values()] == [2, 2]
     assert all(state.counted(t) for t in (1, 2))
@@ -250,6 +255,7 @@ def test_a_break_lasts_as_long_as_it_has_to(tmp_path: Path) -> None:
         page.until("sheet", kind="form")
         running.type("s")
         leave(page, page.until("sheet", kind="text"))
+        leave(page, page.until("sheet", kind="task"))
         trial(page)
         rest = page.until("sheet", kind="rest")
         laid = time.monotonic()
@@ -289,6 +295,7 @@ def begin_trial(running: OnPage, page: Page) -> None:
     page.until("sheet", kind="form")
     running.type("s")
     leave(page, page.until("sheet", kind="text"))
+    leave(page, page.until("sheet", kind="task"))
     page.until("sheet", kind="none")
     page.touch((1, 5.0, 3.0))
     while page.until("frame")["time"] == 0.0:
@@ -311,6 +318,7 @@ def test_the_time_before_the_first_touch_is_without_the_experimenter_s_pause(
             page.until("sheet", kind="form")
             running.type("s")
             leave(page, page.until("sheet", kind="text"))
+            leave(page, page.until("sheet", kind="task"))
             page.until("sheet", kind="none")
             running.type("p")
             page.until("sheet", kind="wait")
@@ -325,7 +333,7 @@ def test_the_time_before_the_first_touch_is_without_the_experimenter_s_pause(
             page.until("sheet", kind="form")
             running.type("q")
         running.ended()
-    state = SessionState.of(read_journal(running.folder / "journal.jsonl"))
+    state = SessionState.of(read_journal(running.folder / "session.jsonl"))
     # The scene is seen for a moment before the pause, too.
     assert state.counted(1).end["result"]["measures"]["waited_s"] < seen + PAUSED / 2
 
@@ -352,9 +360,9 @@ def test_a_tablet_that_is_gone_in_mid_trial_is_told_of_and_nothing_counts_twice(
             leave(page, end)
             page.until("sheet", kind="end")
         running.ended()
-    rows = list(csv.DictReader((running.folder / "trial_results.csv").open()))
+    rows = list(csv.DictReader((running.tables / "tables/trials.csv").open()))
     assert [r["counted"] for r in rows] == ["1"]
-    state = SessionState.of(read_journal(running.folder / "journal.jsonl"))
+    state = SessionState.of(read_journal(running.folder / "session.jsonl"))
     assert len(state.attempts[1]) == (2 if when == "repeat" else 1)
     measures = state.counted(1).end["result"]["measures"]
     assert measures["waited_s"] >= 0.0
@@ -364,7 +372,7 @@ def test_a_tablet_that_is_gone_in_mid_trial_is_told_of_and_nothing_counts_twice(
 def test_another_device_that_becomes_the_participants_page_does_not_finish_their_trial(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(clients, "SEAT_KEPT", 0.5)
+    monkeypatch.setattr(clients, "SEAT_TIMEOUT", 0.5)
     text = SMALL.replace("time_limit_s = 20", "time_limit_s = 5")
     study = study_in(tmp_path, text.replace("practice = 1", "practice = 0"))
     with on_page(study, study.add(hand="right", hand_size=1.0, language="en")) as running:
@@ -380,7 +388,7 @@ def test_another_device_that_becomes_the_participants_page_does_not_finish_their
             leave(page, end)
             page.until("sheet", kind="end")
         running.ended()
-    attempts = SessionState.of(read_journal(running.folder / "journal.jsonl")).attempts[1]
+    attempts = SessionState.of(read_journal(running.folder / "session.jsonl")).attempts[1]
     assert [attempt.end is not None for attempt in attempts] == [False, True]
 
 
@@ -396,9 +404,10 @@ def test_a_screen_without_room_for_the_designs_rectangle_is_refused(
             page.until("sheet", kind="form")
             running.type("s")
             leave(page, page.until("sheet", kind="text"))
+            leave(page, page.until("sheet", kind="task"))
             with pytest.raises(StudyError, match="too small"):
                 running.ended(10.0)
-    assert not SessionState.of(read_journal(running.folder / "journal.jsonl")).attempts
+    assert not SessionState.of(read_journal(running.folder / "session.jsonl")).attempts
 
 
 def test_a_guessed_size_is_no_reason_to_warn_before_it_could_be_measured(
@@ -408,13 +417,53 @@ def test_a_guessed_size_is_no_reason_to_warn_before_it_could_be_measured(
         running.page.needed_in = 9.0, 6.0  # as in the design
         guessed = {**SCREEN, "width_px": 800.0, "calibrated": False}
         with Page(running.server.url, screen=guessed) as page:
-            consent = page.until("sheet", kind="consent")
+            measure = page.until("sheet", kind="measure")
             running.heard("page is open")
             assert not any("too small" in line for line in running.said)
-            leave(page, consent, "yes")
+            leave(page, measure)
             running.heard("8.00 x 7.00 in (a guess, since it was not measured)")
             page.say(type="resized", screen={**SCREEN, "px_per_in": 80.0, "width_px": 800.0})
             running.heard("large enough for the trials now")
+
+
+def test_the_experimenter_measures_a_screen_before_the_consent_form_and_never_over_one(
+    running: OnPage,
+) -> None:
+    guessed = {**SCREEN, "calibrated": False}
+    with Page(running.server.url, name="tablet", screen=guessed, beats=True) as page:
+        sheets = [page.until("sheet")["kind"]]
+        while sheets[-1] != "measure":
+            sheets.append(page.until("sheet")["kind"])
+        assert "consent" not in sheets
+        running.heard("measure the screen of the participant's page with a bank card")
+        page.say(type="resized", screen=dict(SCREEN))
+        leave(page, next(m for m in reversed(page.told) if m.get("kind") == "measure"))
+        page.until("sheet", kind="consent")
+        running.heard("is 10.00 x 7.00 in")
+    running.heard("page is gone")
+    with Page(running.server.url, name="tablet", screen=guessed, beats=True) as page:
+        # Its size is a guess now, which is not measured over the form, but before the next step.
+        leave(page, page.until("sheet", kind="consent"), "yes")
+        leave(page, page.until("sheet", kind="measure"))
+        page.until("sheet", kind="form")
+    running.type("q")
+    running.ended()
+    records = read_journal(running.folder / "session.jsonl")
+    seen = [(r["event"], r["calibrated"]) for r in records if r["kind"] == "screen"]
+    assert seen == [
+        *(("open", False), ("changed", True), ("gone", True), ("back", False)),
+    ]
+    rows = csv.DictReader((running.tables / "tables/events.csv").open(encoding="utf-8"))
+    assert {"page_gone", "page_back"} <= {row["event"] for row in rows}
+
+
+def test_a_screen_that_nobody_measures_is_a_guess_and_the_session_goes_on(running: OnPage) -> None:
+    guessed = {**SCREEN, "calibrated": False}
+    with Page(running.server.url, name="tablet", screen=guessed, beats=True) as page:
+        page.until("sheet", kind="measure")
+        running.type("s in a hurry")
+        page.until("sheet", kind="consent")
+        running.heard("measuring the screen: skipped")
 
 
 ANYTHING = st.one_of(st.none(), st.booleans(), st.floats(), st.integers(), st.text(max_size=30))
@@ -477,6 +526,7 @@ def test_with_trials_elsewhere_the_page_has_the_forms_and_says_where_to_look(
                 form = seen.until("sheet", kind="form")
                 answer(seen, form, "age", 30)
                 leave(seen, form)
+                leave(seen, seen.until("sheet", kind="task"))
                 seen.until("sheet", kind="wait", text=words_in("de")["elsewhere"])
                 while not any(m.get("title") == TITLE for m in seen.told):
                     seen.say(type="beat", t=1.0)

@@ -19,7 +19,7 @@ from sandbox.study.design.scoring import score, scores, tally
 from sandbox.study.record.folder import SIMULATED, StudyFolder
 from sandbox.study.run.answers import hint, read_answer
 from sandbox.study.run.simulate import run_simulated
-from tests.support.study_files import DESIGN, design
+from tests.support.study_files import DESIGN, design, quiet
 
 TLX = ("mental", "physical", "temporal", "performance", "effort", "frustration")
 
@@ -57,6 +57,17 @@ def test_sus_is_odd_less_one_and_five_less_even_times_two_and_a_half(given: list
     wanted = 2.5 * (sum(v - 1 for v in given[::2]) + sum(5 - v for v in given[1::2]))
     (found,) = scores(form_of("sus").scales, answers)
     assert found.value == wanted and 0 <= wanted <= 100
+
+
+@given(st.lists(st.integers(-3, 3), min_size=8, max_size=8))
+def test_the_short_ueq_is_the_means_of_its_halves_and_of_all(given: list[int]) -> None:
+    form = form_of("ueq-s")
+    assert [(i.low, i.high, i.step) for i in form.items] == [(-3.0, 3.0, 1.0)] * 8
+    answers = {item.name: value for item, value in zip(form.items, given, strict=True)}
+    found = {s.scale: s.value for s in scores(form.scales, answers)}
+    halves = {"pragmatic": sum(given[:4]) / 4, "hedonic": sum(given[4:]) / 4}
+    assert found == pytest.approx({"overall": sum(given) / 8, **halves})
+    assert all(scale.range == (-3.0, 3.0) for scale in form.scales)
 
 
 def chosen_by(form: Form, weights: dict[str, int]) -> dict[str, str]:
@@ -274,7 +285,7 @@ def test_a_file_from_elsewhere_is_refused(tmp_path: Path, name: str) -> None:
 
 
 def test_an_unknown_questionnaire_is_refused_with_those_there_are() -> None:
-    with pytest.raises(DesignError, match="nasa-tlx, nasa-tlx-raw, sus"):
+    with pytest.raises(DesignError, match="nasa-tlx, nasa-tlx-raw, sus, ueq-s"):
         form_of("nasatlx")
 
 
@@ -292,15 +303,15 @@ def test_scores_are_a_table_with_conditions_that_is_rebuilt_like_all_others(
 ) -> None:
     text = DESIGN + '\n[[questionnaires]]\nuse = "sus"\nat = "contact"\n'
     study = StudyFolder(tmp_path, design(text), SIMULATED)
-    run_simulated(study, 0, lambda said: None)
-    path = study.path / "questionnaire_scores.csv"
+    run_simulated(study, 0, quiet)
+    path = study.path / "tables/scores.csv"
     rows = list(csv.DictReader(path.open(encoding="utf-8")))
     assert [(r["instrument"], r["scale"], r["place"]) for r in rows] == [
         ("sus", "sus", "1"),
         ("sus", "sus", "2"),
     ]
     assert {r["factor_contact"] for r in rows} == {"hard", "soft"}
-    asked = list(csv.DictReader((study.path / "questionnaires.csv").open(encoding="utf-8")))
+    asked = list(csv.DictReader((study.path / "tables/answers.csv").open(encoding="utf-8")))
     for row in rows:
         given = {
             r["item"]: float(r["answer"])
@@ -311,10 +322,10 @@ def test_scores_are_a_table_with_conditions_that_is_rebuilt_like_all_others(
         assert float(row["score"]) == wanted.value and row["items_missing"] == "0"
     meanings = {
         (r["table"], r["column"])
-        for r in csv.DictReader((study.path / "codebook.csv").open(encoding="utf-8"))
+        for r in csv.DictReader((study.path / "tables/codebook.csv").open(encoding="utf-8"))
     }
-    assert all(("questionnaire_scores.csv", name) in meanings for name in rows[0])
+    assert all(("scores.csv", name) in meanings for name in rows[0])
     before = path.read_bytes()
     path.unlink()
-    run_simulated(study, 0, lambda said: None)
+    run_simulated(study, 0, quiet)
     assert path.read_bytes() == before

@@ -11,8 +11,8 @@ import pytest
 
 from models.errors import StudyError
 from sandbox.cli.main import main
+from sandbox.study.design.balance import balanced_latin_square
 from sandbox.study.design.design import Design
-from sandbox.study.design.orders import balanced_latin_square
 from sandbox.study.design.plan import ConsentStep, FormStep, TrialStep, session_plan, trials_of
 from sandbox.study.design.reading import DesignError
 from sandbox.study.record.folder import SIMULATED, StudyFolder
@@ -20,21 +20,11 @@ from sandbox.study.record.journal import read_journal
 from sandbox.study.record.session_folder import SessionFolder
 from sandbox.study.record.stored_sessions import has_finished, session_path, sessions_of
 from sandbox.study.record.trial_files import find_recordings
-from sandbox.study.report.models.data import load_study
+from sandbox.study.report.data import load_study
 from sandbox.study.run.simulate import run_simulated, simulate
-from sandbox.study.share.backup import back_up
-from sandbox.study.share.bids import export_bids
-from sandbox.study.share.merge import merge
-from sandbox.study.share.privacy import Masking, anonymise
-from sandbox.study.share.withdraw import withdraw
-from sandbox.study.tables.tables import rebuild_study
-from tests.support.study_files import (
-    FIRST,
-    SECOND,
-    TWICE,
-    design,
-    rows_of,
-)
+from sandbox.study.share.share import Masking, share_study
+from sandbox.study.tables.tables import make_tables
+from tests.support.study_files import FIRST, SECOND, TWICE, design, pilot, quiet, rows_of
 
 CROSSED = """
 name = "crossed"
@@ -56,10 +46,6 @@ seeds = "SEEDS"
 
 USED = {"sus": "sus", "nasa-tlx-raw": "workload-raw"}
 """Questionnaires, and their scores."""
-
-
-def quiet(text: str) -> None:
-    """Nobody listens."""
 
 
 def crossed(sessions: int, order: str = "latin", seeds: str = "own", more: str = "") -> Design:
@@ -97,14 +83,6 @@ def test_the_first_of_several_sessions_is_the_one_of_people_who_come_once(rule: 
     assert all(session_plan(once, n) == session_plan(twice, n, 1) for n in range(6))
 
 
-def test_in_a_later_session_the_outermost_factor_has_the_order_of_the_next_participant() -> None:
-    plan = crossed(3)
-    for person in range(6):
-        for session in (2, 3):
-            mine = order(trials(plan, person, session), "contact")
-            assert mine == order(trials(plan, person + session - 1, 1), "contact")
-
-
 def test_in_a_later_session_every_factor_has_the_next_one_of_its_orders() -> None:
     plan, squares = crossed(3), {"contact": 2, "task": 3}
     for person in range(6):
@@ -116,15 +94,6 @@ def test_in_a_later_session_every_factor_has_the_next_one_of_its_orders() -> Non
                 for session in (1, 2, 3)
             )
             assert later == [(first + 1) % len(orders), (first + 2) % len(orders)]
-
-
-def test_every_session_for_itself_is_balanced_after_a_whole_cycle() -> None:
-    plan = crossed(2)
-    for session in (1, 2):
-        seen = [trials(plan, n, session) for n in range(12)]
-        for factor, levels in (("contact", 2), ("task", 3)):
-            first = Counter(order(steps, factor)[0] for steps in seen)
-            assert set(first.values()) == {12 // levels}
 
 
 def test_a_random_order_is_drawn_anew_and_levels_between_people_stay() -> None:
@@ -188,20 +157,18 @@ def test_a_mistake_about_sessions_is_told(sound: str, wrong: str, told: str) -> 
 
 
 def test_both_sessions_have_folders_and_rows_of_their_own(study: StudyFolder) -> None:
-    rows = rows_of(study.path / "trial_results.csv")
+    rows = rows_of(study.path / "tables/trials.csv")
     for person in study.participants():
-        mine = [r for r in rows if r["ppid"] == person.ppid]
-        assert Counter(r["session_num"] for r in mine) == {"1": FIRST, "2": SECOND}
-        assert len({(r["session_num"], r["trial_num"]) for r in mine}) == FIRST + SECOND
+        mine = [r for r in rows if r["participant"] == person.ppid]
+        assert Counter(r["session"] for r in mine) == {"1": FIRST, "2": SECOND}
+        assert len({(r["session"], r["trial"]) for r in mine}) == FIRST + SECOND
         for row in mine:
-            where = f"{person.ppid}/S00{row['session_num']}/"
-            assert row["trial_recording_location_0"].startswith(where)
-            assert (study.path / row["trial_recording_location_0"]).exists()
+            where = f"{person.ppid}/S00{row['session']}/"
+            assert row["recording"].startswith(where)
+            assert (study.path / row["recording"]).exists()
         assert len(find_recordings(person.ppid, study.path)) == FIRST + SECOND
         assert len({r["state_hash"] for r in mine}) == len({r["seed"] for r in mine})
-        own = session_path(study.path, person.ppid, 2) / "trial_results.csv"
-        assert [r["trial_num"] for r in rows_of(own)] == ["1", "2"]
-    people = rows_of(study.path / "participants.csv")
+    people = rows_of(study.path / "tables/participants.csv")
     assert [
         (r["sessions_done"], r["trials_done"], r["trials_planned"], r["complete"], r["consent"])
         for r in people
@@ -234,13 +201,13 @@ def test_a_first_session_in_the_place_of_a_second_is_refused(study: StudyFolder)
 def test_who_is_excluded_in_one_session_is_left_out_in_all(study: StudyFolder) -> None:
     first, second = study.participants()
     with SessionFolder(study, first, 2) as session:
-        session.write("exclude", durable=True, trial=None, reason="fell asleep")
-    rebuild_study(study)
-    for row in rows_of(study.path / "trial_results.csv"):
-        gone = row["ppid"] == first.ppid
+        session.command("exclude", durable=True, trial=None, reason="fell asleep")
+    make_tables(study)
+    for row in rows_of(study.path / "tables/trials.csv"):
+        gone = row["participant"] == first.ppid
         assert row["excluded"] == str(int(gone))
         assert row["exclusion_reason"] == ("participant: fell asleep" if gone else "")
-    assert [r["excluded"] for r in rows_of(study.path / "participants.csv")] == ["1", "0"]
+    assert [r["excluded"] for r in rows_of(study.path / "tables/participants.csv")] == ["1", "0"]
     assert second.ppid != first.ppid
 
 
@@ -248,63 +215,26 @@ def test_a_rule_about_people_waits_for_their_last_session(tmp_path: Path) -> Non
     rule = '[[exclusions]]\nname = "all"\nof = "participant"\nmeasure = "time_s"\nabove = 0.0\n'
     study = StudyFolder(tmp_path, design(TWICE + rule), SIMULATED)
     run_simulated(study, 0, quiet)
-    reasons = {r["exclusion_reason"] for r in rows_of(study.path / "trial_results.csv")}
+    reasons = {r["exclusion_reason"] for r in rows_of(study.path / "tables/trials.csv")}
     assert reasons == {"participant: rule all"}
     shutil.rmtree(session_path(study.path, study.participants()[0].ppid, 2))
-    rebuild_study(study)
-    assert {r["excluded"] for r in rows_of(study.path / "trial_results.csv")} == {"0"}
+    make_tables(study)
+    assert {r["excluded"] for r in rows_of(study.path / "tables/trials.csv")} == {"0"}
 
 
 def test_copies_hold_both_sessions_and_count_everybody_once(
     study: StudyFolder, tmp_path: Path
 ) -> None:
-    checked = back_up(study, tmp_path / "backup.tar.gz")
-    assert len(checked.ppids) == 2 and checked.trials == 2 * (FIRST + SECOND)
-    assert anonymise(study, tmp_path / "anonymous", Masking(), quiet).people == 2
+    assert share_study(study, tmp_path / "anonymous", Masking(), quiet).people == 2
     copy = StudyFolder.at(tmp_path / "anonymous")
     for person in copy.participants():
         sessions = sessions_of(copy, person)
         assert [s.number for s in sessions] == [1, 2] and all(s.state.complete for s in sessions)
     hashes = [
-        sorted(r["state_hash"] for r in rows_of(s.path / "trial_results.csv"))
+        sorted(r["state_hash"] for r in rows_of(s.path / "tables/trials.csv"))
         for s in (study, copy)
     ]
     assert hashes[0] == hashes[1]
-    assert export_bids(study, tmp_path / "bids", quiet) == 2 * (2 + SECOND)
-    for person in study.participants():
-        for session in ("ses-01", "ses-02"):
-            folder = tmp_path / f"bids/sub-{person.ppid}/{session}/motion"
-            files = sorted(p.name for p in folder.glob("*_motion.tsv"))
-            assert len(files) == 2
-            assert all(f.startswith(f"sub-{person.ppid}_{session}_task-") for f in files)
-
-
-def test_who_withdraws_is_gone_with_all_sessions(study: StudyFolder) -> None:
-    gone = study.participants()[0].ppid
-    withdraw(study, gone, "")
-    assert not (study.path / gone).exists()
-    assert gone not in {r["ppid"] for r in rows_of(study.path / "trial_results.csv")}
-    with (
-        SessionFolder(study, study.participants()[0], 2),
-        pytest.raises(StudyError, match="in use"),
-    ):
-        withdraw(study, study.participants()[0].ppid, "")
-
-
-def test_of_two_copies_the_one_with_the_second_session_is_taken(
-    study: StudyFolder, tmp_path: Path
-) -> None:
-    shutil.copytree(tmp_path / "a", tmp_path / "b")
-    earlier = StudyFolder(tmp_path / "b", design(TWICE), SIMULATED)
-    for person in earlier.participants():
-        shutil.rmtree(session_path(earlier.path, person.ppid, 2))
-    for i, (one, other) in enumerate(((study, earlier), (earlier, study))):
-        found = merge(one, other, tmp_path / f"c{i}/quick-simulated")
-        assert found.people == 2 and len(found.both) == 2 and not found.renamed
-        merged = StudyFolder(tmp_path / f"c{i}", design(TWICE), SIMULATED)
-        for person in merged.participants():
-            with SessionFolder(merged, person, 2) as session:
-                assert session.state.complete
 
 
 def test_places_of_a_questionnaire_count_on_over_all_sessions(tmp_path: Path) -> None:
@@ -312,15 +242,15 @@ def test_places_of_a_questionnaire_count_on_over_all_sessions(tmp_path: Path) ->
     text = "\n".join((TWICE, *asked))
     study = StudyFolder(tmp_path, design(text), SIMULATED)
     simulate(study, 2, False, quiet)
-    rows = rows_of(study.path / "questionnaire_scores.csv")
-    people = {r["ppid"] for r in rows}
+    rows = rows_of(study.path / "tables/scores.csv")
+    people = {r["participant"] for r in rows}
     assert len(people) == 2
     for person in people:
         for use, scale in USED.items():
             mine = [
-                (r["place"], r["session_num"])
+                (r["place"], r["session"])
                 for r in rows
-                if (r["ppid"], r["instrument"], r["scale"]) == (person, use, scale)
+                if (r["participant"], r["instrument"], r["scale"]) == (person, use, scale)
             ]
             assert mine == [("1", "1"), ("2", "1"), ("3", "2"), ("4", "2")]
 
@@ -349,20 +279,7 @@ def test_the_command_begins_the_next_session_and_refuses_what_is_not_its_turn(
     (tmp_path / "design.toml").write_text(TWICE)
     monkeypatch.chdir(Path(__file__).parents[3])
     monkeypatch.setattr("sys.stdin", io.StringIO(""))
-    run = [
-        "study",
-        "run",
-        str(tmp_path / "design.toml"),
-        "--out",
-        str(tmp_path),
-        "--pilot",
-        "--device",
-        "simulated",
-        "--view",
-        "none",
-        "--forms",
-        "page",
-    ]
+    run = [*pilot(tmp_path / "design.toml"), "--forms", "page"]
     assert main([*run, "--participant", "new", "--session", "2"]) == 2
     assert "begins with session 1" in capsys.readouterr().err
     study = StudyFolder(tmp_path, design(TWICE), "pilot")
@@ -381,7 +298,7 @@ def test_the_command_begins_the_next_session_and_refuses_what_is_not_its_turn(
     assert "stays for all sessions" in capsys.readouterr().err
     assert main([*run, "--participant", person, "--hand", hand, "--hand-size", "1.25"]) == 2
     assert "Leave out --hand-size" in capsys.readouterr().err
-    records = read_journal(session_path(study.path, person, 2) / "journal.jsonl")
+    records = read_journal(session_path(study.path, person, 2) / "session.jsonl")
     assert sum(r["kind"] == "trial_end" for r in records) == SECOND
 
 
@@ -391,7 +308,7 @@ def test_who_came_twice_is_complete_if_people_come_only_once_from_now_on(tmp_pat
     run_simulated(study, 0, quiet)
     once = TWICE.replace("sessions = 2", "sessions = 1").replace("practice_sessions = [1]\n", "")
     study = StudyFolder(tmp_path, design(once), SIMULATED, "people are tired")
-    rebuild_study(study)
-    (row,) = rows_of(study.path / "participants.csv")
+    make_tables(study)
+    (row,) = rows_of(study.path / "tables/participants.csv")
     assert (row["sessions_done"], row["complete"]) == ("2", "1")
     assert has_finished(study, study.participants()[0])

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import csv
-import gzip
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -18,22 +17,22 @@ from sandbox.recording.recording import load_recording
 from sandbox.study.design.conditions import run_settings
 from sandbox.study.design.plan import TrialStep, in_the_air
 from sandbox.study.design.reading import DesignError
-from sandbox.study.measures.columns import SECOND, Columns
+from sandbox.study.measures.arrays import NO_CONTACT
 from sandbox.study.measures.handling import grasps
 from sandbox.study.record.folder import Participant, StudyFolder
 from sandbox.study.record.session_folder import SessionFolder
+from sandbox.study.record.trial_files import frames_of
 from sandbox.study.run.controls import Controls
 from sandbox.study.run.forms import SimulatedForms
 from sandbox.study.run.players import HeadlessPlayer
 from sandbox.study.run.run_device import needs_second_device, person_devices, settings_fitter
 from sandbox.study.run.runner import SessionOutcome, SessionRunner
 from sandbox.study.run.simulate import run_simulated
-from sandbox.study.share.bids import motion, touch_events
-from sandbox.study.tables.frames import rebuild_tables
-from sandbox.study.tables.tables import rebuild_study
+from sandbox.study.tables.frames import make_frames, read_frames
+from sandbox.study.tables.tables import make_tables
 from sandbox.trial.settings import HandSettings, Settings, recorded_settings
 from tasks.user import UserConfiguration
-from tests.support.study_files import design, open_study
+from tests.support.study_files import design, open_study, quiet
 
 TASK = "carry-together"
 PAIRS = f"""
@@ -56,8 +55,8 @@ time_limit_s = 4.0
 def study(tmp_path_factory: pytest.TempPathFactory) -> StudyFolder:
     """A study of one simulated participant with one trial, broken off after 4 s."""
     found = open_study(tmp_path_factory.mktemp("pairs"), PAIRS)
-    assert run_simulated(found, 0, lambda text: None) is SessionOutcome.COMPLETE
-    rebuild_study(found)
+    assert run_simulated(found, 0, quiet) is SessionOutcome.COMPLETE
+    make_tables(found)
     return found
 
 
@@ -66,19 +65,14 @@ def session(study: StudyFolder) -> Path:
     return next(study.path.glob("*/S001"))
 
 
-def table(session: Path, name: str) -> Columns:
-    return Columns.read((session / "trackers" / name).read_bytes())
-
-
 def test_a_simulated_trial_for_two_hands_has_tables_of_both_and_replays(
     study: StudyFolder, session: Path
 ) -> None:
-    frames, touches = (table(session, f"{kind}_T001.csv.gz") for kind in ("frames", "touches"))
-    assert frames.hands == ("", SECOND)
-    for hand in frames.hands:
-        assert any(frames.words(f"{hand}touch_index")) and any(frames.words(f"{hand}true_thumb"))
-    assert set(touches.words("hand")) == {"1", "2"}
-    (row,) = csv.DictReader((study.path / "trial_results.csv").open())
+    trial = read_frames(session / "trials" / "T001.jsonl")
+    assert trial is not None and len(trial.hands) == 2
+    for hand in trial.hands:
+        assert (hand.labels[:, 1] != NO_CONTACT).any() and (hand.true[:, 0] != NO_CONTACT).any()
+    (row,) = csv.DictReader((study.path / "tables/trials.csv").open())
     assert row["status"] == "timeout" and float(row["label_accuracy"]) > 0.9
     assert float(row["palm_path_m"]) > 0.05
     assert main(["replay", str(study.path), "--verify"]) == 0
@@ -94,24 +88,11 @@ def test_the_recording_tells_both_hands_and_their_users(session: Path) -> None:
     assert recording.end is not None and recording.end["result"]["second_fingers"]
 
 
-def test_tables_made_again_from_the_recording_are_the_same(session: Path, tmp_path: Path) -> None:
-    rebuild_tables(session / "trials" / "T001.jsonl", tmp_path)
-    for kind in ("frames", "touches"):
-        name = f"{kind}_T001.csv.gz"
-        again = gzip.decompress((tmp_path / name).read_bytes())
-        assert again == gzip.decompress((session / "trackers" / name).read_bytes())
-    name = "measures_T001.json"
-    assert (tmp_path / name).read_bytes() == (session / "trackers" / name).read_bytes()
-
-
-def test_motion_bids_has_the_joints_and_touches_of_both_hands(session: Path) -> None:
-    channels, data = motion(table(session, "frames_T001.csv.gz"))
-    points = {channel.tracked_point for channel in channels}
-    assert {"hand", "hand2"} < points and data.shape[1] == len(channels)
-    assert len({channel.name for channel in channels}) == len(channels)
-    events = touch_events(table(session, "touches_T001.csv.gz"), 0.0)
-    second = [event for event in events if str(event["contact"]).startswith(SECOND)]
-    assert 0 < len(second) < len(events)
+def test_frames_made_again_from_the_recording_are_the_same(session: Path) -> None:
+    recording = session / "trials" / "T001.jsonl"
+    before = frames_of(recording).read_bytes()
+    frames_of(recording).unlink()
+    assert make_frames(recording) == "" and frames_of(recording).read_bytes() == before
 
 
 def test_a_pilot_is_run_with_a_device_for_each_hand(tmp_path: Path) -> None:
@@ -126,7 +107,7 @@ def test_a_pilot_is_run_with_a_device_for_each_hand(tmp_path: Path) -> None:
             person_devices(touch, person, second=second),
             SimulatedForms(1),
             Controls(),
-            lambda text: None,
+            quiet,
             DeviceSettings.of("mouse"),
             settings_fitter("mouse", second="simulated"),
             second_device=DeviceSettings.of("simulated"),

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import os
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
 
 from sandbox.system import files as durable_files
 from sandbox.system.files import lock
+from tests.support.processes import printed
 from tests.support.study_files import DESIGN, in_child, killed_after
 
 ROOT = Path(__file__).resolve().parents[3]
@@ -37,17 +36,7 @@ def test_a_study_and_a_regression_run_are_played_without_them(tmp_path: Path) ->
     text = DESIGN.replace("tests/support/regress_tasks.py:Quick", task)
     (tmp_path / "design.toml").write_text(text)
     work = WORK.format(missing=MISSING, task=task)
-    done = subprocess.run(
-        [sys.executable, "-c", work],
-        cwd=tmp_path,
-        capture_output=True,
-        text=True,
-        timeout=300,
-        env={**os.environ, "PYTHONPATH": str(ROOT)},
-        check=False,
-    )
-    assert done.returncode == 0, done.stdout + done.stderr
-    assert "all is as it was written" in done.stdout
+    assert "all is as it was written" in printed("-c", work, cwd=tmp_path)
 
 
 def test_the_program_names_them_in_one_module_and_in_the_devices_of_one_system() -> None:

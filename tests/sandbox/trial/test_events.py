@@ -17,8 +17,8 @@ import pytest
 
 from models.errors import InputError
 from sandbox.cli.main import main
-from sandbox.trial import events
-from sandbox.trial.events import EventLog
+from sandbox.trial import logs
+from sandbox.trial.logs import EventLog
 from tests.support.processes import until
 
 FULL = Path("/dev/full")
@@ -29,7 +29,7 @@ def test_events_are_lines_that_are_added_to_a_file(tmp_path: Path) -> None:
     path = tmp_path / "events.jsonl"
     for number in (1, 2):
         log = EventLog(path)
-        log.tell("trial_start", seed=number)
+        log.write("trial_start", seed=number)
         until(partial(has_lines, path, number))
         assert json.loads(path.read_text().splitlines()[-1]) == {
             "event": "trial_start",
@@ -67,7 +67,7 @@ def test_a_reader_who_stands_still_holds_nobody_up_and_gets_all_events_later(
     reader = os.open(path, os.O_RDONLY | os.O_NONBLOCK)
     log, count = EventLog(path), 3000
     for number in range(count):
-        log.tell("warning", what="x" * 100, number=number)
+        log.write("warning", what="x" * 100, number=number)
     found = b""
     while found.count(b"\n") < count:
         found += next_line(reader)
@@ -79,13 +79,13 @@ def test_a_reader_who_stands_still_holds_nobody_up_and_gets_all_events_later(
 def test_events_that_nobody_ever_reads_are_told_of_at_the_end(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(events, "PATIENCE", 0.2)
+    monkeypatch.setattr(logs, "PATIENCE", 0.2)
     path = tmp_path / "pipe"
     os.mkfifo(path)
     reader = os.open(path, os.O_RDONLY | os.O_NONBLOCK)
     log = EventLog(path)
     for _ in range(3000):
-        log.tell("warning", what="x" * 100)
+        log.write("warning", what="x" * 100)
     with pytest.raises(InputError, match=r"events were lost.*took nothing"):
         log.close()
     os.close(reader)
@@ -94,13 +94,13 @@ def test_events_that_nobody_ever_reads_are_told_of_at_the_end(
 def test_what_waits_is_written_though_later_events_found_no_place(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(events, "MOST_WAITING", 3000)
+    monkeypatch.setattr(logs, "MOST_WAITING", 3000)
     path = tmp_path / "pipe"
     os.mkfifo(path)
     reader = os.open(path, os.O_RDONLY | os.O_NONBLOCK)
     log, told = EventLog(path), 10_000
     for number in range(told):
-        log.tell("warning", what="x" * 100, number=number)
+        log.write("warning", what="x" * 100, number=number)
     found = b""
     while found.count(b"\n") < 3000:
         found += next_line(reader)
@@ -117,7 +117,7 @@ def test_the_bound_on_waiting_events_holds_though_several_threads_write(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     rounds, writers, each = 3, 4, 30
-    monkeypatch.setattr(events, "MOST_WAITING", writers * each)
+    monkeypatch.setattr(logs, "MOST_WAITING", writers * each)
     path = tmp_path / "pipe"
     os.mkfifo(path)
     reader = os.open(path, os.O_RDONLY | os.O_NONBLOCK)
@@ -127,7 +127,7 @@ def test_the_bound_on_waiting_events_holds_though_several_threads_write(
         # Another thread may take over between any two operations of `tell`.
         sys.settrace(each_operation_yields)
         for _ in range(each):
-            log.tell("warning", what="x")
+            log.write("warning", what="x")
 
     for number in range(1, rounds + 1):
         threads = [Thread(target=write) for _ in range(writers)]
@@ -139,7 +139,7 @@ def test_the_bound_on_waiting_events_holds_though_several_threads_write(
             found += next_line(reader)
     # Each of these fills the pipe alone, so that all but the one that is being written wait.
     for _ in range(2 * writers * each):
-        log.tell("warning", what="x" * (1 << 17))
+        log.write("warning", what="x" * (1 << 17))
     lost: list[InputError] = []
     closing = Thread(target=close, args=(log, lost))
     closing.start()
@@ -162,7 +162,7 @@ def close(log: EventLog, lost: list[InputError]) -> None:
 
 def each_operation_yields(frame: FrameType, event: str, argument: object) -> Any:
     """A tracing function that lets another thread go on at every operation of `tell`."""
-    if frame.f_code is not EventLog.tell.__code__:
+    if frame.f_code is not EventLog.write.__code__:
         return None
     frame.f_trace_opcodes = True
     time.sleep(0.0)
@@ -174,11 +174,11 @@ def test_a_reader_who_leaves_a_pipe_is_told_of_at_the_end(tmp_path: Path) -> Non
     os.mkfifo(path)
     reader = os.open(path, os.O_RDONLY | os.O_NONBLOCK)
     log = EventLog(path)
-    log.tell("listening", address="here")
+    log.write("listening", address="here")
     assert json.loads(next_line(reader)) == {"event": "listening", "address": "here"}
     os.close(reader)
-    log.tell("warning", what="nobody hears this")
-    log.tell("warning", what="nor this")
+    log.write("warning", what="nobody hears this")
+    log.write("warning", what="nor this")
     with pytest.raises(InputError, match=r"events were lost.*Broken pipe"):
         log.close()
     log.close()

@@ -15,9 +15,8 @@ from models.errors import InputError, RecordingError
 from sandbox.recording.recording import load_recording
 from sandbox.session.messages import Snapshot
 from sandbox.session.session import Session
-from sandbox.trial.driver import View, open_trial, play_trial
-from sandbox.trial.live_run import LiveRun
-from sandbox.trial.open_devices import device_makers
+from sandbox.trial.assembly import device_makers
+from sandbox.trial.driver import LiveRun, View, open_trial, play_trial
 from sandbox.trial.replay import replay
 from sandbox.trial.trial_options import TrialOptions, trial_settings
 from sandbox.views.errors import FilmError

@@ -17,14 +17,11 @@ from sandbox.cli.main import main
 from sandbox.devices.mouse.mouse import MouseDevice
 from sandbox.devices.tuio.tuio import TuioDevice
 from sandbox.devices.wrappers.playing import LiftKeys, MergedDevice
-from sandbox.play.reports import KINDS, checked_limit, judge_latency, print_latency
+from sandbox.play.play import KINDS, checked_limit, judge_latency, print_latency
 from sandbox.session.messages import Snapshot
 from sandbox.session.session import Session
-from sandbox.trial.assembly import build
-from sandbox.trial.driver import Trial
-from sandbox.trial.latency import LatencyLog, TimedDevice, Timing, timed
-from sandbox.trial.live_run import LiveRun
-from sandbox.trial.settings import Settings
+from sandbox.trial.driver import LiveRun, Trial
+from sandbox.trial.logs import LatencyLog, TimedDevice, Timing, timed
 from tests.support.processes import PATIENCE, Sender
 from tests.support.tuio_packets import frame
 from tests.support.viewed import advance, mouse_session, viewed
@@ -210,11 +207,6 @@ def test_without_a_window_it_plays_what_needs_none(
     monkeypatch.setattr("sandbox.views.display.sys.platform", "linux")
     assert main(["play"]) == 2
     assert "--view web" in capsys.readouterr().err
-
-
-def test_build_opens_a_followed_device() -> None:
-    session = build(Settings(), (timed(lambda t, s: MouseDevice(s), Timing(LatencyLog())),))
-    assert session.rigs[0].device.name == "mouse" and session.lift(0) is None
 
 
 def test_touches_that_came_while_time_stood_still_did_not_wait_for_a_step() -> None:

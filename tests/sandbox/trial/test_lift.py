@@ -12,7 +12,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from encoders.reconstruction.arrival import Lift, LiftSettings
+from encoders.reconstruction.hand_motion import Lift, LiftSettings
 from encoders.reconstruction.reconstructor import Reconstruction
 from models.errors import InputError
 from models.frames import Contact, TouchFrame
@@ -20,9 +20,8 @@ from models.kinematics import Kinematics
 from sandbox.devices.device import Device
 from sandbox.devices.wrappers.playing import SPEED, LiftKeys
 from sandbox.recording.recording import RecordingWriter, load_recording
-from sandbox.trial.assembly import build
+from sandbox.trial.assembly import build, with_lift
 from sandbox.trial.driver import play_trial
-from sandbox.trial.lift import with_lift
 from sandbox.trial.replay import replay
 from sandbox.trial.settings import HandSettings, Settings
 from sandbox.trial.trial_options import TrialOptions, trial_settings

@@ -19,10 +19,9 @@ from sandbox.server.page_server import PageServer
 from sandbox.server.protocol import PageScreen, PageTouches, Pause
 from sandbox.server.web import WebDevice
 from sandbox.session.messages import Snapshot
-from sandbox.trial.assembly import build
-from sandbox.trial.driver import Trial
-from sandbox.trial.live_run import JITTER, ROOM, LiveRun, clear_of
-from sandbox.trial.open_devices import device_makers
+from sandbox.trial.assembly import build, device_makers
+from sandbox.trial.driver import JITTER, ROOM, LiveRun, Trial, clear_of
+from sandbox.trial.logs import LatencyLog, Timing, timed
 from sandbox.trial.settings import Settings
 from sandbox.trial.trial_options import TrialOptions, trial_settings
 from tests.support.page_client import SCREEN
@@ -69,9 +68,9 @@ def test_a_device_that_breaks_ends_the_session_and_is_no_trial_that_was_played(
 
 
 def test_a_touch_from_before_time_went_on_is_none_that_waited_for_a_step() -> None:
-    session = build(Settings(), (lambda _task, surface: WebDevice(surface),))
-    latency = session.first_rig.device.latency
-    assert latency is not None
+    latency = LatencyLog()
+    makers = (timed(lambda _task, surface: WebDevice(surface), Timing(latency)),)
+    session = build(Settings(), makers)
     live = LiveRun(Trial(session))
     live.pause(True)
     live.start()
@@ -118,9 +117,9 @@ def test_time_stands_still_while_a_turn_gives_a_reason_and_pages_show_the_last_o
     times, shown = list[float](), list[str]()
     publish = server.publish
 
-    def noted(snapshot: Snapshot, pause: Pause = "", feedback: Any = ()) -> None:
+    def noted(snapshot: Snapshot, pause: Pause = "") -> None:
         shown.append(pause)
-        publish(snapshot, pause, feedback)
+        publish(snapshot, pause)
 
     server.publish = noted  # type: ignore[method-assign]
 
@@ -157,6 +156,6 @@ def test_a_frame_of_any_hand_wakes_the_run() -> None:
     tuio, web = first.find(TuioDevice), second.find(WebDevice)
     assert tuio is not None and web is not None
     assert not tuio.frame_ready.is_set()
-    web.push(PageTouches(1, 0.0, [(1, 300.0, 300.0, 20.0, 20.0)]), PageScreen(**SCREEN))
+    web.receive(PageTouches(1, 0.0, [(1, 300.0, 300.0, 20.0, 20.0)]), PageScreen(**SCREEN))
     assert tuio.frame_ready.is_set()
     session.close()

@@ -8,8 +8,8 @@ import pytest
 
 from sandbox.recording.recording import load_recording
 from sandbox.session.session import Session
+from sandbox.trial.assembly import device_makers
 from sandbox.trial.driver import play_trial
-from sandbox.trial.open_devices import device_makers
 from sandbox.trial.replay import replay
 from sandbox.trial.trial_options import TrialOptions, trial_settings
 from tests.support.waits import Waits

@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 from threadpoolctl import threadpool_info
 
-from models.arithmetic.arrays import Array
+from models.arithmetic import Array
 from models.errors import RecordingError
 from sandbox.cli.replay import command
 from sandbox.devices.device import AnyDevice
@@ -27,8 +27,8 @@ from sandbox.recording.recording import (
 )
 from sandbox.session.messages import Snapshot
 from sandbox.session.session import Session
+from sandbox.trial.assembly import device_makers
 from sandbox.trial.driver import View, open_trial, play_trial
-from sandbox.trial.open_devices import device_makers
 from sandbox.trial.replay import Verification, is_same_outcome, replay
 from sandbox.trial.result import TrialResult
 from sandbox.trial.trial_options import TrialOptions, trial_settings

@@ -7,48 +7,48 @@ from typing import Any
 import pytest
 
 from encoders.captures.subject import FROZEN, SEED, simulate
-from encoders.person.rest_posture import looks_of, save_rest
+from encoders.person.rest_posture import rest_samples, save_rest
 from models.errors import InputError
-from models.person import Looks, Person
+from models.person import Person, RestSamples
 from sandbox.cli.main import main
-from sandbox.trial.profiles import Profile, load_profile, save_profile
+from sandbox.hand.profiles import Profile, load_profile, save_profile
 from sandbox.trial.trial_options import TrialOptions, trial_settings
 
 
 @pytest.fixture(scope="module")
-def looks() -> Looks:
-    return looks_of(simulate(FROZEN, SEED, 1), 3)
+def samples() -> RestSamples:
+    return rest_samples(simulate(FROZEN, SEED, 1), 3)
 
 
 @pytest.fixture
-def rest(tmp_path: Path, looks: Looks) -> Path:
-    save_rest(looks, tmp_path / "rest.json", "right", simulated=True)
+def rest(tmp_path: Path, samples: RestSamples) -> Path:
+    save_rest(samples, tmp_path / "rest.json", "right", simulated=True)
     return tmp_path / "rest.json"
 
 
 def test_a_profile_keeps_a_rest_posture_for_the_encoder_of_any_person(
-    tmp_path: Path, looks: Looks
+    tmp_path: Path, samples: RestSamples
 ) -> None:
     path = tmp_path / "me.json"
-    profile = Profile(Person(), (0.9, 1.1), "tuio", True, (), looks)
+    profile = Profile(Person(), (0.9, 1.1), "tuio", True, (), samples)
     save_profile(profile, path)
-    assert load_profile(path) == profile and "3 looks" in profile.line
+    assert load_profile(path) == profile and "3 samples" in profile.line
 
-    def used(**options: Any) -> Looks:
+    def used(**options: Any) -> RestSamples:
         return trial_settings(TrialOptions(profile=str(path), **options)).hands[0].rest
 
-    assert used(encoder="population") == looks
-    assert used() == looks
+    assert used(encoder="population") == samples
+    assert used() == samples
     assert used(encoder="cubic") == () == used(encoder="population", hand="left")
 
 
-def test_a_damaged_rest_posture_of_a_profile_is_told(tmp_path: Path, looks: Looks) -> None:
+def test_a_damaged_rest_posture_of_a_profile_is_told(tmp_path: Path, samples: RestSamples) -> None:
     path = tmp_path / "me.json"
-    save_profile(Profile(Person(), (0.9, 1.1), "tuio", True, (), looks), path)
+    save_profile(Profile(Person(), (0.9, 1.1), "tuio", True, (), samples), path)
     values = json.loads(path.read_text())
     values["rest"][1]["pose"][20] = 5.0
     path.write_text(json.dumps(values))
-    with pytest.raises(InputError, match=r"no hand has such a joint \(me.json|.*rest, look 2"):
+    with pytest.raises(InputError, match=r"no hand has such a joint \(me.json|.*rest, sample 2"):
         load_profile(path)
 
 
@@ -73,8 +73,10 @@ def test_a_rest_posture_needs_an_encoder_of_any_person(
     assert "cannot use a rest posture" in capsys.readouterr().err
 
 
-def test_a_measured_hand_keeps_a_rest_posture(tmp_path: Path, rest: Path, looks: Looks) -> None:
+def test_a_measured_hand_keeps_a_rest_posture(
+    tmp_path: Path, rest: Path, samples: RestSamples
+) -> None:
     out = tmp_path / "me.json"
     line = ["hand", "measure", "--device", "simulated", "--rest", str(rest), "--out", str(out)]
     assert main(line) == 0
-    assert load_profile(out).rest == looks
+    assert load_profile(out).rest == samples

@@ -12,7 +12,7 @@ from models.errors import RecordingError
 from sandbox.recording.recording import load_recording
 from sandbox.regress.baseline import BaselineTrial
 from sandbox.trial.driver import play_trial
-from sandbox.trial.result import KeptIn, TrialResult, fields, kept_fields
+from sandbox.trial.result import ResultRecord, TrialResult, fields, record_fields
 from sandbox.trial.trial_options import TrialOptions, trial_settings
 from tasks.score import Status
 
@@ -35,8 +35,8 @@ RESULT = TrialResult(
 def test_every_field_has_a_meaning_and_every_record_keeps_some() -> None:
     assert set(fields()) == set(TrialResult.__struct_fields__)
     assert all(field.meaning for field in fields().values())
-    assert all(kept_fields(record) for record in KeptIn)
-    assert kept_fields(KeptIn.BASELINE) == BaselineTrial.__struct_fields__[:-1]
+    assert all(record_fields(record) for record in ResultRecord)
+    assert record_fields(ResultRecord.BASELINE) == BaselineTrial.__struct_fields__[:-1]
 
 
 def test_a_result_comes_back_from_json_with_the_keys_that_a_caller_added() -> None:
@@ -47,10 +47,10 @@ def test_a_result_comes_back_from_json_with_the_keys_that_a_caller_added() -> No
 
 
 def test_the_part_that_a_journal_keeps_is_a_result_itself() -> None:
-    part = RESULT.kept_in(KeptIn.JOURNAL)
+    part = RESULT.values_for(ResultRecord.JOURNAL)
     again = TrialResult.from_json(part, "here")
     assert (again.score, again.settings) == (RESULT.score, None)
-    assert set(part) <= set(kept_fields(KeptIn.JOURNAL))
+    assert set(part) <= set(record_fields(ResultRecord.JOURNAL))
 
 
 @pytest.mark.parametrize(

@@ -6,8 +6,7 @@ import pytest
 
 from sandbox.devices.simulated.simulated import SimulatedDevice
 from sandbox.devices.tuio.touch_capture import CaptureDevice, CapturedPacket, TouchCapture
-from sandbox.trial.assembly import build
-from sandbox.trial.open_devices import device_makers
+from sandbox.trial.assembly import build, device_makers
 from sandbox.trial.settings import Settings
 from sandbox.trial.trial_options import TrialOptions, trial_settings
 from tests.support.tuio_packets import alv, bundle, frm, ptr

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from models.arithmetic.arrays import Array
+from models.arithmetic import Array
 from models.scene import TABLE
 from sandbox.session.messages import Snapshot
 from sandbox.session.session import Session

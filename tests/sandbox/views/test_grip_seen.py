@@ -10,8 +10,8 @@ import pytest
 from models.surface import Surface
 from sandbox.session.messages import STRONGEST, TOLD, Snapshot
 from sandbox.session.session import Session
+from sandbox.trial.assembly import device_makers
 from sandbox.trial.driver import open_trial
-from sandbox.trial.open_devices import device_makers
 from sandbox.trial.trial_options import TrialOptions, trial_settings
 from sandbox.views.cameras import camera_above
 from sandbox.views.drawing import Drawing
@@ -45,18 +45,13 @@ def drawn(session: Session, snapshot: Snapshot) -> tuple[int, list[int]]:
 @pytest.mark.parametrize("width", [0.062, 0.056, 0.050])
 def test_an_arc_around_each_finger_closes_with_the_force_of_the_grip(width: float) -> None:
     session, snapshot = gripped(width)
-    silent = replace(snapshot, kept_loads=None)
+    silent = replace(snapshot, see_loads=tuple)
     stored = [finger.stored for finger in snapshot.loads[0].fingers if finger.stored >= TOLD]
     geoms, names = drawn(session, snapshot)
     without, plain = drawn(session, silent)
     pieces = [max(round(force / STRONGEST * ARC_SIDES), 1) for force in stored]
     assert len(stored) == 2 and geoms - without == sum(pieces)
     assert all(told > bare for told, bare in zip(names, plain, strict=True))
-
-
-def test_a_stronger_grip_has_a_longer_arc() -> None:
-    loose, tight = gripped(0.062), gripped(0.046)
-    assert drawn(*tight)[0] > drawn(*loose)[0]
 
 
 def test_a_hand_without_more_force_closes_the_arc() -> None:
@@ -73,7 +68,7 @@ def test_a_hand_without_more_force_closes_the_arc() -> None:
         played.run(stop=lambda: bool(full))
         fingers = full[0].loads[0].full
         geoms, _ = drawn(sessions[0], full[0])
-        without, _ = drawn(sessions[0], replace(full[0], kept_loads=None))
+        without, _ = drawn(sessions[0], replace(full[0], see_loads=tuple))
     others = [
         max(round(load.stored / STRONGEST * ARC_SIDES), 1)
         for label, load in enumerate(full[0].loads[0].fingers)
@@ -92,7 +87,7 @@ def test_loads_stay_those_of_their_moment() -> None:
 
 def test_fingers_inside_a_thing_are_told_beside_each_in_the_same_short_line() -> None:
     session, snapshot = gripped(0.062)
-    silent = replace(snapshot, kept_loads=None)
+    silent = replace(snapshot, see_loads=tuple)
     _, names = drawn(session, silent)
     hands = (replace(silent.hands[0], inside=frozenset({0, 1})),)
     _, told = drawn(session, silent.with_hands(*hands))

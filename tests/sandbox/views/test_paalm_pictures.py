@@ -15,9 +15,9 @@ from PIL import Image
 from models.errors import DeviceError
 from sandbox.cli.main import main
 from sandbox.devices.leap.leap_write import write_take
-from sandbox.server.picture_page import PicturePage
 from sandbox.views.paalm.diagram import HandMemory, ball_radius, diagram
 from sandbox.views.paalm.picture import PaalmPicture
+from sandbox.views.paalm.picture_page import PicturePage
 from tests.sandbox.views.paalm_seen import colours, seen
 from tests.support.leap_hands import take
 
@@ -27,17 +27,17 @@ SIZE = (800, 800)
 def test_every_finger_that_is_seen_has_its_colour() -> None:
     frame, result = seen()
     assert len(frame.hands[0].fingers) == 5
-    hands = HandMemory().look(frame, result.hands)
+    hands = HandMemory().update(frame, result.hands)
     assert colours(diagram(hands, SIZE, 62.0, -38.0)) == {0, 1, 2, 3, 4}
 
 
 def test_a_finger_that_vanishes_stays_in_the_palm_and_is_dimmed() -> None:
     frame, result = seen()
     memory = HandMemory()
-    before = memory.look(frame, result.hands)[0].fingers
+    before = memory.update(frame, result.hands)[0].fingers
     hand = result.hands["right"]
     gone = replace(hand, ids=hand.ids | {"ring": None}, held=frozenset({"ring"}))
-    after = memory.look(frame, {"right": gone})
+    after = memory.update(frame, {"right": gone})
     assert not after[0].fingers[3].seen and after[0].fingers[2].seen
     assert np.allclose(after[0].fingers[3].tip, before[3].tip)
     assert colours(diagram(after, SIZE, 62.0, -38.0)) == {0, 1, 2, 4}
@@ -45,7 +45,7 @@ def test_a_finger_that_vanishes_stays_in_the_palm_and_is_dimmed() -> None:
 
 def test_vectors_are_direction_times_length() -> None:
     frame, result = seen()
-    hand = HandMemory().look(frame, result.hands)[0]
+    hand = HandMemory().update(frame, result.hands)[0]
     ids = result.hands["right"].ids
     for finger in frame.hands[0].fingers:
         label = list(ids.values()).index(finger.id)

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from models.arithmetic.arrays import Array
+from models.arithmetic import Array
 from sandbox.views import palette
 
 ROOT = Path(__file__).resolve().parents[3]
@@ -84,11 +84,6 @@ def contrast(one: str, other: str) -> float:
 def test_colours_for_colour_blind_people_differ_for_every_kind_of_vision(vision: str) -> None:
     # Seven times what can just be noticed.
     assert nearest("okabe-ito", vision) > 16.0
-
-
-def test_they_differ_by_more_than_the_standard_ones_in_the_worst_case() -> None:
-    worst = {name: min(nearest(name, vision) for vision in VISION) for name in PALETTES}
-    assert worst["okabe-ito"] > worst["standard"] + 2.0
 
 
 @pytest.mark.parametrize("vision", VISION)

@@ -9,20 +9,20 @@ import mujoco
 import numpy as np
 import pytest
 
-from models.arithmetic.arrays import Array
+from models.arithmetic import Array
 from models.frames import FINGERS
 from models.hand import Hand
 from models.objects import Box
 from models.scene import Scene, SceneSpec
 from models.skeleton import ADULT
 from models.skin.skin import Skin
-from sandbox.session.messages import ContactView, Snapshot
+from sandbox.session.messages import Snapshot
 from sandbox.views import palette
 from sandbox.views.cameras import window_camera
 from sandbox.views.drawing import Drawing
-from sandbox.views.hand_look import skinned_model
+from sandbox.views.hand_appearance import skinned_model
 from sandbox.views.renderer import Renderer
-from tests.support.viewed import Viewed, viewed
+from tests.support.viewed import Viewed, contact_at, viewed
 from training.skin.weights import random_poses
 
 
@@ -121,10 +121,10 @@ def test_only_what_is_more_than_4_mm_away_is_outlined(v: Viewed, by: float, show
 
 def test_nails_have_the_colours_of_the_fingers_that_touch(v: Viewed) -> None:
     drawing = Drawing(v.scene, v.surface)
-    contact = ContactView(1, np.zeros(3), 1, "active")
+    contact = contact_at(v.surface, 1, np.zeros(3), 1, "active")
     hand = replace(v.solid.hands[0], contacts=(contact,))
     drawing.update(v.solid.with_hands(hand), window_camera(v.surface))
-    numbers = drawing.looks[0].parts
+    numbers = drawing.appearances[0].parts
     colours = {
         g.objid: tuple(g.rgba[:3])
         for g in drawing.view.geoms[: drawing.view.ngeom]

@@ -16,11 +16,11 @@ from numpy.typing import NDArray
 from PIL import Image
 
 from models.errors import InputError
-from models.frames import FINGERS
+from models.frames import FINGERS, SURE
 from models.hand import Hand
 from models.scene import SceneSpec, scene_xml
 from models.surface import Surface
-from sandbox.session.messages import SURE, ContactView, DrawnScene, Snapshot
+from sandbox.session.messages import Snapshot
 from sandbox.views import palette
 from sandbox.views.cameras import camera_above, film_camera, window_camera
 from sandbox.views.drawing import RING_SIDES, Drawing, Hidden
@@ -29,7 +29,7 @@ from sandbox.views.overlay import OverlayTexts, stickers
 from sandbox.views.renderer import Renderer
 from tasks.score import Score, Status
 from tests.support.needs import require
-from tests.support.viewed import Viewed, model_bytes, viewed, with_contacts
+from tests.support.viewed import Viewed, contact_at, model_bytes, viewed, with_contacts
 
 SIZE = (480, 270)
 BELOW = slice(110, None)
@@ -105,14 +105,13 @@ def test_only_hands_that_are_to_be_hidden_are_left_out(v: Viewed) -> None:
 
 def test_looking_changes_neither_model_nor_snapshot(v: Viewed, renderer: Renderer) -> None:
     model, qpos = model_bytes(v.scene.model), v.solid.qpos.copy()
-    positions = [c.position.copy() for c in v.solid.hands[0].contacts]
+    places = v.solid.hands[0].places.copy()
     held = replace(v.solid, score=Score(True, True, True, Status.RUNNING, 1.0, "", 3.0))
     for snapshot in (v.ghost, v.solid, held):
         renderer.frame(snapshot)
     assert model_bytes(v.scene.model) == model
     assert np.array_equal(v.solid.qpos, qpos)
-    for contact, position in zip(v.solid.hands[0].contacts, positions, strict=True):
-        assert np.array_equal(contact.position, position)
+    assert np.array_equal(v.solid.hands[0].places, places)
 
 
 def test_the_same_snapshot_gives_the_same_picture(v: Viewed, renderer: Renderer) -> None:
@@ -181,10 +180,8 @@ def test_a_contact_is_drawn_where_the_lens_says(
     place = v.surface.to_world(np.array(share) * v.surface.size)
     qpos = v.ghost.qpos.copy()
     qpos[int(v.scene.model.joint("box").qposadr[0]) + 2] = -1.0
-    empty = with_contacts(
-        replace(v.ghost, scene=DrawnScene(v.ghost.hands, v.ghost.objects), qpos=qpos)
-    )
-    marked = with_contacts(empty, ContactView(1, place, None, "active"))
+    empty = with_contacts(replace(v.ghost, task_goals=(), qpos=qpos))
+    marked = with_contacts(empty, contact_at(v.surface, 1, place, None, "active"))
     with Renderer(
         v.scene, v.surface, SIZE, camera=cameras[choose], rings_on_table=False
     ) as renderer:
@@ -210,12 +207,12 @@ def test_every_finger_has_a_colour_of_its_own_and_the_ignored_are_grey(
     place = v.surface.to_world([0.02, 0.13])
     pictures = {}
     for label in range(len(FINGERS)):
-        contact = ContactView(1, place, label, "active")
+        contact = contact_at(v.surface, 1, place, label, "active")
         pictures[label] = look(renderer, with_contacts(v.ghost, contact))
         assert like(pictures[label], palette.FINGER_COLOURS[label]).sum() > 30
     for a, b in combinations(pictures.values(), 2):
         assert changed(a, b).sum() > 60
-    grey = look(renderer, with_contacts(v.ghost, ContactView(1, place, 0, "ignored")))
+    grey = look(renderer, with_contacts(v.ghost, contact_at(v.surface, 1, place, 0, "ignored")))
     assert like(grey, palette.FINGER_COLOURS[0]).sum() < 10
 
 
@@ -225,7 +222,7 @@ def test_a_finger_that_is_not_sure_has_a_broken_ring_and_a_question_mark(
     place = v.surface.to_world([0.02, 0.13])
 
     def seen(probability: float) -> tuple[int, Picture]:
-        contact = ContactView(1, place, 1, "active", probability)
+        contact = contact_at(v.surface, 1, place, 1, "active", probability)
         snapshot = with_contacts(v.ghost, contact)
         drawing = Drawing(v.scene, v.surface)
         drawing.update(snapshot, camera_above(v.surface))
@@ -292,7 +289,8 @@ def _drawn(v: Viewed) -> Drawing:
 def test_names_of_fingers_never_hide_each_other(places: list[tuple[float, float]]) -> None:
     v = viewed()
     contacts = [
-        ContactView(i, v.surface.to_world(xy), i % 5, "active") for i, xy in enumerate(places)
+        contact_at(v.surface, i, v.surface.to_world(xy), i % 5, "active")
+        for i, xy in enumerate(places)
     ]
     drawing = _drawn(v)
     lens = Lens.of(drawing.view, (960, 540))

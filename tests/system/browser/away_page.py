@@ -18,7 +18,7 @@ from sandbox.play.pages import open_page
 from sandbox.recording.recording import load_recording
 from sandbox.server.page_options import PageOptions
 from sandbox.server.page_server import PageServer
-from sandbox.trial.events import EventLog
+from sandbox.trial.logs import EventLog
 from sandbox.trial.replay import replay
 from sandbox.trial.trial_options import TrialOptions
 from tests.sandbox.play.played_page import played
@@ -29,7 +29,6 @@ from tests.system.browser.network import ADDRESS, Network
 WIDTH, HEIGHT, PPI = 800, 600, 80.0
 KNOWN = {
     f"hand-sandbox:px-per-inch:{HEIGHT}x{WIDTH}@1": str(PPI),
-    "hand-sandbox:advised": "yes",
     "hand-sandbox:quality": "3",
 }
 READY = "!!document.querySelector('.dot[data-condition=open]')"

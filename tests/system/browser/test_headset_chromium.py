@@ -17,7 +17,7 @@ from urllib.parse import urlsplit
 import numpy as np
 import pytest
 
-from models.arithmetic.arrays import Array
+from models.arithmetic import Array
 from models.frames import HandFrame
 from models.surface import Surface
 from sandbox.cli.main import main
@@ -29,9 +29,8 @@ from sandbox.server.page_server import PageServer
 from sandbox.server.static import HEADSET, StaticFiles
 from sandbox.session.messages import Snapshot
 from sandbox.session.session import Session
-from sandbox.trial.assembly import build
+from sandbox.trial.assembly import build, device_makers
 from sandbox.trial.driver import View, play_trial
-from sandbox.trial.open_devices import device_makers
 from sandbox.trial.trial_options import TrialOptions, trial_settings
 from sandbox.words.words import words_in
 from tasks.task import Task

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -97,6 +98,8 @@ def test_a_page_whose_connection_is_lost_says_so_and_draws_the_hand_faint(
         page.network.close()
         page.tab.wait("!document.querySelector('.curtain').hidden")
         assert "Connection lost" in page.tab.text()
+        # So it says after ten failures.
+        page.tab.wait(f"document.body.innerText.includes({ENGLISH['no_answer']!r})")
         assert not page.tab.events("Runtime.exceptionThrown")
 
 
@@ -110,7 +113,7 @@ def test_a_second_page_gets_the_seat_only_after_the_player_was_away_for_long(
         second.wait("document.body.innerText.includes('another page plays')")
         assert absence(page, go_back, 1.0).same_trial
         assert page.server.seated == 1
-        monkeypatch.setattr(clients, "SEAT_KEPT", 0.5)
+        monkeypatch.setattr(clients, "SEAT_TIMEOUT", 0.5)
         page.tab.go("about:blank")
         second.wait("!document.body.innerText.includes('another page plays')")
         assert wait_for(lambda: page.scene == 2)
@@ -185,8 +188,7 @@ def test_however_long_the_program_was_away_a_page_with_a_refused_token_says_so_a
     with playing(browser, tmp_path) as page:
         page.begin()
         page.server.close()
-        # So it says after ten failures.
-        page.tab.wait(f"document.body.innerText.includes({ENGLISH['no_answer']!r})")
+        page.tab.wait(f"document.body.innerText.includes({ENGLISH['goodbye']!r})")
         other = another(page.server)
         try:
             page.tab.wait(f"document.body.innerText.includes({ENGLISH['link_invalid']!r})")
@@ -197,12 +199,49 @@ def test_however_long_the_program_was_away_a_page_with_a_refused_token_says_so_a
             other.close()
 
 
-def another(server: PageServer) -> PageServer:
-    """The program started anew, with another token, in the place of a server that was closed."""
-    other = PageServer(port=server.access.port)
-    other.access = server.access.__class__(
-        other.access.host, other.access.port, names=server.access.names
-    )
+def test_at_the_end_of_the_program_every_page_says_goodbye_and_comes_back_with_the_program(
+    browser: Browser, tmp_path: Path
+) -> None:
+    with playing(browser, tmp_path) as page:
+        page.begin()
+        second = page.open()
+        second.wait(READY)
+        page.server.close()
+        for tab in (page.tab, second):
+            tab.wait(f"document.body.innerText.includes({ENGLISH['goodbye']!r})")
+        # The words stay, whatever it tries meanwhile.
+        page.tab.evaluate("new Promise((done) => setTimeout(done, 4000))")
+        assert ENGLISH["goodbye"] in page.tab.text()
+        again = another(page.server, page.server.access.token)
+        try:
+            page.tab.wait(READY)
+        finally:
+            again.close()
+        second.close()
+
+
+def test_a_browser_that_opens_the_link_again_takes_its_own_seat(
+    browser: Browser, tmp_path: Path
+) -> None:
+    with playing(browser, tmp_path) as page:
+        page.begin()
+        again = page.tab.same_browser(page.url)
+        again.wait(DRAWN)
+        assert not again.evaluate("document.querySelector('.buttons').hidden")
+        page.tab.wait(f"document.body.innerText.includes({ENGLISH['in_another_tab']!r})")
+        assert page.server.seated == 1
+        again.touch(REST)
+        before = page.time
+        assert wait_for(lambda: page.time > before + 0.2)
+    # Its touches are not taken for those of the tab before.
+    assert len(contacts(tmp_path)) == 2 * len(REST)
+
+
+def another(server: PageServer, token: str = "") -> PageServer:
+    """The program started anew, in the place of a server that was closed; without a token given,
+    with another one."""
+    other = PageServer(port=server.access.port, token=token)
+    other.access = replace(other.access, names=server.access.names)
     return other
 
 
@@ -228,7 +267,7 @@ def test_a_page_that_was_reloaded_with_a_menu_open_before_the_first_touch_plays_
 ) -> None:
     with playing(browser, tmp_path) as page:
         page.tab.wait(DRAWN)
-        page.tab.tap(ENGLISH["tasks"])
+        page.tab.tap(ENGLISH["settings"])
         assert wait_for(lambda: page.pause == "menu")
         # Choosing a language reloads the page.
         page.tab.tap(ENGLISH["language"])

@@ -5,18 +5,22 @@ from __future__ import annotations
 import os
 import tempfile
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
 from models.frames import TouchFrame
+from models.message import Message
 from sandbox.server.page_server import PageServer
-from sandbox.server.protocol import LIFT_STRIP_PX, ItemView, PageScreen, Sheet, StudyView
+from sandbox.server.protocol import LIFT_STRIP_PX, ItemView, PageScreen, Sheet, StudyView, TaskName
 from sandbox.server.screen import LARGEST, rectangle
-from tests.sandbox.server.staged_page import READY, TASKS, frames, staged
+from sandbox.session.messages import Snapshot
+from tasks.score import Status
+from tests.sandbox.server.staged_page import KEY, KNOWN, PPI, READY, TASKS, frames, staged
 from tests.sandbox.server.test_page_server import Stage, wait_for
 from tests.support.chromium import BINARY, Browser, Tab
-from tests.system.browser.away_page import DRAWN, PlayedPage, playing
+from tests.system.browser.away_page import DRAWN, REST, PlayedPage, playing
 
 pytestmark = pytest.mark.skipif(not os.path.exists(BINARY), reason="Debian's chromium is missing")
 
@@ -57,7 +61,6 @@ def known(width: int, height: int, ppi: float) -> dict[str, str]:
     low, high = sorted((width, height))
     return {
         f"hand-sandbox:px-per-inch:{low}x{high}@1": str(ppi),
-        "hand-sandbox:advised": "yes",
         "hand-sandbox:quality": "3",
     }
 
@@ -205,20 +208,50 @@ def test_keys_belong_to_the_form_that_is_open_and_not_to_the_lift_control(
         server.close()
 
 
-def test_the_hint_teaches_lifting_where_a_task_lifts(browser: Browser, tmp_path: Path) -> None:
-    with playing(browser, tmp_path, "stack", hint=True) as page:
+SHOWN = "document.querySelector('.reason').textContent.startsWith('This is how')"
+"""True while a demonstration is shown."""
+HINT = "document.querySelector('.hint').checkVisibility() && document.querySelector('.hint-words')"
+
+
+def test_a_task_is_shown_on_its_own_table_until_the_player_touches_and_again_behind_a_button(
+    browser: Browser, tmp_path: Path
+) -> None:
+    with playing(browser, tmp_path, "box-to-goal", hint=True) as page:
         tab = page.tab
         tab.wait(DRAWN)
-        for words, fingers in (
-            ("Put two or three", [(1, 400.0, 480.0), (2, 460.0, 480.0)]),
-            ("Slide them", [(1, 400.0, 400.0), (2, 460.0, 400.0)]),
-        ):
-            tab.wait(f"document.querySelector('.hint-words').textContent.startsWith({words!r})")
-            tab.touch(fingers)
-        tab.wait("document.querySelector('.hint-words').textContent.includes('lifts what it')")
-        tab.call("Input.dispatchKeyEvent", type="keyDown", key="PageUp")
-        tab.call("Input.dispatchKeyEvent", type="keyDown", key="PageUp")
-        tab.wait("document.querySelector('.hint-words').textContent.includes('Then lift your')")
+        assert "either side of the box" in tab.evaluate(f"{HINT}.textContent")
+        tab.wait(SHOWN)
+        assert page.time == pytest.approx(0.0, abs=0.05) and page.pause == "start"
+        tab.touch(REST)
+        tab.wait(f"!({SHOWN})")
+        assert wait_for(lambda: page.time > 0.3)
+        tab.touch([])
+        tab.tap("?")
+        tab.wait(SHOWN)
+        assert wait_for(lambda: page.pause == "menu")
+        stood = page.stops()
+        page.touch_again()
+        assert wait_for(lambda: page.time > stood + 0.2)
+        tab.wait(f"!({SHOWN})")
+
+
+def test_who_has_done_a_task_is_not_shown_how(browser: Browser, server: PageServer) -> None:
+    tab = browser.open(server.url, storage={KEY: str(PPI), "hand-sandbox:best:box-to-goal": "9.00"})
+    tab.wait(READY)
+    server.publish(shown(server), "start")
+    tab.wait(DRAWN)
+    assert not tab.evaluate("document.querySelector('.hint').checkVisibility()")
+    asked: list[str] = []
+
+    def demonstrates() -> bool:
+        asked.extend(request.what for request in server.take_requests())
+        return "demo" in asked
+
+    assert not demonstrates()
+    tab.tap("?")
+    tab.wait("document.querySelector('.hint').checkVisibility()")
+    assert wait_for(demonstrates)
+    tab.close()
 
 
 def test_a_lifted_hand_stays_lifted_through_a_reload(browser: Browser, tmp_path: Path) -> None:
@@ -287,4 +320,79 @@ def test_the_page_says_that_the_table_is_prepared_until_there_is_one(
     tab.wait("!!document.querySelector('.task').textContent")
     stage.advance()
     tab.wait("document.querySelector('.preparing').hidden")
+    tab.close()
+
+
+def shown(server: PageServer) -> Snapshot:
+    """The first snapshot of a new trial that the page shows."""
+    stage = staged(server)
+
+    def is_shown() -> bool:
+        return server._shown is not None and server._shown.message.scene == server._scenes
+
+    assert wait_for(is_shown)
+    return stage.session.advance()
+
+
+def test_a_success_shows_the_best_time_and_the_next_task_and_a_tick_in_the_menu(
+    browser: Browser,
+) -> None:
+    server = PageServer(
+        tasks=[TaskName(name, "", False) for name in ("box-to-goal", "wrench-turn", "dial")]
+    )
+    best = {"hand-sandbox:best:wrench-turn": "3.00"}
+    text = "document.querySelector('{}').textContent"
+    try:
+        tab = browser.open(server.url, storage=KNOWN | best)
+        tab.wait(READY)
+        for took, told in (
+            (9.0, ""),
+            (8.0, "Your best time so far"),
+            (8.5, "Your best time: 8.0 s"),
+        ):
+            snapshot = shown(server)
+            tab.wait("document.querySelector('.end').hidden")
+            score = replace(snapshot.score, held=True, final=True, progress=1.0)
+            server.publish(replace(snapshot, time=took, score=score))
+            tab.wait("document.querySelector('.bar-fill').classList.contains('done')")
+            score = replace(score, status=Status.HELD)
+            server.publish(replace(snapshot, time=took + 1.0, score=score))
+            tab.wait("!document.querySelector('.end').hidden")
+            assert tab.evaluate(text.format(".end-words")) == f"Done in {took} s"
+            assert tab.evaluate(text.format(".end-detail")) == told
+        # The wrench was turned before.
+        assert tab.evaluate(text.format(".end .primary")) == "Next: Dial"
+        tab.tap("Watch it again")
+        tab.wait("!document.querySelector('.end').classList.contains('watching')")
+        tab.tap("Tasks")
+        ticks = "[...document.querySelectorAll('.choice b')].map(b => b.textContent)"
+        assert tab.evaluate(ticks) == ["Done in 8.0 s", "Done in 3.0 s"]
+        tab.tap("Close")
+        tab.tap("Next: Dial")
+        asked: list[str] = []
+
+        def is_asked() -> bool:
+            asked.extend(request.value for request in server.take_requests())
+            return "dial" in asked
+
+        assert wait_for(is_asked)
+        tab.close()
+    finally:
+        server.close()
+
+
+def test_a_failure_tells_how_near_it_was_and_the_limit(
+    browser: Browser, server: PageServer
+) -> None:
+    tab = browser.open(server.url, storage=KNOWN)
+    tab.wait(READY)
+    reason = Message("box_turned", "turned", degrees="15")
+    for progress, told in ((0.9, "Almost: the box is turned"), (0.3, "the box is turned")):
+        snapshot = shown(server)
+        tab.wait("document.querySelector('.end').hidden")
+        score = replace(snapshot.score, status=Status.TIMEOUT, progress=progress, reason=reason)
+        server.publish(replace(snapshot, score=score))
+        tab.wait("!document.querySelector('.end').hidden")
+        words = tab.evaluate("document.querySelector('.end').innerText")
+        assert told in words and "Time is up" in words and "There are 30 s for it." in words
     tab.close()

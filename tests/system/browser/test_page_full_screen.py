@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gzip
 import json
 import os
 import shutil
@@ -129,3 +130,17 @@ def test_an_installed_page_finds_back_and_another_tab_does_not(browser: Browser)
             tab.close()
     finally:
         server.close()
+
+
+def test_a_browser_gets_the_page_compressed_and_no_other_client_does() -> None:
+    files = StaticFiles()
+    total = 0
+    for name in ("/three.js", "/app.js", "/app.css", "/early.js", "/"):
+        plain = files.response(name, "ws://a:1", "SECRET")
+        small = files.response(name, "ws://a:1", "SECRET", accepted="gzip, deflate, br")
+        assert "Content-Encoding" not in plain.headers
+        assert int(small.headers["Content-Length"]) == len(small.body)
+        compressed = small.headers.get("Content-Encoding") == "gzip"
+        assert (gzip.decompress(small.body) if compressed else small.body) == plain.body
+        total += len(small.body)
+    assert total < 220_000

@@ -75,7 +75,7 @@ def go_through(running: OnPage, tab: Tab) -> None:
             # Somebody who goes on too early, and types no number, is told so.
             tab.evaluate("document.querySelector('.go-on')?.click()")
             answer(tab)
-        elif kind in ("text", "rest"):
+        elif kind in ("text", "task", "rest"):
             tab.evaluate("document.querySelector('.study .primary:not([hidden])')?.click()")
         elif kind == "none":
             tab.touch([(1, 250.0, 200.0), (2, 330.0, 240.0)])
@@ -102,14 +102,13 @@ def test_the_example_study_in_german_has_no_english_word(browser: Browser, tmp_p
         tab = browser.open("about:blank", width=WIDTH, height=HEIGHT)
         watch(tab)
         tab.go(running.server.url)
-        # The card and the advice come first, as on a tablet that nobody has used before.
+        # The card comes first, as on a tablet that nobody has used before.
         tab.wait("!!document.querySelector('.slider')")
         tab.evaluate(
             "(() => { const slider = document.querySelector('.slider');"
             f"slider.value = {PPI}; slider.dispatchEvent(new Event('input')); }})()"
         )
         tab.tap(GERMAN["card_fits"])
-        tab.tap(GERMAN["advice_go_on"])
         tab.wait("document.querySelector('.study').dataset.kind === 'consent'")
         assert tab.evaluate("document.documentElement.lang") == "de"
         go_through(running, tab)
@@ -143,8 +142,8 @@ def test_the_link_chooses_a_language_that_a_reload_keeps_and_the_menu_another(
     stage.advance()
     tab.wait("/Kiste ist .* mm vom Ziel/.test(document.querySelector('.reason').textContent)")
     # A decimal comma, and no point.
-    tab.wait("/^0,[0-9] s$/.test(document.querySelector('.clock').textContent)")
-    tab.tap(GERMAN["tasks"])
+    tab.wait("/^0,[0-9] von [0-9]+ s$/.test(document.querySelector('.clock').textContent)")
+    tab.tap(GERMAN["settings"])
     tab.tap(GERMAN["language"])
     tab.wait("document.querySelectorAll('.sheet .choice').length > 1")
     # The language's own name, in the list of languages.
@@ -155,7 +154,7 @@ def test_the_link_chooses_a_language_that_a_reload_keeps_and_the_menu_another(
     assert words(*seen(tab)) - words(*GERMAN.values()) == words(OWN_NAME)
     tab.call("Page.reload")
     tab.wait(f"document.querySelector('.task').textContent === {GERMAN['task_box-to-goal']!r}")
-    tab.tap(GERMAN["tasks"])
+    tab.tap(GERMAN["settings"])
     tab.tap(GERMAN["language"])
     tab.tap("English")
     tab.wait("document.documentElement.lang === 'en' && " + READY)

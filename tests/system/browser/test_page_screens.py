@@ -17,7 +17,7 @@ from sandbox.play.pages import open_page
 from sandbox.server.page_options import PageOptions
 from sandbox.server.page_server import PageServer
 from sandbox.server.protocol import StudyView
-from sandbox.trial.events import EventLog
+from sandbox.trial.logs import EventLog
 from sandbox.trial.trial_options import TrialOptions
 from sandbox.words.words import words_in
 from tests.sandbox.play.played_page import played
@@ -74,55 +74,57 @@ def scale(server: PageServer) -> float | None:
     return shown.message.surface.scale if shown else None
 
 
-def test_a_phone_is_asked_before_the_card_and_plays_on_a_scaled_table_that_does_not_count(
+def no_sheet(tab: Tab) -> bool:
+    """True if nothing lies over the table."""
+    return bool(tab.evaluate("document.querySelector('.sheet') === null"))
+
+
+def test_a_phone_plays_at_once_on_a_scaled_table_that_does_not_count(
     browser: Browser, server: PageServer, tmp_path: Path
 ) -> None:
     with opened(browser, server.url, (844, 390)) as tab:
-        assert sheet(tab) == ENGLISH["phone_title"]
-        (tmp_path / "asked.png").write_bytes(tab.picture())
-        tab.tap(ENGLISH["phone_play"])
-        # No card: nothing is measured for a table that has no true size.
-        assert sheet(tab) == ENGLISH["advice_title"]
-        tab.tap(ENGLISH["advice_go_on"])
+        tab.wait(READY)
         assert wait_for(lambda: scale(server) not in (None, 1.0))
-        tab.wait("!document.querySelector('.badge.warn').hidden")
-        percent = ENGLISH["scaled_phone"].format(percent=f"{100 * (scale(server) or 0):.0f}")
-        tab.wait(f"document.querySelector('.badge.warn').textContent === {percent!r}")
         tab.wait("document.querySelector('.preparing').hidden")
         (tmp_path / "played.png").write_bytes(tab.picture())
+        assert no_sheet(tab)
         shown = server._shown
         assert shown is not None and not shown.message.scored
-        # A reload asks nothing anew.
-        tab.call("Page.reload")
-        tab.wait(READY)
-        tab.wait(f"document.querySelector('.badge.warn').textContent === {percent!r}")
-        assert tab.evaluate("document.querySelector('.sheet') === null")
 
 
 def test_a_phone_that_looks_on_leaves_its_place(browser: Browser, server: PageServer) -> None:
     with opened(browser, server.url, (844, 390)) as tab:
-        assert sheet(tab) == ENGLISH["phone_title"]
-        tab.tap(ENGLISH["phone_look"])
+        tab.wait(READY)
+        tab.tap(ENGLISH["settings"])
+        tab.tap(ENGLISH["look_on"])
         tab.wait("location.search.includes('spectator')")
         tab.wait(READY)
         assert "token" not in tab.evaluate("location.search")
         assert tab.evaluate("document.querySelector('.buttons').hidden")
 
 
-def test_a_screen_that_only_seems_small_can_be_measured(
+def test_a_screen_that_only_seems_small_is_played_in_true_size_once_it_is_measured(
     browser: Browser, server: PageServer
 ) -> None:
     with opened(browser, server.url, (844, 390)) as tab:
-        assert sheet(tab) == ENGLISH["phone_title"]
+        tab.wait(READY)
+        assert wait_for(lambda: scale(server) not in (None, 1.0))
+        tab.tap(ENGLISH["settings"])
         tab.tap(ENGLISH["measure_screen"])
         assert sheet(tab) == ENGLISH["card_title"]
+        tab.evaluate(
+            "(() => { const slider = document.querySelector('.slider');"
+            " slider.value = 70; slider.dispatchEvent(new Event('input')); })()"
+        )
+        tab.tap(ENGLISH["card_fits"])
+        assert wait_for(lambda: scale(server) == 1.0)
 
 
 def test_no_phone_is_offered_a_scaled_table_in_a_study(browser: Browser) -> None:
     server = PageServer(study=StudyView("en", {}, ["task", "goal"]))
     try:
         with opened(browser, server.url, (844, 390)) as tab:
-            assert sheet(tab) != ENGLISH["phone_title"]
+            tab.wait("!!document.querySelector('.dot')")
             assert wait_for(lambda: server.screen is not None)
             assert server.screen is not None and server.screen.fit == ""
         with opened(browser, server.url, (1280, 800), mouse=True) as tab:
@@ -132,14 +134,11 @@ def test_no_phone_is_offered_a_scaled_table_in_a_study(browser: Browser) -> None
         server.close()
 
 
-def test_with_a_mouse_the_table_fills_the_window_counts_and_says_so(
+def test_with_a_mouse_the_table_fills_the_window_and_counts(
     browser: Browser, server: PageServer, tmp_path: Path
 ) -> None:
     with opened(browser, server.url, (2560, 1440), mouse=True) as tab:
         tab.wait(READY)
-        tab.wait(
-            f"document.querySelector('.badge.warn').textContent === {ENGLISH['scaled_window']!r}"
-        )
         tab.wait("document.querySelector('.preparing').hidden")
         (tmp_path / "mouse.png").write_bytes(tab.picture())
         shown = server._shown
@@ -165,9 +164,7 @@ def test_with_a_mouse_the_table_fills_the_window_counts_and_says_so(
             contacts = moment[2].hands[0].contacts if moment else ()
             if not contacts:
                 return False
-            x, y, _ = contacts[0].position
-            origin = surface.origin
-            assert (x - origin[0], origin[1] - y) == pytest.approx(middle, abs=1e-3)
+            assert (contacts[0].x, contacts[0].y) == pytest.approx(middle, abs=1e-3)
             return True
 
         assert wait_for(pressed)
@@ -195,6 +192,10 @@ def test_a_window_that_became_too_small_is_told_to_be_larger_and_keeps_its_trial
 def test_a_tablet_can_be_named_in_the_place_of_a_card(browser: Browser, server: PageServer) -> None:
     # An iPad Air of 11 inches lies: 2360 x 1640 pixels, 264 an inch, two to a CSS pixel.
     with opened(browser, server.url, (1180, 820)) as tab:
+        tab.wait(READY)
+        assert no_sheet(tab)
+        tab.tap(ENGLISH["settings"])
+        tab.tap(ENGLISH["measure_screen"])
         assert sheet(tab) == ENGLISH["card_title"]
         names = tab.evaluate("[...document.querySelectorAll('.devices option')].map(o => o.text)")
         air = next(name for name in names if name.startswith("iPad Air 10.9"))
@@ -234,7 +235,7 @@ def test_when_a_pixel_has_another_size_an_inch_has_another_number_of_them(
             screenHeight=screen[1],
         )
 
-    known = {"hand-sandbox:px-per-inch:800x1280@1": "80", "hand-sandbox:advised": "yes"}
+    known = {"hand-sandbox:px-per-inch:800x1280@1": "80"}
     try:
         with opened(browser, server.url, (1280, 800), **known) as tab:  # type: ignore[arg-type]
             tab.wait(READY)

@@ -9,13 +9,12 @@ from pathlib import Path
 
 import pytest
 
-from sandbox.server.frames import HandFeedback
 from sandbox.server.page_server import PageServer
-from sandbox.session.messages import ContactView
 from sandbox.words.words import words_in
 from tests.sandbox.server.staged_page import HEIGHT, KNOWN, READY, TASKS, WIDTH, staged
 from tests.sandbox.server.test_page_server import Stage
 from tests.support.chromium import BINARY, Browser, Tab
+from tests.support.viewed import contact_at, with_load
 
 pytestmark = pytest.mark.skipif(not os.path.exists(BINARY), reason="Debian's chromium is missing")
 
@@ -58,7 +57,7 @@ def opened(browser: Browser, server: PageServer, still: bool = False) -> tuple[S
 
 def switch(tab: Tab, name: str) -> bool:
     """Switches something in the menu; whether it is on now."""
-    tab.tap(ENGLISH["tasks"])
+    tab.tap(ENGLISH["settings"])
     tab.tap(name)
     button = (
         f"[...document.querySelectorAll('[role=switch]')].find(b => b.innerText.includes({name!r}))"
@@ -73,13 +72,13 @@ def grips_and_succeeds(stage: Stage, tab: Tab) -> list[int]:
     tab.evaluate("felt.length = 0; true")
     snapshot = stage.session.advance()
     hand = snapshot.hands[0]
-    contacts = tuple(ContactView(i, hand.tips[i], i, "active") for i in (0, 1))
+    contacts = tuple(contact_at(hand.surface, i, hand.tips[i], i, "active") for i in (0, 1))
     snapshot = snapshot.with_hands(replace(hand, contacts=contacts))
     held = replace(snapshot, score=replace(snapshot.score, held=True))
     # It trembles, and is one grip; the second is another one.
     for grip in (0.0, 5.0, 0.5, 5.0, 0.0, 5.0, 5.0):
-        felt = HandFeedback(stored=(grip, grip, 0.0, 0.0, 0.0))
-        stage.server.publish(snapshot, feedback=[felt])
+        force = (grip, grip, 0.0, 0.0, 0.0)
+        stage.server.publish(with_load(snapshot, force, force))
         tab.evaluate("new Promise((done) => setTimeout(done, 60))")
     stage.server.publish(held)
     tab.wait("document.querySelector('.bar-fill').classList.contains('done')")
@@ -111,7 +110,7 @@ def test_nothing_vibrates_for_people_who_asked_for_less_motion(
     tab.touch([(1, WIDTH / 2, HEIGHT / 2)])
     tab.touch([])
     assert grips_and_succeeds(stage, tab) == []
-    tab.tap(ENGLISH["tasks"])
+    tab.tap(ENGLISH["settings"])
     tab.wait("!!document.querySelector('[role=switch]')")
     assert ENGLISH["vibration_why"] not in tab.text()
     tab.close()

@@ -17,8 +17,7 @@ from sandbox.server.page_server import PageServer
 from sandbox.server.protocol import PageScreen
 from sandbox.server.screen import rectangle
 from sandbox.session.messages import Snapshot
-from sandbox.trial.assembly import build
-from sandbox.trial.open_devices import device_makers
+from sandbox.trial.assembly import build, device_makers
 from sandbox.trial.trial_options import TrialOptions, trial_settings
 from tests.sandbox.server.test_page_server import wait_for
 from tests.support.chromium import BINARY, Browser
@@ -32,7 +31,6 @@ SCREEN = PageScreen(PPI, WIDTH, HEIGHT, True)
 SIZE = rectangle(SCREEN, 2)["size_in"]
 KNOWN = {
     f"hand-sandbox:px-per-inch:{HEIGHT}x{WIDTH}@1": str(PPI),
-    "hand-sandbox:advised": "yes",
     "hand-sandbox:quality": "3",
     "hand-sandbox:hint": "done",
 }
@@ -70,7 +68,7 @@ def carried(
     show_session(server, session, "right", "", device)
     touch = come()
     assert server.wait_for_player(PATIENCE)
-    server.publish_step(session, session.advance())
+    server.publish(session.advance())
     drawn()
     users = _users(session.task, session.whole_surface)
     down: list[tuple[int, float, float]] = []
@@ -78,7 +76,7 @@ def carried(
     while not session.over:
         snapshot = session.advance()
         users.show(_as_the_users_know_it(snapshot, down, session.whole_surface))
-        server.publish_step(session, snapshot)
+        server.publish(snapshot)
         frame = users.poll(snapshot.time)[-1]
         wanted = [(c.id, c.x / METRES_PER_INCH, c.y / METRES_PER_INCH) for c in frame.contacts]
         other = {i for i, _, _ in wanted} != {i for i, _, _ in down}
@@ -114,8 +112,8 @@ def _as_the_users_know_it(
         replace(
             hand,
             contacts=tuple(
-                replace(c, id=down[int(np.argmin(np.linalg.norm(places - c.position, axis=1)))][0])
-                for c in hand.contacts
+                replace(c, id=down[int(np.argmin(np.linalg.norm(places - place, axis=1)))][0])
+                for c, place in zip(hand.contacts, hand.places, strict=True)
             ),
         )
         for hand in snapshot.hands

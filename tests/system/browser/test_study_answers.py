@@ -62,8 +62,8 @@ def type_in(tab: Tab, field: str, text: str) -> None:
 
 def answers(running: OnPage) -> dict[str, object]:
     """The answers to the form, once it was left."""
-    records = read_journal(running.folder / "journal.jsonl")
-    (found,) = [r["answers"] for r in records if r["kind"] == "answers"]
+    records = read_journal(running.folder / "session.jsonl")
+    (found,) = [r["answers"] for r in records if r["kind"] == "form"]
     return dict(found)
 
 

@@ -26,6 +26,7 @@ from tests.sandbox.server.test_page_server import wait_for
 from tests.sandbox.study.study_on_page import (
     HEIGHT,
     KNOWN,
+    PPI,
     SMALL,
     WIDTH,
     OnPage,
@@ -39,6 +40,11 @@ pytestmark = pytest.mark.skipif(not os.path.exists(BINARY), reason="Debian's chr
 
 SCENE = "document.querySelector('.study').dataset.kind === 'none'"
 GERMAN = words_in("de")
+PICTURE = (
+    "data:image/png;base64,iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAYAAAAfFcSJAAAADUlEQVR42mNk+M9QDwADhgGA"
+    "WjR9awAAAABJRU5ErkJggg=="
+)
+"""A picture of one pixel."""
 
 
 @pytest.fixture(scope="module")
@@ -83,7 +89,7 @@ def pull(tab: Tab, share: float) -> None:
 
 
 def rows(running: OnPage, name: str) -> list[dict[str, str]]:
-    return list(csv.DictReader((running.folder / name).open(encoding="utf-8")))
+    return list(csv.DictReader((running.tables / "tables" / name).open(encoding="utf-8")))
 
 
 @pytest.fixture
@@ -138,6 +144,8 @@ def test_a_participant_goes_through_a_study_with_two_pages_closed_in_it(
         go_on(tab)
         sees(tab, "text")
         tab.tap(GERMAN["next"])
+        sees(tab, "task")
+        tab.tap(GERMAN["next"])
         tab.wait(SCENE)
         play(running, tab, lambda snapshot: snapshot.time > 0.5)
         # The page is closed in the middle of the trial; time stands still until it is back.
@@ -159,7 +167,7 @@ def test_a_participant_goes_through_a_study_with_two_pages_closed_in_it(
         assert running.ended() is SessionOutcome.COMPLETE
         assert not tab.events("Runtime.exceptionThrown")
         tab.close()
-    told = {r["item"]: r["answer"] for r in rows(running, "questionnaires.csv")}
+    told = {r["item"]: r["answer"] for r in rows(running, "answers.csv")}
     assert told == {
         "handedness": "left",
         "age": "33",
@@ -167,7 +175,7 @@ def test_a_participant_goes_through_a_study_with_two_pages_closed_in_it(
         "remarks": "schön\nhier",
         "effort": "80",
     }
-    trials = rows(running, "trial_results.csv")
+    trials = rows(running, "trials.csv")
     assert [(r["practice"], r["counted"], r["attempt"]) for r in trials] == [
         ("1", "1", "1"),
         ("0", "1", "1"),
@@ -176,7 +184,7 @@ def test_a_participant_goes_through_a_study_with_two_pages_closed_in_it(
     assert limit == 5 or any(r["success"] == "1" for r in trials)
     assert all(float(r["first_contact_s"]) < 1.0 for r in trials)
     for row in trials:
-        path = running.folder / row["trial_recording_location_0"]
+        path = running.tables / row["recording"]
         _, found = replay(load_recording(path))
         assert found.exact and found.complete
     for text in seen:
@@ -195,6 +203,8 @@ def test_a_page_that_is_reloaded_in_mid_trial_comes_back_into_it(
         running.type("s")
         sees(tab, "text")
         tab.tap(GERMAN["next"])
+        sees(tab, "task")
+        tab.tap(GERMAN["next"])
         tab.wait(SCENE)
         play(running, tab, lambda snapshot: snapshot.time > 0.3)
         tab.call("Input.dispatchKeyEvent", type="keyDown", key="F5", code="F5")
@@ -204,8 +214,45 @@ def test_a_page_that_is_reloaded_in_mid_trial_comes_back_into_it(
         assert wait_for(lambda: running.page.device is not None and running.page.device.touched)
         tab.touch([])
         tab.close()
-    attempts = SessionState.of(read_journal(running.folder / "journal.jsonl")).attempts
+    attempts = SessionState.of(read_journal(running.folder / "session.jsonl")).attempts
     assert [len(some) for some in attempts.values()] == [1]
+
+
+def test_a_screen_is_measured_by_the_experimenter_and_a_new_task_has_its_place_and_picture(
+    browser: Browser, study: StudyFolder, person: Participant
+) -> None:
+    with on_page(study, person) as running:
+        running.pictures = {"box-to-goal": PICTURE}
+        unknown = {name: KNOWN[name] for name in KNOWN if "px-per-inch" not in name}
+        tab = browser.open(running.server.url, width=WIDTH, height=HEIGHT, storage=unknown)
+        sees(tab, "measure")
+        assert GERMAN["agree"] not in tab.text()
+        tab.evaluate(
+            f"(() => {{ const s = document.querySelector('.slider'); s.value = {PPI};"
+            "s.dispatchEvent(new Event('input')) })()"
+        )
+        tab.tap(GERMAN["card_fits"])
+        sees(tab, "consent")
+        # Nothing is over the consent form.
+        assert tab.evaluate("document.querySelector('.veil') === null")
+        running.heard("the screen of the participant's page is")
+        tab.tap(GERMAN["agree"])
+        sees(tab, "form")
+        running.type("s")
+        sees(tab, "text")
+        tab.tap(GERMAN["next"])
+        sees(tab, "task")
+        for words in ("1 von 2", "Die Kiste", "Schieben Sie sie ans Ziel."):
+            assert words in tab.text()
+        tab.wait("document.querySelector('.task-picture').naturalWidth === 1")
+        tab.tap(GERMAN["next"])
+        tab.wait(SCENE)
+        assert not tab.events("Runtime.exceptionThrown")
+        tab.close()
+    records = read_journal(running.folder / "session.jsonl")
+    seen = [(r["event"], r["calibrated"]) for r in records if r["kind"] == "screen"]
+    assert seen[:2] == [("open", False), ("changed", True)]
+    assert "Chrome" in next(r["browser"] for r in records if r["kind"] == "screen")
 
 
 def free_port() -> int:
@@ -283,7 +330,7 @@ def test_the_program_is_killed_in_a_form_and_the_open_page_goes_on_with_it(
         tab.tap("both")
         go_on(tab)
         type_in(tab, ".entry", "51")
-        journal = tmp_path / "on-page" / ppid / "S001" / "journal.jsonl"
+        journal = tmp_path / "on-page" / ppid / "S001" / "session.jsonl"
         assert wait_for(lambda: '"answer":51' in journal.read_text().replace(" ", ""))
         program.kill()
         tab.wait(f"document.querySelector('.curtain').innerText === {GERMAN['lost']!r}")
@@ -301,6 +348,6 @@ def test_the_program_is_killed_in_a_form_and_the_open_page_goes_on_with_it(
         tab.close()
     finally:
         program.kill()
-    table = tmp_path / "on-page" / "questionnaires.csv"
+    table = tmp_path / "on-page" / "tables/answers.csv"
     found = {r["item"]: r["answer"] for r in csv.DictReader(table.open(encoding="utf-8"))}
     assert found == {"handedness": "both", "age": "51", "tablets": "3", "remarks": ""}

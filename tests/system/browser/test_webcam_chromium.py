@@ -300,7 +300,7 @@ def test_a_study_has_one_camera_page_that_shows_it_as_on_and_goes_off_at_the_end
     session.tab.wait(f"{LINE} === {ENDED!r}")
     assert session.tab.evaluate("document.getElementById('on').hidden")
     session.tab.close()
-    recordings = sorted((session.path / "trials").iterdir())
+    recordings = sorted((session.path / "trials").glob("*.jsonl*"))
     assert len(recordings) == 2
     for path in recordings:
         recording = load_recording(path)

@@ -1,4 +1,4 @@
-"""The report of one person, printed by a real browser."""
+"""Reports of few people, printed by a real browser."""
 
 from __future__ import annotations
 
@@ -19,22 +19,24 @@ pytestmark = pytest.mark.skipif(not os.path.exists(BINARY), reason="Debian's chr
 SCALES = ("workload", "mental", "physical", "temporal", "performance", "effort", "frustration")
 
 
-def test_the_report_of_one_person_fits_two_pages(
-    tmp_path: Path, tmp_path_factory: pytest.TempPathFactory
+@pytest.mark.parametrize(("people", "pages"), [(1, 5), (3, 8)])
+def test_the_report_of_few_people_fits_few_pages(
+    tmp_path: Path, tmp_path_factory: pytest.TempPathFactory, people: int, pages: int
 ) -> None:
-    planted(tmp_path, Truth(people=1, repetitions=3))
+    planted(tmp_path, Truth(people=people, repetitions=3))
     scores = [
         {
-            "ppid": "P001",
+            "ppid": ppid,
             "instrument": "nasa-tlx-raw",
             "scale": scale,
             "factor_encoder": level,
             "score": 10 * i,
         }
+        for ppid in (f"P{n:03d}" for n in range(1, people + 1))
         for scale in SCALES
         for i, level in enumerate(("a", "b", "c"))
     ]
-    (tmp_path / "questionnaire_scores.csv").write_bytes(csv_bytes(scores, tuple(scores[0])))
+    (tmp_path / "tables/scores.csv").write_bytes(csv_bytes(scores, tuple(scores[0])))
     assert "nasa-tlx-raw: mental" in report(tmp_path).text
     browser = Browser(tmp_path_factory.mktemp("chromium"))
     try:
@@ -43,4 +45,5 @@ def test_the_report_of_one_person_fits_two_pages(
         pdf = base64.b64decode(tab.call("Page.printToPDF")["data"])
     finally:
         browser.close()
-    assert len(re.findall(rb"/Type\s*/Page\b", pdf)) <= 2
+    assert len(re.findall(rb"/Type\s*/Page\b", pdf)) <= pages
+    assert (tmp_path / "report" / "report.html").stat().st_size <= 150_000

@@ -141,7 +141,7 @@ def test_the_search_page_says_what_to_type_until_something_is_searched_for(
 def test_drawings_are_dark_on_dark_pages_and_as_they_are_on_light_ones(
     browser: Browser, address: str
 ) -> None:
-    tab = browser.open(address + "docs/feel.html", width=1440, height=900)
+    tab = browser.open(address + "docs/physics.html", width=1440, height=900)
     for scheme, filtered in (("dark", True), ("light", False)):
         feature = {"name": "prefers-color-scheme", "value": scheme}
         tab.call("Emulation.setEmulatedMedia", features=[feature])

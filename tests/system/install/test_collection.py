@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 import re
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
 
-from tests.support.processes import ROOT
+from tests.support.processes import ROOT, python
 
 LOADING = """
 from encoders.regression.trained import builtin_capture
@@ -24,27 +22,10 @@ def test_no_test_file_trains_loads_or_builds_a_model_when_it_is_imported(tmp_pat
     """Collects all of them and one that does, in a process in which such work is refused."""
     loading = tmp_path / "test_loading.py"
     loading.write_text(LOADING, encoding="utf-8")
-    plugins = ("-p", "tests.system.install.refuse_work", "-p", "no:cacheprovider")
-    outcome = subprocess.run(
-        [
-            sys.executable,
-            "-m",
-            "pytest",
-            "--collect-only",
-            "--assert=plain",
-            "-qq",
-            "-n",
-            "0",
-            *plugins,
-            "--continue-on-collection-errors",
-            str(ROOT / "tests"),
-            str(loading),
-        ],
-        cwd=ROOT,
-        capture_output=True,
-        text=True,
-        check=False,
-    )
+    collect = "--collect-only --assert=plain -qq -n 0 --continue-on-collection-errors"
+    plugins = "-p tests.system.install.refuse_work -p no:cacheprovider"
+    words = ("-m", "pytest", *collect.split(), *plugins.split())
+    outcome = python(*words, ROOT / "tests", loading)
     wrong = re.findall("^ERROR .*", outcome.stdout, re.MULTILINE)
     assert len(wrong) == 1, outcome.stdout[-3000:]
     assert f"{loading.name}:3: in <module>" in outcome.stdout

@@ -2,34 +2,23 @@
 
 from __future__ import annotations
 
-import os
 import re
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
 
-from tests.support.processes import ROOT
+from tests.support.processes import ROOT, python
 
 EXAMPLES = ROOT / "examples"
 
 
 def run(name: str, folder: Path, *arguments: str) -> str:
     """Runs an example in a folder; what it prints."""
-    answer = subprocess.run(
-        [
-            sys.executable,
-            "-c",
-            f"import sys, runpy; sys.path.insert(0, {str(ROOT)!r}); sys.argv[1:] = {arguments!r}\n"
-            f"runpy.run_path({str(EXAMPLES / name)!r}, run_name='__main__')",
-        ],
-        cwd=folder,
-        env={**os.environ, "OPENBLAS_NUM_THREADS": "1"},
-        capture_output=True,
-        text=True,
-        check=False,
+    program = (
+        f"import sys, runpy; sys.argv[1:] = {arguments!r}\n"
+        f"runpy.run_path({str(EXAMPLES / name)!r}, run_name='__main__')"
     )
+    answer = python("-c", program, cwd=folder, OPENBLAS_NUM_THREADS="1")
     assert answer.returncode == 0, answer.stderr
     assert "Warning" not in answer.stderr
     return answer.stdout

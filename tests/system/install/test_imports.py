@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import os
-import subprocess
 import sys
 from pathlib import Path
 
@@ -11,7 +9,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from tests.support.processes import ROOT
+from tests.support.processes import printed
 
 Picture = NDArray[np.float64]
 
@@ -40,17 +38,9 @@ else:
 def _draw_elsewhere(folder: Path, **environment: str) -> tuple[str, Picture | None]:
     """A picture drawn by a process with another environment."""
     target = folder / "picture.npy"
-    clean = {k: x for k, x in os.environ.items() if k not in ("MUJOCO_GL", "PYOPENGL_PLATFORM")}
-    done = subprocess.run(
-        [sys.executable, "-c", _DRAW, str(target)],
-        env={**clean, **environment, "PYTHONPATH": str(ROOT)},
-        cwd=ROOT,
-        capture_output=True,
-        text=True,
-        timeout=120,
-        check=True,
-    )
-    return done.stdout.strip(), np.load(target).astype(float) if target.exists() else None
+    clean = {"MUJOCO_GL": None, "PYOPENGL_PLATFORM": None}
+    told = printed("-c", _DRAW, target, **clean | environment)
+    return told.strip(), np.load(target).astype(float) if target.exists() else None
 
 
 @pytest.mark.needs("egl", "osmesa")
@@ -85,10 +75,7 @@ def test_nothing_of_opengl_is_loaded_until_something_is_drawn() -> None:
         "import sys, sandbox.views.film, sandbox.views.renderer, sandbox.session.session\n"
         "print([m for m in ('OpenGL', 'mujoco.egl', 'mujoco.osmesa') if m in sys.modules])"
     )
-    done = subprocess.run(
-        [sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True, check=True
-    )
-    assert done.stdout.strip() == "[]"
+    assert printed("-c", code).strip() == "[]"
 
 
 PACKAGES = ("models", "encoders", "tasks", "sandbox")
@@ -97,10 +84,7 @@ PACKAGES = ("models", "encoders", "tasks", "sandbox")
 @pytest.mark.parametrize("package", PACKAGES)
 def test_importing_a_package_loads_no_numpy_until_a_name_is_used(package: str) -> None:
     question = f"import sys, {package}; print('numpy' in sys.modules)"
-    answer = subprocess.run(
-        [sys.executable, "-c", question], cwd=ROOT, capture_output=True, text=True, check=True
-    )
-    assert answer.stdout.split() == ["False"]
+    assert printed("-c", question).split() == ["False"]
 
 
 HEAVY = ("mujoco", "glfw", "scipy", "OpenGL", "websockets", "matplotlib")
@@ -109,7 +93,4 @@ HEAVY = ("mujoco", "glfw", "scipy", "OpenGL", "websockets", "matplotlib")
 @pytest.mark.parametrize("module", ["sandbox", "sandbox.cli.main"])
 def test_starting_the_program_loads_nothing_heavy(module: str) -> None:
     question = f"import sys, {module}; print(*(set({HEAVY}) & set(sys.modules)))"
-    answer = subprocess.run(
-        [sys.executable, "-c", question], cwd=ROOT, capture_output=True, text=True, check=True
-    )
-    assert answer.stdout.split() == []
+    assert printed("-c", question).split() == []

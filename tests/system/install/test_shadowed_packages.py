@@ -8,8 +8,7 @@ from typing import Any
 
 import pytest
 
-from tests.support.processes import ROOT
-from tests.system.install.python import python
+from tests.support.processes import ROOT, python
 
 PACKAGES = ("models", "encoders", "tasks", "sandbox")
 

@@ -10,8 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.support.processes import ROOT
-from tests.system.install.python import python
+from tests.support.processes import ROOT, python
 
 SKIPS = """
 import pytest

@@ -13,6 +13,8 @@ from pathlib import Path
 
 import pytest
 
+from tests.support.processes import printed
+
 ROOT = Path(__file__).resolve().parents[3]
 EXAMPLE = "examples/behaviour_cloning.py"
 
@@ -77,7 +79,5 @@ def test_without_pytorch_the_refusal_has_the_command_that_installs_it() -> None:
         "try:\n    behaviour_cloning.clone([], models.Surface())\n"
         "except models.InputError as error:\n    print(error)\n"
     )
-    done = subprocess.run(
-        [sys.executable, "-c", program], cwd=ROOT, capture_output=True, text=True, check=True
-    )
-    assert "PyTorch is not installed" in done.stdout and "pip install torch" in done.stdout
+    told = printed("-c", program)
+    assert "PyTorch is not installed" in told and "pip install torch" in told

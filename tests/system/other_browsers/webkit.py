@@ -42,6 +42,17 @@ window.addEventListener("error", (e) => faults.push(e.message));
 window.addEventListener("unhandledrejection", (e) => faults.push(String(e.reason)));
 """
 
+CHANGING = """(() => {
+  const dot = document.createElement("div");
+  dot.style.cssText = "position: fixed; right: 0; bottom: 0; width: 1px; height: 1px; z-index: 9";
+  document.body.append(dot);
+  let odd = false;
+  const timer = setInterval(() => (dot.style.background = (odd = !odd) ? "#222" : "#333"), 50);
+  window.changing = () => (clearInterval(timer), dot.remove(), true);
+  return true;
+})()"""
+"""Begins to change a pixel of the page; `changing()` ends it."""
+
 
 class WebKit:
     """One process with one page and fingers on it. It needs a display."""
@@ -147,8 +158,16 @@ class WebKit:
         self._down = now
 
     def picture(self) -> bytes:
-        """Screenshot of the page, PNG."""
-        return base64.b64decode(self._ask("GET", "/screenshot"))
+        """Screenshot of the page, PNG.
+
+        WebKitGTK takes it with the next picture that it presents, and presents none of a page on
+        which nothing changes. So a dot in a corner changes its colour meanwhile.
+        """
+        self.evaluate(CHANGING)
+        try:
+            return base64.b64decode(self._ask("GET", "/screenshot"))
+        finally:
+            self.evaluate("window.changing()")
 
     def close(self) -> None:
         with suppress(AssertionError, OSError):

@@ -2,15 +2,9 @@
 
 from __future__ import annotations
 
-import subprocess
-import sys
-from pathlib import Path
-
 import pytest
 
-import benchmarks
-
-REPOSITORY = Path(benchmarks.__file__).parent.parent
+from tests.support.processes import python
 
 
 @pytest.mark.parametrize(
@@ -22,13 +16,7 @@ REPOSITORY = Path(benchmarks.__file__).parent.parent
 )
 def test_a_file_that_is_not_there_is_told_in_one_line(command: str) -> None:
     name, *arguments = command.split()
-    done = subprocess.run(
-        [sys.executable, "-m", f"benchmarks.{name}", *arguments],
-        cwd=REPOSITORY,
-        capture_output=True,
-        text=True,
-        check=False,
-    )
+    done = python("-m", f"benchmarks.{name}", *arguments)
     assert done.returncode == 2
     assert not done.stdout
     (line,) = done.stderr.splitlines()

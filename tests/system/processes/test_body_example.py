@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import importlib.util
-import os
 import subprocess
 import sys
 from pathlib import Path
@@ -12,19 +11,14 @@ import numpy as np
 import pytest
 from PIL import Image
 
+from tests.support.processes import python
+
 ROOT = Path(__file__).resolve().parents[3]
 
 
 def example(*args: object) -> subprocess.CompletedProcess[str]:
     """Runs it as a person would; one thread, for small matrices need no more."""
-    return subprocess.run(
-        [sys.executable, "examples/body.py", *map(str, args)],
-        cwd=ROOT,
-        env={**os.environ, "PYTHONPATH": str(ROOT), "OMP_NUM_THREADS": "1"},
-        capture_output=True,
-        text=True,
-        check=False,
-    )
+    return python("examples/body.py", *args, OMP_NUM_THREADS="1")
 
 
 @pytest.fixture(scope="module", params=["humanoid", "backflip"])

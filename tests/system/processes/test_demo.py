@@ -2,29 +2,22 @@
 
 from __future__ import annotations
 
-import os
 import subprocess
-import sys
 from pathlib import Path
 from typing import Any
 
 import pytest
 from PIL import Image
 
+from tests.support.processes import python
+
 ROOT = Path(__file__).parents[3]
 
 
-def demo(folder: Path, *options: str, **environment: str) -> subprocess.CompletedProcess:
-    kept = {k: v for k, v in os.environ.items() if k not in ("DISPLAY", "WAYLAND_DISPLAY")}
-    return subprocess.run(
-        [sys.executable, "-m", "sandbox.cli.main", "demo", *options],
-        cwd=folder,
-        env={**kept, "PYTHONPATH": str(ROOT), "COLUMNS": "200", **environment},
-        capture_output=True,
-        text=True,
-        timeout=180,
-        check=False,
-    )
+def demo(folder: Path, *options: str, **environment: Any) -> subprocess.CompletedProcess:
+    no_screen: dict[str, Any] = {"DISPLAY": None, "WAYLAND_DISPLAY": None, "COLUMNS": "200"}
+    command = ("-m", "sandbox.cli.main", "demo", *options)
+    return python(*command, cwd=folder, **no_screen, **environment)
 
 
 @pytest.mark.needs("opengl")

@@ -4,30 +4,22 @@ from __future__ import annotations
 
 import json
 import subprocess
-import sys
 from pathlib import Path
+from typing import Any
 
 import pytest
 
-from sandbox.trial.profiles import load_profile
+from sandbox.hand.profiles import load_profile
+from tests.support.processes import python
 
 
 def command(*arguments: str, home: Path) -> subprocess.CompletedProcess:
-    return subprocess.run(
-        [sys.executable, "-m", "sandbox.cli.main", *arguments],
-        cwd=home,
-        capture_output=True,
-        text=True,
-        timeout=120,
-        check=False,
-        env={
-            "PYTHONPATH": str(Path(__file__).parents[3]),
-            "PATH": "/usr/bin:/bin",
-            "HOME": str(home),
-            "XDG_CONFIG_HOME": str(home / "config"),
-            "COLUMNS": "200",
-        },
-    )
+    own: dict[str, Any] = {
+        "HOME": str(home),
+        "XDG_CONFIG_HOME": str(home / "config"),
+        "COLUMNS": "200",
+    }
+    return python("-m", "sandbox.cli.main", *arguments, cwd=home, **own)
 
 
 @pytest.fixture(scope="module")
@@ -35,20 +27,8 @@ def calibrated(
     tmp_path_factory: pytest.TempPathFactory,
 ) -> tuple[subprocess.CompletedProcess[str], Path]:
     home = tmp_path_factory.mktemp("home")
-    done = command(
-        "hand",
-        "measure",
-        "--device",
-        "simulated",
-        "--hand-size",
-        "0.88",
-        "--hand",
-        "left",
-        "--turn",
-        "90",
-        home=home,
-    )
-    return done, home
+    person = ["--hand-size", "0.88", "--hand", "left", "--turn", "90"]
+    return command("hand", "measure", "--device", "simulated", *person, home=home), home
 
 
 def test_calibrating_a_simulated_person_tells_their_size_and_writes_the_users_profile(

@@ -26,7 +26,7 @@ from sandbox.lsl import (
     LslOutlets,
     forwarding_to,
     hand_sample,
-    tell,
+    send_event,
     touch_sample,
 )
 from sandbox.recording.recording import Recording, load_recording
@@ -71,7 +71,7 @@ def heard(
         assert outlets.wait_for_consumers(60.0)
         chosen = trial_settings(SCENE)
         with forwarding_to(outlets):
-            tell("break", {"least_s": 3})
+            send_event("break", {"least_s": 3})
             play_trial(chosen, record=folder / "trial.jsonl")
         assert reader.wait(60.0) == 0
     finally:
@@ -221,11 +221,11 @@ def test_other_instruments_hear_of_a_study_what_happens_and_nothing_that_was_sai
         run_simulated(study, 0, lambda text: None)
     ear.close()
     kinds = [what for what, _ in heard]
-    assert kinds[0] == "journal_session_start" and kinds[-2:] == ["journal_session_end", "sealed"]
+    assert kinds[0] == "journal_session" and kinds[-2:] == ["journal_end", "sealed"]
     (seal,) = [r for r in study.records() if r["kind"] == "sealed"]
-    assert heard[-1][1]["digest"] == seal["digest_of_last"]
+    assert heard[-1][1]["hash"] == seal["hash"]
     assert kinds.count("journal_trial_end") == kinds.count("trial_end") == TRIALS
-    known = {"n", "step", "trial", "attempt", "practice", "form", "block", "levels"}
+    known = {"n", "step", "trial", "attempt", "practice", "form", "block", "levels", "command"}
     assert all(set(d) <= known for what, d in heard if what.startswith("journal_"))
 
 

@@ -32,8 +32,7 @@ from sandbox.server.access import (
 from sandbox.server.clients import MOST_WAITING, Client
 from sandbox.server.page_server import PageServer
 from sandbox.server.protocol import CREDIT
-from sandbox.trial.driver import Trial
-from sandbox.trial.live_run import LiveRun
+from sandbox.trial.driver import LiveRun, Trial
 from tests.sandbox.server.test_page_server import Stage, opened, wait_for
 from tests.support.page_client import Page
 from tests.support.processes import PATIENCE

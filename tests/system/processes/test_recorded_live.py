@@ -65,25 +65,11 @@ def test_live_touches_and_a_live_leap_become_a_capture_of_the_same_fingers(
     touching = Touching(s, leapd, port)
     touching.start()
     try:
-        status = main(
-            [
-                "capture",
-                "record",
-                "--touches",
-                "tuio",
-                "--port",
-                str(port),
-                "--leap",
-                leapd.address,
-                "--surface",
-                f"{s.surface.width_in}x{s.surface.height_in}in",
-                "--free",
-                "--seconds",
-                f"{s.leap_arrived[-1] - s.leap_arrived[0] + 0.5:.2f}",
-                "--out",
-                str(tmp_path / "live"),
-            ]
-        )
+        devices = f"--touches tuio --port {port} --leap {leapd.address}".split()
+        size = f"{s.surface.width_in}x{s.surface.height_in}in"
+        long = f"{s.leap_arrived[-1] - s.leap_arrived[0] + 0.5:.2f}"
+        how = ["--surface", size, "--free", "--seconds", long, "--out", str(tmp_path / "live")]
+        status = main(["capture", "record", *devices, *how])
     finally:
         touching.stop.set()
         touching.join()

@@ -127,23 +127,11 @@ def test_a_killed_worker_fails_the_run_and_its_trial_is_run_when_it_is_resumed(
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize("kill", [os.kill, os.killpg])
 def test_sigterm_keeps_what_is_done_and_the_rest_is_run_when_it_is_resumed(
-    run: Run, uninterrupted: dict[str, Any]
-) -> None:
-    check_sigterm(run, uninterrupted, os.kill)
-
-
-@pytest.mark.slow
-def test_sigterm_to_all_processes_kills_no_worker_before_its_trial_is_given_up(
-    run: Run, uninterrupted: dict[str, Any]
-) -> None:
-    """Some schedulers send it to all; Ray's own processes must not end by it."""
-    check_sigterm(run, uninterrupted, os.killpg)
-
-
-def check_sigterm(
     run: Run, uninterrupted: dict[str, Any], kill: Callable[[int, int], None]
 ) -> None:
+    """Some schedulers send it to all processes; Ray's own ones must not end by it."""
     kill(run.started.pid, signal.SIGTERM)
     status, _, errors = run.end()
     assert status == 143

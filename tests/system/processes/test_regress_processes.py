@@ -18,7 +18,7 @@ import pytest
 from sandbox.regress.baseline import load_baseline
 from sandbox.regress.execute import CRASHED, Processes, Serial, run_job
 from sandbox.regress.plan import RegressionPlan
-from tests.support.processes import PATIENCE, ROOT, until
+from tests.support.processes import PATIENCE, ROOT, printed, python, until
 from tests.support.regress_tasks import Dying, Quick
 
 
@@ -54,10 +54,23 @@ def test_whoever_stops_asking_leaves_no_process_behind() -> None:
 def test_ctrl_c_in_a_terminal_keeps_what_is_done(tmp_path: Path) -> None:
     """All processes of a terminal get the signal, workers too; and they leave it to the first."""
     path, record = tmp_path / "out.json", tmp_path / "failed"
-    command = [sys.executable, "-m", "sandbox.cli.main", "regress", "--tasks", "box-to-goal"]
-    more = ["--seeds", "0:500", "--workers", "1", "--json", path, "--record", record]
+    command = [sys.executable, "-m", "sandbox.cli.main", "regress"]
+    more = [
+        "--tasks",
+        "box-to-goal",
+        "--arm",
+        "plain",
+        "--seeds",
+        "0:500",
+        "--workers",
+        "1",
+        "--json",
+        path,
+        "--record",
+        record,
+    ]
     started = subprocess.Popen(
-        [*command, *map(str, more)],
+        [*command, *map(str, more), "--record", str(record)],
         cwd=ROOT,
         env={**os.environ, "PYTHONPATH": str(ROOT)},
         stdout=subprocess.PIPE,
@@ -82,22 +95,12 @@ def test_ctrl_c_in_a_terminal_keeps_what_is_done(tmp_path: Path) -> None:
 def test_the_line_of_a_task_of_ones_own_runs_in_python() -> None:
     run = RegressionPlan((Quick,), (4,), {"fingers": 2})
     _, *words = shlex.split(run.command("quick", 4))
-    answer = subprocess.run(
-        [sys.executable, *words], cwd=ROOT, capture_output=True, text=True, check=True
-    )
-    assert run_job(run.jobs()[0])["state_hash"] in answer.stdout
+    assert run_job(run.jobs()[0])["state_hash"] in printed(*words)
 
 
 def failures(folder: Path, *more: str) -> str:
     """Runs a folder's tests as a lab would; what pytest prints if not all of them pass."""
-    ran = subprocess.run(
-        [sys.executable, "-m", "pytest", "-q", "-p", "sandbox.regression", *more, "."],
-        cwd=folder,
-        env={**os.environ, "PYTHONPATH": str(ROOT), "PYTEST_ADDOPTS": ""},
-        capture_output=True,
-        text=True,
-        check=False,
-    )
+    ran = python("-m", "pytest", "-q", "-p", "sandbox.regression", *more, ".", cwd=folder)
     return ran.stdout + ran.stderr if ran.returncode else ""
 
 

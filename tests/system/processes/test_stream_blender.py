@@ -147,22 +147,8 @@ def test_chains_of_any_number_of_bones_reach_as_far_and_point_as_the_fingers_do(
     keys = armature.keys(moving(ADULT, 60, 5))
     hand = HandLines(armature, "right", BLENDER)
     chains = [f"chain{c}_0" for c in range(3)]
-    streamed(
-        python,
-        tmp_path,
-        hand,
-        keys,
-        "--open",
-        "rig.blend",
-        "--armature",
-        "Rig",
-        "--fps",
-        "60",
-        "--chains",
-        *chains,
-        "--out",
-        "theirs.bvh",
-    )
+    rig = ("--open", "rig.blend", "--armature", "Rig", "--fps", "60", "--chains", *chains)
+    streamed(python, tmp_path, hand, keys, *rig, "--out", "theirs.bvh")
     theirs = read_bvh(tmp_path / "theirs.bvh")
     placed = theirs.place()
     joints, tips = armature.place(keys)

@@ -13,13 +13,11 @@ from models.errors import StudyError
 from sandbox.recording.recording import read_stored, stored
 from sandbox.study.record.files import remove_unfinished
 from sandbox.study.record.folder import SIMULATED, StudyFolder
-from sandbox.study.record.pack import pack
-from sandbox.study.run.simulate import run_simulated, simulate
-from sandbox.study.share.backup import back_up
+from sandbox.study.record.trial_files import pack
+from sandbox.study.run.simulate import simulate
 from tests.support.study_files import (
     FIRST,
     SECOND,
-    TRIALS,
     TWICE,
     check_session,
     design,
@@ -76,18 +74,6 @@ def test_where_there_is_no_room_the_recording_stays_as_it_is(tmp_path: Path) -> 
     assert path.read_bytes() == data and [path] == list(tmp_path.iterdir())
 
 
-def test_backups_made_while_a_session_runs_hold_every_trial_they_tell_of(tmp_path: Path) -> None:
-    out = tmp_path / "out"
-    study = StudyFolder(out, design(), SIMULATED)
-    child = in_child(lambda say: run_simulated(study, 0, say))
-    trials = []
-    for i in range(12):
-        trials.append(back_up(StudyFolder.at(study.path), tmp_path / f"{i}.tar.gz").trials)
-    killed, _ = killed_after(child, 60.0)
-    assert not killed and trials == sorted(trials)
-    assert check_session(study, 0, TRIALS) == TRIALS
-
-
 @pytest.mark.slow
 def test_kills_in_both_sessions_lose_nothing_and_count_nothing_twice(tmp_path: Path) -> None:
     # Children inherit what is loaded here, and get somewhere before they are killed.
@@ -115,8 +101,8 @@ def test_kills_in_both_sessions_lose_nothing_and_count_nothing_twice(tmp_path: P
         assert finished[1] == 0 or finished[0] == FIRST
         assert told_finished(said) <= max(finished)
     assert finished == [FIRST, SECOND] and in_second
-    rows = rows_of(study.path / "trial_results.csv")
-    assert [(r["session_num"], r["trial_num"]) for r in rows if r["counted"] == "1"] == [
+    rows = rows_of(study.path / "tables/trials.csv")
+    assert [(r["session"], r["trial"]) for r in rows if r["counted"] == "1"] == [
         *(("1", str(n + 1)) for n in range(FIRST)),
         *(("2", str(n + 1)) for n in range(SECOND)),
     ]

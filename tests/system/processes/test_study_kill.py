@@ -20,16 +20,16 @@ from sandbox.study.record.journal import SYNC, Journal
 from sandbox.study.record.session_folder import SessionFolder
 from sandbox.study.record.stored_sessions import session_path
 from sandbox.study.run.simulate import run_simulated, simulate
-from sandbox.study.tables.tables import rebuild_session, rebuild_study
-from sandbox.trial.result import TrialResult
-from tasks.score import Status
+from sandbox.study.tables.tables import make_tables
 from tests.support.study_files import (
+    DESIGN,
     TRIALS,
     check_session,
     in_child,
     killed_after,
     open_study,
     told_finished,
+    trial_result,
 )
 
 Say = Callable[[str], object]
@@ -67,13 +67,13 @@ def kill_often(out: Path, kills: int, seed: int) -> int:
             before = finished
             finished = check_session(study, 0, max(before, told_finished(said)))
         assert finished == TRIALS
-        rows = list(csv.DictReader((study.path / "trial_results.csv").open()))
-        assert [int(r["trial_num"]) for r in rows if r["counted"] == "1"] == [1, 2, 3, 4, 5, 6]
+        rows = list(csv.DictReader((study.path / "tables/trials.csv").open()))
+        assert [int(r["trial"]) for r in rows if r["counted"] == "1"] == [1, 2, 3, 4, 5, 6]
         person = study.participants()
         assert len(person) == 1
-        trackers = session_path(study.path, person[0].ppid) / "trackers"
+        trackers = session_path(study.path, person[0].ppid) / "trials"
         for row in rows:
-            assert (study.path / row["hand_pose_location_0"]).exists()
+            assert (study.path / row["frames"]).exists()
         assert not [p for p in trackers.iterdir() if p.name.startswith(".tmp")]
     return done
 
@@ -93,16 +93,15 @@ def test_a_kill_while_tables_are_rebuilt_leaves_them_whole(tmp_path: Path) -> No
     study = open_study(tmp_path)
     run_simulated(study, 0, lambda text: None)
     person = study.participants()[0]
-    folder = session_path(study.path, person.ppid)
-    names = ("trial_results.csv", "questionnaires.csv", "session_info/log.csv", "codebook.csv")
+    folder = study.path / "tables"
+    names = ("trials.csv", "answers.csv", "events.csv", "codebook.csv")
     before = {n: (folder / n).read_bytes() for n in names}
 
     def work(say: Say) -> None:
         with SessionFolder(study, person) as session:
             while True:
-                session.write("exclude", trial=2, reason=f"no. {len(session.journal.records)}")
-                rebuild_session(session)
-                rebuild_study(study)
+                session.command("exclude", trial=2, reason=f"no. {len(session.journal.records)}")
+                make_tables(study)
 
     rng = np.random.default_rng(4)
     for _ in range(6):
@@ -110,14 +109,14 @@ def test_a_kill_while_tables_are_rebuilt_leaves_them_whole(tmp_path: Path) -> No
         assert killed
         for name in names:
             text = (folder / name).read_bytes()
-            head = before[name].split(b"\n")[0]
+            head = before[name].split(b",")[0]
             assert text.startswith(head) and text.endswith(b"\n")
             assert text.count(b"\n") >= before[name].count(b"\n")
     with SessionFolder(study, person) as session:
-        rebuild_session(session)
+        make_tables(study)
         assert not list(folder.rglob(".tmp*"))
         assert session.state.excluded[2].startswith("no. ")
-    rows = list(csv.DictReader((folder / "trial_results.csv").open()))
+    rows = list(csv.DictReader((folder / "trials.csv").open()))
     assert [r["excluded"] for r in rows] == ["0", "1", "0", "0", "0", "0"]
 
 
@@ -137,19 +136,11 @@ def test_two_programs_that_are_killed_while_they_fill_one_study_do_not_disturb_e
             alive[n], said = killed_after(child, wait)
             finished[n] = check_session(study, n, max(finished[n], told_finished(said)))
     assert finished == [TRIALS, TRIALS]
-    rebuild_study(study)
-    rows = list(csv.DictReader((study.path / "trial_results.csv").open()))
-    counted = [(r["participant_number"], r["trial_num"]) for r in rows if r["counted"] == "1"]
+    make_tables(study)
+    rows = list(csv.DictReader((study.path / "tables/trials.csv").open()))
+    counted = [(r["number"], r["trial"]) for r in rows if r["counted"] == "1"]
     assert len(counted) == len(set(counted)) == 2 * TRIALS
     assert sorted(p.number for p in study.participants()) == [0, 1]
-
-
-def test_a_session_that_is_open_is_opened_by_nobody_else(tmp_path: Path) -> None:
-    study = open_study(tmp_path)
-    person = study.add()
-    with SessionFolder(study, person), pytest.raises(StudyError, match="in use by another"):
-        SessionFolder(study, person)
-    SessionFolder(study, person).close()
 
 
 def test_a_full_disk_ends_a_session_with_one_clear_error_and_costs_no_finished_trial(
@@ -177,28 +168,12 @@ def test_a_full_disk_ends_a_session_with_one_clear_error_and_costs_no_finished_t
 
 
 def test_a_journal_on_a_full_device_says_so(tmp_path: Path) -> None:
-    (tmp_path / "journal.jsonl").symlink_to("/dev/full")
-    journal = Journal(tmp_path / "journal.jsonl")
+    (tmp_path / "session.jsonl").symlink_to("/dev/full")
+    journal = Journal(tmp_path / "session.jsonl")
     with pytest.raises(StudyError, match="No space left"):
-        journal.append("note", text="lost")
+        journal.append("command", command="note", text="lost")
     assert journal.records == []
     journal.close()
-
-
-HELD = TrialResult(
-    task="box-to-goal",
-    encoder="cubic",
-    seed=0,
-    success=True,
-    instant=True,
-    held=True,
-    final=True,
-    status=Status.HELD,
-    progress=1.0,
-    time_s=2.0,
-    reason="",
-    state_hash="00",
-)
 
 
 def test_a_session_whose_recording_never_reaches_the_disk_finishes_no_trial(
@@ -213,9 +188,9 @@ def test_a_session_whose_recording_never_reaches_the_disk_finishes_no_trial(
         recording.unlink()
         recording.write_text("as if nothing had been")
         with pytest.raises(StudyError, match="could not be written to the disk"):
-            session.finish(trial, HELD)
+            session.finish(trial, trial_result())
         assert trial.id not in session.state.finished
-        assert session.journal.records[-1]["kind"] == "trial_start"
+        assert session.journal.records[-1]["kind"] == "trial"
 
 
 def test_a_folder_that_cannot_be_written_is_refused_before_anything_runs() -> None:
@@ -238,7 +213,8 @@ def test_a_folder_that_cannot_be_written_is_refused_before_anything_runs() -> No
 
 
 def test_a_session_folder_of_another_study_is_refused(tmp_path: Path) -> None:
-    study, other = open_study(tmp_path / "a"), open_study(tmp_path / "b")
+    study = open_study(tmp_path / "a")
+    other = open_study(tmp_path / "b", DESIGN.replace('name = "quick"', 'name = "slow"'))
     person = study.add()
     SessionFolder(study, person).close()
     there = session_path(other.path, person.ppid)

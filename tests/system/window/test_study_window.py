@@ -44,10 +44,10 @@ def hashes(out: Path, player: TrialPlayer) -> list[str]:
         assert runner.run() is SessionOutcome.COMPLETE
     player.close()
     folder = session_path(study.path, person.ppid)
-    for path in sorted((folder / "trials").iterdir()):
+    for path in sorted((folder / "trials").glob("*.jsonl.gz")):
         _, found = replay(load_recording(path))
         assert found.exact and found.complete
-    rows = list(csv.DictReader((folder / "trial_results.csv").open()))
+    rows = list(csv.DictReader((study.path / "tables/trials.csv").open()))
     return [row["state_hash"] for row in rows]
 
 

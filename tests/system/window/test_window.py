@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import os
-import subprocess
 import sys
 from collections.abc import Iterator
 from dataclasses import replace
@@ -16,16 +14,16 @@ from numpy.typing import NDArray
 
 from sandbox.devices.mouse.mouse import MouseDevice
 from sandbox.devices.wrappers.playing import SPEED, LiftKeys
-from sandbox.session.messages import ContactView, Snapshot
+from sandbox.session.messages import Snapshot
 from sandbox.trial.assembly import build
 from sandbox.trial.settings import Settings
 from sandbox.views.renderer import Renderer
 from sandbox.views.window import drawing_quality
 from sandbox.views.window.window import Window
-from tests.support.processes import ROOT
+from tests.support.processes import printed
 from tests.support.screen import Screen, screen
 from tests.support.scripted import Script
-from tests.support.viewed import Viewed, viewed, with_contacts
+from tests.support.viewed import Viewed, contact_at, viewed, with_contacts
 from tests.support.window_shots import pixel_of, screenshot
 
 pytestmark = pytest.mark.skipif(
@@ -152,7 +150,10 @@ def test_the_mark_of_a_touch_is_under_the_pointer_that_made_it(desk: Desk) -> No
     empty = with_contacts(desk.v.ghost)
     place = desk.v.surface.to_world(touch)
     pictures = []
-    for snapshot in (empty, with_contacts(empty, ContactView(0, place, None, "active"))):
+    for snapshot in (
+        empty,
+        with_contacts(empty, contact_at(desk.v.surface, 0, place, None, "active")),
+    ):
         desk.snapshot = snapshot
         desk.pump()
         pictures.append(desk.display.picture())
@@ -315,16 +316,8 @@ def test_without_a_screen_one_error_says_so() -> None:
         "except GraphicsError as error:\n"
         "    print(error)\n"
     )
-    hidden = ("DISPLAY", "WAYLAND_DISPLAY")
-    done = subprocess.run(
-        [sys.executable, "-W", "error", "-c", code],
-        env={k: x for k, x in os.environ.items() if k not in hidden} | {"PYTHONPATH": str(ROOT)},
-        cwd=ROOT,
-        capture_output=True,
-        text=True,
-        check=True,
-    )
-    assert "no window can be opened" in done.stdout and "screen" in done.stdout
+    told = printed("-W", "error", "-c", code, DISPLAY=None, WAYLAND_DISPLAY=None)
+    assert "no window can be opened" in told and "screen" in told
 
 
 def test_from_above_another_table_is_seen_from_the_front_and_a_key_looks_down_again(

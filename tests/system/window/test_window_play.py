@@ -19,14 +19,15 @@ import segno
 
 from sandbox.devices.mouse.mouse import MouseDevice
 from sandbox.devices.wrappers.playing import LiftKeys, MergedDevice
-from sandbox.play.window import Footer
+from sandbox.play.window import Footer, hint_of
 from sandbox.recording.recording import load_recording
 from sandbox.server.web import WebDevice
 from sandbox.trial.assembly import build
-from sandbox.trial.latency import LatencyLog, TimedDevice, Timing
+from sandbox.trial.logs import LatencyLog, TimedDevice, Timing
 from sandbox.trial.settings import Settings
 from sandbox.views.window import drawing_quality
 from sandbox.views.window.window import SPEEDS
+from tasks.registry import TASKS
 from tests.support.page_client import Page
 from tests.support.processes import PATIENCE, ROOT
 from tests.support.screen import Screen, screen
@@ -105,6 +106,31 @@ def test_the_footer_is_at_the_bottom_right_and_tells_rate_lift_and_address(desk:
         stack.advance()
     (lifted,) = [x for x in footer.lines(desk.window, 0.0, stack) if x.startswith("lifted")]
     assert 0 < int(lifted.split()[1]) < 120
+
+
+def test_the_goal_stays_in_the_panel_and_how_it_is_done_stands_at_the_bottom_left(
+    desk: Desk,
+) -> None:
+    def changed(before: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        desk.pump()
+        rows, columns = np.nonzero(np.abs(shot(desk) - before).max(axis=-1) > 12)
+        return rows, columns
+
+    plain = shot(desk)
+    height, width = plain.shape[:2]
+    desk.window.goal = "Bring the box onto its translucent twin."
+    rows, columns = changed(plain)
+    assert len(rows) > 100 and rows.max() < height / 2 and columns.max() < width / 2
+    goal = shot(desk)
+    desk.window.hint = hint_of("box-to-goal")
+    rows, columns = changed(goal)
+    assert len(rows) > 500 and rows.min() > height / 2 and columns.max() < 0.7 * width
+
+
+@pytest.mark.parametrize("task", [*TASKS, "tasks/of/their_own.py:Task"])
+def test_every_task_has_words_on_how_it_is_done(task: str) -> None:
+    lines = hint_of(task)
+    assert 1 <= len(lines) <= 4 and max(map(len, lines)) <= 60
 
 
 def test_a_link_is_shown_as_a_code_of_whole_modules_with_a_quiet_border(desk: Desk) -> None:
@@ -202,15 +228,7 @@ class Play:
     def __init__(self, display: Screen, folder: Path, *options: str) -> None:
         self.display, self.path = display, folder / "events.jsonl"
         self.process = subprocess.Popen(
-            [
-                sys.executable,
-                "-m",
-                "sandbox.cli.main",
-                "play",
-                *options,
-                "--events",
-                str(self.path),
-            ],
+            [sys.executable, "-m", "sandbox", "play", *options, "--events", str(self.path)],
             cwd=ROOT,
             text=True,
             stdout=subprocess.PIPE,

@@ -8,8 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from models.arithmetic.arrays import Array
-from models.errors import SurfaceTooSmallError
+from models.arithmetic import Array
 from models.hand import Hand
 from models.objects import Box
 from models.rotations import exp, matrix_to_quaternion
@@ -23,10 +22,10 @@ from tasks.task import Measure
 from tasks.variation import Variation, vary
 from tests.support.palms import palm
 from tests.support.simulation import put, run
+from tests.support.task_scene import AWAY, TaskScene
 
 seeds = st.integers(0, 2**63 - 1)
 TABLET = Surface().centred_at((0.0, 0.0, Books.touch_height))
-AWAY = np.concatenate([[0.0, 0.0, 0.30], np.zeros(45)])
 
 
 def places(task: Books) -> tuple[Array, Array, Array]:
@@ -35,20 +34,12 @@ def places(task: Books) -> tuple[Array, Array, Array]:
     return start, np.array(task.goals[0].position[:2]), np.array(books)
 
 
-class Trial:
+class Trial(TaskScene[Books]):
     """A trial in its real scene, with the box at its goal."""
 
     def __init__(self, seed: int = 3) -> None:
-        self.task = Books.draw(seed, TABLET)
-        self.scene = Scene(SceneSpec((Hand(),), self.task.objects, self.task.table_friction))
-        self.data = mujoco.MjData(self.scene.model)
-        put(self.scene, self.data, AWAY)
-        self.scene.set_solid(0, frozenset())
+        super().__init__(Books.draw(seed, TABLET))
         self.data.joint("box").qpos[:3] = self.task.goals[0].position
-
-    def measure(self) -> Measure:
-        mujoco.mj_forward(self.scene.model, self.data)
-        return self.task.measure(Sensing(self.scene, self.data))
 
 
 @given(seed=seeds, surface=st.sampled_from([Surface(*s) for s in PRESETS.values() if s[1] > 5]))
@@ -80,11 +71,6 @@ def test_a_hand_that_holds_two_faces_of_the_box_can_point_along_the_way(seed: in
     way = np.arctan2(*(goal - start)[::-1])
     off = (task.objects[0].yaw - (way - POINTS)) % (np.pi / 2)
     assert min(off, np.pi / 2 - off) == pytest.approx(0.0, abs=1e-9)
-
-
-def test_a_surface_without_room_for_books_is_refused_in_one_line() -> None:
-    with pytest.raises(SurfaceTooSmallError, match="two books"):
-        Books.draw(1, Surface(5.0, 4.0))
 
 
 def test_a_box_at_its_goal_between_books_that_stand_is_there() -> None:

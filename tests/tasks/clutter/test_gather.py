@@ -2,44 +2,32 @@
 
 from __future__ import annotations
 
-import mujoco
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from models.errors import SurfaceTooSmallError
 from models.hand import Hand
 from models.scene import Scene, SceneSpec
 from models.surface import PRESETS, Surface
 from sandbox import run_trial
 from tasks.clutter.gather import APART, BORDER, COUNT, EDGE, OUTSIDE, RADIUS, RING_BORDER, Gather
-from tasks.sensing import Sensing
 from tasks.task import Measure
 from tasks.variation import Variation, vary
-from tests.support.simulation import put, run
+from tests.support.simulation import run
+from tests.support.task_scene import TaskScene
 
 seeds = st.integers(0, 2**63 - 1)
 TABLET = Surface().centred_at((0.0, 0.0, Gather.touch_height))
-AWAY = np.concatenate([[0.0, 0.0, 0.30], np.zeros(45)])
 
 
-class Trial:
+class Trial(TaskScene[Gather]):
     """A trial in its real scene, with dice put where a test wants them."""
 
     def __init__(self, seed: int = 3) -> None:
-        self.task = Gather.draw(seed, TABLET)
-        spec = SceneSpec((Hand(),), self.task.objects, 0.5, painted=self.task.painted)
-        self.scene = Scene(spec)
-        self.data = mujoco.MjData(self.scene.model)
-        put(self.scene, self.data, AWAY)
-        self.scene.set_solid(0, frozenset())
+        super().__init__(Gather.draw(seed, TABLET))
         for goal in self.task.goals:
             self.data.joint(goal.object).qpos[:3] = goal.position
-
-    def measure(self) -> Measure:
-        mujoco.mj_forward(self.scene.model, self.data)
-        return self.task.measure(Sensing(self.scene, self.data))
 
 
 @given(seed=seeds, surface=st.sampled_from([Surface(*s) for s in PRESETS.values() if s[1] > 5]))
@@ -59,12 +47,6 @@ def test_every_trial_has_twelve_dice_apart_and_outside_of_the_ring(
     middle = surface.to_surface([[*task.ring.middle, 0.0]])[0]
     assert np.all(middle >= RING_BORDER - 1e-9)
     assert np.all(middle <= surface.size - RING_BORDER + 1e-9)
-
-
-def test_a_surface_without_room_for_ring_and_dice_is_refused_in_one_line() -> None:
-    for size in ((7.0, 4.0), (4.6, 4.6)):
-        with pytest.raises(SurfaceTooSmallError, match="a ring and twelve dice"):
-            Gather.draw(1, Surface(*size))
 
 
 def test_dice_where_the_translucent_ones_are_are_all_in_the_ring() -> None:

@@ -8,8 +8,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from models.arithmetic.arrays import Array
-from models.errors import InputError, SurfaceTooSmallError
+from models.arithmetic import Array
+from models.errors import InputError
 from models.hand import Hand
 from models.objects import Cylinder
 from models.rotations import exp, matrix_to_quaternion
@@ -33,10 +33,10 @@ from tasks.sensing import Sensing
 from tasks.task import Measure
 from tasks.variation import Variation, vary
 from tests.support.simulation import put, run
+from tests.support.task_scene import AWAY, TaskScene
 
 seeds = st.integers(0, 2**63 - 1)
 TABLET = Surface().centred_at((0.0, 0.0, Slalom.touch_height))
-AWAY = np.concatenate([[0.0, 0.0, 0.30], np.zeros(45)])
 
 
 def gates(task: Slalom) -> Array:
@@ -44,15 +44,11 @@ def gates(task: Slalom) -> Array:
     return np.array([pin.position[:2] for pin in task.objects[1:]]).reshape(2, 2, 2)
 
 
-class Trial:
+class Trial(TaskScene[Slalom]):
     """A trial in its real scene, with things put where a test wants them."""
 
     def __init__(self, seed: int = 3) -> None:
-        self.task = Slalom.draw(seed, TABLET)
-        self.scene = Scene(SceneSpec((Hand(),), self.task.objects, self.task.table_friction))
-        self.data = mujoco.MjData(self.scene.model)
-        put(self.scene, self.data, AWAY)
-        self.scene.set_solid(0, frozenset())
+        super().__init__(Slalom.draw(seed, TABLET))
         goal = self.task.goals[0]
         box = self.data.joint("box")
         box.qpos[:3] = goal.position
@@ -61,10 +57,6 @@ class Trial:
     def tilt(self, pin: str, angle: float) -> None:
         """Tilts a pin about its middle by an angle, rad."""
         self.data.joint(pin).qpos[3:] = matrix_to_quaternion(exp(np.array([angle, 0.0, 0.0])))
-
-    def measure(self) -> Measure:
-        mujoco.mj_forward(self.scene.model, self.data)
-        return self.task.measure(Sensing(self.scene, self.data))
 
 
 @given(seed=seeds, surface=st.sampled_from([Surface(*s) for s in PRESETS.values() if s[1] > 5]))
@@ -95,11 +87,6 @@ def test_the_same_seed_is_the_same_trial_with_no_two_things_in_one_place(seed: i
     places = np.array([thing.position[:2] for thing in drawn.objects])
     for pin in places[1:]:
         assert np.linalg.norm(pin - places[0]) > 0.040
-
-
-def test_a_surface_without_room_for_gates_is_refused_in_one_line() -> None:
-    with pytest.raises(SurfaceTooSmallError, match="two gates of pins"):
-        Slalom.draw(1, Surface(6.0, 4.0))
 
 
 def test_a_box_at_its_goal_with_all_pins_standing_is_there() -> None:

@@ -12,19 +12,18 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from models.arithmetic.arrays import Array
-from models.errors import InputError, SurfaceTooSmallError
+from models.arithmetic import Array
+from models.errors import InputError
 from models.hand import Hand
-from models.one_pose import OnePose
 from models.scene import Scene, SceneSpec
+from models.single_pose import SinglePose
 from models.skeleton import ADULT
 from models.surface import Surface
 from sandbox.recording.recording import load_recording
 from sandbox.session.messages import Snapshot
 from sandbox.session.session import Session
-from sandbox.trial.assembly import build
+from sandbox.trial.assembly import build, device_makers
 from sandbox.trial.driver import play_trial
-from sandbox.trial.open_devices import device_makers
 from sandbox.trial.replay import replay
 from sandbox.trial.trial_options import TrialOptions, trial_settings
 from tasks.guarded import draw_task
@@ -38,7 +37,6 @@ from tasks.mechanisms.chords import (
     TOP,
     Chords,
     key_name,
-    own_finger,
 )
 from tasks.sensing import Sensing
 from tasks.task import Measure, place_surface
@@ -90,11 +88,6 @@ def test_all_pairs_and_triples_come() -> None:
     assert len(drawn) == 20
 
 
-def test_a_surface_without_room_for_five_keys_is_refused() -> None:
-    with pytest.raises(SurfaceTooSmallError, match="five keys"):
-        Chords.draw(1, Surface(4.0, 3.0))
-
-
 def test_keys_that_no_finger_presses_are_not_a_chord() -> None:
     trial = Trial()
     assert trial.measure({}).progress == 0.0
@@ -122,7 +115,7 @@ def pressing(finger: int, key: int) -> tuple[Trial, Measure]:
     """A trial after one solid fingertip was put down on a key from above."""
     trial = Trial()
     scene, data = trial.scene, trial.data
-    tips = OnePose(ADULT)
+    tips = SinglePose(ADULT)
     q = np.zeros(48)
     q[:3] = (0.0, 0.0, 0.1)
     key_at = np.array(trial.task.objects[1 + key].position)
@@ -152,11 +145,6 @@ def test_another_finger_s_press_does_not_count() -> None:
     assert key_name(1) in trial.asked
     assert not measured.reached and measured.progress == 0.0
     assert pressing(1, 1)[1].progress == pytest.approx(1 / len(trial.asked))
-
-
-def test_a_left_hand_s_thumb_has_the_rightmost_key() -> None:
-    assert [own_finger(key, "left") for key in range(KEYS)] == [4, 3, 2, 1, 0]
-    assert [own_finger(key, "right") for key in range(KEYS)] == [0, 1, 2, 3, 4]
 
 
 @pytest.mark.parametrize("task", ["chords", "single-keys"])

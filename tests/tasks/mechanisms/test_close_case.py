@@ -4,46 +4,26 @@ from __future__ import annotations
 
 from typing import Any
 
-import mujoco
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from models.errors import SurfaceTooSmallError
-from models.hand import Hand
-from models.scene import Scene, SceneSpec
 from models.surface import Surface
 from sandbox.trial.driver import open_trial, play_trial
 from sandbox.trial.result import TrialResult
 from sandbox.trial.trial_options import TrialOptions, trial_settings
 from tasks.mechanisms.close_case import BORDER, CAP, CASE, GRIP, HELD, SEAM, TRAVEL, CloseCase
-from tasks.sensing import Sensing
 from tasks.task import Measure
-from tests.support.simulation import put, run
+from tests.support.simulation import run
+from tests.support.task_scene import TaskScene
 
 BOTH = Surface(15.52, 5.82).centred_at((0.0, 0.0, CloseCase.touch_height))
-AWAY = np.concatenate([[0.0, 0.0, 0.30], np.zeros(45)])
 
 
 def played(seed: int, **options: Any) -> TrialResult:
     chosen = trial_settings(TrialOptions(task="close-case", seed=seed, **options))
     return play_trial(chosen)
-
-
-class Trial:
-    """A trial in its real scene."""
-
-    def __init__(self, seed: int = 3) -> None:
-        self.task = CloseCase.draw(seed, BOTH)
-        self.scene = Scene(SceneSpec((Hand(),), self.task.objects, own_friction=True))
-        self.data = mujoco.MjData(self.scene.model)
-        put(self.scene, self.data, AWAY)
-        self.scene.set_solid(0, frozenset())
-
-    def measure(self) -> Measure:
-        mujoco.mj_forward(self.scene.model, self.data)
-        return self.task.measure(Sensing(self.scene, self.data))
 
 
 @given(seed=st.integers(0, 2**63 - 1))
@@ -59,13 +39,8 @@ def test_every_trial_has_a_half_for_either_hand(seed: int) -> None:
     assert np.all(on >= BORDER - 1e-9) and np.all(on <= BOTH.size - BORDER + 1e-9)
 
 
-def test_a_surface_without_room_for_two_hands_is_refused_in_one_line() -> None:
-    with pytest.raises(SurfaceTooSmallError, match="a case between two hands"):
-        CloseCase.draw(1, Surface())
-
-
 def test_a_closed_case_is_there_and_an_open_one_is_not() -> None:
-    trial = Trial()
+    trial = TaskScene(CloseCase.draw(3, BOTH))
     assert trial.measure() == Measure(False, 0.0, "the case is open by 20 mm")
     trial.data.joint(CAP).qpos[0] = 0.01
     assert trial.measure().reason == "the case is open by 10 mm"
@@ -77,7 +52,7 @@ def test_a_closed_case_is_there_and_an_open_one_is_not() -> None:
 
 @pytest.mark.parametrize("push", [0.3, 1.0, 1.4])
 def test_a_push_at_one_half_alone_moves_the_case_and_does_not_close_it(push: float) -> None:
-    trial = Trial()
+    trial = TaskScene(CloseCase.draw(3, BOTH))
     assert push < GRIP[0] and not trial.measure().reached
     along = trial.scene.object_pose(trial.data, CASE)[1][:, 0]
     before = trial.data.body(CASE).xpos.copy()

@@ -11,7 +11,6 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from models.errors import SurfaceTooSmallError
 from models.hand import Hand as SceneHand
 from models.scene import Scene, SceneSpec
 from models.surface import Surface
@@ -147,11 +146,6 @@ def test_a_grasp_is_around_the_rim_and_its_wrist_stays_within_reach() -> None:
         made = handling.reach(knob, grasp, 2 * task.mark, hand)
         assert abs(off) <= WRIST + 1e-9 and abs(off + made) <= WRIST + 1e-9
         assert abs(made) == pytest.approx(2 * WRIST)
-
-
-def test_a_small_surface_is_refused() -> None:
-    with pytest.raises(SurfaceTooSmallError, match="a hand around a knob"):
-        Dial.draw(1, Surface(3.0, 3.0))
 
 
 @pytest.mark.parametrize("options", [{"solid": "fingertips"}, {"solid": "hand"}])

@@ -1,6 +1,6 @@
 """Actions: the numbers of a hand by their names."""
 
-from models.arithmetic.arrays import Array
+from models.arithmetic import Array
 from models.pose import JOINTS, ROOT_POSITION, ROOT_ROTATION
 from models.robot.known import find_robot
 from models.robot.robot_hand import RobotHand

@@ -10,8 +10,7 @@ from models.errors import InputError
 from sandbox.cli.common.touch_options import TouchOptions
 from sandbox.play.page_touches import open_page_touches
 from sandbox.stream.live_hand import LiveHand
-from sandbox.trial.assembly import build
-from sandbox.trial.open_devices import device_makers
+from sandbox.trial.assembly import build, device_makers
 from sandbox.trial.trial_options import TrialOptions, trial_settings
 
 from .actions import HandActions

@@ -17,8 +17,7 @@ from encoders.paalm.angles import FRAMES, joints_of_angles
 from encoders.paalm.chain import FINGER_LIMITS, THUMB_LIMITS, FingerChain
 from encoders.paalm.coupling import Coupling
 from encoders.paalm.simulated.air import FROZEN_AIR, body_of
-from models.arithmetic.arrays import Array
-from models.arithmetic.products import length, small_product
+from models.arithmetic import Array, length, small_product
 from tasks.user import UserConfiguration
 
 AXIS = float(np.deg2rad(52.0))

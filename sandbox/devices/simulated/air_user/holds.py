@@ -7,8 +7,7 @@ from math import cos, sin
 
 import numpy as np
 
-from models.arithmetic.arrays import Array
-from models.arithmetic.products import length, small_product, total
+from models.arithmetic import Array, length, small_product, total
 from models.errors import InputError
 from models.objects import Box, SceneObject, Tray, Wrench
 from tasks.task import Goal, flat_yaw

@@ -14,8 +14,7 @@ from math import cos, radians, sin
 
 import numpy as np
 
-from models.arithmetic.arrays import Array
-from models.arithmetic.products import length, small_product
+from models.arithmetic import Array, length, small_product
 from sandbox.devices.simulated.air_user.body import AXIS
 from sandbox.devices.simulated.air_user.holds import (
     Hold,
@@ -101,7 +100,7 @@ class PatientPerson(AirPerson):
 
     def _carry(self, sight: Sight, now: float) -> None:
         hold = self._hold(sight)
-        if not stays_down(self._thing(sight).shape) and self._holds(sight, hold):
+        if not stays_down(self._seen_object(sight).shape) and self._holds(sight, hold):
             risen = float(hold.position[2]) - self._foot
             low = not _alone(sight) and risen < _RISEN * self._held
             if low and self._raised < _TIMES:
@@ -115,7 +114,7 @@ class PatientPerson(AirPerson):
         super()._carry(sight, now)
 
     def _lower(self, sight: Sight, now: float) -> None:
-        above = float(self._thing(sight).position[2]) - self._goal(sight).position[2]
+        above = float(self._seen_object(sight).position[2]) - self._goal(sight).position[2]
         down = above < _LOW and self._above_goal - above < _SINKS
         if _alone(sight) and (self._pushed or down):
             self._push(sight, now)
@@ -129,7 +128,7 @@ class PatientPerson(AirPerson):
 
     def _push(self, sight: Sight, now: float) -> None:
         """Pushes a thing that is down to its place; lets go of one that is there."""
-        thing, goal, habits = self._thing(sight), self._goal(sight), self.habits
+        thing, goal, habits = self._seen_object(sight), self._goal(sight), self.habits
         self._above_goal = float(thing.position[2]) - goal.position[2]
         off, turn = remaining_motion(thing, goal)
         near = length(off) < habits.placed and abs(turn) < habits.straight
@@ -144,7 +143,7 @@ class PatientPerson(AirPerson):
         self._go(replace(aim, centre=centre, yaw=aim.yaw + turn), Stage.LOWERED, now, 1.2)
 
     def _leave(self, sight: Sight, now: float) -> None:
-        thing, goal, hold = self._thing(sight), super()._goal(sight), self._hold(sight)
+        thing, goal, hold = self._seen_object(sight), super()._goal(sight), self._hold(sight)
         if self._let_go is not None:
             self._learn(self._let_go, remaining_motion(thing, goal))
             self._let_go = None

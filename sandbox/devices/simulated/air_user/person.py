@@ -14,8 +14,7 @@ from math import cos, sin
 
 import numpy as np
 
-from models.arithmetic.arrays import Array
-from models.arithmetic.products import length, small_product, squared_lengths
+from models.arithmetic import Array, length, small_product, squared_lengths
 from models.objects import Tray
 from sandbox.devices.simulated.air_user.body import (
     AXIS,
@@ -244,7 +243,7 @@ class AirPerson:
     def _lift(self, sight: Sight, now: float) -> None:
         hold, goal = self._hold(sight), self._goal(sight)
         self._stood, self._held, self._tries = float(hold.position[2]), 0.0, 0
-        if stays_down(self._thing(sight).shape):
+        if stays_down(self._seen_object(sight).shape):
             self._stage = Stage.LIFTED
             self._carry(sight, now)
             return
@@ -254,7 +253,7 @@ class AirPerson:
         self._go(replace(aim, centre=aim.centre + _up(self._held)), Stage.LIFTED, now, 1.2)
 
     def _carry(self, sight: Sight, now: float) -> None:
-        thing, goal, habits = self._thing(sight), self._goal(sight), self.habits
+        thing, goal, habits = self._seen_object(sight), self._goal(sight), self.habits
         aim, hold = self._movement.aim, self._hold(sight)
         pinch = aim.centre - self._offset
         if float(hold.position[2]) - self._stood < 0.5 * self._held or self._slipped(hold, sight):
@@ -283,7 +282,7 @@ class AirPerson:
         return not 0.0 < share < 1.0 or aside > _ASIDE
 
     def _lower(self, sight: Sight, now: float) -> None:
-        above = float(self._thing(sight).position[2]) - self._goal(sight).position[2]
+        above = float(self._seen_object(sight).position[2]) - self._goal(sight).position[2]
         if above < 0.003 or self._tries >= self.habits.looks or self._held == 0.0:
             self._open(now)
             return
@@ -332,17 +331,17 @@ class AirPerson:
 
     # What the person sees.
 
-    def _thing(self, sight: Sight) -> SeenObject:
+    def _seen_object(self, sight: Sight) -> SeenObject:
         assert self._name is not None
         return sight.objects[self._name]
 
     def _hold(self, sight: Sight) -> Hold:
-        return hold_of(self._thing(sight), self._home)
+        return hold_of(self._seen_object(sight), self._home)
 
     def _grip(self, hold: Hold, sight: Sight) -> Array:
         """(3,) m, wanted midpoint between the tips when they close."""
         x, y, z = hold.position.tolist()
-        if stays_down(self._thing(sight).shape):
+        if stays_down(self._seen_object(sight).shape):
             return np.array([x, y, float(self._radius[list(PINCHING)].max()) + self.habits.clear])
         return np.array([x, y, z + self.habits.grip])
 
@@ -360,13 +359,13 @@ class AirPerson:
 
     def _comfortable(self, hold: Hold, sight: Sight) -> float:
         """rad, turn of the hand for a hold: with room for the fingers, and little to turn."""
-        _, turn = remaining_motion(self._thing(sight), self._goal(sight))
+        _, turn = remaining_motion(self._seen_object(sight), self._goal(sight))
         best = (np.inf, 0.0)
         for side in range(0, 4, 1 if hold.quarter else 2):
             hand = (hold.yaw + side * np.pi / 2 - AXIS + np.pi) % (2 * np.pi) - np.pi
             gap = self._centres(hold.width + 2.0 * self.habits.opening)
             tips = Pinch(hold.position, hand, gap, np.zeros((3, 3))).tips()
-            tips = np.concatenate([tips, hold.position + self._others(sight, hand)])
+            tips = np.concatenate([tips, hold.position + self._idle_tips(sight, hand)])
             room = min(
                 (
                     float(np.min(o.shape.clearance(tips, o.position, o.rotation)))
@@ -379,7 +378,7 @@ class AirPerson:
             best = min(best, (cost, hand))
         return best[1]
 
-    def _others(self, sight: Sight, yaw: float) -> Array:
+    def _idle_tips(self, sight: Sight, yaw: float) -> Array:
         """(2, 3) m from the pinch's centre to the tips that do not pinch, of a turned hand."""
         thumb, fingers = _pads(sight)
         pinch = (thumb + fingers) / 2.0
@@ -420,14 +419,14 @@ class AirCarrier(AirPerson):
         self._carry(sight, now)
 
     def _carry(self, sight: Sight, now: float) -> None:
-        thing, goal = self._thing(sight), self._goal(sight)
+        thing, goal = self._seen_object(sight), self._goal(sight)
         assert isinstance(thing.shape, Tray)
         aim, hold = self._movement.aim, self._hold(sight)
         if length(hold.position - (aim.centre - self._offset)) > _GONE:
             self._open(now)
             return
         low = thing.shape.handle[2]
-        height, other = hold.half_above(low), _other(thing, hold).half_above(low)
+        height, other = hold.half_above(low), _far_end(thing, hold).half_above(low)
         top = goal.position[2] - low
         wanted = min(top, other + _AHEAD)
         step = np.zeros(3)
@@ -457,6 +456,6 @@ class AirCarrier(AirPerson):
         return off / steps, turn / steps if abs(turn) > _FELT * _STRAIGHT else 0.0
 
 
-def _other(thing: SeenObject, hold: Hold) -> Hold:
+def _far_end(thing: SeenObject, hold: Hold) -> Hold:
     """The handle at the other end."""
     return replace(hold, position=2.0 * thing.position - hold.position)

@@ -1,8 +1,9 @@
 // The WebSocket: sends hello, acknowledgements and heartbeats, and reconnects when it is lost.
 
 import { clientName, fileAddress, reload, socketAddress, spectator } from "./link";
+import { parseDemonstration } from "./demonstration";
 import { type Frame, parseFrame } from "./frame";
-import { type Down, PROTOCOL, type Refusal, type SceneMessage, type Sheet, type Localised, type Up, type Welcome } from "./protocol";
+import { type Down, PROTOCOL, type Refusal, type SceneMessage, type Seat, type Sheet, type Localised, type Up, type Welcome } from "./protocol";
 import { currentScreen, sized } from "./screen";
 import { type Skin, parseSkin } from "./skin";
 import { type Key, language } from "./words";
@@ -17,6 +18,8 @@ const SHORTEST_WAIT_MS = 100;
 const LONGEST_WAIT_MS = 500;
 /** While the page is hidden, nobody waits. */
 const HIDDEN_WAIT_MS = 5000;
+/** After a goodbye, the program is perhaps started again some time. */
+const PARTED_WAIT_MS = 3000;
 /** Number of failures after each of which it asks why: perhaps another program answers by now. */
 const ASKED_EVERY = 3;
 /** Unsent bytes above which moves are held back: the network has stalled. */
@@ -29,7 +32,9 @@ const ENDS: Record<number, Key> = {
   4002: "too_many_pages",
   4003: "in_another_tab",
   4004: "not_understood",
+  4005: "goodbye",
 };
+const GOODBYE = 4005;
 
 export type Condition = "connecting" | "open" | "lost" | "ended";
 
@@ -38,9 +43,11 @@ export interface Listener {
   onWelcome(welcome: Welcome): void;
   onScene(scene: SceneMessage): void;
   onSkin(skin: Skin): void;
+  onDemonstration(frames: Frame[]): void;
   onTrouble(told: Localised[]): void;
   onSheet(sheet: Sheet): void;
   onRefusal(refusal: Refusal): void;
+  onSeat(seat: Seat): void;
   onFrame(frame: Frame): void;
   onRoundTrip(ms: number): void;
 }
@@ -54,6 +61,8 @@ export class Connection {
   private roundTrip: number | null = null;
   private timer = 0;
   private isPresent = true;
+  /** True after a goodbye: it says nothing while it looks whether the program is there again. */
+  private parted = false;
 
   constructor(private readonly listener: Listener) {
     window.setInterval(() => this.beat(), BEAT_MS);
@@ -97,7 +106,7 @@ export class Connection {
       this.timer = window.setTimeout(() => this.open(), SHORTEST_WAIT_MS);
       return;
     }
-    this.listener.onCondition("connecting", "connecting");
+    if (!this.parted) this.listener.onCondition("connecting", "connecting");
     const socket = new WebSocket(socketAddress());
     socket.binaryType = "arraybuffer";
     this.socket = socket;
@@ -127,7 +136,9 @@ export class Connection {
       const frame = parseFrame(data);
       if (!frame) {
         const skin = parseSkin(data);
+        const demonstration = parseDemonstration(data);
         if (skin) this.listener.onSkin(skin);
+        if (demonstration) this.listener.onDemonstration(demonstration);
         return;
       }
       // At once, before anything is drawn: slow drawing must not slow down the stream.
@@ -140,6 +151,7 @@ export class Connection {
       case "welcome":
         this.wait = SHORTEST_WAIT_MS;
         this.failures = 0;
+        this.parted = false;
         this.listener.onCondition("open", "connected");
         this.listener.onWelcome(message);
         break;
@@ -154,6 +166,9 @@ export class Connection {
         break;
       case "refusal":
         this.listener.onRefusal(message);
+        break;
+      case "seat":
+        this.listener.onSeat(message);
         break;
       case "echo":
         this.roundTrip = Math.max(performance.now() - message.t, 0);
@@ -182,6 +197,13 @@ export class Connection {
   private lose(code: number): void {
     this.socket = null;
     const why = ENDS[code];
+    if (code === GOODBYE) this.listener.onCondition("ended", "goodbye");
+    this.parted ||= code === GOODBYE;
+    if (this.parted) {
+      this.timer = window.setTimeout(() => this.open(), PARTED_WAIT_MS);
+      if (code !== GOODBYE) void this.askWhetherValid();
+      return;
+    }
     if (why && code !== 4002) {
       this.listener.onCondition("ended", why);
       if (code === WRONG_VERSION && performance.now() > 10000) reload();

@@ -5,7 +5,6 @@ import {
   CanvasTexture,
   LineBasicMaterial,
   LineLoop,
-  MeshStandardMaterial,
   RepeatWrapping,
   SRGBColorSpace,
   Vector3,
@@ -13,12 +12,13 @@ import {
 import { OUTLINE, TABLE } from "./colours";
 import { METRES_PER_INCH } from "./lens";
 import type { SurfaceView } from "./protocol";
+import { type Surfaced, surfaced } from "./shapes";
 
 /** m, side of the repeated tile of the mat: 5 fields of 2 cm. */
 const PIECE = 0.1;
 
-/** The material of the mat, a plane of a given width and height in m. */
-export function matMaterial(width: number, height: number): MeshStandardMaterial {
+/** The material of the mat, a plane of a given width and height in m; for `plain` see `surfaced`. */
+export function matMaterial(width: number, height: number, plain: boolean): Surfaced {
   const canvas = document.createElement("canvas");
   canvas.width = canvas.height = 512;
   const pen = canvas.getContext("2d")!;
@@ -35,8 +35,8 @@ export function matMaterial(width: number, height: number): MeshStandardMaterial
   map.wrapS = map.wrapT = RepeatWrapping;
   map.repeat.set(width / PIECE, height / PIECE);
   map.colorSpace = SRGBColorSpace;
-  map.anisotropy = 4;
-  return new MeshStandardMaterial({ map, roughness: 0.95 });
+  map.anisotropy = plain ? 1 : 4;
+  return surfaced(plain, { map, roughness: 0.95 });
 }
 
 /** The border of the touch rectangle, in its own plane. */

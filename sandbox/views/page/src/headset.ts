@@ -106,10 +106,12 @@ class HeadsetPage {
       },
       onWelcome: () => undefined,
       onScene: (scene) => this.open(scene),
+      onDemonstration: () => undefined,
       onSkin: (skin) => this.table.dress(skin),
       onTrouble: (told) => this.tell(told.map(repeat).join(" ")),
       onSheet: () => undefined,
       onRefusal: () => undefined,
+      onSeat: () => undefined,
       onFrame: (frame) => this.take(frame),
       onRoundTrip: () => undefined,
     });

@@ -2,15 +2,28 @@
 
 import type { Condition } from "./connection";
 import { make, show, write } from "./dom";
-import type { SceneMessage, State, StudyView } from "./protocol";
+import type { Rectangle } from "./lens";
+import { FOOTER, leastCovering, placesFor } from "./places";
+import { ON_TABLE } from "./presses";
+import { LIFT_STRIP_PX, type SceneMessage, type State, type StudyView } from "./protocol";
 import { type Key, repeat, say, taskName, word } from "./words";
 
 const TOAST_MS = 2600;
-/** ms for which the delay of the last touch stays in view. */
-const DELAY_SHOWN_MS = 3000;
+/** CSS pixels of the corner with the button for full screen. */
+const CORNER_PX = 56;
+const corner = (): Rectangle => ({
+  left: document.documentElement.dir === "rtl" ? 0 : window.innerWidth - CORNER_PX,
+  top: 0,
+  width: CORNER_PX,
+  height: CORNER_PX,
+});
+/** CSS pixels below the table that a row of buttons needs, and beside it a column of them. */
+const ROW_PX = 62;
+const COLUMN_PX = 150;
+/** Steps of the progress that are spoken. */
+const QUARTERS = 4;
 /** Key of the notice that a finger is inside an object. */
 const INSIDE: Key = "stuck";
-const digits = (ms: number): string => (ms < 10 ? ms.toFixed(1) : ms.toFixed(0));
 
 /** Why time stands still, for a player and for a spectator. */
 const PAUSES: Record<Exclude<State["pause"], "">, [Key, Key]> = {
@@ -30,13 +43,26 @@ const STUDY_PAUSES: Record<Exclude<State["pause"], "">, Key> = {
 export interface Wishes {
   again(): void;
   tasks(): void;
-  hand(): void;
-  sound(): void;
   settings(): void;
+  help(): void;
+  seat(): void;
+}
+
+/** What the words beside a trial depend on besides its state. */
+export interface Moment {
+  player: boolean;
+  /** True if time stands still because this page was turned. */
+  turned: boolean;
+  /** True if a demonstration is shown in place of the trial. */
+  demonstrated: boolean;
+  /** True if a finger that is inside an object is told so beside it. */
+  atFinger: boolean;
+  /** s, simulated time at which the goal was held; null before. */
+  heldAt: number | null;
 }
 
 /** What is to be done; in a study in the words of its design. */
-export const goalOf = (scene: SceneMessage, inStudy: boolean): string =>
+const goalOf = (scene: SceneMessage, inStudy: boolean): string =>
   inStudy ? scene.goal : word(`goal_${scene.task}`, scene.goal);
 
 export class Hud {
@@ -48,65 +74,58 @@ export class Hud {
   private readonly bar = make("div", "bar-fill");
   private readonly dot = make("span", "dot");
   private readonly link = make("span", "link");
-  private readonly size: HTMLElement;
   private readonly caption = make("span", "badge quiet");
   private readonly looking = make("span", "badge");
+  /** Asks for the player's seat. */
+  private readonly ask: HTMLButtonElement;
   readonly toast = make("div", "toast");
-  readonly end = make("div", "end");
-  private readonly endWords = make("p", "end-words");
-  private readonly hand: HTMLButtonElement;
-  private readonly sound: HTMLButtonElement;
+  /** Read aloud by screen readers. */
+  private readonly voice = make("p", "voice");
+  /** State of the trial that was spoken last. */
+  private spoken = "";
+  private readonly header: HTMLElement;
+  private readonly words: HTMLElement;
+  private readonly score: HTMLElement;
   private readonly buttons: HTMLElement;
   private timer = 0;
-  /** ms, time at which a touch's delay was shown last. */
-  private delayed = -Infinity;
   private study: StudyView | null = null;
-  private scored = true;
+  /** What a study's trial lacked in its last moment. */
+  private missing = "";
 
   constructor(wishes: Wishes) {
     const button = (text: string, onTap: () => void): HTMLButtonElement =>
       make("button", "button", { text, onTap });
-    this.hand = button(say("right_hand"), wishes.hand);
-    this.sound = button(say("sound_on"), wishes.sound);
-    this.size = make("button", "badge warn", { onTap: wishes.settings });
+    this.ask = button(say("seat_ask"), () => {
+      wishes.seat();
+      this.ask.disabled = true;
+    });
     this.buttons = make(
       "div",
       "buttons",
       {},
       button(say("again"), wishes.again),
       button(say("tasks"), wishes.tasks),
-      this.hand,
-      this.sound,
-    );
-    this.end.append(
-      this.endWords,
-      make(
-        "div",
-        "row",
-        {},
-        make("button", "button large primary", { text: say("again"), onTap: wishes.again }),
-        make("button", "button large", { text: say("other_task"), onTap: wishes.tasks }),
-      ),
+      button(say("settings"), wishes.settings),
+      make("button", "button help", { text: "?", label: say("show_how"), onTap: wishes.help }),
     );
     const progress = make("div", "bar", {}, this.bar);
-    const words = make("div", "words", {}, this.task, this.goal);
-    const score = make("div", "score", {}, this.clock, progress, this.reason);
+    this.words = make("div", "words", {}, this.task, this.goal);
+    this.score = make("div", "score", {}, this.clock, progress, this.reason);
     const state = make("div", "pill", {}, this.dot, this.link);
+    this.header = make("header", "top", {}, this.words, this.score);
     this.root = make(
       "div",
       "hud",
       {},
-      make("header", "top", {}, words, score),
+      this.header,
       // Buttons are at the edge that the hand comes from, where no task needs a finger.
-      make("footer", "bottom", {}, state, this.size, this.caption, this.looking, this.buttons),
+      make("footer", "bottom", {}, state, this.caption, this.looking, this.ask, this.buttons),
       this.toast,
-      this.end,
+      this.voice,
     );
-    for (const told of [this.toast, this.end]) told.setAttribute("role", "status");
+    for (const told of [this.toast, this.voice]) told.setAttribute("role", "status");
     show(this.toast, false);
-    show(this.end, false);
     show(this.caption, false);
-    show(this.size, false);
     this.setLooking("");
   }
 
@@ -116,10 +135,27 @@ export class Hud {
     this.root.classList.toggle("looking", !player);
   }
 
+  /** Puts the buttons beside the touch rectangle, below it or in the margin, where there is room. On it they
+   * have to be held.
+   *
+   * @param lift Side of the rectangle that the lift control takes; null without one.
+   */
+  stand(place: Rectangle, lift: "left" | "right" | null): void {
+    const end = document.documentElement.dir === "rtl" ? "left" : "right";
+    const strip = lift === end ? LIFT_STRIP_PX : 0;
+    const below = window.innerHeight - place.top - place.height;
+    const margin = end === "left" ? place.left : window.innerWidth - place.left - place.width;
+    const aside = below < ROW_PX && margin - strip >= COLUMN_PX;
+    this.buttons.classList.toggle("aside", aside);
+    this.buttons.classList.toggle(ON_TABLE, below < ROW_PX && !aside);
+  }
+
   /** Shows who plays, if it is not the person at this page; empty shows nothing. */
   setLooking(words: string): void {
     write(this.looking, words);
     show(this.looking, words !== "");
+    show(this.ask, words !== "");
+    if (words === "") this.ask.disabled = false;
   }
 
   /** Shows only what a study's design chooses, in the participant's language. */
@@ -131,95 +167,115 @@ export class Hud {
   setScene(scene: SceneMessage): void {
     write(this.task, this.study ? scene.task : taskName(scene.task));
     write(this.goal, goalOf(scene, this.study !== null));
-    write(this.hand, say(scene.hand === "right" ? "right_hand" : "left_hand"));
     write(this.caption, scene.caption ? repeat(scene.caption) : "");
     show(this.caption, scene.caption !== null);
-    this.scored = scene.scored ?? true;
-    show(this.end, false);
   }
 
-  /**
-   * @param turned True if time stands still because this page was turned.
-   * @param atFinger True if a finger that is inside an object is told so beside it.
-   */
-  setState(state: State, limit: number, player: boolean, turned: boolean, atFinger: boolean): void {
+  setState(state: State, limit: number, moment: Moment): void {
+    const { player, turned, demonstrated, atFinger } = moment;
     const over = state.status !== "running";
-    write(this.clock, say("seconds", { time: state.time.toFixed(1) }));
+    const time = state.time.toFixed(1);
+    const clock = this.study ? say("seconds", { time }) : say("seconds_of", { time, limit: String(limit) });
+    write(this.clock, clock);
     this.clock.classList.toggle("late", !over && limit - state.time < 5);
     this.bar.style.transform = `scaleX(${Math.min(Math.max(state.progress, 0), 1)})`;
     this.bar.classList.toggle("good", state.reached);
     this.bar.classList.toggle("done", state.held);
     if (this.study) {
-      this.tellInStudy(state);
+      this.tellInStudy(state, moment);
       return;
     }
     const reason = state.reason ? repeat(state.reason) : "";
     let words = reason;
-    if (turned) words = say("stands_still");
+    if (demonstrated) words = say("demonstration");
+    else if (turned) words = say("stands_still");
     else if (state.pause) words = say(PAUSES[state.pause][player ? 0 : 1]);
     else if (state.held) words = say("stayed");
     else if (state.reached) words = say("there");
     write(this.reason, words);
+    this.speak(state, words, limit);
     const notice = state.notices.find(({ key }) => !(atFinger && key === INSIDE));
     if (notice) this.say(repeat(notice));
-    if (over && player) {
-      const because = reason ? say("over_because", { reason }) : say("over_plain");
-      const time = state.time.toFixed(1);
-      write(
-        this.endWords,
-        state.held
-          ? say(this.scored ? "done_in" : "done_unscored", { time })
-          : state.status === "timeout"
-            ? say("time_up")
-            : because,
-      );
-      this.end.classList.toggle("success", state.held);
-    }
-    show(this.end, over && player);
   }
 
-  /** Shows neither score nor diagnostics, only what the person needs to go on. */
-  private tellInStudy(state: State): void {
+  /** Speaks the state of the trial: what it waits for, how it ends, and every quarter of the way what is missing. */
+  private speak(state: State, words: string, limit: number): void {
+    const quarter = Math.floor(Math.min(Math.max(state.progress, 0), 1) * QUARTERS);
+    const { status, pause, reached, held } = state;
+    const now = [status, pause, reached, held, quarter].join();
+    if (now === this.spoken) return;
+    this.spoken = now;
+    const timeout = status === "timeout" ? `${say("time_up")}. ${say("limit", { time: String(limit) })}` : words;
+    write(this.voice, timeout);
+  }
+
+  /** Shows neither score nor diagnostics, only what the person needs to go on, and the result of a trial if the
+   * design says so. */
+  private tellInStudy(state: State, { demonstrated, heldAt }: Moment): void {
     const over = state.status !== "running";
-    const end: Key = state.held ? "success" : state.status === "timeout" ? "time_up" : "over";
-    const let_stay: Key | null = state.reached ? "let_stay" : null;
-    const now = state.pause ? STUDY_PAUSES[state.pause] : let_stay;
-    const told = over || state.held ? end : now;
-    write(this.reason, told ? say(told) : "");
+    if (!over) this.missing = state.reason ? repeat(state.reason) : "";
+    const told = (): string => {
+      if (over || state.held) return this.resultInStudy(state, heldAt);
+      if (demonstrated) return say("demonstration");
+      if (state.pause) return say(STUDY_PAUSES[state.pause]);
+      return state.reached ? say("let_stay") : "";
+    };
+    write(this.reason, told());
     this.reason.classList.toggle("told", over || state.held);
+  }
+
+  private resultInStudy({ held, reason, status }: State, heldAt: number | null): string {
+    const shown = this.study?.shows.includes("result") ?? false;
+    if (held && shown && heldAt !== null) return say("done_in", { time: heldAt.toFixed(1) });
+    const late = status === "timeout";
+    const end = say(held ? "success" : late ? "time_up" : "over");
+    // The reason of a trial that took too long may be the study's limit.
+    const why = late || !reason ? this.missing : repeat(reason);
+    return shown && !held && why ? `${end}\n${why}` : end;
   }
 
   setConnection(condition: Condition, words: string): void {
     this.dot.dataset["condition"] = condition;
-    write(this.link, words);
+    // A connection that works says nothing.
+    write(this.link, condition === "open" ? "" : words);
   }
 
-  /** Shows the time from a touch to the first picture that contains it, at a time in ms. */
-  setDelay(ms: number, at: number): void {
-    this.delayed = at;
-    write(this.link, say("milliseconds", { time: digits(ms) }));
+  /** Moves the words at the top away from what has to be seen.
+   *
+   * @param things Rectangles of objects and of goals, in CSS pixels.
+   * @param left CSS pixels of the page at the left that are taken; `right` likewise.
+   */
+  standAside(things: Rectangle[], left: number, right: number): void {
+    const taken = [...things, corner()];
+    // A study shows its progress elsewhere.
+    for (const text of this.study ? [this.words] : [this.words, this.score]) {
+      text.style.left = text.style.top = "0";
+      const { left: x, top: y, width, height } = text.getBoundingClientRect();
+      const own = { left: x, top: y, width, height };
+      const rows = [y, window.innerHeight - FOOTER - height];
+      const places = [own, ...placesFor(own, left, right, rows)];
+      const place = leastCovering(places, taken);
+      text.style.left = `${place.left - x}px`;
+      text.style.top = `${place.top - y}px`;
+      taken.push(place);
+    }
   }
 
-  /** Shows the time to the computer and back while there are no touches whose delay could be shown. */
-  setRoundTrip(ms: number, at: number): void {
-    if (at - this.delayed > DELAY_SHOWN_MS) write(this.link, say("link_delay", { time: digits(ms) }));
+  /** Rectangles of the words around the table, and of the button for full screen. */
+  get texts(): Rectangle[] {
+    return [corner(), ...[this.words, this.score].map((text) => text.getBoundingClientRect())];
   }
 
-  setSound(muted: boolean): void {
-    write(this.sound, say(muted ? "sound_off" : "sound_on"));
-  }
-
-  /** Shows what is to be known about the table's size; empty shows nothing. */
-  setSize(words: string): void {
-    write(this.size, words);
-    show(this.size, words !== "");
+  /** CSS pixels from the top of the page to below its words and its progress. */
+  get headerHeight(): number {
+    return this.header.getBoundingClientRect().bottom;
   }
 
   /** Shows a message that disappears by itself. */
-  say(text: string): void {
+  say(text: string, ms = TOAST_MS): void {
     write(this.toast, text);
     show(this.toast, true);
     window.clearTimeout(this.timer);
-    this.timer = window.setTimeout(() => show(this.toast, false), TOAST_MS);
+    this.timer = window.setTimeout(() => show(this.toast, false), ms);
   }
 }

@@ -1,7 +1,7 @@
 // The lift control: a tall slider under the other thumb, beside the touch rectangle. It keeps its
 // position when it is released, so that a slipped thumb does not make the hand drop an object.
 
-import { claim, make } from "./dom";
+import { claim, make, write } from "./dom";
 import type { Rectangle } from "./lens";
 import { recallHere, rememberHere } from "./memory";
 import { LIFT_KEY, LIFT_NOTCH, LIFT_PAGE, LIFT_STRIP_PX, NOTCH_PX } from "./protocol";
@@ -17,7 +17,7 @@ const KEYS: Record<string, number> = {
 const KEPT = "lift";
 
 /** True for a wheel or a key that belongs to a menu, a form or a field. */
-const elsewhere = ({ target }: Event): boolean =>
+export const elsewhere = ({ target }: Event): boolean =>
   document.querySelector(".veil, .study:not([hidden])") !== null ||
   (target instanceof Element && target.closest("input, textarea, select") !== null);
 
@@ -33,7 +33,14 @@ export class Lift {
   /** Side of the touch rectangle on which it stands: away from the playing hand. */
   side: "left" | "right" = "left";
 
-  constructor(private readonly tell: (value: number) => void) {
+  /** m, height of the hand with the knob at the top. */
+  private height = 0;
+
+  /** @param taken True while the wheel belongs to a hand of the mouse. */
+  constructor(
+    private readonly tell: (value: number) => void,
+    private readonly taken: () => boolean,
+  ) {
     this.track = make("div", "lift", { label: say("lift") }, this.word, this.knob);
     this.track.tabIndex = 0;
     this.track.setAttribute("role", "slider");
@@ -60,7 +67,7 @@ export class Lift {
     const perPixel = LIFT_NOTCH / NOTCH_PX;
     const turn = (e: WheelEvent): void => {
       // With ctrl it zooms the page; a pinch on a trackpad comes as that, too.
-      if (!e.ctrlKey && !elsewhere(e)) this.set(this.value - e.deltaY * perPixel);
+      if (!e.ctrlKey && !elsewhere(e) && !this.taken()) this.set(this.value - e.deltaY * perPixel);
     };
     window.addEventListener("wheel", turn, { passive: true });
     window.addEventListener("keydown", (e) => {
@@ -72,11 +79,13 @@ export class Lift {
 
   /** Shows the control if the task needs it.
    *
+   * @param height m, to which it lifts the hand; 0 if the task has none.
    * @param trial Name of the trial; the control stays where it is for the same one, also after a
    * reload.
    */
-  open(needed: boolean, hand: "left" | "right", trial: string): void {
+  open(needed: boolean, height: number, hand: "left" | "right", trial: string): void {
     this.root.hidden = !needed;
+    this.height = height;
     this.side = hand === "right" ? "left" : "right";
     if (trial === this.trial) return;
     const [name, value] = (recallHere(KEPT) ?? "").split("=");
@@ -120,6 +129,9 @@ export class Lift {
   private put(value: number): void {
     this.value = value;
     this.knob.style.bottom = `${8 + value * 84}%`;
+    const height = say("lift_height", { mm: (1000 * value * this.height).toFixed(0) });
+    write(this.knob, height);
+    this.track.setAttribute("aria-valuetext", height);
     this.track.setAttribute("aria-valuenow", String(Math.round(100 * value)));
   }
 }

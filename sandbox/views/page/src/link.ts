@@ -1,18 +1,19 @@
 // The link that opened the page: its token is removed from the address bar, since links are
 // photographed and shared, and stored in this tab so that the page can reconnect and reload (see return.html).
 
-import { recallHere, remember, rememberHere } from "./memory";
+import { recall, recallHere, remember, rememberHere } from "./memory";
 
 const query = new URLSearchParams(location.search);
 
 export const token = query.get("token") ?? recallHere("token") ?? "";
 export const spectator = query.get("role") === "spectator";
 
-/** The page's random name, kept after a reload, so that it remains the player. */
-export const clientName = recallHere("client") ?? randomName();
+/** The browser's random name, the same in its next tab, so that it remains the player. */
+export const clientName = recallHere("client") ?? recall("client") ?? randomName();
 
 rememberHere("token", token);
 rememberHere("client", clientName);
+remember("client", clientName);
 // An installed page begins in a tab of its own, at an address without the token (see return.html).
 window.addEventListener("appinstalled", () => remember("token", token));
 if (matchMedia("(display-mode: standalone)").matches) remember("token", token);

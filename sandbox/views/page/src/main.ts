@@ -1,31 +1,38 @@
 // The page: creates its parts and connects them.
 
-import { advise } from "./advice";
+import { Anew } from "./anew";
 import { forColourBlind, standardColours, toggleColours } from "./colours";
 import { Connection } from "./connection";
+import { Delay } from "./delay";
+import { Demonstration } from "./demonstration";
 import { make, show, write } from "./dom";
-import { Doubt } from "./doubt";
 import { canDraw } from "./drawing";
 import { type Change, type Finger, Fingers } from "./fingers";
 import type { Frame } from "./frame";
 import { FullScreen } from "./full";
+import { FailedGrip } from "./grip";
 import { Hint } from "./hint";
-import { Hud, goalOf } from "./hud";
+import { Hud } from "./hud";
 import { touchRectangle } from "./lens";
-import { Lift } from "./lift";
+import { Lift, elsewhere } from "./lift";
 import { lookOn, reload, spectator } from "./link";
 import { measureScreen } from "./measure";
-import { type Switch, taskMenu } from "./menu";
+import { type Switch, settingsMenu, taskMenu } from "./menu";
+import { Presses } from "./presses";
 import {
+  type ContactState,
   LIFT_STRIP_PX,
+  NOTCH_PX,
   type PlayerRequest,
   type SceneMessage,
+  type Sheet,
   type StudyView,
   type TaskName,
 } from "./protocol";
-import { askPhone } from "./phone";
+import { Replay } from "./replay";
+import { Result } from "./result";
 import { type Ring, Rings, TOLD, ringHeight } from "./rings";
-import { calibrated, currentScreen, onOtherPixels, pxPerInch, small, sized, touchable } from "./screen";
+import { calibrated, currentScreen, ipad, onOtherPixels, pxPerInch, sized } from "./screen";
 import { Sender } from "./sender";
 import { Sheets } from "./sheet";
 import { Sound } from "./sound";
@@ -40,6 +47,14 @@ import { tableZoomed, watchZoom } from "./zoom";
 const REPORT_MS = 100;
 /** ms within which a new scene counts as the substitute for one that is not available. */
 const REFUSED_MS = 1000;
+/** ms for which advice can be read. */
+const ADVICE_MS = 9000;
+/** ms for which a contact is ignored before the player is told. */
+const IGNORED_MS = 600;
+/** s without progress after which a player is shown how, and what counts as progress. */
+const STUCK_S = 10;
+const GAINED = 0.02;
+const INCHES_PER_METRE = 1 / 0.0254;
 /** Share by which the page's size has to change before the trial is restarted with a new layout. */
 const CHANGED = 0.08;
 
@@ -47,6 +62,12 @@ class Page {
   private readonly stage: Stage;
   private readonly rings: Rings;
   private readonly hud: Hud;
+  private readonly result: Result;
+  private readonly replay = new Replay();
+  private readonly demonstration = new Demonstration();
+  private readonly delay = new Delay();
+  private readonly anew: Anew;
+  private readonly presses: Presses;
   private readonly sheets: Sheets;
   private readonly connection: Connection;
   private readonly sender: Sender;
@@ -54,7 +75,7 @@ class Page {
   private readonly vibration = new Vibration();
   private readonly hint = new Hint();
   private readonly lift: Lift;
-  private readonly doubt = new Doubt();
+  private readonly grip = new FailedGrip();
   private readonly study = new Study((up) => this.connection.say(up));
   private readonly again = make("div", "lift-again", { text: say("lift_again") });
   private readonly trouble = make("div", "trouble");
@@ -65,6 +86,8 @@ class Page {
 
   private glass: Fingers | null = null;
   private player = false;
+  /** s until this page, which waits, may play; null while the player is there. */
+  private seat: number | null = null;
   /** True if the player's touches drive a hand; otherwise another device does. */
   private counts = true;
   /** ms, time at which a scene was last not available. */
@@ -72,6 +95,8 @@ class Page {
   private inStudy: StudyView | null = null;
   private tasks: TaskName[] = [];
   private scene: SceneMessage | null = null;
+  /** Rows of the scene's objects among a frame's poses. */
+  private objects: number[] = [];
   private frame: Frame | null = null;
   private fingers: Finger[] = [];
   private resting: Finger[] = [];
@@ -79,31 +104,63 @@ class Page {
   private dirty = true;
   private reported = 0;
   private pressed = new Set<string>();
-  private wasHeld = false;
+  /** s, simulated time at which the goal was held; null before. */
+  private heldAt: number | null = null;
   private gripped = false;
   private laidOut = currentScreen();
   private fitted = true;
-  private asked = false;
+  /** Progress that was made last, and when, in s. */
+  private gained = { progress: 0, time: 0 };
+  /** Contacts that are no fingers of this hand, by id: since when, in ms. */
+  private readonly ignored = new Map<number, number>();
+  /** True once this trial's player was shown how. */
+  private helped = false;
+  /** True while time stands still for it. */
+  private paused = false;
+  /** True once the words at the top have their place on this table. */
+  private placed = false;
   /** True while another table is asked for. */
   private awaited = false;
   private settling = 0;
 
   constructor() {
-    const scene = make("canvas", "scene");
+    const scene = make("canvas", "scene", { label: say("table") });
+    scene.setAttribute("role", "img");
     const overlay = make("canvas", "rings");
     const glass = make("div", "glass");
     document.body.append(scene, overlay, glass);
     this.stage = new Stage(scene, reload);
     this.rings = new Rings(overlay);
+    this.anew = new Anew({
+      pause: () => this.ask("pause"),
+      resume: () => this.ask("resume"),
+      retry: () => this.ask("retry"),
+    });
+    this.presses = new Presses({
+      palm: () => this.hud.say(say("use_fingertip")),
+      short: () => this.hud.say(say("hold_button")),
+    });
     this.hud = new Hud({
+      again: () => this.anew.ask(this.running),
+      tasks: () => this.openTasks(),
+      settings: () => this.openSettings(),
+      help: () => this.help(),
+      seat: () => this.connection.say({ type: "ask", what: "seat" }),
+    });
+    this.result = new Result({
       again: () => this.ask("retry"),
       tasks: () => this.openTasks(),
-      hand: () => this.ask("hand", this.scene?.hand === "right" ? "left" : "right"),
-      sound: () => this.hud.setSound(this.sound.toggle()),
-      settings: () => this.measure(),
+      play: (task) => this.ask("task", task),
+      replay: () => this.replay.start(performance.now()),
+      help: () => this.help(),
+      measure: () => this.measure(),
     });
-    this.hud.setSound(this.sound.muted);
-    this.lift = new Lift((value) => this.sender.setLift(value));
+    this.hud.root.append(this.result.root);
+    this.lift = new Lift(
+      (value) => this.sender.setLift(value),
+      () => this.glass?.mouse.opens ?? false,
+    );
+    window.addEventListener("wheel", (e) => this.wheel(e), { passive: true });
     this.turned = new Turned(() => this.ask("retry"));
     document.body.append(
       this.lift.root,
@@ -111,13 +168,18 @@ class Page {
       this.hint.root,
       this.again,
       this.trouble,
+      this.anew.root,
       this.study.root,
       this.turned.root,
       this.curtain,
       this.full.root,
     );
     for (const alert of [this.again, this.trouble, this.curtain]) alert.setAttribute("role", "alert");
-    this.sheets = new Sheets(document.body, (open) => this.ask(open ? "pause" : "resume"));
+    this.sheets = new Sheets(document.body, (open) => {
+      if (open) this.anew.stop();
+      if (open) this.endHelp();
+      this.ask(open ? "pause" : "resume");
+    });
     // Menus are shown or hidden only once the computer has sent its first message.
     for (const element of [this.again, this.trouble, this.curtain, this.hud.root])
       show(element, false);
@@ -132,7 +194,8 @@ class Page {
         if (condition === "ended") show(this.preparing, false);
         const study = this.inStudy !== null;
         // While it tries again, the words stay.
-        if (study) write(this.curtain, say(condition === "ended" ? "ended" : "lost"));
+        const inStudy = condition === "ended" ? "ended" : "lost";
+        if (study) write(this.curtain, say(why === "goodbye" ? why : inStudy));
         else if (condition !== "connecting") write(this.curtain, say(why));
         const again = condition === "connecting" && (study || !this.curtain.hidden);
         const shut = condition === "ended" || condition === "lost" || again;
@@ -147,8 +210,7 @@ class Page {
         this.sender.active = this.touches;
         this.hud.setPlayer(this.player);
         this.layOut();
-        if (this.touches) this.firstTime();
-        else this.sheets.close();
+        if (!this.touches) this.sheets.close();
         if (this.sheets.isOpen) this.ask("pause");
         this.lookOn();
       },
@@ -157,15 +219,26 @@ class Page {
         this.stage.dress(skin);
         this.dirty = true;
       },
-      onSheet: (sheet) => this.study.lay(sheet),
+      onDemonstration: (frames) => {
+        if (frames[0]?.scene !== this.scene?.scene) return;
+        this.demonstration.take(frames);
+        this.demonstrate();
+      },
+      onSheet: (sheet) => this.lay(sheet),
       onRefusal: (refusal) => this.study.refuse(refusal),
       onTrouble: (told) => {
         this.troubled = performance.now();
         this.tell(told.map(repeat).join("\n"));
         this.hint.root.hidden = true;
       },
+      onSeat: (seat) => {
+        const where = { settings: say("settings"), look_on: say("look_on") };
+        if (seat.requested) this.hud.say(say("seat_asked", where), ADVICE_MS);
+        if (!this.player) this.seat = seat.wait_s ?? null;
+        this.lookOn();
+      },
       onFrame: (frame) => this.take(frame),
-      onRoundTrip: (ms) => this.hud.setRoundTrip(ms, performance.now()),
+      onRoundTrip: (ms) => (this.delay.link = ms),
     });
     this.sender = new Sender(this.connection);
     this.glass = new Fingers(glass, (change) => this.touch(change));
@@ -194,6 +267,7 @@ class Page {
     this.again.textContent = say("lift_again");
     if (!this.preparing.hidden) write(this.preparing, say("preparing"));
     this.rings.plain = !view.shows.includes("fingers");
+    this.sender.named = false;
     this.sound.muted = !view.shows.includes("sound");
     this.vibration.muted = true;
     standardColours();
@@ -206,10 +280,14 @@ class Page {
     const same = this.scene !== null && JSON.stringify(this.scene) === JSON.stringify(scene);
     if (this.inStudy && !same) this.glass?.cancelAll();
     this.scene = scene;
+    this.objects = [...new Set(scene.geoms.filter((g) => g.part === "object").map((g) => g.body))];
     this.awaited = false;
     this.frame = null;
     this.pressed.clear();
-    this.wasHeld = false;
+    this.anew.stop();
+    this.heldAt = null;
+    this.replay.stop();
+    this.result.close();
     if (!same) {
       this.laidOut = currentScreen();
       this.fitted = this.hasRoom(scene, window.innerWidth, window.innerHeight);
@@ -219,13 +297,19 @@ class Page {
     this.troubled = -Infinity;
     show(this.trouble, false);
     this.hud.setScene(scene);
+    this.placed = false;
     if (!same) this.stage.open(scene);
     this.sender.active = this.touches;
     const lifts = this.touches && scene.lift > 0;
-    this.lift.open(lifts, scene.hand, `${scene.scene} ${scene.task} ${scene.seed}`);
+    this.lift.open(lifts, scene.lift, scene.hand, `${scene.scene} ${scene.task} ${scene.seed}`);
     this.layOut();
     this.sender.setLift(lifts ? this.lift.value : null);
-    if (this.touches && !scene.caption && !this.inStudy) this.hint.open(goalOf(scene, false), lifts);
+    this.demonstration.forget();
+    this.gained = { progress: 0, time: 0 };
+    this.helped = false;
+    if (!this.touches || scene.caption) return;
+    this.hint.begin(scene, lifts, this.inStudy !== null);
+    if (!this.hint.root.hidden) this.ask("demo");
   }
 
   private take(frame: Frame): void {
@@ -235,6 +319,7 @@ class Page {
     this.dirty = true;
     const { state } = frame;
     if (first) this.fit();
+    if (first) this.demonstrate();
     const pressed = new Set<string>();
     state.hands.forEach((hand, i) =>
       hand.contacts.forEach((c) => {
@@ -248,11 +333,18 @@ class Page {
     if (grip >= TOLD && !this.gripped) this.vibration.grip();
     // A grip that trembles is one grip.
     this.gripped = grip >= TOLD || (this.gripped && grip > 0);
-    if (state.held && !this.wasHeld) {
+    this.replay.note(frame);
+    if (state.progress > this.gained.progress + GAINED || state.time < this.gained.time)
+      this.gained = { progress: state.progress, time: state.time };
+    // Somebody who does not get on is shown how, once in a trial.
+    const stuck = this.running && !state.pause && state.time - this.gained.time > STUCK_S;
+    if (stuck && !this.fingers.length && !this.helped) this.help();
+    if (!state.held) this.heldAt = null;
+    else if (this.heldAt === null) {
+      this.heldAt = state.time;
       this.sound.success();
       this.vibration.success();
     }
-    this.wasHeld = state.held;
   }
 
   // -- input of the person ----------------------------------------------------------------------
@@ -262,15 +354,21 @@ class Page {
     this.resting = change.resting;
     this.dirty = true;
     // While a hand is on the screen, accidental touches of buttons are ignored.
-    document.body.classList.toggle("touching", change.fingers.length > 0);
+    document.body.classList.toggle("touching", change.fingers.some(({ pinned }) => !pinned));
+    if (change.fingers.length > 0) {
+      this.anew.undo();
+      this.endHelp();
+      this.presses.release();
+    }
     this.sender.touch(change);
+    if (change.stolen && !this.inStudy) this.hud.say(say(ipad ? "gestures_ipad" : "gestures"), ADVICE_MS);
   }
 
   private ask(what: PlayerRequest["what"], value = ""): void {
     if (!this.player || this.inStudy) return;
     const sent = this.connection.say({ type: "ask", what, value });
     // Another table takes the computer a moment.
-    if (!sent || what === "pause" || what === "resume") return;
+    if (!sent || what === "pause" || what === "resume" || what === "demo") return;
     // What was wrong before is not the answer to this.
     this.troubled = -Infinity;
     this.awaited = true;
@@ -283,22 +381,84 @@ class Page {
     if (event.key === "F5" || (event.ctrlKey && event.key === "r")) {
       event.preventDefault();
       reload();
-    } else if (event.ctrlKey || this.inStudy) return;
-    else if (event.key === "r") this.ask("retry");
-    else if (event.key === "m") this.hud.setSound(this.sound.toggle());
+    } else if (this.handKey(event) || event.ctrlKey || this.inStudy) return;
+    else if (event.key === "r") this.anew.ask(this.running);
+    else if (event.key === "m") this.sound.toggle();
+    else if ((event.key === "?" || event.key === "h") && !this.hint.asked) this.help();
+    else if (event.key === "?" || event.key === "h") this.hint.finish();
+    else if (event.key === "Escape" && this.hint.asked && !this.sheets.isOpen) this.hint.finish();
     else if (event.key === "Escape") this.sheets.close();
   }
 
+  /** A key that puts down or lifts a hand of the mouse, as in the program's window; true if it was one. */
+  private handKey(event: KeyboardEvent): boolean {
+    const mouse = this.glass?.mouse;
+    const onButton = event.target instanceof Element && event.target.closest("button") !== null;
+    if (!mouse || !this.touches || event.ctrlKey || elsewhere(event)) return false;
+    if (/^[1-5]$/.test(event.key)) mouse.hand(Number(event.key));
+    else if (event.key === " " && !onButton) mouse.lift();
+    else return false;
+    this.glass?.tellNow();
+    return true;
+  }
+
+  /** The wheel opens, closes and turns the fingers that a mouse has put down. */
+  private wheel(event: WheelEvent): void {
+    const mouse = this.glass?.mouse;
+    if (!mouse?.opens || event.ctrlKey || elsewhere(event)) return;
+    // With shift, some systems report a sideways turn of the wheel.
+    mouse.wheel(-(event.deltaY || event.deltaX) / NOTCH_PX, event.shiftKey);
+    this.glass?.tellNow();
+  }
+
+  /** Shows how the task is done, in words and by a demonstration as soon as there is one; time stands still
+   * until the next touch. */
+  private help(): void {
+    if (!this.touches || this.inStudy || !this.scene || this.scene.caption) return;
+    this.helped = true;
+    this.hint.open();
+    if (this.running && this.frame?.state.pause !== "menu") this.ask("pause");
+    this.paused = this.running;
+    if (!this.demonstration.ready) this.ask("demo");
+    this.demonstrate();
+  }
+
+  /** Shows the demonstration if there is one, and somebody waits for it. */
+  private demonstrate(): void {
+    const { state } = this.frame ?? {};
+    // In a study one comes where the design shows it.
+    const begins = state?.pause === "start" && (this.inStudy !== null || !this.hint.root.hidden);
+    const over = this.helped && state !== undefined && state.status !== "running";
+    if (this.fingers.length || this.sheets.isOpen || !(begins || this.paused || over)) return;
+    // Its words have their place before things begin to move.
+    this.standAside();
+    this.demonstration.start(performance.now());
+    this.dirty = true;
+  }
+
+  private endHelp(): void {
+    this.demonstration.stop();
+    if (this.paused) this.ask("resume");
+    this.paused = false;
+  }
+
   private openTasks(): void {
-    taskMenu(
-      this.sheets,
-      this.tasks,
-      this.scene?.task ?? "",
-      (task) => this.ask("task", task),
-      () => this.measure(),
-      this.switches(),
+    taskMenu(this.sheets, this.tasks, this.scene?.task ?? "", (task) => this.ask("task", task));
+  }
+
+  private openSettings(): void {
+    const hand = this.scene?.hand ?? "right";
+    settingsMenu(this.sheets, {
+      hand,
+      otherHand: () => this.ask("hand", hand === "right" ? "left" : "right"),
+      fingers: this.scene?.finger_sets ?? null,
+      useFingers: (sets) => this.ask("fingers", sets),
+      measure: () => this.measure(),
+      lookOn,
       reload,
-    );
+      switches: this.switches(),
+      delay: this.delay.words,
+    });
   }
 
   /** What can be switched on this device. */
@@ -312,56 +472,43 @@ class Page {
         this.dirty = true;
       },
     };
+    const sound: Switch = {
+      name: say("sound"),
+      why: say("sound_why"),
+      on: () => !this.sound.muted,
+      toggle: () => this.sound.toggle(),
+    };
     const vibration: Switch = {
       name: say("vibration"),
       why: say("vibration_why"),
       on: () => this.vibration.on,
       toggle: () => this.vibration.toggle(),
     };
-    return this.vibration.possible ? [colours, vibration] : [colours];
+    return this.vibration.possible ? [sound, colours, vibration] : [sound, colours];
   }
 
   private measure(): void {
     measureScreen(this.sheets, () => this.resized(true));
   }
 
-  /** Shows the questions before the first trial on this screen, one after the other. */
-  private firstTime(): void {
-    if (this.sheets.isOpen) return;
-    if (small() && currentScreen().fit === "" && !this.inStudy && touchable) {
-      this.askPhone();
-      return;
-    }
-    const then = (): void => advise(this.sheets, () => undefined);
-    // With a mouse, objects need not have their true size.
-    if (calibrated() || currentScreen().fit !== "" || this.asked || (!touchable && !this.inStudy)) then();
-    else
-      measureScreen(this.sheets, () => {
-        this.resized(true);
-        then();
-      });
-    this.asked = true;
-  }
-
-  /** Asks the owner of a screen that is too small for a hand, before anything else. */
-  private askPhone(): void {
-    askPhone(this.sheets, {
-      look: lookOn,
-      play: () => {
-        this.resized(true);
-        this.ask("retry");
-        this.firstTime();
-      },
-      measure: () =>
-        measureScreen(this.sheets, () => {
-          this.asked = true;
-          this.resized(true);
-          this.firstTime();
-        }),
+  /** Lays a sheet of a study; that of its experimenter is the one that measures the screen. */
+  private lay(sheet: Sheet): void {
+    this.study.lay(sheet);
+    this.sheets.close();
+    if (sheet.kind !== "measure") return;
+    measureScreen(this.sheets, () => {
+      this.resized(true);
+      this.study.leave("done");
     });
   }
 
   // -- layout -----------------------------------------------------------------------------------
+
+  /** True while a trial runs that has begun. */
+  private get running(): boolean {
+    const { state } = this.frame ?? {};
+    return state?.status === "running" && state.pause !== "start";
+  }
 
   /** True if touches on this page drive the hand. */
   private get touches(): boolean {
@@ -370,7 +517,10 @@ class Page {
 
   /** Tells a spectator that another page plays, or that there is no player yet. */
   private lookOn(): void {
-    this.hud.setLooking(this.player || spectator || this.inStudy ? "" : say("another_plays"));
+    const waits = !this.player && !spectator && !this.inStudy;
+    const away = this.seat !== null;
+    const words = away ? say("seat_wait", { time: String(this.seat) }) : say("another_plays");
+    this.hud.setLooking(waits ? words : "");
     if (!this.scene && !this.player && !this.inStudy) this.tell(say("nobody_plays"));
   }
 
@@ -418,19 +568,15 @@ class Page {
     return pxPerInch() * (this.scene?.surface.scale ?? 1);
   }
 
-  /** What the player has to know about the size of the table. */
-  private sizeInWords(): string {
-    if (!this.touches) return "";
-    const scale = this.scene?.surface.scale ?? 1;
-    if (scale === 1) return calibrated() ? "" : say("size_guessed");
-    if (this.scene?.scored ?? true) return say("scaled_window");
-    return say("scaled_phone", { percent: (100 * scale).toFixed(0) });
+  /** True if the table has its true size, if only its screen's size were known. */
+  private get sizeGuessed(): boolean {
+    return this.touches && this.scene?.surface.scale === 1 && !calibrated();
   }
 
   private layOut(): void {
     const scene = this.scene;
-    this.hud.setSize(this.sizeInWords());
     this.dirty = true;
+    this.placed = false;
     if (!scene) return;
     const [width, height] = [window.innerWidth, window.innerHeight];
     if (this.touches) {
@@ -438,7 +584,9 @@ class Page {
       const place = touchRectangle(scene.surface, this.pxPerTableInch, width, height, side);
       this.stage.lens.aim(scene.surface, this.pxPerTableInch, width, height, place);
       this.sender.corner = { x: place.left, y: place.top };
+      this.glass?.mouse.stand(place, this.pxPerTableInch * INCHES_PER_METRE, scene.hand);
       this.lift.stand(place);
+      this.hud.stand(place, side);
     } else this.stage.lens.overlook(scene.surface, scene.hand, width, height, !!scene.in_air);
   }
 
@@ -464,9 +612,8 @@ class Page {
       changed(screen.width_px, before.width_px) ||
       changed(screen.height_px, before.height_px)
     ) {
-      const running = this.frame?.state.status === "running" && this.frame.state.pause !== "start";
       // Where a task has no room, nothing is played until the page has another size.
-      const begun = running && this.trouble.hidden;
+      const begun = this.running && this.trouble.hidden;
       if (begun && !measured) this.fit();
       else {
         this.laidOut = screen;
@@ -483,36 +630,69 @@ class Page {
     this.sender.settle();
     // Asked for every time, as it measures how long the last picture took.
     const { free } = this.stage;
-    if (!this.dirty || !free) return;
-    this.dirty = false;
+    if (!(this.dirty || this.replay.shown || this.demonstration.shown) || !free) return;
     const { frame, scene } = this;
-    const rings = this.ringsNow();
+    const demonstrated = this.demonstration.at(now);
+    const earlier = demonstrated ?? this.replay.at(now);
+    this.dirty = earlier !== null;
+    const rings = earlier ? this.ringsOf(earlier) : this.ringsNow();
     const told = rings.some((ring) => ring.word !== undefined && !ring.palm);
     // What keeps from playing comes before what a finger has to do.
     const atFinger = told && this.shut.every((message) => message.hidden);
-    if (!atFinger) for (const ring of rings) if (!ring.palm) delete ring.word;
+    // What a person has to do is not said in a demonstration.
+    if (!atFinger || demonstrated) for (const ring of rings) if (!ring.palm) delete ring.word;
     // A finger has its true size, also on a smaller table.
     this.rings.draw(rings, Math.max(this.stage.lens.pxPerInch, this.touches ? pxPerInch() : 0));
     this.sayOneThing(atFinger);
     if (!frame || !scene) return;
     // Pictures of the table before may still come while another one is prepared.
     show(this.preparing, this.awaited);
-    this.stage.move(frame, this.linked);
+    // The hand of a demonstration is as faint as one that waits.
+    this.stage.move(earlier ?? frame, this.linked && !demonstrated);
     this.stage.draw();
     this.report(frame);
-    this.hud.setState(frame.state, scene.time_limit, this.player, this.turned.shown, atFinger);
-    this.hint.follow(this.fingers, this.lift.value, frame.state);
-    if (!this.hint.root.hidden && !this.fingers.length) this.standAside();
-    show(this.again, this.player && this.doubt.now(frame.state, now));
+    const { player, heldAt } = this;
+    const turned = this.turned.shown;
+    const moment = { player, turned, demonstrated: demonstrated !== null, atFinger, heldAt };
+    this.hud.setState(frame.state, scene.time_limit, moment);
+    this.conclude(frame, scene);
+    this.hint.follow(frame.state);
+    if (!this.fingers.length && !demonstrated) this.standAside();
+    show(this.again, this.player && this.grip.now(frame, this.objects, now));
     if (!this.again.hidden) this.above(this.again);
     this.sayOneThing(atFinger);
   }
 
-  /** Moves the hint away from what has to be touched. */
+  /** Shows the result of a trial that is over to its player. */
+  private conclude({ state }: Frame, scene: SceneMessage): void {
+    if (state.status === "running" || !this.player || this.inStudy) {
+      this.result.close();
+      return;
+    }
+    this.result.open(state, this.heldAt ?? state.time, {
+      task: scene.task,
+      limit: scene.time_limit,
+      scored: scene.scored ?? true,
+      own: !scene.caption,
+      sizeGuessed: this.sizeGuessed,
+      tasks: this.tasks.map(({ name }) => name),
+    });
+    this.result.root.classList.toggle("watching", this.replay.shown || this.demonstration.shown);
+  }
+
+  /** Moves the hint and, before a trial, the words at the top away from what has to be seen. */
   private standAside(): void {
+    const hinted = !this.hint.root.hidden;
+    if (!hinted && this.placed) return;
     const strip = this.lift.root.hidden ? 0 : LIFT_STRIP_PX;
     const [left, right] = this.lift.side === "left" ? [strip, 0] : [0, strip];
-    this.hint.stand(this.stage.things(), left, right);
+    const things = this.stage.things();
+    if (!this.placed) this.hud.standAside(things, left, right);
+    this.placed = true;
+    if (!hinted) return;
+    // To hide a word is worse than to hide a part of an object as large.
+    const { texts } = this.hud;
+    this.hint.stand([...things, ...texts, ...texts, ...texts], left, right);
   }
 
   /** Puts a message above the fingers that it is about, or below them where there is no room. */
@@ -523,14 +703,15 @@ class Page {
     const middle = (Math.min(...xs) + Math.max(...xs) - width) / 2;
     const clear = ringHeight(this.stage.lens.pxPerInch);
     const top = Math.min(...ys) - clear - height;
-    const y = top >= 0 ? top : Math.min(Math.max(...ys) + clear, window.innerHeight - height);
+    const y = top >= this.hud.headerHeight ? top : Math.min(Math.max(...ys) + clear, window.innerHeight - height);
     message.style.left = `${Math.min(Math.max(middle, 0), window.innerWidth - width)}px`;
     message.style.top = `${y}px`;
   }
 
   /** Messages that keep from playing, the most important one first. */
   private get shut(): HTMLElement[] {
-    return [this.curtain, this.trouble, this.turned.root, this.preparing, this.hud.end];
+    const { curtain, trouble, turned, preparing, anew, result } = this;
+    return [curtain, trouble, turned.root, preparing, anew.root, result.root];
   }
 
   /** Of several messages only the most important one is visible, as they might disagree.
@@ -554,11 +735,15 @@ class Page {
   /** Rings of the fingers on this screen at their current places; of others, at the places that the
    * computer sent. */
   private ringsNow(): Ring[] {
-    const contacts = this.frame?.state.hands.flatMap((hand) => hand.contacts) ?? [];
+    const contacts = this.frame ? contactsOf(this.frame) : [];
     if (this.player && !this.scene?.caption) {
       const known = new Map(contacts.map((c) => [c.id, c]));
+      const { frame, scene } = this;
+      const lone = frame && scene && this.grip.lone(frame, scene.fingers ?? 1, performance.now());
+      for (const id of this.ignored.keys()) if (!known.has(id)) this.ignored.delete(id);
       const rings: Ring[] = this.fingers.map(({ id, x, y, width, height }) => {
         const c = this.linked ? known.get(id) : undefined;
+        const word = c && (c.id === lone ? say("use_two") : this.wordOf(c));
         return {
           x,
           y,
@@ -568,8 +753,8 @@ class Page {
           full: c?.full ?? false,
           ignored: !this.linked || c?.state === "ignored",
           sure: c?.sure ?? true,
-          ...(c?.inside && { word: say("move_apart") }),
-          ...(c?.state === "palm" && { word: say("palm"), palm: { width, height } }),
+          ...(word !== undefined && { word }),
+          ...(c?.state === "palm" && { palm: { width, height } }),
         };
       });
       const gone = { label: null, force: 0, stored: 0, full: false, ignored: true, sure: true };
@@ -579,7 +764,23 @@ class Page {
       if (first) first.word = this.again.textContent ?? "";
       return rings;
     }
-    return contacts.map((c) => ({
+    return this.frame ? this.ringsOf(this.frame) : [];
+  }
+
+  /** The word of a contact that is no finger of this hand, once it has rested for a moment. */
+  private wordOf({ id, state, inside }: ContactState): string | undefined {
+    if (state !== "ignored") this.ignored.delete(id);
+    else if (!this.ignored.has(id)) this.ignored.set(id, performance.now());
+    if (state === "palm") return say("palm");
+    if (inside) return say("move_apart");
+    // One of them says it for all.
+    const [first] = this.ignored;
+    return first?.[0] === id && performance.now() - first[1] > IGNORED_MS ? say("one_hand") : undefined;
+  }
+
+  /** Rings at the places that the computer sent. */
+  private ringsOf(frame: Frame): Ring[] {
+    return contactsOf(frame).map((c) => ({
       ...this.stage.lens.project(c.position),
       label: c.label,
       force: c.force,
@@ -599,9 +800,11 @@ class Page {
     if (after === null || now - this.reported < REPORT_MS) return;
     this.reported = now;
     const after_ms = Math.min(Math.max(after, 0), 60000);
-    this.hud.setDelay(after_ms, now);
+    this.delay.touch = after_ms;
     this.connection.say({ type: "drawn", frame: frame.number, after_ms });
   }
 }
+
+const contactsOf = ({ state }: Frame): ContactState[] => state.hands.flatMap(({ contacts }) => contacts);
 
 if (canDraw()) new Page();

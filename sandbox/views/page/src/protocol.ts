@@ -4,11 +4,19 @@ export const PROTOCOL = 4;
 export const FRAME_KIND = 1;
 export const POSE_BYTES = 28;
 export const SKIN_KIND = 2;
+export const DEMONSTRATION_KIND = 3;
 export const LIFT_STRIP_PX = 90;
 export const LIFT_NOTCH = 0.12;
 export const LIFT_KEY = 0.05;
 export const LIFT_PAGE = 0.2;
 export const NOTCH_PX = 100;
+export const GRAB_RADIUS = 0.01;
+export const WHEEL_FACTOR = 1.03;
+export const WHEEL_TURN = 0.0523599;
+export const NARROWEST = 0.008;
+export const WIDEST = 0.2;
+/** Fingers of a right hand of one to five: label, and x and y (m) from its middle. */
+export const HANDS: readonly (readonly [number, number, number])[][] = [[[1, 0.0000, 0.0000]], [[0, -0.0240, 0.0288], [1, 0.0240, -0.0288]], [[0, -0.0240, 0.0288], [1, 0.0167, -0.0349], [2, 0.0313, -0.0227]], [[0, -0.0240, 0.0288], [1, 0.0094, -0.0410], [2, 0.0240, -0.0288], [3, 0.0386, -0.0167]], [[0, -0.0240, 0.0288], [1, 0.0021, -0.0471], [2, 0.0167, -0.0349], [3, 0.0313, -0.0227], [4, 0.0459, -0.0106]]];
 
 /** Size of the page: CSS pixels per inch, and pixels. The encoder needs inches; `calibrated` is true if the person has measured them. `fit` says why the table fills the page, whatever its inches: a `mouse`, for which size means nothing, or a `phone`, which is too small for a hand; it is empty for a table of true size. */
 export interface PageScreen {
@@ -41,7 +49,7 @@ export interface Presence {
   here: boolean;
 }
 
-/** All contacts of the page at one moment. `contacts` holds id, x, y, width and height in CSS pixels, x right and y down from the touch rectangle's top left corner, width and height at most 1 where they are unknown; `cancelled` the ids that the system cancelled since the last message; `lift` the lift control, if the page shows one. `seq` counts up from 1, `t` is the page's clock. */
+/** All contacts of the page at one moment. `contacts` holds id, x, y, width and height in CSS pixels, x right and y down from the touch rectangle's top left corner, width and height at most 1 where they are unknown; `cancelled` the ids that the system cancelled since the last message; `lift` the lift control, 0 to 1, if the page shows one; `labels` id and label of fingers that keys put down, with a mouse. `seq` counts up from 1, `t` is the page's clock. */
 export interface PageTouches {
   type: "touches";
   seq: number;
@@ -49,6 +57,7 @@ export interface PageTouches {
   contacts: ([number, number, number, number, number])[];
   cancelled?: (number)[];
   lift?: number | null;
+  labels?: ([number, number])[];
 }
 
 /** A hand that a headset sees: positions (m) of WebXR's 25 joints in the world, in its order; null for one that is not known. */
@@ -94,10 +103,10 @@ export interface Beat {
   round_trip_ms?: number | null;
 }
 
-/** Request of the player: try again, another task, the other hand, pause or resume. */
+/** Request of the player: try again, another task, the other hand, sets of fingers as in the settings, pause or resume, or a demonstration; or of a page that waits: the player's seat. */
 export interface PlayerRequest {
   type: "ask";
-  what: "hand" | "pause" | "resume" | "retry" | "task";
+  what: "demo" | "fingers" | "hand" | "pause" | "resume" | "retry" | "seat" | "task";
   value?: string;
 }
 
@@ -130,14 +139,14 @@ export interface TaskName {
   lift: boolean;
 }
 
-/** A page in a study, in the participant's language, with the design's own words by key. `shows` lists which of task, goal, time, progress, fingers and sound a trial shows. */
+/** A page in a study, in the participant's language, with the design's own words by key. `shows` lists what a trial shows: task, goal, time, progress, fingers, sound, hint and result. */
 export interface StudyView {
   language: string;
   words: Record<string, string>;
   shows: (string)[];
 }
 
-/** The server's first message: the role of the page, and the tasks to choose from. In a study there are no menus. `touch` is true if the player's touches drive a hand; otherwise another device does, and all pages are spectators. */
+/** The server's first message: the role of the page, and the tasks from easiest to hardest. In a study there are no menus. `touch` is true if the player's touches drive a hand; otherwise another device does, and all pages are spectators. */
 export interface Welcome {
   type: "welcome";
   protocol: number;
@@ -170,7 +179,7 @@ export interface SurfaceView {
   scale?: number;
 }
 
-/** A new scene. Frames with another `scene` number belong to an earlier one. `bodies` names the rows of a frame's poses. `lift` is the height (m) to which a lift control of 1 raises the hand; 0 if the task has none. `size` of a geom is as in MuJoCo: half lengths and radii. `in_air` is true if hands move over a 3-D device, without touches. `goal` is in English; in a study, `task` and `goal` are what the participant reads. `scored` is false if the result does not count. */
+/** A new scene. Frames with another `scene` number belong to an earlier one. `bodies` names the rows of a frame's poses. `lift` is the height (m) to which a lift control of 1 raises the hand; 0 if the task has none. `size` of a geom is as in MuJoCo: half lengths and radii. `in_air` is true if hands move over a 3-D device, without touches. `goal` is in English; in a study, `task` and `goal` are what the participant reads, and `how`, if the design shows hints, how it is done. `scored` is false if the result does not count. `fingers` is the least number of different fingers with which the task can be played. `finger_sets` has the sets of fingers that the player uses, as in the settings; null if they cannot be chosen. */
 export interface SceneMessage {
   type: "scene";
   scene: number;
@@ -186,6 +195,9 @@ export interface SceneMessage {
   caption: Localised | null;
   in_air?: boolean;
   scored?: boolean;
+  how?: string;
+  fingers?: number;
+  finger_sets?: string | null;
 }
 
 /** A problem that prevents a scene, and its remedy, sentence by sentence. */
@@ -214,17 +226,18 @@ export interface ItemView {
   high_means: string;
 }
 
-/** A sheet that a study's participant sees instead of the scene; `none` shows the scene. `answers` has earlier answers by item. A `rest` can be left after `seconds`. `note` says whose wording the questions of a form have, where it is not the published one. */
+/** A sheet that a study's participant sees instead of the scene; `none` shows the scene. `answers` has earlier answers by item. A `rest` can be left after `seconds`. `note` says whose wording the questions of a form have, where it is not the published one, and of a `task` which trial of how many it is; `picture` is a data URL with its picture. At `measure`, the size of the screen is measured. */
 export interface Sheet {
   type: "sheet";
   sheet: number;
-  kind: "consent" | "end" | "form" | "none" | "rest" | "text" | "wait";
+  kind: "consent" | "end" | "form" | "measure" | "none" | "rest" | "task" | "text" | "wait";
   title: string;
   text: string;
   items: (ItemView)[];
   answers: Record<string, string | number | null>;
   seconds: number;
   note?: string;
+  picture?: string;
 }
 
 /** Refusal of an answer, with the reason; with an empty item, of the whole sheet. */
@@ -233,6 +246,13 @@ export interface Refusal {
   sheet: number;
   item: string;
   text: string;
+}
+
+/** Who may play: to a page that waits, `wait_s` is in how many seconds it plays if the player stays away, null while the player is there; to the player, `requested` is true while another page requests the seat. */
+export interface Seat {
+  type: "seat";
+  wait_s?: number | null;
+  requested?: boolean;
 }
 
 /** Answers a beat with its time. */
@@ -285,4 +305,4 @@ export interface State {
 
 export type Up = Hello | Resized | Presence | PageTouches | PageHands | Got | Drawn | Beat | PlayerRequest | ItemAnswer | Leave;
 
-export type Down = Welcome | SceneMessage | Trouble | Sheet | Refusal | Echo;
+export type Down = Welcome | SceneMessage | Trouble | Sheet | Refusal | Seat | Echo;

@@ -1,5 +1,5 @@
 // Reduces the quality on a device that cannot keep up: first no shadows, then fewer pixels. The level
-// is stored for the next start.
+// is stored for the next start. A device without a graphics card begins with the lowest.
 
 import type { WebGLRenderer } from "three";
 import { recall, remember } from "./memory";
@@ -14,10 +14,12 @@ const FEW = 3;
 const PAUSE = 1000;
 /** Levels: full quality; no shadows; one pixel per CSS pixel; fewer pixels, and jagged edges. */
 const LOWEST = 3;
+/** Names of renderers that draw without a graphics card. */
+const SOFTWARE = /swiftshader|llvmpipe|softpipe|software|basic render/i;
 const PIXELS = [2, 2, 1, 0.7];
 
 export class Quality {
-  private level = Math.min(Math.max(Number(recall("quality")) || 0, 0), LOWEST);
+  private level = firstLevel();
   private sum = 0;
   private n = 0;
   private pictures = 0;
@@ -67,4 +69,16 @@ export class Quality {
     if (this.renderer) this.apply(this.renderer);
     this.changed();
   }
+}
+
+/** The level that was stored, else that of the renderer. */
+function firstLevel(): number {
+  const stored = recall("quality");
+  if (stored !== null) return Math.min(Math.max(Number(stored) || 0, 0), LOWEST);
+  const gl = document.createElement("canvas").getContext("webgl2");
+  const names = gl?.getExtension("WEBGL_debug_renderer_info");
+  const renderer = names ? String(gl?.getParameter(names.UNMASKED_RENDERER_WEBGL)) : "";
+  // A browser has few contexts; this one is not drawn on.
+  gl?.getExtension("WEBGL_lose_context")?.loseContext();
+  return SOFTWARE.test(renderer) ? LOWEST : 0;
 }

@@ -33,7 +33,7 @@ const DASH = Math.PI / 9;
 const NAME_HALF = 12;
 const PLAIN = "#dfe8ef";
 const INK = "#080c0f";
-const DARK = "rgba(8, 12, 15, 0.72)";
+const DARK = "rgba(8, 12, 15, 0.86)";
 /** N, grip at which the arc around a ring is closed: the strongest that people's grips are tried at. */
 const STRONGEST = 70;
 /** N below which a grip is not told: less than what a resting finger presses with. */

@@ -2,7 +2,7 @@
 // device until the person calibrates it with a bank card.
 
 import type { PageScreen } from "./protocol";
-import { recall, recallHere, remember, rememberHere } from "./memory";
+import { recall, remember } from "./memory";
 
 /** ISO/IEC 7810 ID-1: every bank card, in inches. */
 export const CARD_WIDTH = 85.6 / 25.4;
@@ -73,16 +73,11 @@ export function onOtherPixels(tell: () => void): void {
   same.addEventListener("change", changed, { once: true });
 }
 
-const SHRUNK = "shrunk";
-
-/** The person plays on a table that fits this small screen, until the tab is closed. */
-export const shrink = (): void => rememberHere(SHRUNK, "yes");
-
 /** Why the table fills the page: with a mouse size means nothing, and a phone is too small. */
 function fit(): PageScreen["fit"] & string {
   if (document.documentElement.dataset["study"] === "yes") return "";
   if (!touchable) return "mouse";
-  return small() && recallHere(SHRUNK) === "yes" ? "phone" : "";
+  return small() ? "phone" : "";
 }
 
 /** False in a window that has no size yet, or is minimized. */
@@ -99,5 +94,5 @@ export function currentScreen(): PageScreen {
 }
 
 /** True if the screen is too small for a hand: less than about 9 cm on the short side. */
-export const small = (): boolean =>
+const small = (): boolean =>
   Math.min(window.innerWidth, window.innerHeight) / pxPerInch() < 3.6;

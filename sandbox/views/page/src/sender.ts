@@ -25,6 +25,8 @@ export class Sender {
   corner = { x: 0, y: 0 };
   /** True if touches are used, which is so for a player. */
   active = false;
+  /** True if fingers that keys put down have their names; in a study the program finds them. */
+  named = true;
 
   constructor(private readonly connection: Connection) {
     window.setInterval(() => this.repeat(), REPEAT_MS / 2);
@@ -90,6 +92,7 @@ export class Sender {
       ]),
       cancelled: this.unsent,
       lift: this.told,
+      labels: this.named ? this.fingers.flatMap(({ id, label }) => (label === null ? [] : [[id, label]])) : [],
     });
     if (!sent) return;
     this.known = new Set(this.fingers.map((f) => f.id));

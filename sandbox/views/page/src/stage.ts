@@ -14,7 +14,7 @@ export class Stage {
   private readonly renderer: WebGLRenderer;
   private readonly quality: Quality;
   private readonly world = new World();
-  private readonly table = new Table();
+  private readonly table: Table;
   /** Signals the end of the last picture. */
   private unfinished: WebGLSync | null = null;
   /** ms, time at which the last picture was begun. */
@@ -27,6 +27,7 @@ export class Stage {
         if (o instanceof Mesh) (o.material as MeshStandardMaterial).needsUpdate = true;
       });
     });
+    this.table = new Table(!this.quality.smooth);
     this.renderer = new WebGLRenderer({ canvas, antialias: this.quality.smooth, stencil: true });
     this.renderer.shadowMap.type = PCFShadowMap;
     this.quality.apply(this.renderer);

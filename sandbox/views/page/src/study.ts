@@ -79,7 +79,18 @@ export class Study {
     if (sheet.kind === "consent")
       foot.push(this.button("decline", "quiet", () => this.leave("no")),
                 this.button("agree", "primary", () => this.leave("yes")));
-    if (sheet.kind === "text") foot.push(this.button("next", "primary", () => this.leave("done")));
+    if (sheet.kind === "text" || sheet.kind === "task")
+      foot.push(this.button("next", "primary", () => this.leave("done")));
+    if (sheet.kind === "task") {
+      if (sheet.picture) {
+        const picture = make("img", "task-picture");
+        picture.alt = sheet.title;
+        picture.src = sheet.picture;
+        card.prepend(picture);
+      }
+      if (sheet.title) card.prepend(make("h2", "", { text: sheet.title }));
+      card.prepend(make("p", "faint", { text: sheet.note ?? "" }));
+    }
     if (sheet.kind === "wait") card.prepend(make("div", "waiting", {}, ...[0, 1, 2].map(() => make("i", ""))));
     this.root.append(card);
     if (foot.length) this.root.append(make("footer", "foot", {}, ...foot));
@@ -185,7 +196,7 @@ export class Study {
     if (this.sheet) this.say({ type: "answer", sheet: this.sheet.sheet, item, value });
   }
 
-  private leave(how: Leave["how"]): void {
+  leave(how: Leave["how"]): void {
     if (this.sheet) this.say({ type: "leave", sheet: this.sheet.sheet, how });
   }
 

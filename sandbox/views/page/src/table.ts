@@ -4,11 +4,13 @@ import {
   Bone,
   Color,
   DirectionalLight,
+  EqualStencilFunc,
   Group,
   HemisphereLight,
+  type Material,
   Mesh,
   MeshBasicMaterial,
-  MeshStandardMaterial,
+  type MeshStandardMaterialParameters,
   NotEqualStencilFunc,
   type Object3D,
   type Skeleton,
@@ -19,13 +21,17 @@ import type { Frame } from "./frame";
 import { Ghost } from "./ghost";
 import { matMaterial, outline } from "./ground";
 import type { Geom, SceneMessage } from "./protocol";
-import { MARKED, TO_TOUCH, geometry, place } from "./shapes";
+import { MARKED, type Surfaced, TO_TOUCH, geometry, place, surfaced } from "./shapes";
 import { type Skin, wear } from "./skin";
 
 /** Opacity of a hand that passes through objects. */
 const GHOSTLY = 0.5;
 /** Opacity of a waiting hand, without a finger down. */
 const FAINT = 0.22;
+/** Opacity of a hand that holds something, where it covers an object or a goal. */
+const THROUGH = 0.4;
+/** N, grip from which a hand counts as holding something. */
+const HELD = 1;
 const NO_COLOUR = new MeshBasicMaterial({ colorWrite: false, transparent: true });
 
 export class Table {
@@ -36,13 +42,17 @@ export class Table {
   private bodies: Bone[] = [];
   private skins = new Map<string, Skin>();
   private ghosts = new Map<string, Ghost>();
-  private skin = handMaterial(SKIN);
-  private skinned = handMaterial(0xffffff);
+  private skin: Surfaced;
+  private skinned: Surfaced;
+  /** The same where a hand covers what it holds. */
+  private through: readonly [Surfaced, Surfaced];
   /** Meshes that cast a hand's shadow. */
   private hands: Mesh[] = [];
   private key = keyLight();
 
-  constructor() {
+  /** @param plain See `surfaced`. */
+  constructor(private readonly plain = false) {
+    [this.skin, this.skinned, this.through] = this.handMaterials();
     const sky = new HemisphereLight(0xdfe8f2, 0x6b6560, 1.5);
     sky.position.set(0, 0, 1);
     this.root.add(sky, this.key, this.key.target);
@@ -53,16 +63,15 @@ export class Table {
     this.root.remove(this.content);
     this.content.traverse(dispose);
     this.content = new Group();
-    this.skin = handMaterial(SKIN);
-    this.skinned = handMaterial(0xffffff);
-    this.skinned.vertexColors = true;
+    [this.skin, this.skinned, this.through] = this.handMaterials();
     this.scene = scene;
     this.hands = [];
     this.bodies = scene.bodies.map(() => new Bone());
     for (const geom of scene.geoms) {
       const mesh = this.mesh(geom);
       this.bodies[geom.body]?.add(mesh);
-      if (geom.part === "hand") this.bodies[geom.body]?.add(this.veil(mesh));
+      if (geom.part !== "hand") continue;
+      this.bodies[geom.body]?.add(copy(mesh, NO_COLOUR, 3), copy(mesh, this.through[0], 4));
     }
     this.content.add(...this.bodies, outline(scene.surface));
     this.ghosts = new Map(
@@ -110,12 +119,14 @@ export class Table {
     const down = live && hands.some((hand) => hand.contacts.length);
     const solid = live && hands.some((hand) => hand.solid.length);
     const opacity = solid ? 1 : down ? GHOSTLY : FAINT;
+    const holds = solid && hands.some(({ contacts }) => contacts.some(({ stored }) => (stored ?? 0) >= HELD));
     this.skin.opacity = this.skinned.opacity = opacity;
     for (const part of [this.skin, this.skinned, NO_COLOUR]) {
-      part.stencilWrite = !down && !solid;
+      part.stencilWrite = (!down && !solid) || (holds && part !== NO_COLOUR);
       part.stencilRef = TO_TOUCH;
       part.stencilFunc = NotEqualStencilFunc;
     }
+    for (const part of this.through) part.visible = holds;
     // A hand that waits in the air is nearly transparent, and casts no shadow.
     for (const mesh of this.hands) mesh.castShadow = down || opacity === 1;
   }
@@ -137,19 +148,36 @@ export class Table {
     if (!this.scene) return;
     const mesh = wear(skin, this.bodies, this.scene.bodies, this.skinned);
     const veil = wear(skin, this.bodies, this.scene.bodies, NO_COLOUR);
-    if (!mesh || !veil) return;
+    const through = wear(skin, this.bodies, this.scene.bodies, this.through[1]);
+    if (!mesh || !veil || !through) return;
     for (const body of (mesh.skeleton as Skeleton).bones)
       for (const child of body.children) child.visible = false;
     mesh.renderOrder = 4;
     veil.renderOrder = 3;
-    veil.castShadow = false;
+    through.renderOrder = 4;
+    veil.castShadow = through.castShadow = false;
     this.hands.push(mesh);
-    this.content.add(mesh, veil);
+    this.content.add(mesh, veil, through);
+  }
+
+  /** Materials of bones, of skins, and of the pixels of both that cover what has to be touched. */
+  private handMaterials(): [Surfaced, Surfaced, readonly [Surfaced, Surfaced]] {
+    const bones = { color: SKIN, roughness: 0.62, transparent: true };
+    const skins = { ...bones, color: 0xffffff, vertexColors: true };
+    const covering = {
+      opacity: THROUGH,
+      visible: false,
+      stencilWrite: true,
+      stencilRef: TO_TOUCH,
+      stencilFunc: EqualStencilFunc,
+    };
+    const make = (look: MeshStandardMaterialParameters): Surfaced => surfaced(this.plain, look);
+    return [make(bones), make(skins), [make({ ...bones, ...covering }), make({ ...skins, ...covering })]];
   }
 
   private mesh(geom: Geom): Mesh {
     const hand = geom.part === "hand";
-    const mesh = new Mesh(geometry(geom, hand), hand ? this.skin : material(geom));
+    const mesh = new Mesh(geometry(geom, hand), hand ? this.skin : material(geom, this.plain));
     place(mesh, geom);
     mesh.castShadow = geom.kind !== "plane";
     mesh.receiveShadow = true;
@@ -158,16 +186,6 @@ export class Table {
       this.hands.push(mesh);
     }
     return mesh;
-  }
-
-  /** Draws a hand's nearest surface into the depth buffer before its colour, so that a translucent
-   * hand shows one skin, and not every bone inside. */
-  private veil(mesh: Mesh): Mesh {
-    const veil = new Mesh(mesh.geometry, NO_COLOUR);
-    veil.position.copy(mesh.position);
-    veil.quaternion.copy(mesh.quaternion);
-    veil.renderOrder = 3;
-    return veil;
   }
 
   /** Adds the sun, with shadows around the touch rectangle. */
@@ -188,6 +206,16 @@ export class Table {
   }
 }
 
+/** A mesh in the same place with another material. Without colour it draws a hand's nearest surface into the
+ * depth buffer before its colour, so that a translucent hand shows one skin, and not every bone inside. */
+function copy(mesh: Mesh, of: Material, order: number): Mesh {
+  const other = new Mesh(mesh.geometry, of);
+  other.position.copy(mesh.position);
+  other.quaternion.copy(mesh.quaternion);
+  other.renderOrder = order;
+  return other;
+}
+
 function keyLight(): DirectionalLight {
   const light = new DirectionalLight(0xfff1e0, 2.3);
   light.castShadow = true;
@@ -197,18 +225,14 @@ function keyLight(): DirectionalLight {
   return light;
 }
 
-function handMaterial(color: number): MeshStandardMaterial {
-  return new MeshStandardMaterial({ color, roughness: 0.62, transparent: true });
-}
-
-function material(geom: Geom): MeshStandardMaterial {
+function material(geom: Geom, plain: boolean): Surfaced {
   if (geom.kind === "plane") {
     const [a, b] = geom.size;
-    return matMaterial(2 * (a || 2), 2 * (b || 2));
+    return matMaterial(2 * (a || 2), 2 * (b || 2), plain);
   }
   const [r, g, b, a] = geom.rgba;
   const colour = new Color().setRGB(r, g, b, "srgb");
-  return new MeshStandardMaterial({
+  return surfaced(plain, {
     color: colour,
     roughness: 0.55,
     transparent: a < 1,

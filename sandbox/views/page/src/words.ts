@@ -72,6 +72,9 @@ export const say = (key: Key, values: Record<string, Value> = {}): string =>
 export const repeat = ({ key, values, text }: Localised): string =>
   key in words ? fill(words[key]!, values) : text;
 
+/** Words one after another. */
+export const listed = (some: string[]): string => several.format(some);
+
 /** A word whose name is made at run time, or what stands in for it. */
 export const word = (key: string, otherwise: string): string => words[key] ?? otherwise;
 

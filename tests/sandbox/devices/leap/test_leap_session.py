@@ -17,7 +17,7 @@ from encoders.paalm.hand_reconstructor import HandReconstructor, HandReconstruct
 from encoders.paalm.paalm import Paalm
 from encoders.paalm.simulated.forward import ForwardLeap
 from encoders.paalm.simulated.leap_configuration import FROZEN_LEAP
-from encoders.reconstruction.arrival import Phase
+from encoders.reconstruction.hand_motion import Phase, RateLimit
 from encoders.reconstruction.reconstructor import Reconstruction
 from models.errors import InputError, RecordingError
 from models.frames import HandFrame, TouchFrame, TrackedFinger, TrackedHand
@@ -25,7 +25,7 @@ from models.hand import Hand
 from models.kinematics import Kinematics
 from models.objects import HANDLE_WIDTH, Box
 from models.person import Person
-from models.pose import ROOT_POSITION, RateLimit
+from models.pose import ROOT_POSITION
 from models.scene import Scene, SceneSpec
 from models.skeleton import ADULT
 from models.surface import Surface
@@ -36,9 +36,8 @@ from sandbox.recording.recorded_device import RecordedDevice
 from sandbox.recording.recording import frame_from_json, frame_to_json, load_recording
 from sandbox.session.collision_gating import CollisionGate, CollisionGatingRules
 from sandbox.session.messages import Snapshot
-from sandbox.trial.assembly import build
+from sandbox.trial.assembly import DeviceMaker, build
 from sandbox.trial.driver import play_trial
-from sandbox.trial.open_devices import DeviceMaker
 from sandbox.trial.replay import replay
 from sandbox.trial.settings import HandSettings, Settings, decoded, encoded
 from tasks.task import Task
@@ -337,7 +336,7 @@ def test_a_finger_whose_middle_link_is_in_a_thing_is_solid_only_where_that_link_
     mujoco.mj_forward(scene.model, data)
     gate = CollisionGate(scene, 0, CollisionGatingRules(links=links, together=False))
     every = frozenset(range(5))
-    gate.update(data, Reconstruction(q, Phase.DOWN, every, None, 1.0, 0.0, ()))
+    gate.update(data, Reconstruction(q, Phase.DOWN, every, None, 1.0, 0.0))
     assert gate.fingers == (every if links == 1 else every - {1})
     solid = {scene.model.geom(i).name for i in np.flatnonzero(scene.model.geom_contype == 1)}
     assert ("right_middle_pip" in solid) == (links == 2) and "right_middle_mcp" not in solid

@@ -17,7 +17,9 @@ from pythonosc.osc_bundle_builder import IMMEDIATELY, OscBundleBuilder
 from pythonosc.osc_message_builder import OscMessageBuilder
 
 from models.errors import DeviceError, InputError
-from sandbox.devices.tuio.osc import MAX_DEPTH, MAX_PACKET_BYTES, MalformedPacket, decode
+from models.reader_report import ReaderReport
+from sandbox.devices.tuio.osc import MAX_DEPTH, MAX_PACKET_BYTES, MalformedPacket, Packet
+from sandbox.devices.tuio.osc import decode as decode_reporting
 from tests.support.tuio_packets import NO_OSC, bundle, cur, frame, message, nested
 
 TEXT = st.text(st.characters(exclude_categories=["Cs"], exclude_characters="\x00"), max_size=12)
@@ -53,6 +55,15 @@ def leaves(tree: Any) -> list[Any]:
 
 def depth(tree: Any) -> int:
     return 1 + max(map(depth, tree), default=0) if isinstance(tree, list) else 0
+
+
+def decode(data: bytes) -> Packet:
+    """Decodes a packet; one of which messages are left out is refused like a malformed one."""
+    report = ReaderReport()
+    packet = decode_reporting(data, report)
+    if report.left_out:
+        raise MalformedPacket(report.line())
+    return packet
 
 
 class Enough(BaseException):
@@ -176,6 +187,30 @@ def test_a_packet_larger_than_udp_can_carry_is_refused() -> None:
     assert decode(largest).messages[0].address == largest.rstrip(b"\x00").decode()
     with pytest.raises(MalformedPacket, match="too large"):
         decode(b"/" + b"a" * 65_531 + b"\x00" * 4)
+
+
+NAMES = {
+    "UTF-8": ("Tür 机".encode(), "Tür 机"),
+    "Latin-1": ("Tür".encode("latin-1"), "Tür"),
+    "Shift-JIS": ("机の上".encode("cp932"), "机の上"),
+    "no text": (b"\xff\xfe\xe9", "ÿþé"),
+}
+
+
+@pytest.mark.parametrize(("data", "text"), NAMES.values(), ids=NAMES.keys())
+def test_text_in_any_bytes_is_read_as_well_as_it_can_be(data: bytes, text: str) -> None:
+    padded = data + b"\x00" * (4 - len(data) % 4)
+    assert decode(b"/a\x00\x00,sS\x00" + padded * 2).messages[0].arguments == (text, text)
+
+
+def test_a_message_that_cannot_be_read_costs_itself_alone() -> None:
+    odd = [data for data in NO_OSC.values() if data.startswith(b"/") and len(data) % 4 == 0]
+    assert len(odd) > 5
+    report = ReaderReport()
+    for data in odd:
+        packet = decode_reporting(bundle(cur("fseq", 1), data, cur("fseq", 2)), report)
+        assert [m.arguments for m in packet.messages] == [("fseq", 1), ("fseq", 2)]
+    assert report.left_out.total() == len(odd)
 
 
 def test_the_time_tag_of_a_bundle_does_not_matter() -> None:

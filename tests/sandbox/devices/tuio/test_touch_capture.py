@@ -39,8 +39,18 @@ def test_packets_come_back_as_written(tmp_path: Path) -> None:
 
 DAMAGE: dict[str, str | bytes] = {
     "cut": GOOD[2][:30],
+    "a list": "[4, 5]",
+    "a number": "17",
+    "another object": '{"a": 4}',
+    "zeros": b"\x00" * 50,
+    "nested too deep": "[" * 100_000,
+    "endless line": "x" * 1_000_000,
+}
+
+ODD: dict[str, str | bytes] = {
     "odd hex": '{"t": 4, "hex": "abc"}',
     "no hex": '{"t": 4}',
+    "hex is null": '{"t": 4, "hex": null}',
     "hex is a number": '{"t": 4, "hex": 12}',
     "no time": '{"hex": "00"}',
     "time is a text": '{"t": "4", "hex": "00"}',
@@ -49,14 +59,46 @@ DAMAGE: dict[str, str | bytes] = {
     "time is infinite": '{"t": 1e999, "hex": "00"}',
     "time is huge": '{"t": 1' + "0" * 400 + ', "hex": "00"}',
     "time runs backwards": '{"t": 3.1, "hex": "00"}',
-    "a list": "[4, 5]",
-    "a number": "17",
+    "time runs ahead": '{"t": 3e9, "hex": "00"}',
     "not UTF-8": b'{"t": 4, "hex": "\xff"}',
-    "zeros": b"\x00" * 50,
-    "nested too deep": "[" * 100_000,
     "larger than UDP": '{"t": 4, "hex": "' + "00" * 65_508 + '"}',
-    "endless line": "x" * 1_000_000,
 }
+
+
+@pytest.mark.parametrize("line", ODD.values(), ids=ODD.keys())
+def test_an_odd_packet_costs_itself_alone(tmp_path: Path, line: str | bytes) -> None:
+    capture = read_capture(written(tmp_path / "touches.jsonl", *GOOD[:2], line, *GOOD[2:]))
+    assert capture.damage is None
+    assert [packet.time for packet in capture.packets] == [3.0 + n / 8 for n in range(4)]
+    assert capture.report.left_out.total() == 1
+    assert "packets" in capture.report.line() or "frames" in capture.report.line()
+
+
+def moving(unit: float) -> list[str]:
+    """The packets of a finger that moves, with times in another unit."""
+    packets = [frame(n + 1, {1: (n / 40, 0.5)}) for n in range(30)]
+    return [json.dumps({"t": n / 60 * unit, "hex": p.hex()}) for n, p in enumerate(packets)]
+
+
+@pytest.mark.parametrize(("unit", "name"), [(1.0, ""), (1e3, "ms"), (1e6, "us"), (1e9, "ns")])
+def test_times_are_read_in_the_unit_in_which_they_are_possible(
+    tmp_path: Path, unit: float, name: str
+) -> None:
+    capture = read_capture(written(tmp_path / "touches.jsonl", *moving(unit)))
+    assert [p.time for p in capture.packets] == pytest.approx([n / 60 for n in range(30)])
+    assert capture.report.line().startswith(f"times are read in {name}" if name else "")
+    assert bool(name) == bool(capture.report.line())
+    given = read_capture(tmp_path / "touches.jsonl", "s")
+    assert given.packets[1].time == pytest.approx(unit / 60)
+    device = CaptureDevice(capture, Surface())
+    assert all(len(f.contacts) == 1 for f in device.poll(1e9)[:30])
+    assert device.report.line() == capture.report.line()
+
+
+@pytest.mark.parametrize("unit", [0.0, 1e-3])
+def test_times_that_are_impossible_in_any_unit_are_refused(tmp_path: Path, unit: float) -> None:
+    with pytest.raises(RecordingError, match=r"zero|impossible"):
+        read_capture(written(tmp_path / "touches.jsonl", *moving(unit)))
 
 
 @pytest.mark.parametrize("line", DAMAGE.values(), ids=DAMAGE.keys())

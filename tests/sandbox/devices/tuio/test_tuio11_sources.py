@@ -89,6 +89,7 @@ def test_any_packet_of_a_source_is_a_sign_of_life() -> None:
     table = Table(stale_after=2.0)
     table.feed(frame(10, {1: A}, source="app"))
     signs = [
+        bundle(),  # nothing at all
         bundle(message("/tuio/2Dobj", "alive"), message("/tuio/2Dobj", "fseq", 3)),
         frame(9, {1: B}),  # late
         bundle(cur("alive", 1)),  # without fseq

@@ -13,9 +13,8 @@ from pythonosc.osc_packet import OscPacket
 
 from models.surface import Surface
 from sandbox.devices.tuio.touch_capture import CaptureDevice, read_capture
-from sandbox.devices.tuio.tuio import touch_frame
-from tests.support.tuio_packets import alv, bnd, bundle, frame, frame20, frm, message, ptr
-from tests.support.tuio_table import PEER, A, B, C, Table
+from tests.support.tuio_packets import alv, bnd, bundle, frame20, frm, message, ptr
+from tests.support.tuio_table import PEER, A, B, C, Table, metres
 
 
 def test_a_finger_comes_moves_rests_and_goes() -> None:
@@ -108,14 +107,6 @@ def test_two_sources_at_one_address_do_not_make_each_other_late() -> None:
     assert sorted(both.values()) == [A, B]
 
 
-def test_both_versions_share_one_port_and_no_ids() -> None:
-    table = Table()
-    table.feed(frame(9, {1: A}, source="old"))
-    (both,) = table.feed(frame20(3, {1: B}, source="new"), peer="192.0.2.8:1")
-    assert sorted(both.values()) == [A, B]
-    assert table.tuio.statistics.late == 0
-
-
 def test_tokens_and_symbols_are_no_touches_and_cost_none() -> None:
     table = Table()
     things = [message("/tuio2/tok", 8, 0, 1, 0.5, 0.5, 0.0), message("/tuio2/sym", 8, 0, 0, "x")]
@@ -133,7 +124,7 @@ def test_a_device_that_knows_fingers_names_them(
     (commit,) = table.tuio.feed(
         bundle(frm(1), ptr(537, *A, kind=user << 16 | kind + hand), alv(537)), PEER, 0.0
     )
-    (contact,) = touch_frame(commit, Surface(), 0.0).contacts
+    (contact,) = metres(commit, Surface(), 0.0).contacts
     assert contact.label == finger
 
 
@@ -159,45 +150,56 @@ def test_bounds_tell_the_size_and_need_not_be_sent_again() -> None:
         bundle(frm(3), bnd(1, 0.25, 0.5), alv(1, 2)),
     ]
     (first,), (second,), (third,) = (table.tuio.feed(p, PEER, 0.0) for p in packets)
-    assert touch_frame(first, surface, 0.0).contacts[0].size == pytest.approx(0.625 * 0.0254)
-    assert touch_frame(second, surface, 0.0).contacts[0].size == pytest.approx(0.625 * 0.0254)
-    assert touch_frame(third, surface, 0.0).contacts[0].size == pytest.approx(2.5 * 0.0254)
-    assert all(touch_frame(c, surface, 0.0).contacts[1].size is None for c in (first, third))
+    assert metres(first, surface, 0.0).contacts[0].size == pytest.approx(0.625 * 0.0254)
+    assert metres(second, surface, 0.0).contacts[0].size == pytest.approx(0.625 * 0.0254)
+    assert metres(third, surface, 0.0).contacts[0].size == pytest.approx(2.5 * 0.0254)
+    assert all(metres(c, surface, 0.0).contacts[1].size is None for c in (first, third))
 
 
 @pytest.mark.parametrize(
     "odd",
     [
-        bundle(frm(1), message("/tuio2/ptr", 1, 0, 0, 0.5), alv(1)),
-        bundle(frm(1), message("/tuio2/ptr", 1, "thumb", 0, 0.5, 0.5), alv(1)),
-        bundle(frm(1), ptr(1, 0.5, 7.0), alv(1)),
-        bundle(frm(1), message("/tuio2/alv", 1, 2.0)),
-        bundle(frm(1), alv(*range(256))),
-        bundle(frm(1), *[ptr(i, *A) for i in range(65)], alv(1)),
-        bundle(*[frm(n) for n in range(1, 20)]),
-        bundle(message("/tuio2/frm", 1, 2), ptr(1, *A), alv(1)),
-        bundle(message("/tuio2/frm", "one", 0, 0, "s"), ptr(1, *A), alv(1)),
-        bundle(message("/tuio2/frm", 1, 0, 0, "bell\x07"), ptr(1, *A), alv(1)),
-    ],
-)
-def test_what_breaks_the_protocol_is_counted_and_changes_nothing(odd: bytes) -> None:
-    table = Table()
-    table.feed(frame20(1, {1: A}))
-    assert table.feed(odd) == []
-    assert table.tuio.statistics.malformed == 1
-    assert table.feed(frame20(2, {}, alive=[1])) == [{1: A}]
-
-
-def test_bounds_that_make_no_sense_cost_no_touch() -> None:
-    odd = [
+        message("/tuio2/ptr", 1, 0, 0, 0.5),
+        message("/tuio2/ptr", "1", 0, 0, 0.5, 0.5),
+        ptr(1, 0.5, 7.0),
+        ptr(1, float("nan"), 0.5),
         message("/tuio2/bnd"),
         message("/tuio2/bnd", 1, 0.5),
         bnd(1, -1.0, 0.5),
         bnd(1, 9.0, 9.0),
-    ]
+        bundle(*[ptr(i, *A) for i in range(10, 76)]),
+    ],
+)
+def test_what_breaks_the_protocol_costs_itself_alone(odd: bytes) -> None:
     table = Table()
-    assert table.feed(bundle(frm(1), ptr(1, *A), *odd, alv(1))) == [{1: A}]
-    assert table.tuio.statistics.malformed == 0
+    table.feed(frame20(1, {1: A, 3: A}))
+    packet = bundle(frm(2), ptr(2, *B), odd, alv(1, 2))
+    assert table.feed(packet) == [{1: A, 2: B}]
+    assert table.tuio.statistics.malformed == 1
+    assert table.tuio.report.left_out
+
+
+@pytest.mark.parametrize(
+    "opening",
+    [
+        message("/tuio2/frm", 2, 0, 0, "two"),
+        message("/tuio2/frm", 2.0, 0, 0, "two"),
+        message("/tuio2/frm", "number", 0, 0, "two"),
+        message("/tuio2/frm"),
+        message("/tuio2/frm", 2, 0),
+        message("/tuio2/frm", 2, 0, 0, "bell\x07"),
+    ],
+)
+@pytest.mark.parametrize("kind", [0, 1.0, "thumb", None])
+def test_neither_number_nor_name_nor_type_cost_a_touch(opening: bytes, kind: object) -> None:
+    pointer = message("/tuio2/ptr", 7, kind, 0, *B)
+    assert Table().feed(bundle(opening, pointer, message("/tuio2/alv", 7.0, "x"))) == [{7: B}]
+
+
+def test_too_many_ids_cost_those_beyond() -> None:
+    table = Table()
+    packets = [bundle(frm(n), ptr(1, *A), alv(*range(256))) for n in range(1, 20)]
+    assert table.feed(packets[0], bundle(*packets)) == [{1: A}] * 17
 
 
 @given(st.floats(0.0, 1.0), st.floats(0.0, 1.0), st.sampled_from(["f", "d"]))
@@ -210,7 +212,7 @@ def test_whatever_size_bounds_tell_a_frame_is_made_of_it(
         builder.add_arg(value, kind)
     packet = bundle(frm(1), ptr(1, *A), builder.build().dgram, alv(1))
     (commit,) = Table().tuio.feed(packet, PEER, 0.0)
-    (contact,) = touch_frame(commit, Surface(), 0.0).contacts
+    (contact,) = metres(commit, Surface(), 0.0).contacts
     assert contact.extent is None or min(contact.extent) > 0.0
 
 

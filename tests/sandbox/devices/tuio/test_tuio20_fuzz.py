@@ -69,10 +69,10 @@ def fuzz(seed: int, count: int, corpus: list[bytes]) -> Tuio:
             last = tuio.feed(good, "192.0.2.200:1", now)[-1]
             assert last.source == "good"
             assert place in [(t.x, t.y) for t in last.touches]
-            for source in tuio._sources.values():
+            for source in tuio._sources:
                 kept = [*source.open.values()]
                 assert len(source.places) <= MAX_ALIVE
-                assert all(len(f.places) <= MAX_IDS and len(f.sizes) <= MAX_IDS for f in kept)
+                assert all(len(f.places) <= MAX_IDS and len(f.sizes) <= MAX_ALIVE for f in kept)
     return tuio
 
 

@@ -18,9 +18,10 @@ import pytest
 
 from models.surface import Surface
 from sandbox.devices.tuio.osc import MAX_PACKET_BYTES
-from sandbox.devices.tuio.tuio import TuioDevice, touch_frame
+from sandbox.devices.tuio.tuio import TuioDevice
 from sandbox.devices.tuio.tuio_senders import MAX_SOURCES, MAX_TOUCHES, Commit, Statistics, Tuio
 from tests.support.tuio_packets import MALFORMED, bundle, cur, frame, message
+from tests.support.tuio_table import metres
 
 QUICK, FULL = 3_000, 100_000
 COUNTS = pytest.mark.parametrize("count", [QUICK, pytest.param(FULL, marks=pytest.mark.full)])
@@ -156,7 +157,7 @@ def check(commit: Commit) -> None:
     assert len(commit.touches) <= MAX_TOUCHES
     assert all(0.0 <= t.x <= 1.0 and 0.0 <= t.y <= 1.0 for t in commit.touches)
     assert commit.source.isprintable()
-    touch_frame(commit, Surface(), 0.0)  # refuses ids that are not unique
+    metres(commit, Surface(), 0.0)  # refuses ids that are not unique
 
 
 def fuzz_decoder(seed: int, count: int, corpus: list[bytes]) -> Tuio:

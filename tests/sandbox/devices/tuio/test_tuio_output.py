@@ -12,10 +12,11 @@ from pythonosc.osc_packet import OscPacket
 from models.errors import DeviceError
 from models.frames import Contact, TouchFrame
 from models.surface import Surface
-from sandbox.devices.tuio.tuio import TuioDevice, touch_frame
+from sandbox.devices.tuio.tuio import TuioDevice
 from sandbox.devices.tuio.tuio_output import PERIOD, TuioEncoder, TuioOutput
 from sandbox.devices.tuio.tuio_senders import Tuio
 from tests.support.processes import until
+from tests.support.tuio_table import metres
 
 SURFACE = Surface(10.0, 5.0)
 WIDTH, HEIGHT = (float(length) for length in SURFACE.size)
@@ -39,7 +40,7 @@ def test_our_own_decoder_reads_what_fingers_did(
     encoder, tuio = TuioEncoder(SURFACE), Tuio()
     for frame in as_frames(scenes):
         commits = [c for p in encoder.bundles(frame) for c in tuio.feed(p, "a", frame.time)]
-        read = touch_frame(commits[-1], SURFACE, frame.time)
+        read = metres(commits[-1], SURFACE, frame.time)
         got = sorted((c.x, c.y) for c in read.contacts)
         expected = sorted((c.x, c.y) for c in frame.contacts)
         assert [x for place in got for x in place] == pytest.approx(

@@ -25,7 +25,7 @@ from sandbox.devices.tuio import tuio_streams
 from sandbox.devices.tuio.tuio import TuioDevice
 from sandbox.devices.tuio.tuio_streams import MAX_CONNECTIONS, parse_target, refusal
 from tests.support.processes import PATIENCE, Sender, until
-from tests.support.tuio_packets import MALFORMED, frame, frame20
+from tests.support.tuio_packets import NO_OSC, frame, frame20
 
 A, B = (0.25, 0.5), (0.75, 0.125)
 
@@ -153,7 +153,7 @@ def test_who_hangs_up_has_his_touches_cancelled_and_nobody_elses(
 def test_malformed_packets_are_counted_and_the_connection_lives(
     device: TuioDevice, kind: str
 ) -> None:
-    odd = [data for data in MALFORMED.values() if data]
+    odd = [data for data in NO_OSC.values() if data]
     with caller(device, kind) as (speak, _):
         for data in odd:
             speak(data)

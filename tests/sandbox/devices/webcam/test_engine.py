@@ -131,21 +131,16 @@ def test_without_network_one_line_says_so(
     assert not home.exists()
 
 
-def test_without_npm_the_index_is_asked_by_https_alone(
-    home: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+@pytest.mark.parametrize(
+    ("index", "said"),
+    [("http://127.0.0.1:1/", "only https"), ("https://127.0.0.1:1", "cannot be fetched")],
+)
+def test_without_npm_an_index_must_be_asked_by_https_and_must_answer(
+    index: str, said: str, home: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setenv("PATH", programs(tmp_path / "bin"))
-    monkeypatch.setenv("NPM_CONFIG_REGISTRY", "http://127.0.0.1:1/")
-    with pytest.raises(DeviceError, match="only https"):
-        engine.install(lambda line: None)
-
-
-def test_without_npm_and_without_network_one_line_says_so(
-    home: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setenv("PATH", programs(tmp_path / "bin"))
-    monkeypatch.setenv("NPM_CONFIG_REGISTRY", "https://127.0.0.1:1")
-    with pytest.raises(DeviceError, match="cannot be fetched"):
+    monkeypatch.setenv("NPM_CONFIG_REGISTRY", index)
+    with pytest.raises(DeviceError, match=said):
         engine.install(lambda line: None)
 
 

@@ -52,8 +52,19 @@ def test_a_file_gives_back_its_pictures_and_its_camera(tmp_path: Path) -> None:
     assert recording.damage is None
 
 
-def test_a_damaged_line_ends_the_file_and_is_named(tmp_path: Path) -> None:
-    path = written(tmp_path / "hands.jsonl", pictures(), '{"time": 9, "seen": [{"side": "up"}]}')
+def test_a_picture_that_cannot_be_used_costs_itself_alone(tmp_path: Path) -> None:
+    lines = written(tmp_path / "hands.jsonl", pictures()).read_text().splitlines()
+    for spoiled in ('{"time": 9, "seen": [{"side": "up"}]}', '{"time": NaN}'):
+        path = tmp_path / "spoiled.jsonl"
+        path.write_text("\n".join([*lines[:3], spoiled, *lines[3:]]))
+        recording = read_landmarks(path)
+        assert recording.frames == read_landmarks(tmp_path / "hands.jsonl").frames
+        assert recording.damage is None and sum(recording.report.left_out.values()) == 1
+        assert recording.lines == (2, 3, 5, 6, 7)
+
+
+def test_a_line_that_is_cut_short_ends_the_file_and_is_named(tmp_path: Path) -> None:
+    path = written(tmp_path / "hands.jsonl", pictures(), '{"time": 9, "seen": [{"side": "r')
     recording = read_landmarks(path)
     assert len(recording.frames) == 5
     assert "line 7" in str(recording.damage)
@@ -69,11 +80,12 @@ def test_two_pictures_of_one_moment_are_one_in_an_export(tmp_path: Path) -> None
     assert [t for poses in shown for t in poses.time] == pytest.approx(times)
 
 
-def test_time_that_runs_backwards_ends_the_file(tmp_path: Path) -> None:
+def test_a_picture_whose_time_runs_backwards_is_left_out(tmp_path: Path) -> None:
     frames = pictures()
-    path = written(tmp_path / "hands.jsonl", [*frames, frames[0]])
+    path = written(tmp_path / "hands.jsonl", [*frames[:3], frames[0], *frames[3:]])
     recording = read_landmarks(path)
-    assert len(recording.frames) == 5 and "backwards" in str(recording.damage)
+    assert len(recording.frames) == 5 and recording.damage is None
+    assert recording.report.line() == "left out: 1 pictures whose time ran backwards"
 
 
 def test_a_file_without_pictures_is_refused(tmp_path: Path) -> None:

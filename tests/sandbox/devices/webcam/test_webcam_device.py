@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import json
-import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from functools import cache
 from itertools import pairwise
 from pathlib import Path
@@ -17,10 +16,13 @@ from websockets.exceptions import ConnectionClosed, InvalidStatus
 from websockets.sync.client import ClientConnection, connect
 
 from encoders.webcam.camera import Camera
+from models.frames import LandmarkFrame
+from models.plausible import JUMPED
 from sandbox.devices.webcam.landmark_server import ENDED, PATIENCE, REPLACED
 from sandbox.devices.webcam.landmarks import message_of
 from sandbox.devices.webcam.webcam import CLOSED, NOTICES, WAITING, WebcamDevice
 from tests.encoders.webcam.seen_hands import film, held_up
+from tests.support.processes import until
 
 
 @cache
@@ -51,13 +53,6 @@ def page(device: WebcamDevice, **headers: str) -> ClientConnection:
     return connect(address, additional_headers={"Origin": origin, **headers}, compression=None)
 
 
-def soon(condition: Callable[[], object]) -> None:
-    until = time.monotonic() + 10.0
-    while not condition():
-        assert time.monotonic() < until
-        time.sleep(0.01)
-
-
 def test_a_page_is_told_what_is_wanted_and_its_pictures_come(device: WebcamDevice) -> None:
     assert device.notices == (WAITING,)
     with page(device) as socket:
@@ -77,6 +72,29 @@ def test_a_page_is_told_what_is_wanted_and_its_pictures_come(device: WebcamDevic
         assert device.poll(0.0) == () and device.notices == ()
 
 
+def test_hands_that_the_engine_cannot_place_cost_no_page_and_no_other_hand(
+    device: WebcamDevice,
+) -> None:
+    shown = [message_of(frame) for frame in film([held_up(2.0 * i) for i in range(60)], Camera())]
+    lost = {"side": "left", "score": 0.9, "image": shown[0]["seen"][0]["image"], "world": None}
+    frames: list[LandmarkFrame] = []
+    with page(device) as socket:
+        for i, message in enumerate(shown):
+            seen = [lost] if i % 3 == 2 else [*message["seen"], lost]
+            if i == 51:
+                far = [[320 + 0.1 * x, 240 + 0.1 * y] for x, y in message["seen"][0]["image"]]
+                seen = [{**message["seen"][0], "image": far}]
+            socket.send(json.dumps({**message, "seen": seen}))
+        until(lambda: frames.extend(device.poll(0.0)) or len(frames) == 40)
+    assert len(frames) == 40 and sum(not frame.hands for frame in frames) == 1
+    assert device.report.left_out == {
+        "hands that cannot be read": 39,
+        "pictures that are not valid": 20,
+        JUMPED: 1,
+        "pages closed": 1,
+    }
+
+
 def test_corners_that_are_marked_in_the_page_are_kept(engine: Path) -> None:
     device = WebcamDevice(engine, marks=True)
     try:
@@ -84,7 +102,7 @@ def test_corners_that_are_marked_in_the_page_are_kept(engine: Path) -> None:
             assert json.loads(socket.recv(timeout=5))["marks"] is True
             marked = [[100.0, 80.0], [500.0, 90.0], [510.0, 400.0], [90.0, 390.0]]
             socket.send(json.dumps({"corners": marked}))
-            soon(lambda: device.corners)
+            until(lambda: device.corners)
             assert [list(c) for c in device.corners] == marked
             assert device.poll(0.0) == ()
     finally:
@@ -95,18 +113,18 @@ def test_corners_that_are_marked_in_the_page_are_kept(engine: Path) -> None:
 def test_a_trouble_of_the_page_is_told_at_the_session(device: WebcamDevice, trouble: str) -> None:
     with page(device) as socket:
         socket.send(json.dumps({"trouble": trouble}))
-        soon(lambda: device.notices == (NOTICES[trouble],))
+        until(lambda: device.notices == (NOTICES[trouble],))
         socket.send(json.dumps(picture()))
-        soon(lambda: device.notices == ())
+        until(lambda: device.notices == ())
 
 
 def test_a_page_that_is_closed_is_told_and_may_come_back(device: WebcamDevice) -> None:
     with page(device):
         pass
-    soon(lambda: device.notices == (CLOSED,))
+    until(lambda: device.notices == (CLOSED,))
     with page(device) as socket:
         socket.send(json.dumps(picture()))
-        soon(lambda: device.notices == ())
+        until(lambda: device.notices == ())
     assert not device.finished
 
 
@@ -116,8 +134,8 @@ def test_times_go_on_when_the_page_is_opened_again(device: WebcamDevice) -> None
         with page(device) as socket:
             for time_, taken in ((ended, ended - 0.1), (ended + 0.03, ended - 0.07)):
                 socket.send(json.dumps({**picture(), "time": time_, "taken": taken}))
-            soon(lambda n=device.counts["pages closed"]: device.counts["pictures"] == 2 * n + 2)  # type: ignore[misc]
-        soon(lambda: device.notices == (CLOSED,))
+            until(lambda n=device.counts["pages closed"]: device.counts["pictures"] == 2 * n + 2)  # type: ignore[misc]
+        until(lambda: device.notices == (CLOSED,))
     frames = device.poll(0.0)
     assert (frames[0].time, frames[0].taken) == (50.0, 49.9)
     assert all(a.time < b.time and a.taken <= b.taken for a, b in pairwise(frames))
@@ -130,7 +148,7 @@ def test_a_second_page_takes_the_place_of_the_first(device: WebcamDevice) -> Non
         assert json.loads(first.recv(timeout=5)) == {"what": "bye", "why": REPLACED}
         second.send(json.dumps(picture()))
         assert device.wait(5.0)
-    soon(lambda: device.counts["pages closed"] == 1)
+    until(lambda: device.counts["pages closed"] == 1)
 
 
 def test_the_page_is_told_when_the_session_is_over(device: WebcamDevice) -> None:
@@ -164,7 +182,7 @@ def test_pictures_that_nobody_fetches_are_dropped_and_counted(
     with page(device) as socket:
         for i in range(5):
             socket.send(json.dumps({**picture(), "time": float(i)}))
-        soon(lambda: device.counts["pictures"] == 5)
+        until(lambda: device.counts["pictures"] == 5)
     assert [f.time for f in device.poll(0.0)] == [2.0, 3.0, 4.0]
     assert device.counts["pictures nobody fetched"] == 2
 

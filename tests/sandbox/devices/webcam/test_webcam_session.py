@@ -13,14 +13,12 @@ from models.errors import InputError
 from models.frames import LandmarkFrame
 from models.motion.sampling import Poses
 from sandbox.cli.main import main
-from sandbox.devices.device import SILENCE, LatestFrame
 from sandbox.devices.webcam import webcam_choice
 from sandbox.devices.webcam.landmarks import header_record, message_of
 from sandbox.export.sources import open_source
 from sandbox.recording.recording import load_recording
 from sandbox.trial.settings import recorded_settings
-from sandbox.trial.trial_options import TrialOptions, trial_settings
-from tests.encoders.webcam.seen_hands import film, held_up, mirror, seen
+from tests.encoders.webcam.seen_hands import film, held_up, mirror
 
 CAMERA = Camera(70.0, (0.0, 0.45, 0.12))
 
@@ -61,15 +59,6 @@ def test_the_recording_keeps_the_camera_and_not_the_poses(tmp_path: Path) -> Non
     assert hand.size == 1.1
 
 
-def test_two_hands_before_one_camera_are_each_their_own_side(tmp_path: Path) -> None:
-    file = hand_file(tmp_path / "hands.jsonl", both=True)
-    chosen = trial_settings(
-        TrialOptions(device=str(file), task="carry-together", second_device=str(file))
-    )
-    assert [hand.side for hand in chosen.hands] == ["right", "left"]
-    assert all(hand.in_air and hand.in_air.camera for hand in chosen.hands)
-
-
 def test_two_hands_carry_together_and_replay_to_the_bit(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -80,14 +69,6 @@ def test_two_hands_carry_together_and_replay_to_the_bit(
     assert "equal to the bit" in capsys.readouterr().out
     right, left = (load_recording(recording).inputs[hand] for hand in (0, 1))
     assert len(right) == len(left) == 60
-
-
-def test_two_right_hands_before_one_camera_are_refused(tmp_path: Path) -> None:
-    file = str(hand_file(tmp_path / "hands.jsonl", both=True))
-    with pytest.raises(InputError, match="a right and a left hand"):
-        trial_settings(
-            TrialOptions(device=file, second_device=file, hand="right", second_hand="right")
-        )
 
 
 def test_a_recording_of_landmarks_is_exported_as_it_is(tmp_path: Path) -> None:
@@ -123,20 +104,3 @@ def test_the_option_says_what_the_camera_is() -> None:
     assert choice.mirrored and choice.quiet
     assert webcam_choice("tilt=1", CAMERA).camera.view == CAMERA.view
     assert webcam_choice("sees=0.58/0.5").camera.view == pytest.approx(60.2, abs=0.1)
-
-
-def test_touches_alone_can_be_degraded(tmp_path: Path) -> None:
-    file = str(hand_file(tmp_path / "hand.jsonl"))
-    with pytest.raises(InputError, match="in the air"):
-        trial_settings(TrialOptions(device=file, vary="noise=0.001"))
-
-
-def test_a_camera_that_falls_silent_sees_no_hand() -> None:
-    latest = LatestFrame(LandmarkFrame(0.0))
-    frame = film([held_up()], CAMERA)[0]
-    latest.take([frame], 1.0)
-    latest.take([], 1.0 + SILENCE)
-    assert isinstance(latest.frame, LandmarkFrame)
-    assert latest.frame.hands == (seen(held_up(), CAMERA),)
-    latest.take([], 1.0 + 1.01 * SILENCE)
-    assert isinstance(latest.frame, LandmarkFrame) and latest.frame.hands == ()

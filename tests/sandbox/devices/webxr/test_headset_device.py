@@ -22,10 +22,10 @@ from sandbox.play.pages import show_session, touched_pages
 from sandbox.server.page_server import PageServer
 from sandbox.server.protocol import PROTOCOL, HeldController, PageHands, PageScreen, SeenJoints
 from sandbox.server.static import HEADSET, StaticFiles
-from sandbox.trial.assembly import build
-from sandbox.trial.open_devices import device_makers
+from sandbox.trial.assembly import build, device_makers
 from sandbox.trial.trial_options import TrialOptions, trial_settings
 from tests.encoders.headset.joint_hands import joints, points, seen
+from tests.support.processes import until
 
 SCREEN = {"px_per_in": 110.0, "width_px": 800.0, "height_px": 600.0, "calibrated": False}
 
@@ -52,8 +52,8 @@ class Headset:
 
     def frame(self, accept: Callable[[HandFrame], bool]) -> HandFrame:
         """The next frame of a kind."""
-        until = time.monotonic() + 5.0
-        while time.monotonic() < until:
+        end = time.monotonic() + 5.0
+        while time.monotonic() < end:
             for frame in self.device.poll():
                 if accept(frame):
                     return frame
@@ -78,13 +78,6 @@ def send(socket: ClientConnection, seq: int, *hands: dict[str, object], **more: 
     socket.send(json.dumps({"type": "hands", "seq": seq, "t": 0.0, "hands": hands, **more}))
 
 
-def soon(condition: Callable[[], object]) -> None:
-    until = time.monotonic() + 5.0
-    while not condition():
-        assert time.monotonic() < until
-        time.sleep(0.01)
-
-
 def test_both_hands_of_a_page_come_with_all_joints(headset: Headset) -> None:
     with headset.page() as page:
         send(page, 1, joints(1), joints(2, "left"))
@@ -102,20 +95,20 @@ def test_a_hand_is_seen_until_its_page_closes(headset: Headset) -> None:
     with headset.page() as page:
         assert not headset.device.touched
         send(page, 1, joints())
-        soon(lambda: headset.device.touched)
+        until(lambda: headset.device.touched)
         assert not headset.server.away
-    soon(lambda: not headset.device.touched)
+    until(lambda: not headset.device.touched)
     assert headset.frame(lambda f: not f.hands).hands == ()
-    soon(lambda: headset.server.away)
+    until(lambda: headset.server.away)
 
 
 def test_a_headset_that_is_taken_off_is_away_and_back(headset: Headset) -> None:
     with headset.page() as page:
         send(page, 1, joints())
         page.send(json.dumps({"type": "presence", "here": False}))
-        soon(lambda: headset.server.away)
+        until(lambda: headset.server.away)
         page.send(json.dumps({"type": "presence", "here": True}))
-        soon(lambda: not headset.server.away)
+        until(lambda: not headset.server.away)
 
 
 def test_a_hand_without_a_finger_keeps_the_others_and_one_without_a_palm_is_left_out(
@@ -141,8 +134,43 @@ def test_what_is_no_hand_is_refused_and_the_next_one_comes(headset: Headset) -> 
         send(page, 3, flat)
         send(page, 4, joints())
         assert headset.frame(lambda f: bool(f.hands)).hands
-    assert headset.server.counters["malformed message"] == 2
+    assert headset.server.counters["malformed message"] == 1
+    assert headset.device.counts["hands without a palm"] == 1
     assert headset.device.counts["the joints of a hand lie on each other"] == 1
+
+
+@pytest.mark.parametrize("place", [None, [None, 0.1, 0.2], [0.1, 1e9, 0.2], [0.1, 0.2, -1e300]])
+def test_a_joint_without_a_place_costs_its_finger_alone_and_ends_no_connection(
+    headset: Headset, place: object
+) -> None:
+    """A headset's NaN is null in JSON."""
+    broken, other = joints(1), joints(2, "left")
+    assert isinstance(broken["joints"], list)
+    broken["joints"][8] = place
+    with headset.page() as page:
+        for seq in range(1, 300):
+            send(page, seq, broken, other)
+        right, left = headset.frame(lambda f: len(f.hands) == 2).hands
+        until(lambda: headset.device.counts["hands without a finger"] == 299)
+        send(page, 300, joints(1))
+        assert len(headset.frame(lambda f: len(f.hands) == 1).hands[0].fingers) == 5
+    assert (len(right.fingers), len(left.fingers)) == (4, 5)
+    assert headset.server.counters["malformed message"] == 0
+
+
+def test_a_third_hand_and_a_lost_controller_cost_no_other(headset: Headset) -> None:
+    lost = {"side": "left", "position": [None] * 3, "quaternion": [None] * 4, "trigger": None}
+    still = {**lost, "position": [0.0, 0.0, 0.1]}
+    message = {"type": "hands", "seq": 1, "t": None, "hands": [joints(1), joints(2), joints(3)]}
+    with headset.page() as page:
+        page.send(json.dumps({**message, "controllers": [lost, still]}))
+        (hand,) = headset.frame(lambda f: bool(f.hands)).hands
+    assert hand.side == "right"
+    assert headset.device.counts == {
+        "no place": 1,
+        "not a unit quaternion": 1,
+        "hands beside the one of their side": 2,
+    }
 
 
 def test_touches_are_no_message_for_a_headset(headset: Headset) -> None:

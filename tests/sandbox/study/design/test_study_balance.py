@@ -4,11 +4,14 @@ what a shorter one confounds is told."""
 from __future__ import annotations
 
 from collections import Counter
-from itertools import product
+from collections.abc import Mapping
+from itertools import groupby, pairwise, product
+from math import prod
 from pathlib import Path
+from typing import Any
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from sandbox.study.design.balance import (
@@ -21,6 +24,7 @@ from sandbox.study.design.balance import (
 )
 from sandbox.study.design.design import Design
 from sandbox.study.design.design_file import parse_design
+from sandbox.study.design.fields import ORDERS
 from sandbox.study.design.plan import session_plan, trials_of
 
 NAMES = ("contact", "servo", "task")
@@ -44,7 +48,7 @@ def met(design: Design, number: int, session: int) -> list[tuple[str, tuple[str,
     return [(level, tuple(order)) for level, order in orders.items()]
 
 
-def even(counts: Counter[object], cells: int, within: int = 0) -> bool:
+def even(counts: Mapping[Any, int], cells: int, within: int = 0) -> bool:
     """True if counts of so many cells differ by no more than `within`."""
     values = [*counts.values(), *[0] * (cells - len(counts))]
     return len(values) == cells and max(values) - min(values) <= within
@@ -113,6 +117,39 @@ def test_rows_of_any_number_of_factors_are_combined_equally_often(
         assert even(Counter(row[i] for row in rows), count, 1)
     every = [rows_of(design, people + i) for i in range(whole_cycle(design))]
     assert sorted(every) == list(product(*map(range, counts)))
+
+
+ANY = st.tuples(st.sampled_from(sorted(ORDERS)), st.integers(1, 5))
+
+
+@given(st.lists(ANY, min_size=1, max_size=3))
+@settings(max_examples=40, deadline=None)
+def test_over_a_full_cycle_each_level_is_equally_often_at_each_place_and_after_each_other(
+    rules: list[Rule],
+) -> None:
+    design = crossed(*rules)
+    assume(whole_cycle(design) * prod(count for _, count in rules) <= 2000)
+    places, follows, groups = (Counter[tuple[object, ...]]() for _ in range(3))
+    for number in range(whole_cycle(design)):
+        trials = trials_of(session_plan(design, number))
+        for i, (name, (rule, _)) in enumerate(zip(NAMES, rules, strict=False)):
+            blocks = groupby(trials, key=lambda t: [t.levels[n] for n in NAMES[:i]])
+            for _, block in blocks:
+                order = [level for level, _ in groupby(t.levels[name] for t in block)]
+                if rule == "between":
+                    groups[name, order[0]] += 1
+                elif rule in ("latin", "factorial"):
+                    places.update((name, level, place) for place, level in enumerate(order))
+                    follows.update((name, *pair) for pair in pairwise(order))
+    for name, (rule, count) in zip(NAMES, rules, strict=False):
+        place, follow, group = (
+            Counter({key: n for key, n in some.items() if key[0] == name})
+            for some in (places, follows, groups)
+        )
+        if rule == "between":
+            assert even(group, count)
+        elif rule in ("latin", "factorial") and count > 1:
+            assert even(place, count**2) and even(follow, count * (count - 1))
 
 
 def test_groups_of_two_factors_are_crossed() -> None:

@@ -1,145 +1,285 @@
-"""`study check` finds designs that are right in form and mislead, one line a cause."""
+"""`study check` finds each of its mistakes at its line, and nothing in sound designs."""
 
 from __future__ import annotations
 
 import re
-from itertools import pairwise
+from io import StringIO
+from itertools import pairwise, product
 from pathlib import Path
+from typing import Any, NamedTuple
 
 import pytest
 
 from sandbox.cli.main import main
 from sandbox.study.design.checks import findings
-from sandbox.study.design.design_file import read_draft
+from sandbox.study.design.design_file import load_design
 from sandbox.study.design.plan import BreakStep, TrialStep, session_plan
-from sandbox.study.design.reading import DesignError
-from tests.support.study_files import SOUND as DESIGN
-from tests.support.study_files import design
+from sandbox.study.design.reading import DesignError, Mistake
+from tests.support.study_designs import KINDS, STYLES, TEXTS, TURN, changed, sound, written
+from tests.support.study_files import SOUND, design
 
 ROOT = Path(__file__).resolve().parents[4]
-CONSENT = DESIGN[DESIGN.index("[consent]") : DESIGN.index("[[demographics]]")]
-RULE = '\n[[exclusions]]\nname = "rule"\n'
-TWICE_SET = (
-    '\n[[factors]]\nname = "again"\norder = "random"\n'
-    'levels = [{name = "a", contact = "hard"}, {name = "b", contact = "soft"}]\n'
-)
 
 
-def changed(old: str, new: str) -> str:
-    assert old in DESIGN
-    return DESIGN.replace(old, new, 1)
+class Planted(NamedTuple):
+    """A mistake in a sound design.
+
+    Attributes:
+        changes: What is written in place of the sound values, by place.
+        place: Place of the mistake, whose line is told; empty for the first line.
+        words: What the message has in it.
+        languages: Languages of the design.
+        raw: A part of the text, and what stands there.
+    """
+
+    changes: dict[str, Any]
+    place: str
+    words: str
+    languages: tuple[str, ...] = ("en",)
+    raw: tuple[str, str] = ("", "")
+
+
+SAME = [{"name": "soft", "contact": "soft"}, {"name": "gentle", "contact": "soft"}]
+SEVEN = [{"name": f"{i}", "turn": 90 * (i % 4), "impulse": i + 1} for i in range(7)]
+STACK, BOX = {"settings.task": "stack"}, {"settings.task": "box-to-goal"}
+ITEM = "questionnaires.0.items.0"
+
+ERRORS = {
+    "E1 TOML": Planted({}, "name", "", raw=('"quick"', '"quick')),
+    "E1 no end": Planted({}, "name", "", raw=('"quick"', '"""quick')),
+    "E2 unknown key": Planted({"settings.contcat": 1}, "settings.contcat", "Did you mean contact"),
+    "E3 type": Planted({"trials.time_limit_s": "20"}, "trials.time_limit_s", "without quotation"),
+    "E3 range": Planted({"trials.repetitions": 0}, "trials.repetitions", "from 1 to 1000"),
+    "E4 value": Planted({"factors.0.order": "latn"}, "factors.0.order", "Did you mean latin"),
+    "E5 twice": Planted({"factors.0.levels": ["hard", "hard"]}, "factors.0.levels", "twice"),
+    "E6 a column of ours": Planted({"demographics.0.name": "hand"}, "demographics.0.name", "own_"),
+    "E7 language missing": Planted(
+        {"consent.text": {"en": "Do you agree?"}}, "consent.text", "missing in de", ("en", "de")
+    ),
+    "E8 tag": Planted({"languages": ["pt_BR"]}, "languages", "no tag of a language"),
+    "E8 words": Planted({}, "languages.0", "no words in nl", ("nl",)),
+    "E9 not built": Planted({"settings.encoder": "mine.npz"}, "settings.encoder", "mine.npz"),
+    "E9 a value": Planted(
+        {"settings.finger_sets": "thumb+indx"}, "settings.finger_sets", "Did you mean index"
+    ),
+    "E10 surface": Planted(
+        {**STACK, "settings.surface": "1x1in"}, "settings.surface", "too small for this task"
+    ),
+    "E11 the same": Planted({"factors.0.levels": SAME}, "factors.0.levels.1", "set the same in"),
+    "E12 nested": Planted(
+        {"factors.1": {**TURN, "inside": "contact", "levels": {"hard": [0, 90]}}},
+        "factors.1.levels",
+        "its own list",
+    ),
+    "E13 factorial": Planted(
+        {"factors.1": {"name": "more", "order": "factorial", "levels": SEVEN}},
+        "factors.1.order",
+        "too many for order factorial",
+    ),
+    "E14 a level a session": Planted(
+        {"sessions": 3, "factors.0.one_a_session": True},
+        "factors.0.one_a_session",
+        "Write sessions = 2",
+    ),
+    "E15 step": Planted({f"{ITEM}.step": 7}, f"{ITEM}.step", "do not reach 100"),
+    "E16 choices": Planted(
+        {"demographics.0": {"name": "hands", "kind": "choice", "choices": ["a"], "ask": "Which?"}},
+        "demographics.0.choices",
+        "two or more",
+    ),
+    "E17 scoring": Planted(
+        {
+            "questionnaires.0.items.1": {"name": "why", "kind": "text", "ask": "Why?"},
+            "questionnaires.0.scales": [{"name": "strain", "items": ["why"]}],
+        },
+        "questionnaires.0.scales.0.items",
+        "not an item of kind scale",
+    ),
+    "E18 asked once": Planted(
+        {"questionnaires.0.at": "end", "analysis": {"primary": ["effort"]}},
+        "analysis.primary",
+        "asked once",
+    ),
+    "E19 bounds": Planted(
+        {"exclusions.0": {"name": "odd", "measure": "drops", "below": 30, "above": 10}},
+        "exclusions.0",
+        "exclude every trial",
+    ),
+    "E19 of two rules": Planted(
+        {
+            "exclusions.0": {"name": "low", "measure": "drops", "below": 3},
+            "exclusions.1": {"name": "high", "measure": "drops", "above": 2},
+        },
+        "exclusions.1",
+        "low and high exclude every trial",
+    ),
+    "E19 range": Planted(
+        {"exclusions.0": {"name": "no", "measure": "success", "below": 1.5}},
+        "exclusions.0",
+        "from 0 to 1",
+    ),
+    "E20 file": Planted(
+        {"questionnaires.0": {"name": "strain", "file": "strain.toml", "at": "end"}},
+        "questionnaires.0.file",
+        "strain.toml cannot be read",
+    ),
+    "E21 no consent": Planted({"consent": None}, "", "not asked for their consent"),
+    "E22 template": Planted({"name": "my-study"}, "name", "still my-study"),
+    "no limit": Planted(
+        {**BOX, "trials.time_limit_s": 0.1, "exclusions": None, "trials.expected_s": 0.05},
+        "trials.time_limit_s",
+        "no trial can succeed",
+    ),
+    "never asked": Planted(
+        {"factors.1": TURN, "trials.practice": 2, "trials.repeat_inside": "contact"}
+        | {"questionnaires.0.at": "turn"},
+        "questionnaires.0.at",
+        "is never asked",
+    ),
+}
+WARNINGS = {
+    "W1 cycle": Planted({"participants": 25}, "participants", "do not fill the 2 orders"),
+    "W2 blocked": Planted({"factors.0.order": "blocked"}, "factors.0.order", "told from practice"),
+    "W3 one level": Planted({"factors.0.levels": ["hard"]}, "factors.0.levels", "varies nothing"),
+    "W4 practice": Planted(
+        {"trials.practice_each": None}, "trials.practice", "before anybody has practised it"
+    ),
+    "W4 none": Planted(
+        {"trials.practice": 0, "trials.practice_each": None}, "trials.practice", "0 practice trials"
+    ),
+    "W5 after practice": Planted(
+        {"breaks": {"every": 3}}, "breaks.every", "participant 1, after trial 5"
+    ),
+    "W5 never": Planted({"breaks": {"every": 50}}, "breaks.every", "no break ever comes"),
+    "W6 stretch": Planted({"trials.repetitions": 60}, "trials.repetitions", "without a break"),
+    "W6 session": Planted(
+        {"trials.repetitions": 140, "breaks": {"every": 16}}, "trials.repetitions", "weariness"
+    ),
+    "W7 expected": Planted(
+        {**BOX, "trials.time_limit_s": 6, "trials.expected_s": 15},
+        "trials.expected_s",
+        "more than the limit, 6",
+    ),
+    "W7 own limit": Planted(
+        {**BOX, "trials.time_limit_s": 99}, "trials.time_limit_s", "ends by itself after 30 s"
+    ),
+    "W8 outcome": Planted(
+        {"exclusions.0": {"name": "slow", "measure": "time_s", "above": 1.5}},
+        "exclusions.0",
+        "which is an outcome",
+    ),
+    "W10 same text": Planted(
+        {"instructions.0.text": {"en": TEXTS["en"][1], "de": TEXTS["en"][1]}},
+        "instructions.0.text",
+        "the same in en and de",
+        ("en", "de"),
+    ),
+    "W10 choices": Planted(
+        {
+            "demographics.0": {
+                "name": "hands",
+                "kind": "choice",
+                "choices": ["right", "left"],
+                "ask": {"en": "Which?", "de": "Welche?"},
+            }
+        },
+        "demographics.0",
+        "read as they are stored",
+        ("en", "de"),
+    ),
+}
+
+
+def found_in(path: Path) -> list[tuple[Mistake, bool]]:
+    """Mistakes of a design file, each with whether it is an error."""
+    try:
+        read = load_design(path)
+    except DesignError as error:
+        return [(mistake, True) for mistake in error.mistakes]
+    return [(finding, finding.error) for finding in findings(read)]
+
+
+@pytest.mark.parametrize("style", STYLES)
+@pytest.mark.parametrize("name", [*ERRORS, *WARNINGS])
+def test_each_mistake_is_found_at_its_line_however_the_file_is_written(
+    tmp_path: Path, name: str, style: str
+) -> None:
+    planted = ERRORS.get(name) or WARNINGS[name]
+    text, lines = written(changed(sound(*planted.languages), planted.changes), style)
+    path = tuple(int(part) if part.isdigit() else part for part in planted.place.split("."))
+    file = tmp_path / "design.toml"
+    file.write_bytes(text.replace(*planted.raw, 1).encode())
+    ((mistake, error),) = found_in(file)
+    assert error is (name in ERRORS)
+    assert planted.words in str(mistake) and mistake.remedy
+    assert mistake.line == (lines[path] if planted.place else 1)
 
 
 @pytest.mark.parametrize(
-    ("text", "error", "told"),
+    ("kind", "language", "style"),
+    [(k, c, STYLES[i % 5]) for i, (k, c) in enumerate(product(KINDS, TEXTS))],
+)
+def test_twenty_sound_designs_have_no_finding(
+    tmp_path: Path, kind: str, language: str, style: str
+) -> None:
+    changes = KINDS[kind]
+    languages = changes.get("languages") or [language]
+    file = tmp_path / "design.toml"
+    file.write_bytes(written(changed(sound(*languages), changes), style)[0].encode())
+    assert found_in(file) == []
+
+
+def test_levels_that_set_the_same_may_differ_by_what_is_read_before_them(tmp_path: Path) -> None:
+    texts = [{"at": "contact", "level": x["name"], "text": f"Be {x['name']}."} for x in SAME]
+    some = changed(sound("en"), {"factors.0.levels": SAME, "instructions": texts})
+    (tmp_path / "design.toml").write_text(written(some, "tables")[0])
+    assert found_in(tmp_path / "design.toml") == []
+
+
+@pytest.mark.parametrize(
+    ("factors", "settings", "wanted"),
     [
-        (DESIGN + RULE + 'measure = "time_s"\nbelow = 9\nabove = 2\n', True, "excludes everything"),
-        (DESIGN + RULE + 'measure = "success"\nbelow = 1.5\n', True, "is from 0 to 1"),
-        (DESIGN + RULE + 'measure = "time_s"\nbelow = 601\n', True, "is from 0 to 600"),
-        (DESIGN + RULE + 'measure = "success"\nbelow = 1\n', False, "selects on the outcome"),
-        (DESIGN + RULE + 'measure = "time_s"\nabove = 9\n', False, "what takes long"),
-        (
-            changed("repetitions = 2", "repetitions = 2\ntime_limit_s = 0.05\nexpected_s = 0.05"),
-            True,
-            "no trial can succeed",
-        ),
-        (
-            changed("repetitions = 2", "repetitions = 2\ntime_limit_s = 9"),
-            False,
-            "more than the time limit",
-        ),
-        (changed('order = "latin"', 'order = "blocked"'), False, "told from practice"),
-        (changed(CONSENT, ""), False, "consent"),
-        (DESIGN + "\n[breaks]\nevery = 4\n", False, "no break ever comes"),
-        (changed('["hard", "soft"]', '["hard"]'), False, "one level"),
-        (changed("participants = 24", "participants = 25"), False, "contact with practice"),
-        (DESIGN + RULE + 'measure = "time_s"\nabove = 600\n', False, "excludes nothing"),
-        (
-            DESIGN + RULE + 'of = "participant"\nmeasure = "success"\nbelow = 0.1\n',
-            False,
-            "leaves out people because of success",
-        ),
-        (
-            changed("repetitions = 2", "repetitions = 2\ntime_limit_s = 10\nexpected_s = 9"),
-            False,
-            "cut off",
-        ),
-        (changed("practice = 1", "practice = 0"), False, "nobody practises"),
-        (changed("practice = 1", "practice = 2") + TWICE_SET, True, "the inner factor wins"),
-        (changed('"latin"', '"between"').replace("= 24", "= 25"), False, "groups differ in size"),
-        (
-            changed('"latin"', '"random"').replace("= 24", "= 8").replace("seed = 3", "seed = 11"),
-            False,
-            "orders, so that contact is confounded with practice",
-        ),
-        (
-            changed("seed = 3", "seed = 3\nsessions = 2").replace(
-                "practice = 1", 'practice = 1\nseeds = "shared"'
-            ),
-            False,
-            "what is remembered of them",
-        ),
-        (
-            changed("seed = 3", "seed = 3\nsessions = 2").replace(
-                'order = "latin"', 'order = "blocked"\none_a_session = true'
-            ),
-            False,
-            "told from the session in which it comes",
-        ),
-        (
-            changed("practice = 1", 'practice = 1\nrepeat_inside = "turn"').replace(
-                "[[factors]]",
-                '[[factors]]\nname = "turn"\norder = "latin"\nlevels = [0, 90]\n[[factors]]',
-                1,
-            ),
-            True,
-            "effort is never asked",
-        ),
-        (
-            changed("repetitions = 2", "repetitions = 60"),
-            False,
-            "min come without a break",
-        ),
-        (
-            DESIGN + '\n[[instructions]]\nat = "contact"\nlevel = "soft"\ntext = "Now!"\n',
-            False,
-            "only soft is announced, not hard",
-        ),
+        # What the inner factor sets wins, so that the outer one does nothing.
+        ([["contact", ["hard", "soft"]], ["again", [*SAME[:1], {**SAME[1], "impulse": 2}]]], {}, 1),
+        # Only touches go through an encoder.
+        ([["encoder", ["paper", "population"]]], {"device": "leap"}, 1),
+        ([["encoder", ["paper", "population"]]], {"device": "touch"}, 0),
+        # One level sets what is so by default.
+        ([["contact", ["hard", {"name": "usual", "solid": "fingertips"}]]], {}, 1),
     ],
 )
-def test_what_misleads_is_one_line_with_its_remedy(text: str, error: bool, told: str) -> None:
-    (found,) = findings(design(text))
-    assert found.error is error and told in found.mistake.what and found.mistake.remedy
-    assert 1 <= found.mistake.line <= text.count("\n") + 1
+def test_levels_are_compared_by_all_that_they_set_of_a_trial(
+    tmp_path: Path, factors: list[Any], settings: dict[str, str], wanted: int
+) -> None:
+    some = changed(
+        sound("en"),
+        {
+            "settings": {"task": "box-to-goal", **settings},
+            "factors": [{"name": n, "order": "latin", "levels": x} for n, x in factors],
+            "trials": {"practice": 4},
+            "questionnaires": None,
+        },
+    )
+    (tmp_path / "design.toml").write_text(written(some, "tables")[0])
+    told = [str(mistake) for mistake, _ in found_in(tmp_path / "design.toml")]
+    assert sum("set the same" in what for what in told) == wanted, told
 
 
 @pytest.mark.parametrize("repetitions", [2, 3, 6])
 def test_a_break_after_practice_is_found_and_the_remedy_s_number_avoids_it(
     repetitions: int,
 ) -> None:
-    text = DESIGN.replace("repetitions = 2", f"repetitions = {repetitions}")
+    text = SOUND.replace("repetitions = 2", f"repetitions = {repetitions}")
     (found,) = findings(design(f"{text}\n[breaks]\nevery = {repetitions}\n"))
-    assert "a break comes between the practice of a level of contact and" in found.mistake.what
-    better = int(re.findall(r"Write (\d+)", found.mistake.remedy)[0])
+    assert "between practice and its trials" in found.what
+    better = int(re.findall(r"Write (\d+)", found.remedy)[0])
     plan = session_plan(design(f"{text}\n[breaks]\nevery = {better}\n"), 0)
     after = [a for a, b in pairwise(plan) if isinstance(b, BreakStep)]
     assert after and all(isinstance(step, TrialStep) and not step.practice for step in after)
-    at_once = text.replace('practice_each = "contact"\n', "").replace(
-        "practice = 1", "practice = 2"
-    )
-    assert findings(design(f"{at_once}\n[breaks]\nevery = {repetitions}\n")) == []
-
-
-def test_a_sound_design_has_none() -> None:
-    assert findings(design(DESIGN)) == []
-    assert findings(design(DESIGN + "\n[breaks]\nevery = 3\n")) == []
-    assert findings(design(DESIGN + RULE + 'measure = "time_s"\nbelow = 0.5\n')) == []
-    asked = '\n[[demographics]]\nname = "glasses"\nkind = "text"\nask = "Do you wear glasses?"\n'
-    assert findings(design(DESIGN + asked)) == []
 
 
 def test_a_language_that_instruments_lack_is_one_line_each() -> None:
-    text = changed("seed = 3", 'seed = 3\nlanguages = ["fi"]')
+    text = SOUND.replace("seed = 3", 'seed = 3\nlanguages = ["fi"]', 1)
     text += '\n[[questionnaires]]\nuse = "nasa-tlx"\nat = "end"\n'
     with pytest.raises(DesignError) as caught:
         design(text)
@@ -148,60 +288,50 @@ def test_a_language_that_instruments_lack_is_one_line_each() -> None:
     assert "translate it there" in mistake.remedy
 
 
-def test_check_prints_them_and_fails_on_errors_alone(
+def test_check_prints_findings_and_power_and_that_nobody_has_read_the_texts(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     file = tmp_path / "design.toml"
-    file.write_text(changed("participants = 24", "participants = 25"))
+    file.write_text(SOUND.replace("participants = 24", "participants = 25"))
     assert main(["study", "check", str(file)]) == 0
-    assert "warning, line 4: participants: 25 people" in capsys.readouterr().out
-    file.write_text(DESIGN + RULE + 'measure = "success"\nbelow = 1.5\n')
-    assert main(["study", "check", str(file)]) == 2
     said = capsys.readouterr().out
-    assert "error, line" in said and "exclusions[1]" in said and "no mistakes" not in said
+    assert "warning, line 4: participants: 25 participants" in said
+    # R: power.t.test(25, power = 0.8, sig.level = 0.05 / 2, type = "paired") has 0.651.
+    assert "25 participants find a difference between two levels of 0.65 SD" in said
+    assert said.endswith("for a colleague and the board.\n")
+    file.write_text(SOUND.replace("[consent]", "[trials.x]"))
+    assert main(["study", "check", str(file)]) == 2
+    file.write_text(SOUND.replace('"quick"', '"my-study"'))
+    assert main(["study", "check", str(file)]) == 2
+    assert "1 error, with which `run` refuses real participants" in capsys.readouterr().out
 
 
-@pytest.mark.parametrize(
-    "name", ["examples/study/design.toml", "sandbox/study/design/template.toml"]
-)
-def test_our_own_designs_have_none(name: str) -> None:
-    text = (ROOT / name).read_text(encoding="utf-8")
-    assert findings(design(text)) == []
+def test_real_participants_are_refused_with_an_error_and_a_pilot_is_not(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("sys.stdin", StringIO())
+    file = tmp_path / "design.toml"
+    file.write_text(SOUND.replace('"quick"', '"my-study"'))
+    run = ["study", "run", str(file), "--out", str(tmp_path), "--participant", "ZZZZZZ"]
+    for more, told in (([], "not for real participants yet"), (["--pilot"], "ZZZZZZ")):
+        assert main([*run, *more, "--tablet"]) == 2
+        assert told in capsys.readouterr().err
+    assert not (tmp_path / "my-study").exists()
+
+
+def test_our_example_has_no_finding_and_the_template_those_of_a_template() -> None:
+    assert found_in(ROOT / "examples/study/design.toml") == []
+    told = found_in(ROOT / "sandbox/study/design/template.toml")
+    assert [mistake.where for mistake, _ in told] == ["name", "consent.text"]
 
 
 def test_simulate_shows_them_before_it_begins(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     file = tmp_path / "design.toml"
-    file.write_text(changed('order = "latin"', 'order = "blocked"'))
+    file.write_text(SOUND.replace('order = "latin"', 'order = "blocked"'))
     assert main(["study", "check", str(file)]) == 0
     warning = capsys.readouterr().out.splitlines()[0]
     (tmp_path / "quick-simulated").write_text("in the way")
     assert main(["study", "simulate", str(file), "--out", str(tmp_path)]) == 2
     assert warning.startswith("warning, line 10") and warning in capsys.readouterr().out
-
-
-def test_a_mistake_in_the_outcomes_hides_no_warning(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    text = changed("participants = 24", "participants = 25")
-    file = tmp_path / "design.toml"
-    file.write_text(text + '\n[analysis]\nprimary = ["opinions"]\n')
-    assert main(["study", "check", str(file)]) == 2
-    told = "".join(capsys.readouterr())
-    assert "contact with practice" in told and "unknown outcome 'opinions'" in told
-    file.write_text(text)
-    assert read_draft(file) is None
-
-
-def test_a_text_that_lacks_a_language_hides_no_warning(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    text = DESIGN[: DESIGN.index("[consent]")].replace("participants = 24", "participants = 25")
-    text = text.replace("seed = 3", 'seed = 3\nlanguages = ["en", "fr"]')
-    text += '[consent]\ntext = {en = "Do you agree?"}\n'
-    file = tmp_path / "design.toml"
-    file.write_text(text)
-    assert main(["study", "check", str(file)]) == 2
-    told = "".join(capsys.readouterr())
-    assert "contact with practice" in told and "the text is missing in fr" in told

@@ -11,9 +11,9 @@ import pytest
 from sandbox.study.design.checks import findings
 from sandbox.study.design.design_file import parse_design
 from sandbox.study.design.reading import DesignError
-from sandbox.study.report.models.data import wordings
+from sandbox.study.report.data import wordings
 from sandbox.study.run.study_page import study_view
-from sandbox.study.tables.codebook import codebook
+from sandbox.study.tables.codebook import codebook, columns_by_table
 from sandbox.words.words import words_of_studies
 from tests.support.study_files import DESIGN, SOUND, design
 
@@ -41,7 +41,7 @@ def test_a_design_has_words_of_its_own_for_its_participants() -> None:
     ("lines", "told"),
     [
         ('nxt = "Volgende"', "Did you mean next"),
-        ('hint_press = "Druk"', "unknown key"),
+        ('hint_close = "Sluit"', "unknown key"),
         ('number = "Een getal van {low}"', "the values of"),
         ('number = "Een getal van {low} tot {hoog}"', "{high}, {low}"),
         ("next = 3", "Write a text"),
@@ -67,30 +67,6 @@ def test_words_that_would_be_in_english_are_counted() -> None:
     assert findings(design(AUSTRIAN)) == []
 
 
-def test_choices_without_words_are_named_in_designs_of_several_languages() -> None:
-    text = """
-name = "two"
-languages = ["en", "de"]
-[settings]
-task = "box-to-goal"
-[[factors]]
-name = "contact"
-order = "latin"
-levels = ["hard", "soft"]
-[trials]
-practice = 1
-[[demographics]]
-name = "handedness"
-kind = "choice"
-choices = ["right", "left"]
-ask = {en = "Which hand do you write with?", de = "Mit welcher Hand schreiben Sie?"}
-"""
-    (found,) = [told for told in findings(design(text)) if "means = " in str(told)]
-    assert "right, left" in str(found)
-    means = 'means = [{en = "right", de = "rechts"}, {en = "left", de = "links"}]'
-    assert not [told for told in findings(design(text + means)) if "means = " in str(told)]
-
-
 def test_a_wording_that_is_not_the_published_one_is_told_in_codebook_and_report(
     tmp_path: Path,
 ) -> None:
@@ -101,11 +77,12 @@ def test_a_wording_that_is_not_the_published_one_is_told_in_codebook_and_report(
         "paraphrase",
         "published",
     ]
-    rows = csv.DictReader(io.StringIO(codebook(some).decode()))
+    rows = csv.DictReader(io.StringIO(codebook(some, columns_by_table(some)).decode()))
     told = {row["column"]: row["meaning"] for row in rows if "wording" in row["column"]}
     assert list(told) == ["wording of nasa-tlx-raw"] and "a paraphrase in en" in str(told)
-    (tmp_path / "codebook.csv").write_bytes(codebook(some))
-    assert list(wordings(tmp_path)) == ["nasa-tlx-raw"]
+    (tmp_path / "tables").mkdir()
+    (tmp_path / "tables/codebook.csv").write_bytes(codebook(some, columns_by_table(some)))
+    assert list(wordings(tmp_path / "tables")) == ["nasa-tlx-raw"]
 
 
 def test_a_questionnaire_of_ones_own_says_where_its_wording_comes_from(tmp_path: Path) -> None:

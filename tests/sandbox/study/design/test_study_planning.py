@@ -6,18 +6,22 @@ from pathlib import Path
 
 import pytest
 
-from models.errors import InputError
 from sandbox.cli.main import main
 from sandbox.study.design.design import Design
 from sandbox.study.design.design_file import parse_design
-from sandbox.study.design.needed import change_of, needs, power_lines
-from sandbox.study.design.planned import family_size, planned_tests
-from sandbox.study.design.power import people_needed, power
+from sandbox.study.design.power import (
+    detectable,
+    family_size,
+    people_needed,
+    planned_tests,
+    power,
+    power_lines,
+)
 from sandbox.study.record.folder import SIMULATED, StudyFolder
-from sandbox.study.report.models.analysis import analyse
-from sandbox.study.report.models.data import load_study
+from sandbox.study.report.data import load_study
+from sandbox.study.report.numbers import CONFIRMATORY, results
 from sandbox.study.run.simulate import simulate
-from tests.support.study_files import design
+from tests.support.study_files import design, quiet
 
 PLANNED = """
 name = "planned"
@@ -60,23 +64,24 @@ def test_so_many_people_as_are_needed_find_the_effect_and_one_less_does_not() ->
     assert people_needed(1e-4) is None
 
 
-def test_what_is_needed_and_what_is_detected_agree() -> None:
-    one = needs(plan(), 0.3)[0]
-    people = one.participants(0.15)
-    assert people is not None
-    assert one.smallest(people) <= 0.15 < one.smallest(people - 1)
+def test_too_few_participants_are_said_to_find_no_size() -> None:
+    assert any(
+        "encoder: 1 participant find" in x and "no size" in x for x in power_lines(plan(), 1)
+    )
 
 
-def test_too_few_participants_are_said_to_detect_no_change() -> None:
-    lines = list(power_lines(plan(), 2))
-    assert any("time_s by encoder: 2 participants detect no change" in x for x in lines)
+@pytest.mark.parametrize(("people", "found"), [(12, 1.127545), (24, 0.731917)])
+def test_what_is_found_is_what_r_finds(people: int, found: float) -> None:
+    # power.t.test(n, power = 0.8, sig.level = 0.05 / 4, type = "paired")
+    assert detectable(people, 4) == pytest.approx(found, abs=1e-4)
 
 
 def test_the_planned_tests_are_those_of_the_report(tmp_path: Path) -> None:
     study = StudyFolder(tmp_path, design(), SIMULATED)
-    simulate(study, 3, False, lambda text: None)
-    found = analyse(load_study(study.path)).family
-    assert len(found.tests) == family_size(planned_tests(design())) == 2
+    simulate(study, 3, False, quiet)
+    found = results(load_study(study.path))
+    tests = sum(len(one.pairs) for one in found.compared if one.role == CONFIRMATORY)
+    assert tests == family_size(planned_tests(design())) == 2
 
 
 def test_primary_outcomes_share_alpha_among_themselves_only() -> None:
@@ -87,36 +92,21 @@ def test_primary_outcomes_share_alpha_among_themselves_only() -> None:
     assert family_size(planned_tests(one)) == 2
 
 
-def test_a_guess_is_called_one() -> None:
-    lines = list(power_lines(plan(), 24, guess=0.2, change=0.15))
-    assert any("0.2 of log time, a guess" in line for line in lines)
-    assert any("success by task: its spread between people is unknown" in line for line in lines)
-    assert [one.spread for one in needs(plan(), 0.2)] == [0.2, 0.2, None, None]
-
-
-def test_the_command_plans_for_an_effect_and_refuses_what_is_none(
+def test_the_command_plans_for_a_difference_and_refuses_what_is_none(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     file = tmp_path / "design.toml"
     file.write_text(PLANNED)
     command = ["study", "plan", str(file)]
-    assert main([*command, "--power", "--detect", "15%"]) == 0
-    assert "a change of 15 % needs" in capsys.readouterr().out
-    assert main([*command, "--power", "--detect", "much"]) == 2
-    assert main([*command, "--detect", "15%"]) == 2
-    errors = capsys.readouterr().err
-    assert "--detect" in errors and "--power" in errors
-
-
-@pytest.mark.parametrize(("text", "value"), [("15%", 0.15), ("0.15", 0.15), ("7.5%", 0.075)])
-def test_a_change_is_given_in_per_cent_or_as_a_share(text: str, value: float) -> None:
-    assert change_of(text) == pytest.approx(value)
-
-
-@pytest.mark.parametrize("text", ["", "much", "-15%", "0", "nan%"])
-def test_what_is_no_change_is_refused(text: str) -> None:
-    with pytest.raises(InputError, match="--detect"):
-        change_of(text)
+    assert main([*command, "--power", "--detect", "0.8"]) == 0
+    assert "0.8 SD takes 21 participants (24 fill the orders)" in capsys.readouterr().out
+    for wrong in (
+        ["--power", "--detect", "15%"],
+        ["--detect", "0.8"],
+        ["--power", "--detect", "0"],
+    ):
+        assert main([*command, *wrong]) == 2
+        assert "--detect" in capsys.readouterr().err
 
 
 def test_of_a_factor_inside_of_groups_only_one_group_counts() -> None:
@@ -145,3 +135,21 @@ primary = ["time_s"]
     shared = nested.replace('["linear", "quadratic"]', '["paper", "population"]')
     (one,) = [test for test in planned_tests(plan(shared)) if test.factor.name == "encoder"]
     assert one.pairs == 1 and one.people_in(24) == 24 and one.participants_for(39) == 39
+
+
+def test_a_preregistration_has_design_orders_people_exclusions_and_tests(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    file = tmp_path / "design.toml"
+    file.write_text(PLANNED)
+    assert main(["study", "plan", str(file), "--markdown"]) == 0
+    text = capsys.readouterr().out
+    heads = [line[3:] for line in text.splitlines() if line.startswith("## ")]
+    assert heads == ["Design", "Sessions and trials", "Orders", "Exclusions", "Tests", "People"]
+    assert (
+        "| encoder | latin | paper (encoder = paper), population (encoder = population) |" in text
+    )
+    assert "- too-fast: a trial with time_s below 0.5 s." in text
+    assert "| time_s | encoder | within people | 1 |" in text and "1.13 SD" not in text
+    rows = [line for line in text.splitlines() if line.startswith(("| 1 |", "| 4 |", "| 5 |"))]
+    assert len(rows) == 2 and rows[0] != rows[1]

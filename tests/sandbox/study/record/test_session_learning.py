@@ -26,12 +26,12 @@ from sandbox.study.run.forms import SimulatedForms
 from sandbox.study.run.players import HeadlessPlayer
 from sandbox.study.run.runner import SessionOutcome, SessionRunner
 from sandbox.study.run.simulate import simulated_person
-from sandbox.study.share.privacy import Masking, anonymise
-from sandbox.trial.open_devices import DeviceMakers
+from sandbox.study.share.share import Masking, share_study
+from sandbox.trial.assembly import DeviceMakers
 from sandbox.trial.replay import replay
 from sandbox.trial.settings import Settings
 from tests.support.scripted import Script
-from tests.support.study_files import design
+from tests.support.study_files import design, quiet
 
 FIVE = 1e-3 * np.array([[40, 110], [75, 68], [100, 55], [123, 62], [144, 84]])
 """Touches of a right hand of size 1, m on the surface, thumb first."""
@@ -52,10 +52,6 @@ repetitions = 2
 time_limit_s = 1.0
 learning = "session"
 """
-
-
-def quiet(text: str) -> None:
-    """Nobody listens."""
 
 
 def touching(trial: TrialStep, settings: Settings) -> DeviceMakers:
@@ -83,7 +79,7 @@ def play(study: StudyFolder, controls: Controls | None = None, say: Any = quiet)
 def known(study: StudyFolder) -> list[Any]:
     """Layouts at the beginning of every trial of the participant, by their recordings."""
     folder = session_path(study.path, study.participants()[0].ppid)
-    recordings = [load_recording(path) for path in sorted((folder / "trials").glob("T*"))]
+    recordings = [load_recording(path) for path in sorted((folder / "trials").glob("T*.jsonl*"))]
     return [r.header["settings"]["hands"][0].get("layouts", []) for r in recordings]
 
 
@@ -137,13 +133,13 @@ def test_an_anonymous_copy_tells_no_layouts_unless_hands_are_kept(
     tmp_path: Path, learned: StudyFolder
 ) -> None:
     folder = session_path(learned.path, learned.participants()[0].ppid)
-    state = SessionState.of(read_journal(folder / "journal.jsonl"))
-    assert state.learned and "learned" in (folder / "journal.jsonl").read_text()
-    assert anonymise(learned, tmp_path / "copy", Masking(), quiet).hands == 4
+    state = SessionState.of(read_journal(folder / "session.jsonl"))
+    assert state.learned and "learned" in (folder / "session.jsonl").read_text()
+    assert share_study(learned, tmp_path / "copy", Masking(), quiet).hands == 4
     assert not list((tmp_path / "copy").rglob("T0*.jsonl*"))
-    anonymise(learned, tmp_path / "hands", Masking(hands=True), quiet)
+    share_study(learned, tmp_path / "hands", Masking(hands=True), quiet)
     assert len(list((tmp_path / "hands").rglob("T0*.jsonl*"))) == 4
-    for path in tmp_path.rglob("journal.jsonl"):
+    for path in tmp_path.rglob("session.jsonl"):
         assert "learned" not in json.dumps(read_journal(path))
 
 
@@ -153,7 +149,7 @@ def test_layouts_of_an_earlier_design_are_not_told_either(tmp_path: Path) -> Non
     changed = design(DESIGN.replace('learning = "session"\n', ""))
     study = StudyFolder(tmp_path, changed, SIMULATED, "no learning any more")
     assert study.design.learning == "trial"
-    assert anonymise(study, tmp_path / "copy", Masking(), quiet).hands == 4
+    assert share_study(study, tmp_path / "copy", Masking(), quiet).hands == 4
     assert not list((tmp_path / "copy").rglob("T0*.jsonl*"))
 
 

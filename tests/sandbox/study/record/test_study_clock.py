@@ -10,20 +10,20 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sandbox.study.audit.audit import audit
 from sandbox.study.record import journal as journal_module
 from sandbox.study.record.folder import SIMULATED, StudyFolder
-from sandbox.study.record.session_clock import SessionClock
-from sandbox.study.report.models.data import load_study
+from sandbox.study.record.state import SessionClock
+from sandbox.study.report.data import load_study
 from sandbox.study.run.simulate import run_simulated
-from sandbox.study.share.privacy import Masking, anonymise
-from tests.support.study_files import TRIALS, design, rows_of
+from sandbox.study.share.share import Masking, share_study
+from sandbox.study.share.verify import verify
+from tests.support.study_files import TRIALS, design, quiet, rows_of
 
 
 class SetClock(datetime):
     """The wall clock, which is set back by two hours after a number of readings."""
 
-    left = 25
+    left = 12
 
     @classmethod
     def now(cls, tz: tzinfo | None = None) -> datetime:  # type: ignore[override]
@@ -36,23 +36,23 @@ def test_a_clock_that_is_set_back_changes_no_time_of_a_trial_and_is_told(
 ) -> None:
     study = StudyFolder(tmp_path / "a", design(), SIMULATED)
     monkeypatch.setattr(journal_module, "datetime", SetClock)
-    run_simulated(study, 0, lambda text: None)
+    run_simulated(study, 0, quiet)
     monkeypatch.undo()
-    rows = rows_of(study.path / "trial_results.csv")
-    times = [float(row[name]) for row in rows for name in ("start_time", "end_time")]
+    rows = rows_of(study.path / "tables/trials.csv")
+    times = [float(row[name]) for row in rows for name in ("started_s", "ended_s")]
     assert len(rows) == TRIALS and times == sorted(times)
     assert times[0] > 0.0 and times[-1] < 600.0
-    (person,) = rows_of(study.path / "participants.csv")
+    (person,) = rows_of(study.path / "tables/participants.csv")
     assert float(person["clock_steps"]) == pytest.approx(-7200.0, abs=1.0)
     (line,) = load_study(study.path).clock_steps
-    assert f"{person['ppid']} {person['clock_steps']} s" in line
-    assert audit(study.path).findings.sound
-    anonymise(study, tmp_path / "copy", Masking(), lambda text: None)
-    (other,) = rows_of(tmp_path / "copy/participants.csv")
+    assert f"{person['participant']} {person['clock_steps']} s" in line
+    assert verify(study.path, replays=False).sound
+    share_study(study, tmp_path / "copy", Masking(), quiet)
+    (other,) = rows_of(tmp_path / "copy/tables/participants.csv")
     assert other["clock_steps"] == person["clock_steps"]
-    copied = rows_of(tmp_path / "copy/trial_results.csv")
-    assert [(r["start_time"], r["end_time"]) for r in copied] == [
-        (r["start_time"], r["end_time"]) for r in rows
+    copied = rows_of(tmp_path / "copy/tables/trials.csv")
+    assert [(r["started_s"], r["ended_s"]) for r in copied] == [
+        (r["started_s"], r["ended_s"]) for r in rows
     ]
 
 
@@ -70,10 +70,10 @@ def seconds(*records: dict[str, Any]) -> list[float]:
 
 def test_after_a_break_on_a_machine_that_was_not_restarted_the_same_clock_goes_on() -> None:
     assert seconds(
-        record(0, "session_start", 100.0, 0.0, "one"),
-        record(1, "trial_start", 110.0, -7200.0),
-        record(2, "session_resume", 500.0, -7000.0, "one"),
-        record(3, "trial_start", 501.0, 0.0),
+        record(0, "session", 100.0, 0.0, "one"),
+        record(1, "trial", 110.0, -7200.0),
+        record(2, "resume", 500.0, -7000.0, "one"),
+        record(3, "trial", 501.0, 0.0),
     ) == [0.0, 10.0, 400.0, 401.0]
 
 
@@ -83,10 +83,10 @@ def test_between_two_starts_of_a_machine_time_is_the_wall_clocks_and_never_goes_
     boots: tuple[str, str], wall: float, between: float
 ) -> None:
     assert seconds(
-        record(0, "session_start", 100.0, 0.0, boots[0]),
-        record(1, "trial_start", 110.0, 10.0),
-        record(2, "session_resume", 5.0, wall, boots[1]),
-        record(3, "trial_start", 6.0, wall),
+        record(0, "session", 100.0, 0.0, boots[0]),
+        record(1, "trial", 110.0, 10.0),
+        record(2, "resume", 5.0, wall, boots[1]),
+        record(3, "trial", 6.0, wall),
     ) == [0.0, 10.0, 10.0 + between, 11.0 + between]
 
 
@@ -94,7 +94,7 @@ def test_between_two_starts_of_a_machine_time_is_the_wall_clocks_and_never_goes_
 def test_whatever_the_wall_clock_says_no_time_in_a_run_depends_on_it(
     steps: list[tuple[float, float]],
 ) -> None:
-    clocks, records = 50.0, [record(0, "session_start", 50.0, 0.0)]
+    clocks, records = 50.0, [record(0, "session", 50.0, 0.0)]
     for n, (passed, wall) in enumerate(steps, start=1):
         clocks += passed
         records.append(record(n, "trial_end", clocks, wall))

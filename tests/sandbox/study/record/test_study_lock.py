@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import shutil
 from pathlib import Path
 
@@ -9,7 +10,7 @@ import pytest
 
 from models.errors import StudyError
 from sandbox.recording.versions import DECISIVE
-from sandbox.study.audit.audit import audit
+from sandbox.study.design.conditions import run_settings
 from sandbox.study.record import build as build_module
 from sandbox.study.record.build import (
     COMPUTES,
@@ -20,14 +21,15 @@ from sandbox.study.record.build import (
     digest_of,
     noted_changes,
 )
-from sandbox.study.record.folder import ANEW, EARLIER, SIMULATED, StudyFolder
-from sandbox.study.record.journal import read_journal
-from sandbox.study.record.stored_sessions import session_path
+from sandbox.study.record.folder import SIMULATED, StudyFolder
+from sandbox.study.record.notes import ANEW
 from sandbox.study.run.simulate import run_simulated
-from sandbox.study.share.privacy import Masking, anonymise
-from sandbox.study.tables.tables import rebuild_all
+from sandbox.study.share.share import Masking, share_study
+from sandbox.study.share.verify import verify
+from sandbox.study.tables.tables import make_tables
+from sandbox.trial.settings import Settings, encoded
 from tests.support.import_graph import ROOT, import_graph, modules
-from tests.support.study_files import DESIGN, design, open_study, rows_of
+from tests.support.study_files import DESIGN, design, open_study, quiet, rows_of
 
 BEGIN = (
     "sandbox/trial",
@@ -84,7 +86,7 @@ def program(tmp_path_factory: pytest.TempPathFactory) -> Path:
     ("file", "noticed"),
     [
         ("models/hand.xml", True),
-        ("models/arithmetic/products.py", True),
+        ("models/arithmetic.py", True),
         ("sandbox/session/session.py", True),
         ("sandbox/trial/driver.py", True),
         ("tasks/clutter/slalom.py", True),
@@ -92,7 +94,7 @@ def program(tmp_path_factory: pytest.TempPathFactory) -> Path:
         ("models/mechanisms/mechanism.py", True),
         ("sandbox/recording/recording.py", True),
         ("sandbox/devices/tuio/tuio.py", True),
-        ("sandbox/trial/profiles.py", True),
+        ("sandbox/hand/profiles.py", True),
         ("sandbox/study/run/runner.py", True),
         ("sandbox/study/measures/measures.py", True),
         ("sandbox/study/tables/frames.py", True),
@@ -100,7 +102,7 @@ def program(tmp_path_factory: pytest.TempPathFactory) -> Path:
         ("sandbox/server/page_server.py", False),
         ("sandbox/cli/main.py", False),
         ("sandbox/study/report/make.py", False),
-        ("sandbox/study/share/merge.py", False),
+        ("sandbox/study/share/withdraw.py", False),
         ("models/motion/__init__.py", False),
     ],
 )
@@ -125,12 +127,12 @@ def test_another_version_on_which_no_state_depends_is_noted_and_needs_no_force(
     study = open_study(tmp_path)
     (said,) = study.noted
     assert said.startswith(name) and "99.1" in said and study.build == other
-    record = read_journal(study.path / "study.jsonl")[-1]
+    record = study.records()[-1]
     assert (record["kind"], record["changed"]) == ("libraries", [said])
     assert (record["before"][name], record["after"][name]) == (first.build[name], "99.1")
-    count = len(read_journal(study.path / "study.jsonl"))
+    count = len(study.records())
     assert open_study(tmp_path).noted == []
-    assert len(read_journal(study.path / "study.jsonl")) == count
+    assert len(study.records()) == count
 
 
 @pytest.mark.parametrize("name", DECISIVE)
@@ -145,7 +147,7 @@ def test_another_version_that_states_depend_on_is_refused_unless_forced(
         open_study(tmp_path)
     assert first.build == StudyFolder.at(first.path).build
     study = StudyFolder(tmp_path, design(), SIMULATED, "another laboratory")
-    record = read_journal(study.path / "study.jsonl")[-1]
+    record = study.records()[-1]
     assert record["kind"] == "upgrade" and [c.split()[0] for c in record["changed"]] == [
         name,
         "numpy",
@@ -161,8 +163,8 @@ def test_a_study_in_which_nobody_has_taken_part_is_locked_anew_and_says_so(
     study = open_study(tmp_path, text)
     assert [changed.split()[0] for changed in study.anew] == ["design"]
     assert study.build == StudyFolder.at(study.path).build != first.build
-    assert study.id == first.id and (study.path / "design.toml").read_text() == text
-    record = read_journal(study.path / "study.jsonl")[-1]
+    assert (study.path / "design.toml").read_text() == text
+    record = study.records()[-1]
     assert (record["kind"], record["before"], record["after"]) == (ANEW, first.build, study.build)
     study.add()
     assert open_study(tmp_path, text).anew == []
@@ -174,7 +176,7 @@ def test_a_reason_to_upgrade_is_kept_though_nobody_has_taken_part(tmp_path: Path
     open_study(tmp_path)
     other = design(DESIGN.replace("repetitions = 2", "repetitions = 3"))
     study = StudyFolder(tmp_path, other, SIMULATED, "more trials")
-    record = read_journal(study.path / "study.jsonl")[-1]
+    record = study.records()[-1]
     assert (record["kind"], record["reason"]) == ("upgrade", "more trials")
 
 
@@ -219,7 +221,7 @@ def test_a_task_of_ones_own_that_has_changed_is_refused_unless_forced(
     with pytest.raises(StudyError, match=rf"the things of {name} have changed.*force-upgrade"):
         open_study(tmp_path)
     study = StudyFolder(tmp_path, design(), SIMULATED, "a typing error in its reason")
-    assert read_journal(study.path / "study.jsonl")[-1]["kind"] == "upgrade"
+    assert study.records()[-1]["kind"] == "upgrade"
 
 
 def test_a_study_from_before_tasks_of_ones_own_were_locked_goes_on() -> None:
@@ -233,27 +235,28 @@ def test_a_design_that_is_replaced_is_kept_and_the_sessions_run_by_it_still_have
 ) -> None:
     """It was overwritten, and tables of sessions of before named the new one or were "changed"."""
     first = open_study(tmp_path)
-    run_simulated(first, 0, lambda text: None)
-    ppid = first.participants()[0].ppid
-    settings = session_path(first.path, ppid) / "session_info" / "settings.json"
-    before = settings.read_bytes()
+    run_simulated(first, 0, quiet)
     text = DESIGN.replace("repetitions = 2", "repetitions = 3").replace("step = 5", "step = 10")
     study = StudyFolder(tmp_path, design(text), SIMULATED, "more trials")
-    kept = study.path / EARLIER / first.design.digest / "design.toml"
-    assert (study.path / "design.toml").read_text() == text and kept.read_text() == DESIGN
-    rebuild_all(study)
-    assert settings.read_bytes() == before
-    (row,) = rows_of(study.path / "participants.csv")
+    assert (study.path / "design.toml").read_text() == text
+    assert StudyFolder.at(study.path).design_of(first.design.digest).text == DESIGN
+    make_tables(study)
+    (row,) = rows_of(study.path / "tables/participants.csv")
     assert (row["trials_done"], row["trials_planned"]) == ("6", "6")
-    assert not audit(study.path).findings.found
-    open_study(tmp_path, text)
-    assert [path.name for path in (study.path / EARLIER).iterdir()] == [first.design.digest]
-    anonymise(study, tmp_path / "shared", Masking(), lambda text: None)
-    assert (tmp_path / "shared" / EARLIER / kept.parent.name / kept.name).read_text() == DESIGN
-    assert not audit(tmp_path / "shared").findings.found
+    assert verify(study.path, replays=False).sound
+    assert open_study(tmp_path, text).session_designs() == [first.design.digest]
+    share_study(study, tmp_path / "shared", Masking(), quiet)
+    assert StudyFolder.at(tmp_path / "shared").design_of(first.design.digest).text == DESIGN
+    assert verify(tmp_path / "shared", replays=False).sound
 
 
-def test_a_design_before_anybody_has_taken_part_is_not_kept(tmp_path: Path) -> None:
-    open_study(tmp_path)
-    study = open_study(tmp_path, DESIGN.replace("repetitions = 2", "repetitions = 3"))
-    assert not (study.path / EARLIER).exists()
+def test_a_default_that_changes_later_changes_no_trial_of_a_study_that_has_begun(
+    tmp_path: Path,
+) -> None:
+    study = StudyFolder(tmp_path, design(), SIMULATED)
+    assert study.settings == Settings()
+    first = json.loads(study.notes.read_text().splitlines()[0])
+    assert first["settings"] == json.loads(json.dumps(encoded(Settings())))
+    before = Settings().changed(hover=0.05, impulse=0.5)
+    later = run_settings({"impulse": "paper"}, 3, base=before)
+    assert later.pipeline.hover == 0.05 and later.physics.impulse == 100.0

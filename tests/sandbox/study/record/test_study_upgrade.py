@@ -6,31 +6,24 @@ from pathlib import Path
 
 import pytest
 
-from models.errors import OtherPlanError
-from sandbox.study.audit.audit import audit
+from models.errors import DifferentPlanError
 from sandbox.study.design.plan import trials_of
 from sandbox.study.record.folder import SIMULATED, StudyFolder
 from sandbox.study.record.journal import read_journal
 from sandbox.study.record.session_folder import SessionFolder
+from sandbox.study.report.data import load_study
 from sandbox.study.report.make import make_report
-from sandbox.study.report.models.data import load_study
 from sandbox.study.run.answers import still_allowed
-from sandbox.study.run.controls import Controls
 from sandbox.study.run.forms import SimulatedForms
-from sandbox.study.run.players import HeadlessPlayer
-from sandbox.study.run.runner import SessionOutcome, SessionRunner
+from sandbox.study.run.runner import SessionOutcome
 from sandbox.study.run.simulate import (
     run_simulated,
     simulate,
-    simulated_devices,
     simulated_person,
 )
-from sandbox.study.share.privacy import Masking, anonymise
-from tests.support.study_files import DESIGN, design, open_study, rows_of
-
-
-def quiet(text: str) -> None:
-    """Nobody listens."""
+from sandbox.study.share.share import Masking, share_study
+from sandbox.study.share.verify import verify
+from tests.support.study_files import DESIGN, design, open_study, quiet, rows_of, simulated_runner
 
 
 def with_lag(vary: str) -> str:
@@ -61,28 +54,28 @@ def test_a_session_does_not_go_on_by_the_plan_of_another_design(
 ) -> None:
     study = open_study(tmp_path, with_lag("50"))
     begun(study).close()
-    before = next(study.path.glob("*/S001/journal.jsonl")).read_bytes()
+    before = next(study.path.glob("*/S001/session.jsonl")).read_bytes()
     changed = StudyFolder(tmp_path, design(other), SIMULATED, "it was better")
-    with pytest.raises(OtherPlanError, match="another plan") as error:
+    with pytest.raises(DifferentPlanError, match="another plan") as error:
         run_simulated(changed, 0, quiet)
     assert says in str(error.value)
-    assert next(study.path.glob("*/S001/journal.jsonl")).read_bytes() == before
+    assert next(study.path.glob("*/S001/session.jsonl")).read_bytes() == before
     # Others take part, and the tables are those of the new design.
     said: list[str] = []
     assert simulate(changed, 2, True, said.append)["participants"] == 2
     assert any("participant 1 of 2: left as it is" in line for line in said)
     assert any("participant 2 of 2: complete" in line for line in said)
-    assert audit(changed.path).findings.found == []
+    assert verify(changed.path, replays=False).sound
 
 
 def test_what_is_complete_stays_as_it_is_under_another_design(tmp_path: Path) -> None:
     study = open_study(tmp_path)
     run_simulated(study, 0, quiet)
-    before = read_journal(next(study.path.glob("*/S001/journal.jsonl")))
+    before = read_journal(next(study.path.glob("*/S001/session.jsonl")))
     longer = design(DESIGN.replace("repetitions = 2", "repetitions = 3"))
     changed = StudyFolder(tmp_path, longer, SIMULATED, "more trials")
     assert run_simulated(changed, 0, quiet) is SessionOutcome.COMPLETE
-    assert read_journal(next(study.path.glob("*/S001/journal.jsonl"))) == before
+    assert read_journal(next(study.path.glob("*/S001/session.jsonl"))) == before
 
 
 def test_a_person_stays_in_their_group_under_another_design(tmp_path: Path) -> None:
@@ -93,12 +86,11 @@ def test_a_person_stays_in_their_group_under_another_design(tmp_path: Path) -> N
     person = study.add(0, **simulated_person(study.design, 0))
     with SessionFolder(study, person) as first:
         level = trials_of(first.steps)[0].levels["contact"]
-        one = (HeadlessPlayer(), simulated_devices(person), SimulatedForms(1))
-        SessionRunner(first, *one, Controls(quiet), quiet).run()
+        simulated_runner(first, person, SimulatedForms(1)).run()
     turned = groups.replace('["hard", "soft"]', '["soft", "hard"]')
     assert level == "hard"
     changed = StudyFolder(tmp_path, design(turned), SIMULATED, "the other way round")
-    with pytest.raises(OtherPlanError, match="another group"):
+    with pytest.raises(DifferentPlanError, match="another group"):
         SessionFolder(changed, person, 2)
 
 
@@ -106,7 +98,7 @@ def test_answers_are_scored_by_the_form_as_it_was_asked(tmp_path: Path) -> None:
     scale = '[[questionnaires.scales]]\nname = "total"\nrule = "mean"\nitems = ["effort"]\n'
     study = open_study(tmp_path, DESIGN + scale)
     run_simulated(study, 0, quiet)
-    table = study.path / "questionnaire_scores.csv"
+    table = study.path / "tables/scores.csv"
     before = [(r["score"], r["score_high"]) for r in rows_of(table)]
     other = DESIGN.replace("step = 5", "high = 5") + scale
     changed = StudyFolder(tmp_path, design(other), SIMULATED, "a shorter scale")
@@ -142,6 +134,6 @@ def test_the_report_says_what_was_changed_by_force_and_what_it_means_for_results
     page = make_report(study.path, tmp_path / "report").read_text(encoding="utf-8")
     assert "was changed after people had begun" in page and "too short" in page
     # A copy without names tells what it means, and neither when it was nor why.
-    anonymise(changed, tmp_path / "copy", Masking(), quiet)
+    share_study(changed, tmp_path / "copy", Masking(), quiet)
     (told,) = load_study(tmp_path / "copy").upgrades
     assert "contact soft had vary latency=50 before" in told and "too short" not in told

@@ -12,24 +12,7 @@ from sandbox.study.tables.column import csv_bytes
 from tests.support.planted_study import COLUMNS, Truth, write_study
 
 SMALL = Truth(people=6, repetitions=2)
-FILES = {
-    "report.html",
-    "analysis.R",
-    "trials.csv",
-    "means.csv",
-    "comparisons.csv",
-    "interactions.csv",
-    "models.csv",
-    "contrasts.csv",
-    "people.csv",
-    "order.csv",
-    "learning.csv",
-    "scores.csv",
-    "score_comparisons.csv",
-    "exclusions.csv",
-    "endings.csv",
-    "codebook.csv",
-}
+FILES = {"report.html", "analysis.R", "results.csv", "people.csv", "codebook.csv"}
 
 Rows = list[dict[str, Any]]
 
@@ -37,7 +20,7 @@ Rows = list[dict[str, Any]]
 def planted(folder: Path, truth: Truth = SMALL, seed: int = 1) -> Rows:
     """A study's rows, as text, after it was written."""
     write_study(folder, truth, seed)
-    return rows_of(folder / "trial_results.csv")
+    return rows_of(folder / "tables/trials.csv")
 
 
 def rows_of(path: Path) -> Rows:
@@ -50,8 +33,8 @@ LEAN = tuple(c for c in COLUMNS if c not in ("instant", "held", "final", "progre
 
 
 def put(folder: Path, rows: Rows, columns: tuple[str, ...] = LEAN) -> None:
-    folder.mkdir(parents=True, exist_ok=True)
-    (folder / "trial_results.csv").write_bytes(csv_bytes(rows, columns))
+    (folder / "tables").mkdir(parents=True, exist_ok=True)
+    (folder / "tables/trials.csv").write_bytes(csv_bytes(rows, columns))
 
 
 class Page(HTMLParser):

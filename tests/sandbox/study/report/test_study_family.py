@@ -10,13 +10,9 @@ import pytest
 from sandbox.study.design.design_file import parse_design
 from sandbox.study.design.reading import DesignError
 from sandbox.study.design.scoring import scores
-from sandbox.study.report.models.analysis import analyse
-from sandbox.study.report.models.answers import score_scales
-from sandbox.study.report.models.data import load_study
-from sandbox.study.report.models.family import CONFIRMATORY, EXPLORATORY
-from sandbox.study.report.models.intervals import holm
-from sandbox.study.report.page.page import head
-from sandbox.study.tables.codebook import codebook
+from sandbox.study.report.data import load_study
+from sandbox.study.report.numbers import CONFIRMATORY, EXPLORATORY, Pair, holm, results
+from sandbox.study.tables.codebook import codebook, columns_by_table
 from sandbox.study.tables.column import csv_bytes
 from tests.sandbox.study.report.study_reports import planted, put, report, rows_of
 from tests.support.study_files import DESIGN
@@ -75,90 +71,77 @@ def answered(folder: Path, effect: float = 0.0, design: str = SCALED) -> None:
                 {**about, "scale": "mental", "score": 50 + 1000 * (level == "b")},
             ]
             items.append({**about, "item": "effort", "answer": value})
-    (folder / "questionnaire_scores.csv").write_bytes(csv_bytes(rows, tuple(rows[0])))
-    (folder / "questionnaires.csv").write_bytes(csv_bytes(items, tuple(items[0])))
-    book = codebook(parse_design(design, Path("design.toml"), try_out=False))
-    (folder / "codebook.csv").write_bytes(book)
+    (folder / "tables/scores.csv").write_bytes(csv_bytes(rows, tuple(rows[0])))
+    (folder / "tables/answers.csv").write_bytes(csv_bytes(items, tuple(items[0])))
+    made = parse_design(design, Path("design.toml"), try_out=False)
+    book = codebook(made, columns_by_table(made))
+    (folder / "tables/codebook.csv").write_bytes(book)
+
+
+def confirmed(folder: Path) -> dict[str, list[Pair]]:
+    """The pairs that are tested, by outcome."""
+    found = results(load_study(folder)).compared
+    return {c.what.name: list(c.pairs) for c in found if c.role == CONFIRMATORY and c.pairs}
 
 
 def test_all_that_is_tested_is_one_family(tmp_path: Path) -> None:
     answered(tmp_path)
-    family = analyse(load_study(tmp_path)).family
-    counts = {name: sum(t.outcome == name for t in family.tests) for name in family_names(tmp_path)}
+    found = confirmed(tmp_path)
     # Three pairs of encoders and one of tasks; questionnaires are about encoders.
-    assert counts == {"time_s": 4, "success": 4, "effort": 3}
-    assert [t.p_holm for t in family.tests] == holm([t.p for t in family.tests])
-
-
-def test_it_is_said_how_many_tests_p_values_are_adjusted_for(tmp_path: Path) -> None:
-    answered(tmp_path)
-    # Where all trials of everybody succeed, no p value of times changes, and success has p = 1;
-    # of two people alone, times have none.
-    rows = rows_of(tmp_path / "trial_results.csv")
-    put(tmp_path, [r for r in rows if r["factor_encoder"] == "a" or r["ppid"] in ("P001",)])
-    family = analyse(load_study(tmp_path)).family
-    known = sum(np.isfinite(t.p) for t in family.tests)
-    assert 0 < known < len(family.tests)
-    text = report(tmp_path).text
-    assert f"adjusted for all {known} test" in text and "that can be computed" in text
-    assert f"Of these, {len(family.tests) - known} cannot be computed" in text
-
-
-def family_names(folder: Path) -> list[str]:
-    tests = analyse(load_study(folder)).family.tests
-    return list(dict.fromkeys(test.outcome for test in tests))
+    assert {name: len(some) for name, some in found.items()} == {
+        "time_s": 4,
+        "success": 4,
+        "effort": 3,
+    }
+    pairs = [pair for some in found.values() for pair in some]
+    assert [p.p_holm for p in pairs] == holm([p.p for p in pairs])
+    known = sum(p.p == p.p for p in pairs)
+    assert f"{known} tests" in report(tmp_path).text
 
 
 def test_of_a_questionnaire_its_score_is_tested_and_neither_other_scales_nor_questions(
     tmp_path: Path,
 ) -> None:
     answered(tmp_path)
-    page = report(tmp_path)
-    rows = rows_of(tmp_path / "report" / "score_comparisons.csv")
-    told = {r["scale"]: r for r in rows if r["second"] == "b"}
-    assert set(told) == {"effort", "mental"}, "questions are described"
-    assert told["effort"]["role"] == CONFIRMATORY and told["effort"]["p_holm"]
+    assert "mental" in report(tmp_path).text
+    rows = rows_of(tmp_path / "report" / "results.csv")
+    assert {r["outcome"] for r in rows if r["row"] == "pair"} == {"time_s", "success", "effort"}
     # Although every answer differs.
-    assert told["mental"]["role"] == EXPLORATORY
-    assert not told["mental"]["p"] + told["mental"]["p_holm"]
-    assert "mental differs" not in page.text
+    assert {r["row"] for r in rows if r["outcome"] == "effort: mental"} == {"further"}
 
 
 def test_a_score_that_nobody_has_is_not_replaced_by_the_next_scale(tmp_path: Path) -> None:
     answered(tmp_path)
-    path = tmp_path / "questionnaire_scores.csv"
+    path = tmp_path / "tables/scores.csv"
     rows = [
         {**row, "score": "" if row["scale"] == "effort" else row["score"]} for row in rows_of(path)
     ]
     path.write_bytes(csv_bytes(rows, tuple(rows[0])))
-    assert "effort" not in family_names(tmp_path)
-    assert not any(scale.main for scale in score_scales(load_study(tmp_path)))
+    assert set(confirmed(tmp_path)) == {"time_s", "success"}
 
 
 def test_of_whom_the_experimenter_excluded_no_answer_is_described(tmp_path: Path) -> None:
     answered(tmp_path)
-    whole = [len(scale.values) for scale in score_scales(load_study(tmp_path))]
     about = [{"ppid": f"P{i:03d}", "excluded": int(i == 2)} for i in range(1, 7)]
-    (tmp_path / "participants.csv").write_bytes(csv_bytes(about, tuple(about[0])))
+    (tmp_path / "tables/participants.csv").write_bytes(csv_bytes(about, tuple(about[0])))
     # The person had begun, and had no trial yet that counts.
-    rows = [row for row in rows_of(tmp_path / "trial_results.csv") if row["ppid"] != "P002"]
+    rows = [row for row in rows_of(tmp_path / "tables/trials.csv") if row["ppid"] != "P002"]
     put(tmp_path, rows)
-    assert [len(scale.values) for scale in score_scales(load_study(tmp_path))] == [
-        n - 1 for n in whole
-    ]
+    (pair, *_) = confirmed(tmp_path)["effort"]
+    assert pair.people == 5
 
 
 def test_with_primary_outcomes_only_these_are_tested(tmp_path: Path) -> None:
     answered(tmp_path, 20.0, with_primary("effort"))
     page = report(tmp_path)
-    rows = rows_of(tmp_path / "report" / "comparisons.csv")
-    assert {r["role"] for r in rows} == {EXPLORATORY}
-    assert not any(r["p"] or r["p_holm"] for r in rows)
-    assert all(r["low"] and r["high"] for r in rows if r["measure"] == "time_s")
-    found = head(analyse(load_study(tmp_path)))["findings"]
-    assert [line for line in found if "exploratory" in line and "time" in line]
-    assert "b against a: effort differs (p, Holm < 0.001)." in found
-    assert "The design names effort as primary. Only these are tested: 3 comparisons." in page.text
+    assert set(confirmed(tmp_path)) == {"effort"}
+    rows = rows_of(tmp_path / "report" / "results.csv")
+    times = [r for r in rows if r["outcome"] == "time_s" and r["row"] == "pair"]
+    assert {r["role"] for r in times} == {EXPLORATORY} and all(r["low"] for r in times)
+    assert not any(r["p"] or r["p_holm"] for r in times)
+    assert "Effort, b against a" in page.text or "effort, b against a" in page.text
+    assert "Time to success, b against a:" not in page.text
+    assert "The design names effort as primary; only these are tested: 3 tests" in page.text
 
 
 def test_a_primary_outcome_without_data_is_named(tmp_path: Path) -> None:
@@ -174,7 +157,7 @@ def test_a_primary_outcome_without_data_is_named(tmp_path: Path) -> None:
         ("sus", "sus is asked once"),
         ("sus", "Ask sus at a factor, after each of its levels"),
         ("mood", "mood has several questions and no score"),
-        ("mood", "Give mood a scale, [[questionnaires.scales]] (docs/questionnaires.md)"),
+        ("mood", "Give mood a scale, [[questionnaires.scales]] (docs/studies.md)"),
     ],
 )
 def test_the_check_refuses_outcomes_that_cannot_be_compared(name: str, said: str) -> None:
@@ -204,20 +187,13 @@ def test_scores_about_a_factor_that_was_renamed_in_the_middle_are_compared_by_ei
 ) -> None:
     """They were averaged over all levels, as if they were about the whole session."""
     answered(tmp_path, 20.0)
-    for name in ("trial_results.csv", "questionnaire_scores.csv", "questionnaires.csv"):
-        rows = rows_of(tmp_path / name)
+    for name in ("trials.csv", "scores.csv", "answers.csv"):
+        rows = rows_of(tmp_path / "tables" / name)
         for row in rows:
             late = row["ppid"] > "P003"
             row["factor_method"] = row["factor_encoder"] if late else ""
             row["factor_encoder"] = "" if late else row["factor_encoder"]
-        (tmp_path / name).write_bytes(csv_bytes(rows, tuple(rows[0])))
-    page = report(tmp_path)
-    told = rows_of(tmp_path / "report" / "scores.csv")
-    assert {(r["factor"], r["level"], r["people"]) for r in told if r["scale"] == "effort"} == {
-        (factor, level, "3") for factor in ("encoder", "method") for level in "abc"
-    }
-    rows = rows_of(tmp_path / "report" / "score_comparisons.csv")
-    effort = [r for r in rows if r["scale"] == "effort"]
-    assert len(effort) == 6 and all(r["role"] == CONFIRMATORY and r["p_holm"] for r in effort)
-    assert {r["factor"] for r in effort} == {"encoder", "method"}
-    assert "effort, by encoder" in page.text and "effort, by method" in page.text
+        (tmp_path / "tables" / name).write_bytes(csv_bytes(rows, tuple(rows[0])))
+    pairs = confirmed(tmp_path)["effort"]
+    named = {p.factor: p.people for p in pairs if {p.first, p.second} == {"a", "b"}}
+    assert named == {"encoder": 3, "method": 3}

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from sandbox.cli.main import main
-from sandbox.study.report.models.data import load_study
+from sandbox.study.report.data import load_study
 from tests.sandbox.study.report.study_reports import planted, put
 
 

@@ -37,6 +37,7 @@ order = "blocked"
 levels = ["hard"]
 [trials]
 time_limit_s = 1.5
+shows = ["time"]
 """
 SMALLER = {**SCREEN, "width_px": 1000.0}
 
@@ -73,7 +74,7 @@ def test_a_trial_for_two_hands_is_played_on_two_pages_and_replays(tmp_path: Path
             own.until("sheet", kind="end")
         assert sides == ["left", "right"]
         assert running.ended() is SessionOutcome.COMPLETE
-    recording = load_recording(next(running.folder.glob("trials/*")))
+    recording = load_recording(next(running.folder.glob("trials/*.jsonl*")))
     settings = recorded_settings(recording.header)
     assert [d and d.name for d in (settings.device, settings.second_device)] == ["web", "web"]
     # The rectangle fits on both screens, beside the lift control of each.
@@ -112,7 +113,7 @@ def test_time_stands_still_on_both_pages_until_the_one_that_was_away_is_touched(
             paused(own, "back")
             together(lambda: own.until("sheet", kind="end"), lambda: trial(other, (1, 3.0, 3.0)))
         running.ended()
-    state = SessionState.of(read_journal(running.folder / "journal.jsonl"))
+    state = SessionState.of(read_journal(running.folder / "session.jsonl"))
     (attempt,) = state.attempts[1]
     assert attempt.end is not None and attempt.end["result"]["status"] == "timeout"
 

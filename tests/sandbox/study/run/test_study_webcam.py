@@ -25,7 +25,7 @@ from sandbox.study.record.folder import SIMULATED, StudyFolder
 from sandbox.study.run.runner import SessionOutcome
 from sandbox.study.run.session_camera import SessionCamera
 from sandbox.study.run.simulate import simulate
-from sandbox.study.share.privacy import Masking, anonymise
+from sandbox.study.share.share import Masking, share_study
 from sandbox.trial.replay import replay
 from sandbox.words.words import LANGUAGES, words_in
 from tests.encoders.webcam.seen_hands import SIZE, held_up, seen
@@ -35,7 +35,7 @@ from tests.sandbox.study.run.study_before_camera import (
     SHORT,
     CameraSession,
 )
-from tests.support.study_files import design
+from tests.support.study_files import design, quiet
 
 
 class Page(threading.Thread):
@@ -110,7 +110,7 @@ def test_every_language_tells_of_the_camera(code: str) -> None:
 def test_recordings_hold_landmarks_and_no_pictures_and_replay_to_the_bit(
     session: OnPage,
 ) -> None:
-    recordings = sorted((session.path / "trials").iterdir())
+    recordings = sorted((session.path / "trials").glob("*.jsonl*"))
     assert len(recordings) == 2
     for path in recordings:
         recording = load_recording(path)
@@ -125,9 +125,9 @@ def test_recordings_hold_landmarks_and_no_pictures_and_replay_to_the_bit(
 def test_recordings_of_landmarks_tell_how_a_hand_is_made_and_are_left_out_of_shared_copies(
     session: OnPage, tmp_path: Path
 ) -> None:
-    done = anonymise(session.study, tmp_path / "copy", Masking(), lambda text: None)
+    done = share_study(session.study, tmp_path / "copy", Masking(), quiet)
     assert done.hands == 2
-    assert not list((tmp_path / "copy").rglob("trials/*"))
+    assert not list((tmp_path / "copy").rglob("trials/*.jsonl*"))
 
 
 def test_nobody_is_measured_before_a_camera() -> None:
@@ -152,7 +152,7 @@ def test_a_camera_that_cannot_be_is_found_when_the_design_is_read() -> None:
 def test_simulated_participants_have_no_camera_and_that_is_one_line(tmp_path: Path) -> None:
     study = StudyFolder(tmp_path / "study", design(BEFORE_A_CAMERA), SIMULATED)
     with pytest.raises(StudyError, match="simulated participants have no camera"):
-        simulate(study, 1, False, lambda text: None)
+        simulate(study, 1, False, quiet)
     assert not study.participants()
 
 

@@ -1,9 +1,9 @@
-"""Tables that follow a session step by step are, byte for byte, those made whole from journals."""
+"""Tables are a function of the records: any order of steps gives those that are made at the end."""
 
 from __future__ import annotations
 
 import csv
-import json
+import shutil
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -14,27 +14,18 @@ from hypothesis import strategies as st
 from rich.console import Console
 
 from sandbox.cli.study.report import ReportOptions, report
-from sandbox.study.audit.audit import audit
 from sandbox.study.design.design import DEMOGRAPHICS
 from sandbox.study.design.plan import FormStep, TrialStep
-from sandbox.study.measures.compute import VERSION
-from sandbox.study.record.folder import SIMULATED, Participant, StudyFolder
+from sandbox.study.record.folder import SIMULATED, StudyFolder
 from sandbox.study.record.session_folder import SessionFolder
-from sandbox.study.record.stored_sessions import StoredSession, session_path, sessions_of
-from sandbox.study.report.models.data import load_study
+from sandbox.study.record.stored_sessions import sessions_of
+from sandbox.study.report.data import load_study
 from sandbox.study.run.simulate import run_simulated
-from sandbox.study.share.privacy import Masking, anonymise
+from sandbox.study.share.share import Masking, share_study
+from sandbox.study.share.verify import verify
 from sandbox.study.share.withdraw import withdraw
-from sandbox.study.tables import tables
-from sandbox.study.tables.tables import (
-    StudyTables,
-    rebuild_all,
-    rebuild_session,
-    tables_are_outdated,
-)
-from sandbox.trial.result import TrialResult
-from tasks.score import Status
-from tests.support.study_files import DESIGN, design, open_study, rows_of
+from sandbox.study.tables.tables import make_tables, table_files
+from tests.support.study_files import DESIGN, design, open_study, quiet, rows_of, trial_result
 
 RULES = """
 [[exclusions]]
@@ -50,33 +41,11 @@ above = 4.0
 TWO_SESSIONS = DESIGN.replace('name = "quick"', 'name = "quick"\nsessions = 2') + RULES
 
 
-def result(step: TrialStep, seconds: float) -> TrialResult:
-    """The result of a trial that took so long."""
-    won = seconds < 6.0
-    return TrialResult(
-        task="quick",
-        task_version=1,
-        encoder="linear",
-        seed=step.seed,
-        success=won,
-        instant=won,
-        held=won,
-        final=won,
-        status=Status.HELD if won else Status.TIMEOUT,
-        progress=float(won),
-        time_s=seconds,
-        reason="" if won else "too far",
-        state_hash="00",
-        measures={"first_contact_s": 0.25, "lost_s": 0.0},
-    )
-
-
 class Sessions:
     """Sessions of a study that go on step by step, in any order."""
 
     def __init__(self, study: StudyFolder) -> None:
         self.study = study
-        self.tables = StudyTables(study)
 
     def do(self, action: str, who: int, number: float) -> None:
         """Does something in the session of a participant, and updates the tables."""
@@ -86,8 +55,7 @@ class Sessions:
             return
         person = people[who % len(people)]
         if action == "withdraw":
-            withdraw(self.study, person.ppid, "wants to")
-            self.tables.update()
+            withdraw(self.study, person.ppid)
             return
         begun = sessions_of(self.study, person)
         nth = 2 if begun and begun[0].state.complete else 1
@@ -100,15 +68,14 @@ class Sessions:
                 "finish": self.finish,
             }
             actions[action](session, number)
-            rebuild_session(session, durable=False)
-        self.tables.update()
+            session.seal()
 
     def trial(self, session: SessionFolder, seconds: float) -> None:
         step = session.state.next_step(session.steps)
         while step is not None and not isinstance(step, TrialStep):
             if isinstance(step, FormStep):
                 session.write(
-                    "answers",
+                    "form",
                     step=step.id,
                     form=step.form.name,
                     block=step.block,
@@ -117,34 +84,32 @@ class Sessions:
                     answers={item.name: 3 for item in step.form.items},
                 )
             else:
-                session.write("step_done", step=step.id)
+                session.write("done", step=step.id)
             step = session.state.next_step(session.steps)
         if step is None:
-            session.write("session_end", complete=True)
+            session.write("end", complete=True)
             return
         recording = session.begin(step)
         recording.write_text("a recording\n")
-        session.finish(step, result(step, seconds))
-        values = {
-            "version": VERSION,
-            "truth": "",
-            "drops": 1,
-            "move_amplitude_m": seconds,
-            "move_error_m": seconds / 10.0,
-        }
-        path = session.path / "trackers" / f"measures_{recording.stem}.json"
-        path.write_text(json.dumps(values))
+        measures = {"first_contact_s": 0.25, "lost_s": 0.0}
+        won = seconds < 6.0
+        session.finish(step, trial_result(seconds, won, seed=step.seed, measures=measures))
 
     def exclude_trial(self, session: SessionFolder, number: float) -> None:
-        session.write("exclude", trial=1 + int(number), reason="coughed, twice")
+        session.command("exclude", trial=1 + int(number), reason="coughed, twice")
 
     def exclude_person(self, session: SessionFolder, number: float) -> None:
-        session.write("exclude", trial=None, reason='said "no"')
+        session.command("exclude", trial=None, reason='said "no"')
 
     def repeat(self, session: SessionFolder, number: float) -> None:
         for trial, attempts in session.state.attempts.items():
             if attempts[-1].end is not None:
-                session.write("repeat", step=attempts[-1].start["step"], trial=trial, reason="")
+                session.command(
+                    "repeat",
+                    step=attempts[-1].start["step"],
+                    trial=trial,
+                    reason="",
+                )
                 return
 
     def finish(self, session: SessionFolder, number: float) -> None:
@@ -174,7 +139,7 @@ def written(folder: Path) -> dict[str, bytes]:
     """All tables in a folder."""
     return {
         path.relative_to(folder).as_posix(): path.read_bytes()
-        for path in sorted(folder.rglob("*.csv"))
+        for path in sorted((folder / "tables").glob("*.csv"))
     }
 
 
@@ -202,85 +167,61 @@ def written(folder: Path) -> dict[str, bytes]:
 )
 @settings(max_examples=12, deadline=None, suppress_health_check=list(HealthCheck))
 @given(Steps)
-def test_tables_after_any_order_of_steps_are_those_made_whole_from_the_journals(
+def test_tables_after_any_order_of_steps_are_those_of_a_study_that_is_opened_anew(
     steps: list[tuple[str, int, float]],
 ) -> None:
-    with TemporaryDirectory() as folder, pytest.MonkeyPatch.context() as patch:
-        # Here every step makes a journal longer, so that parts may be kept at once.
-        patch.setattr(tables, "SETTLED", 0)
+    with TemporaryDirectory() as folder:
         sessions = Sessions(open_study(Path(folder), TWO_SESSIONS))
         for step in steps:
             sessions.do(*step)
-        counts = sessions.tables.update()
-        followed = written(sessions.study.path)
-        assert not tables_are_outdated(sessions.study.path)
-        for path in sessions.study.path.rglob("*.csv"):
-            path.unlink()
-        rebuild_all(StudyFolder.at(sessions.study.path))
-        assert written(sessions.study.path) == followed
-        assert StudyTables(sessions.study).update() == counts
+        counts = make_tables(sessions.study)
+        first = written(sessions.study.path)
+        assert first.keys() == {f"tables/{name}" for name in table_files(sessions.study)}
+        shutil.rmtree(sessions.study.path / "tables")
+        anew = StudyFolder.at(sessions.study.path)
+        assert make_tables(anew) == counts and written(anew.path) == first
+        assert {f"tables/{name}": data for name, data in table_files(anew).items()} == first
 
 
-def test_an_update_reads_only_the_journals_that_have_changed(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+def test_no_column_is_empty_in_all_rows_and_the_codebook_has_those_that_are_there(
+    tmp_path: Path,
 ) -> None:
-    monkeypatch.setattr(tables, "SETTLED", 0)
-    sessions = Sessions(open_study(tmp_path, TWO_SESSIONS))
-    for who in range(4):
-        sessions.do("new", 0, 1.5)
-        sessions.do("trial", who, 1.5)
-    read: list[str] = []
-
-    def counting(study: StudyFolder, person: Participant) -> list[StoredSession]:
-        read.append(person.ppid)
-        return sessions_of(study, person)
-
-    monkeypatch.setattr(tables, "sessions_of", counting)
-    sessions.tables.update()
-    assert read == []
-    sessions.do("trial", 2, 2.5)
-    assert read == [sessions.study.participants()[2].ppid]
-    other = StudyTables(sessions.study)
-    other.update()
-    assert len(read) == 5
-    sessions.do("trial", 0, 2.5)
-    other.update()
-    assert read[5:] == [sessions.study.participants()[0].ppid] * 2, "another program's trial, too"
-
-
-def test_a_part_whose_files_changed_just_now_is_not_trusted(tmp_path: Path) -> None:
     sessions = Sessions(open_study(tmp_path, TWO_SESSIONS))
     sessions.do("new", 0, 1.5)
-    sessions.do("trial", 0, 1.5)
-    person = sessions.study.participants()[0]
-    path = session_path(sessions.study.path, person.ppid) / "trackers" / "measures_T001.json"
-    # Another program writes within the same tick of the file system's clock.
-    path.write_text(path.read_text().replace('"drops": 1', '"drops": 7'))
-    sessions.tables.update()
-    assert b",7," in (sessions.study.path / "trial_results.csv").read_bytes()
+    sessions.do("finish", 0, 1.5)
+    make_tables(sessions.study)
+    codebook = rows_of(sessions.study.path / "tables/codebook.csv")
+    for path in (sessions.study.path / "tables").glob("*.csv"):
+        rows = rows_of(path)
+        assert rows or path.name == "scores.csv"
+        if path.name == "codebook.csv" or not rows:
+            continue
+        assert [name for name in rows[0] if not any(row[name] for row in rows)] == []
+        described = [row["column"] for row in codebook if row["table"] == path.name]
+        assert described[: len(rows[0])] == list(rows[0])
 
 
 def test_a_report_has_the_trials_of_a_session_whose_program_was_killed(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("sandbox.study.report.make.make_report", lambda folder, *more: folder)
     sessions = Sessions(open_study(tmp_path, TWO_SESSIONS))
     sessions.do("new", 0, 1.5)
     sessions.do("finish", 0, 1.5)
-    before = (sessions.study.path / "trial_results.csv").read_bytes()
+    make_tables(sessions.study)
+    before = rows_of(sessions.study.path / "tables/trials.csv")
     person = sessions.study.participants()[0]
     with SessionFolder(sessions.study, person, 2) as session:
         sessions.trial(session, 2.5)
-    assert tables_are_outdated(sessions.study.path)
     report(ReportOptions(sessions.study.path), Console())
-    assert "rebuilt" in capsys.readouterr().out and not tables_are_outdated(sessions.study.path)
-    after = (sessions.study.path / "trial_results.csv").read_bytes()
-    assert after.startswith(before) and after.count(b"\n") == before.count(b"\n") + 1
+    after = rows_of(sessions.study.path / "tables/trials.csv")
+    assert after[: len(before)] == before and len(after) == len(before) + 1
 
 
 def people_of(study: StudyFolder) -> list[dict[str, str]]:
     """Rows of `participants.csv`."""
-    with (study.path / "participants.csv").open(newline="", encoding="utf-8") as file:
+    make_tables(study)
+    with (study.path / "tables/participants.csv").open(newline="", encoding="utf-8") as file:
         return list(csv.DictReader(file))
 
 
@@ -291,23 +232,13 @@ def test_a_trial_that_is_excluded_in_words_for_people_excludes_nobody(tmp_path: 
     sessions.do("trial", 0, 1.5)
     person = sessions.study.participants()[0]
     with SessionFolder(sessions.study, person) as session:
-        session.write("exclude", trial=2, reason="participant: coughed")
+        session.command("exclude", trial=2, reason="participant: coughed")
     sessions.do("trial", 0, 1.5)
     (row,) = people_of(sessions.study)
-    assert (row["excluded"], row["exclusion_reason"]) == ("0", "")
+    assert row["excluded"] == "0" and "exclusion_reason" not in row
     sessions.do("exclude_person", 0, 1.5)
     (row,) = people_of(sessions.study)
     assert (row["excluded"], row["exclusion_reason"]) == ("1", 'said "no"')
-
-
-def test_a_copy_without_a_journal_keeps_its_tables(tmp_path: Path) -> None:
-    sessions = Sessions(open_study(tmp_path, TWO_SESSIONS))
-    for who in range(2):
-        sessions.do("new", 0, 1.5)
-        sessions.do("trial", who, 1.5)
-    person = sessions.study.participants()[0]
-    (session_path(sessions.study.path, person.ppid) / "journal.jsonl").unlink()
-    assert not tables_are_outdated(sessions.study.path)
 
 
 RENAMED = (
@@ -329,20 +260,23 @@ def test_levels_of_a_factor_that_was_renamed_in_the_middle_stay_in_all_tables(
     after = Sessions(study)
     after.do("new", 0, 1.5)
     after.do("finish", 1, 1.5)
+    make_tables(study)
     old, new = (person.ppid for person in study.participants())
-    for name in ("trial_results.csv", "questionnaires.csv"):
-        rows = [row for row in rows_of(study.path / name) if row.get("instrument") != DEMOGRAPHICS]
-        levels = {(row["ppid"], row["factor_contact"], row["factor_feel"]) for row in rows}
+    for name in ("trials.csv", "answers.csv"):
+        rows = [
+            row
+            for row in rows_of(study.path / "tables" / name)
+            if row.get("instrument") != DEMOGRAPHICS
+        ]
+        levels = {(row["participant"], row["factor_contact"], row["factor_feel"]) for row in rows}
         expected = {(old, "hard", ""), (old, "soft", ""), (new, "", "hard"), (new, "", "soft")}
         assert levels == expected
-    book = {r["column"]: r["meaning"] for r in rows_of(study.path / "codebook.csv")}
+    book = {r["column"]: r["meaning"] for r in rows_of(study.path / "tables/codebook.csv")}
     assert book["factor_feel"] == "level: hard, soft"
     assert book["factor_contact"] == "level in an earlier design, empty since then: hard, soft"
     followed = written(study.path)
-    rebuild_all(StudyFolder.at(study.path))
-    for name in {*followed} - {path for path in followed if path.startswith(old)}:
-        assert written(study.path)[name] == followed[name]
-    assert "factor_contact" in (study.path / old / "S001" / "trial_results.csv").read_text()
+    make_tables(StudyFolder.at(study.path))
+    assert written(study.path) == followed
     factors = {factor.name: factor.levels for factor in load_study(study.path).factors}
     assert factors == {"feel": ("hard", "soft"), "contact": ("hard", "soft")}
 
@@ -360,16 +294,17 @@ def test_answers_to_a_question_about_the_person_that_was_renamed_stay(tmp_path: 
     after = Sessions(study)
     after.do("new", 0, 1.5)
     after.do("finish", 1, 1.5)
-    old, new = rows_of(study.path / "participants.csv")
+    make_tables(study)
+    old, new = rows_of(study.path / "tables/participants.csv")
     assert old["age"] and not old["years"] and new["years"] and not new["age"]
-    book = {r["column"]: r["meaning"] for r in rows_of(study.path / "codebook.csv")}
+    book = {r["column"]: r["meaning"] for r in rows_of(study.path / "tables/codebook.csv")}
     assert book["years"] == "How old are you?"
     assert book["age"] == "answer to a question of an earlier design, empty since then"
-    assert audit(study.path).findings.found == []
+    assert verify(study.path, replays=False).sound
 
     def shared(name: str, masking: Masking) -> tuple[list[dict[str, str]], Sequence[str]]:
-        done = anonymise(study, tmp_path / name, masking, lambda text: None)
-        return rows_of(tmp_path / name / "participants.csv"), done.groups.columns
+        done = share_study(study, tmp_path / name, masking, quiet)
+        return rows_of(tmp_path / name / "tables/participants.csv"), done.groups.columns
 
     (both, compared), (one, fewer) = (
         shared("whole", Masking(bins={"age": 5.0}, recordings=False)),
@@ -387,7 +322,7 @@ def test_scores_of_a_questionnaire_that_is_asked_no_longer_stay(tmp_path: Path) 
     study = StudyFolder(tmp_path, design(DESIGN), SIMULATED, "too long")
     run_simulated(study, 1, print)
     old = study.participants()[0].ppid
-    scores = rows_of(study.path / "questionnaire_scores.csv")
-    assert [row["ppid"] for row in scores if row["instrument"] == "sus"] == [old]
-    rebuild_all(StudyFolder.at(study.path))
-    assert rows_of(study.path / "questionnaire_scores.csv") == scores
+    scores = rows_of(study.path / "tables/scores.csv")
+    assert [row["participant"] for row in scores if row["instrument"] == "sus"] == [old]
+    make_tables(StudyFolder.at(study.path))
+    assert rows_of(study.path / "tables/scores.csv") == scores

@@ -1,0 +1,119 @@
+"""Which sets of fingers a person uses: as a text, and as prior odds of labellings.
+
+Two touches fit a thumb with an index finger as well as two neighbouring fingers of a larger hand.
+The touches alone cannot decide that; a person who says which fingers they use can. Sets are
+declared as text, such as `thumb+index,thumb+index+middle:2`, where a number after a colon is how
+often a set is used in proportion to the others.
+
+A hand with fewer fingers, as a robot's, is another use: all sets of the fingers that it has.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from functools import cache
+from math import comb, isfinite, log
+
+import numpy as np
+
+from encoders.labels.labelling import finger_sets, hypotheses, set_of_labelling
+from models.arithmetic import Array
+from models.errors import InputError, unknown_name
+from models.frames import FINGERS
+
+PARTIAL = 0.1
+"""How often a look at a set finds only some of its fingers down, in proportion to the looks that
+find all. An assumption: fingers that come together come within some frames."""
+
+IMPOSSIBLE = -700.0
+"""Log weight of labels that a hand cannot have; its exponential is still a number."""
+
+EXAMPLE = "thumb+index,thumb+index+middle"
+
+
+LogOdds = tuple[Array | None, ...]
+"""Log factors (P,) on the labellings of 0 to 5 contacts; None stands for a factor of 1."""
+
+
+def odds_of_sets(
+    sets: Mapping[tuple[int, ...], float], usual: Mapping[tuple[int, ...], float]
+) -> LogOdds:
+    """Log factors from the usual odds of labellings to those of a person who uses some sets.
+
+    With more contacts than any set has fingers, all fingers may touch.
+
+    Args:
+        sets: Likelihood, above 0, by set: fingers (thumb 0 .. little 4) in rising order. Only
+            their proportion counts.
+        usual: Odds of sets without a declared use, relative to any other set of as many fingers.
+    """
+    return tuple(_odds_of_sets(sets, usual, count) for count in range(len(FINGERS) + 1))
+
+
+def _odds_of_sets(
+    sets: Mapping[tuple[int, ...], float], usual: Mapping[tuple[int, ...], float], count: int
+) -> Array | None:
+    if count == 0 or count > max(len(s) for s in sets):
+        return None
+    if count == 1:
+        used = np.isin(hypotheses(1)[:, 0], sorted({f for s in sets for f in s}))
+        return np.where(used, 0.0, IMPOSSIBLE)
+    factors = []
+    for fingers in finger_sets(count):
+        odds = sets.get(fingers, 0.0) / usual.get(fingers, 1.0)
+        for larger, weight in sets.items():
+            if set(fingers) < set(larger):
+                odds += PARTIAL * weight / comb(len(larger), count)
+        factors.append(log(odds) if odds > 0.0 else IMPOSSIBLE)
+    return np.array(factors)[set_of_labelling(count)]
+
+
+@cache
+def odds_of_first(fingers: int) -> LogOdds:
+    """Log factors for a hand that has only so many fingers, the thumb first, as a robot's may.
+
+    With more contacts than fingers, all fingers may touch.
+    """
+    return tuple(
+        None
+        if not 1 <= count <= fingers < len(FINGERS)
+        else np.where((hypotheses(count) >= fingers).any(axis=1), IMPOSSIBLE, 0.0)
+        for count in range(len(FINGERS) + 1)
+    )
+
+
+def parse_finger_sets(text: str) -> dict[tuple[int, ...], float]:
+    """Likelihood by set of fingers of a text such as `thumb+index:2,thumb+index+middle`.
+
+    Raises:
+        InputError: The text names no finger, a finger or a set twice, or a likelihood is not a
+            number above 0.
+    """
+    sets: dict[tuple[int, ...], float] = {}
+    for part in text.split(","):
+        names, _, likelihood = part.partition(":")
+        fingers = sorted(_finger(name.strip()) for name in names.split("+"))
+        if len(set(fingers)) < len(fingers):
+            raise _wrong("a set has each finger once", part)
+        if tuple(fingers) in sets:
+            raise _wrong("a set of fingers is listed twice", part)
+        try:
+            weight = float(likelihood) if likelihood else 1.0
+        except ValueError:
+            raise _wrong("the likelihood of a set must be a number", part) from None
+        if not (isfinite(weight) and weight > 0.0):
+            raise _wrong("the likelihood of a set must be above 0", part)
+        sets[tuple(fingers)] = weight
+    return sets
+
+
+def _finger(name: str) -> int:
+    if name not in FINGERS:
+        raise unknown_name("no such finger", name, FINGERS, where="finger_sets")
+    return FINGERS.index(name)
+
+
+def _wrong(problem: str, part: str) -> InputError:
+    return InputError(
+        problem, where="finger_sets", got=part.strip(), expected=f"sets such as {EXAMPLE}"
+    )

@@ -1,1 +1,0 @@
-"""Array types, and arithmetic whose result is the same on every machine."""

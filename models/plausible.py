@@ -1,0 +1,679 @@
+"""Sizes, rates, distances, speeds and angles that hands and touches can have, and the units that
+follow.
+
+A file of another program rarely says its units. A reader measures a few quantities of it, such as
+the length of a finger and the time between two frames, and `find_units` finds the units in which
+all of them are possible. The unit that the format usually has is taken where it fits, any other
+one is reported, and a file for which none or several fit is refused. `LiveUnits` does the same for
+a device that is running, which is never refused.
+
+Bounds of lengths are narrower than the smallest ratio of two units (1 in = 2.54 cm), those of times
+narrower than 1000, so that not more than one unit fits. Their sources:
+
+    hand      ANSUR (Gordon et al. 1989) has hands of 165 mm (women, 5th percentile) to 211 mm (men,
+              95th); Snyder et al. 1977 have 100 mm at the age of two. The largest known hands of
+              adults have 250 mm. Finger and palm are their shares of a hand: 0.53 and 0.50 in our
+              own skeleton, whose lengths are those of ANSUR's average man.
+    reach     From the palm's centre to the farthest fingertip: a child's fist, a large open hand.
+    step      Cameras begin at a few pictures a second, markers are filmed at 1000 at most.
+    distance  A Leap sees 1 m, a headset its wearer's arm. A wrist is 5 to 15 cm over
+              the surface that its fingers touch.
+    picture   A hand is not much larger than the picture, and a quarter of it may lie beyond.
+    speed     A throw has 20 m/s at the hand, a stroke over a surface 3. Devices correct their
+              places by a few centimetres between two frames.
+    contact   Fingertips rest with 5 to 28 mm, palms with 25 to 120, whole hands with some more; the
+              outer edge of a forearm is nine times as long as wide.
+    touch     Fingertips side by side are 12 mm apart or more. Screens report at 480 Hz at most; a
+              hand that rests may send nothing for a second.
+    angle     The most that a joint of a finger bends is 2 rad, and that of a thumb less. Joints of
+              robots' hands have ranges of a few degrees to a turn.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Hashable, Mapping, Sequence
+from dataclasses import dataclass, field
+from itertools import pairwise, product
+from math import sqrt
+from operator import attrgetter
+from statistics import median
+from typing import Protocol, TypeVar
+
+import numpy as np
+
+from models.arithmetic import Array, distance
+from models.errors import InputError
+from models.frames import TrackedHand, Vector
+from models.reader_report import ReaderReport
+
+UNITS: dict[str, dict[str, float]] = {
+    "length": {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "in": 0.0254},
+    "time": {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9},
+    "angle": {"rad": 1.0, "deg": 0.017453292519943295},
+    "image coordinate": {"px": 1.0, "0..1": 640.0},
+}
+"""Dimension -> its units, each with its size in the first one. Names are unique. 0..1 is a share of
+the picture's width or height, here of the usual width."""
+
+
+class Timed(Protocol):
+    """A row of a file."""
+
+    @property
+    def time(self) -> float:
+        """s, on the file's clock."""
+
+
+T = TypeVar("T", bound=Timed)
+K = TypeVar("K", bound=Hashable)
+
+Units = Mapping[str, str]
+"""Dimension -> name of a unit."""
+
+Values = Sequence[float] | Array
+"""Values (n,) of a quantity."""
+
+
+@dataclass(frozen=True, eq=False)
+class Bounds:
+    """Range of a quantity; each is equal to itself alone.
+
+    Attributes:
+        name: What it is, for messages.
+        least: Smallest possible value in the first units of `UNITS`.
+        most: Largest possible value.
+        powers: Dimension -> its power in the quantity.
+    """
+
+    name: str
+    least: float
+    most: float
+    powers: tuple[tuple[str, int], ...] = (("length", 1),)
+
+    def includes(self, value: float) -> bool:
+        """True if a value in the first units of `UNITS` is possible; False if it is no number."""
+        return self.least <= value <= self.most
+
+    def scale(self, units: Units) -> float:
+        """Factor from given units to the first units of `UNITS`."""
+        factor = 1.0
+        for dimension, power in self.powers:
+            factor *= unit_size(units, dimension) ** power
+        return factor
+
+    def unit(self, units: Units) -> str:
+        """The quantity's own unit, such as m/s."""
+        up = [units[d] for d, power in self.powers if power > 0]
+        down = [units[d] for d, power in self.powers if power < 0]
+        return "/".join((" ".join(up), *down))
+
+
+AT_ONCE = 2.0
+"""Times that a size of a single frame may be larger or smaller than a hand's: devices may be
+mistaken by much for a moment."""
+HAND = Bounds("the length of the hand", 0.115, 0.286)
+FINGER = Bounds("the longest finger", 0.055, 0.138)
+PALM = Bounds("the distance from wrist to knuckles", 0.050, 0.126)
+REACH = Bounds("the distance from palm to fingertips", 0.02, 0.18)
+PALM_AT_ONCE = Bounds(PALM.name, PALM.least / AT_ONCE, AT_ONCE * PALM.most)
+FINGER_AT_ONCE = Bounds("the length of a finger", 0.0, AT_ONCE * FINGER.most)
+DISTANCE = Bounds("the hand's distance", 0.0, 10.0)
+STEP = Bounds("the time between two frames", 0.001, 0.5, (("time", 1),))
+HEIGHT = Bounds("the height of the wrist over the surface", 0.02, 0.30)
+SPEED = Bounds("the hand's speed", 0.0, 20.0, (("length", 1), ("time", -1)))
+ANGLE = Bounds("the angle of a joint", 0.0, 2.8, (("angle", 1),))
+RANGE = Bounds("the range of a joint", 0.1, 6.3, (("angle", 1),))
+IN_PICTURE = Bounds("the width of a hand in the picture", 4.0, 960.0, (("image coordinate", 1),))
+BEYOND = Bounds("a hand's part beyond the picture", 0.0, 160.0, (("image coordinate", 1),))
+
+CONTACT = Bounds("the size of a touch", 0.001, 0.150)
+FEWEST = 20
+"""Least number of frames, or of places, by which the units of touches are judged."""
+FINGERS_APART = Bounds("the distance between two touches", 0.008, 0.35)
+LARGEST_TABLE = 1.6
+"""m, longest side of a touch table, where nothing says its size."""
+TOUCH_STEP = Bounds("the time between two frames with touches", 0.0021, 2.0, (("time", 1),))
+_LONGEST, _SLENDEREST = 0.25, 10.0
+"""m, longest side of a contact, and the most that its longer side is of the shorter one."""
+_NARROWEST = 1.0 / _SLENDEREST
+_SMALL, _LARGE = CONTACT.least**2, _LONGEST**2 / _SLENDEREST
+"""m2, width times height of contacts that are none too small or long."""
+USUAL_LEAST, USUAL_MOST = 0.004, 0.040
+"""m, widths and heights of most contacts; any two of them are possible together."""
+_FINGERTIP = 0.035
+"""m, largest size of a fingertip."""
+
+MARGIN = 0.25
+"""How far beyond the surface a touch may be reported, in lengths of the surface: sensors see a
+little beyond their edge. It is moved onto the edge."""
+
+_FIRST = {dimension: next(iter(units)) for dimension, units in UNITS.items()}
+
+
+def unit_size(units: Units, dimension: str) -> float:
+    """Size of the unit of a dimension in the first one of `UNITS`, such as metres."""
+    return UNITS[dimension][units[dimension]]
+
+
+def parse_units(text: str, where: str = "--unit") -> dict[str, str]:
+    """Units by dimension of `mm`, `ms` or `mm,ms`; of an empty text none.
+
+    Raises:
+        InputError: A name is unknown, or two are of one dimension.
+    """
+    found: dict[str, str] = {}
+    for name in filter(None, (part.strip() for part in text.split(","))):
+        dimension = next((d for d, units in UNITS.items() if name in units), None)
+        if dimension is None or dimension in found:
+            raise InputError(
+                "not a unit" if dimension is None else "two units of one kind",
+                where=where,
+                got=text,
+                expected=", ".join(n for units in UNITS.values() for n in units),
+            )
+        found[dimension] = name
+    return found
+
+
+def find_units(
+    seen: Mapping[Bounds, Values],
+    declared: Units,
+    given: Units | None = None,
+    *,
+    where: str,
+    report: ReaderReport | None = None,
+    error: Callable[..., InputError] = InputError,
+) -> dict[str, str]:
+    """The units of a file, in which all its quantities are possible.
+
+    Args:
+        seen: Values of quantities in the file's own units; the middle one of each counts, so that
+            single wrong ones do no harm. A quantity without values is unknown.
+        declared: Unit of each dimension that the format has, usually or by its own statement.
+        given: Units that a person gave, which are not doubted.
+        where: The file, for the error.
+        report: Receives a sentence about units that are not the declared ones.
+        error: Class of the error.
+
+    Raises:
+        InputError: No unit fits, or several do and the declared ones do not.
+    """
+    middles = _middles(seen)
+    possible = _possible(middles, declared, given or {})
+    if len(possible) != 1:
+        raise _refused(middles, declared, possible, where, error)
+    units = possible[0]
+    if report is not None:
+        for sentence in _assumed(middles, declared, units, given or {}):
+            report.assume(sentence)
+    return units
+
+
+def forget_beyond(seen: dict[Bounds, list[float]]) -> None:
+    """Takes a hand's part beyond the picture out of quantities in which a hand is wide enough for
+    pixels.
+
+    In pixels a hand is as far out as a model guesses it. In shares its part beyond the picture
+    tells them from places that count from -1 to 1.
+    """
+    if IN_PICTURE.includes(median(seen.get(IN_PICTURE, [0.0]))):
+        seen.pop(BEYOND, None)
+
+
+_MISTAKEN = 0.25
+"""Share of frames whose time may run backwards."""
+
+
+def steps_of(times: Sequence[float]) -> list[float]:
+    """Times between frames, for `STEP`, without the few that do not go on.
+
+    Those of a clock that stands still, or runs backwards more often than by mistake, are impossible
+    ones.
+    """
+    steps = [b - a for a, b in pairwise(times)]
+    back = [step for step in steps if step < 0.0]
+    if len(back) > _MISTAKEN * len(steps):
+        return back
+    return [step for step in steps if step > 0.0] or [0.0] * bool(steps)
+
+
+def _middles(seen: Mapping[Bounds, Values]) -> dict[Bounds, float]:
+    return {
+        bounds: float(np.median(values) if isinstance(values, np.ndarray) else median(values))
+        for bounds, values in seen.items()
+        if len(values)
+    }
+
+
+def _possible(
+    middles: Mapping[Bounds, float], declared: Units, given: Units
+) -> list[dict[str, str]]:
+    """The units in which all quantities are possible; the declared ones alone where they fit."""
+    fixed = {**declared, **{d: u for d, u in given.items() if d in declared}}
+    # What a person gave is not doubted.
+    open_ = declared.keys() - given.keys()
+    doubted = {b: v for b, v in middles.items() if open_ & dict(b.powers).keys()}
+
+    def fits(units: Units) -> bool:
+        return all(bounds.includes(v * bounds.scale(units)) for bounds, v in doubted.items())
+
+    def counts_frames(units: Units) -> bool:
+        # A number of a frame is no time in ms, which is the least step.
+        changed = STEP in doubted and units["time"] != fixed["time"]
+        return changed and doubted[STEP] * STEP.scale(units) == STEP.least
+
+    if fits(fixed):
+        return [fixed]
+    # A dimension whose quantities all fit already is not changed.
+    wrong = {
+        d
+        for b, v in doubted.items()
+        if not b.includes(v * b.scale(fixed))
+        for d, _ in b.powers
+        if d not in given
+    }
+    free = [d for d in declared if d in wrong]
+    choices = [[(d, name) for name in UNITS[d]] for d in free]
+    found = [{**fixed, **dict(choice)} for choice in product(*choices)]
+    return [units for units in found if fits(units) and not counts_frames(units)]
+
+
+def _refused(
+    middles: Mapping[Bounds, float],
+    declared: Units,
+    possible: Sequence[Units],
+    where: str,
+    error: Callable[..., InputError],
+) -> InputError:
+    """The error of a file without units, or with several."""
+    if possible:
+        several = [",".join(u for d, u in units.items() if u != declared[d]) for units in possible]
+        return error(
+            "the unit cannot be told, as several are possible",
+            where=where,
+            got=" or ".join(several),
+            remedy=f"--unit {several[0]}, or the one that it is",
+        )
+    # The quantity that is farthest out names the reason.
+    bounds, value = next(
+        ((b, v) for b, v in middles.items() if not b.includes(v * b.scale(declared))),
+        next(iter(middles.items())),
+    )
+    limits = f"{bounds.least:g} to {bounds.most:g} {bounds.unit(_FIRST)}"
+    names = ", ".join(n for d, _ in bounds.powers for n in UNITS[d])
+    return error(
+        f"{bounds.name} is zero" if value == 0.0 else f"{bounds.name} is impossible in any unit",
+        where=where,
+        got=f"{value:.3g} {bounds.unit(declared)}",
+        expected=f"{limits}, in {names}",
+        remedy="--unit says which unit it is" if value else None,
+    )
+
+
+def _assumed(
+    middles: Mapping[Bounds, float], declared: Units, units: Units, given: Units
+) -> list[str]:
+    """A sentence for each dimension that is not in its declared unit."""
+    sentences = []
+    for dimension, name in units.items():
+        if name == declared[dimension]:
+            continue
+        read = f"{dimension}s are read in {name}"
+        if dimension in given:
+            sentences.append(f"{read}, as --unit says")
+            continue
+        wrong = {
+            b: v * b.scale(declared) for b, v in middles.items() if dimension in dict(b.powers)
+        }
+        bounds = next((b for b, v in wrong.items() if not b.includes(v)), next(iter(wrong)))
+        size = f"{wrong[bounds]:.3g} {bounds.unit(_FIRST)}"
+        sentences.append(f"{read}: in {declared[dimension]}, {bounds.name} would be {size}")
+    return sentences
+
+
+def doubt_degrees(largest: float, report: ReaderReport) -> None:
+    """Reports angles, in degrees, that no movement has and that radians would have.
+
+    Args:
+        largest: Greatest absolute angle of the whole file, degrees.
+        report: Receives the doubt.
+    """
+    if 0.0 < largest <= math.pi:
+        report.assume(
+            f"no joint turns by more than {largest:.2g} degrees: if the file's angles are radians, "
+            "the hand hardly moves"
+        )
+
+
+def touch_steps(times: Sequence[float], touched: Sequence[bool]) -> list[float]:
+    """The mean time for which a frame with touches was the newest; empty for too few to judge.
+
+    A device that only sends changes is silent for any time while nothing touches it, and frames may
+    come in bursts; so neither all steps nor the middle one tell its rate.
+    """
+    steps = [b - a for a, b, on in zip(times, times[1:], touched, strict=False) if on]
+    return [math.fsum(steps) / len(steps)] if len(steps) >= FEWEST else []
+
+
+def in_order(rows: Sequence[T], report: ReaderReport) -> list[T]:
+    """Rows of a file in the order of their times; those that break it are left out.
+
+    Where two rows are in the wrong order, the one after them tells which of the two is wrong.
+    """
+    times = list(map(attrgetter("time"), rows))
+    if times == sorted(times):
+        return list(rows)
+    kept: list[T] = []
+    for n, row in enumerate(rows):
+        following = rows[n + 1].time if n + 1 < len(rows) else math.inf
+        if kept and row.time < kept[-1].time:
+            report.leave_out("frames whose time runs backwards")
+            alone = len(kept) < 2 or kept[-2].time <= row.time
+            if following >= kept[-1].time or not alone:
+                continue
+            kept.pop()
+        kept.append(row)
+    return kept
+
+
+def on_surface(position: float) -> float | None:
+    """A position along a surface whose ends are 0 and 1; one in the margin is moved onto the edge.
+
+    None for what is beyond the margin or no number.
+    """
+    return min(max(position, 0.0), 1.0) if -MARGIN <= position <= 1.0 + MARGIN else None
+
+
+@dataclass
+class ContactSizes:
+    """The sizes of a device's contacts, as far as fingers and hands have them.
+
+    Args:
+        report: Receives the sizes that are left out, and whether most are larger than fingers.
+        wanted: Number of sizes that are judged.
+
+    Attributes:
+        decided: True once enough sizes were judged. Usual ones (`USUAL_LEAST` to `USUAL_MOST`) need
+            not be asked about from then on.
+    """
+
+    report: ReaderReport
+    wanted: int = 60
+
+    def __post_init__(self) -> None:
+        self._seen: list[float] = []
+        self.decided = False
+
+    def known(
+        self, size: float | None, extent: tuple[float, float] | None
+    ) -> tuple[float | None, tuple[float, float] | None]:
+        """Diameter, and width and height of a contact, in m; None for both if they are impossible.
+
+        Args:
+            size: Diameter in m; None, or a number that is not above 0, where it is not measured.
+            extent: Width and height in m, likewise.
+        """
+        if extent is not None:
+            width, height = extent
+            # Most sizes are usual ones; the test is quick, as devices send many.
+            if (
+                self.decided
+                and _SMALL <= width * height <= _LARGE
+                and _NARROWEST <= width / height <= _SLENDEREST
+            ):
+                return size, extent
+            if not (width > 0.0 and height > 0.0):
+                extent = None
+        elif self.decided and size is not None and CONTACT.least <= size <= CONTACT.most:
+            return size, None
+        if size is not None and size <= 0.0:
+            size = None
+        if extent is not None:
+            short, long = sorted(extent)
+            sound = CONTACT.includes(sqrt(short * long))
+            sound = sound and long <= min(_LONGEST, _SLENDEREST * short)
+        else:
+            sound = size is None or CONTACT.includes(size)
+        if not sound:
+            self.report.leave_out(IMPOSSIBLE_SIZE)
+            return None, None
+        if not self.decided and (size is not None or extent is not None):
+            self._seen.append(sqrt(extent[0] * extent[1]) if extent is not None else size or 0.0)
+            self.decided = len(self._seen) >= self.wanted
+            if self.decided and (middle := median(self._seen)) > _FINGERTIP:
+                self.report.assume(
+                    f"most touches are as large as palms ({1000.0 * middle:.0f} mm); "
+                    "if they are fingers, their sizes are in another unit"
+                )
+        return size, extent
+
+
+IMPOSSIBLE_SIZE = "sizes that no finger or hand has"
+
+_SAME = 0.2
+"""Share of a hand's size, within which the points of two are those of one hand."""
+ON_ANOTHER = "hands that lie on another one"
+
+
+def lie_on(one: Sequence[Sequence[float]], other: Sequence[Sequence[float]], size: float) -> bool:
+    """True if a device sees one hand twice: the points of both are at the same places.
+
+    Args:
+        one: Points of a hand in any unit, at least one.
+        other: The same points of another hand.
+        size: How long a hand is in this unit.
+    """
+    apart = math.fsum(map(distance, one, other)) / len(one)
+    return len(one) == len(other) and apart < _SAME * size
+
+
+_BENT = 0.5
+"""Sine of the angle by which fingers are bent enough to show the palm's side."""
+_CLEAR = 0.3
+"""Least volume, of three directions of length 1, that shows a side."""
+_ENOUGH, _MORE = 8, 4
+"""Frames that must contradict a side, and how many times more than those that agree."""
+_BEGINNING, _EVERY = 32, 16
+"""Frames that are looked at first, and those of which one is after them."""
+_SETTLED = 48
+"""Frames with a hand whose fingers are bent, after which no more are looked at."""
+
+
+def bent_side(fingers: Sequence[Sequence[Vector]]) -> str:
+    """The side of a hand by the way in which its fingers are bent, which is towards the palm.
+
+    Args:
+        fingers: Knuckle, PIP, DIP and tip of two or more fingers without the thumb, from the index
+            finger's side on; right-handed coordinates.
+
+    Returns:
+        `right` or `left`; empty for fingers that are nearly straight.
+    """
+    across = [a - b for a, b in zip(fingers[0][0], fingers[-1][0], strict=True)]
+    along, closing, lengths = [0.0] * 3, [0.0] * 3, 0.0
+    for knuckle, pip, _, tip in fingers:
+        first = [b - a for a, b in zip(knuckle, pip, strict=True)]
+        rest = [b - a for a, b in zip(pip, tip, strict=True)]
+        # What of the rest of the finger does not go on along its first bone.
+        share = _dot(first, rest) / (_dot(first, first) or 1.0)
+        along = [a + b for a, b in zip(along, first, strict=True)]
+        closing = [c + r - share * f for c, r, f in zip(closing, rest, first, strict=True)]
+        lengths += math.hypot(*rest)  # any order: only a side follows from it
+    (a, b, c), (d, e, f), (g, h, i) = across, along, closing
+    volume = a * (e * i - f * h) + b * (f * g - d * i) + c * (d * h - e * g)
+    size = math.hypot(*across) * math.hypot(*along) * math.hypot(*closing)  # any order: as above
+    bent = math.hypot(*closing) > _BENT * lengths  # any order: as above
+    if not (bent and abs(volume) > _CLEAR * size):
+        return ""
+    return "right" if volume > 0.0 else "left"
+
+
+def _dot(a: Sequence[float], b: Sequence[float]) -> float:
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+
+
+class SideDoubt:
+    """Compares the names of hands with the way in which their fingers are bent."""
+
+    def __init__(self) -> None:
+        self._frames = 0
+        self._settled = False
+        # Side -> numbers of frames that agree with it, and that contradict it.
+        self._agreed: dict[str, int] = {}
+        self._contradicted: dict[str, int] = {}
+
+    @property
+    def sentence(self) -> str:
+        """What is doubted, for the person; empty without a doubt."""
+        for side, against in self._contradicted.items():
+            if against >= _ENOUGH and against > _MORE * self._agreed.get(side, 0):
+                other = "left" if side == "right" else "right"
+                return (
+                    f"by the way its fingers bend, the {side} hand is a {other} hand: its name is "
+                    "wrong, or its places are those of a mirror"
+                )
+        return ""
+
+    def due(self) -> bool:
+        """True if the next frame is one that is looked at."""
+        if self._settled:
+            return False
+        self._frames += 1
+        return self._frames <= _BEGINNING or self._frames % _EVERY == 0
+
+    def look_at(self, hand: TrackedHand) -> None:
+        """Looks at a hand whose device knows fingers and their joints."""
+        known = {f.finger: f.joints for f in hand.fingers if f.finger and f.joints}
+        self.look(hand.side, [known[finger] for finger in sorted(known)])
+
+    def look(self, side: str | None, fingers: Sequence[Sequence[Vector]]) -> None:
+        """Looks at a hand.
+
+        Args:
+            side: Its name; None for a device that does not know it.
+            fingers: As for `bent_side`; fewer than two say nothing.
+        """
+        shown = bent_side(fingers) if side and len(fingers) > 1 else ""
+        if not (side and shown):
+            return
+        counts = self._agreed if shown == side else self._contradicted
+        counts[side] = counts.get(side, 0) + 1
+        self._settled = self._agreed.get(side, 0) + self._contradicted.get(side, 0) >= _SETTLED
+
+
+JUMPED = "hands that jump farther than a hand moves"
+_FROZEN = 1.0
+"""s. A hand that is held still moves in the last digits, as no device measures twice the same."""
+_CORRECTION = 0.05
+"""m by which a device may correct a place from one frame to the next."""
+
+
+class HandJumps:
+    """Finds hands that jump farther than a hand can move, in a recording or while a device runs.
+
+    A hand that stays where it jumped to is right there: it jumps in one frame only. One that was
+    not in the frame before may be anywhere.
+
+    Attributes:
+        frozen: s, longest time for which a hand did not move in any digit.
+    """
+
+    def __init__(self) -> None:
+        self.frozen = 0.0
+        self.forget()
+
+    def forget(self) -> None:
+        """Forgets where hands were, as where the clock or the unit changes."""
+        # Time since which each hand is where it is.
+        self._since: dict[Hashable, float] = {}
+        # Time and place of each hand of the frame before, when it last did not jump, and of its
+        # jump in the frame before.
+        self._known: dict[Hashable, tuple[float, Vector]] = {}
+        self._jumped: dict[Hashable, tuple[float, Vector]] = {}
+
+    def find(self, time: float, places: Mapping[K, Vector]) -> set[K]:
+        """The hands that jump in a frame.
+
+        Args:
+            time: s, not before that of the last frame.
+            places: Place of every hand of the frame, by what identifies it.
+        """
+        known, jumped, since = self._known, self._jumped, self._since
+        self._known, self._jumped, self._since = {}, {}, {}
+        for hand, place in places.items():
+            now, before = (time, place), known.get(hand)
+            if before is not None and before[1] == place:
+                self._since[hand] = since.get(hand, before[0])
+                self.frozen = max(self.frozen, time - self._since[hand])
+            if (
+                before is None
+                or _moves(before, now)
+                or (hand in jumped and _moves(jumped[hand], now))
+            ):
+                self._known[hand] = now
+            else:
+                self._known[hand], self._jumped[hand] = before, now
+        return {hand for hand in places if hand in self._jumped}
+
+    @property
+    def doubt(self) -> str:
+        """What to say of a hand that stands still; empty where none did for long."""
+        if self.frozen < _FROZEN:
+            return ""
+        return (
+            f"a hand did not move in any digit for {self.frozen:.1f} s: the device may have lost it"
+        )
+
+
+def _moves(before: tuple[float, Vector], now: tuple[float, Vector]) -> bool:
+    """True if a hand can move from one place to another in the time between them."""
+    return distance(before[1], now[1]) <= SPEED.most * (now[0] - before[0]) + _CORRECTION
+
+
+@dataclass
+class LiveUnits:
+    """Units of a device that is running, by its first frames; it is never refused.
+
+    Args:
+        declared: Unit of each dimension that the device should send.
+        wanted: Number of frames that are measured before units are decided.
+
+    Attributes:
+        units: The units that are assumed.
+        notice: What is assumed or impossible, for the person; empty while all is as declared.
+    """
+
+    declared: Units
+    wanted: int = 30
+    units: Units = field(init=False)
+    notice: str = field(init=False, default="")
+
+    def __post_init__(self) -> None:
+        self.units = self.declared
+        self._seen: dict[Bounds, list[float]] = {}
+        self._frames = 0
+
+    @property
+    def decided(self) -> bool:
+        """True once enough frames were measured; `look` has no more effect then."""
+        return self._frames >= self.wanted
+
+    def look(self, seen: Mapping[Bounds, float]) -> None:
+        """Takes the quantities of a frame, in the device's own units; without a hand they say
+        nothing."""
+        if self.decided or not seen.keys() & {FINGER, PALM, REACH}:
+            return
+        for bounds, value in seen.items():
+            self._seen.setdefault(bounds, []).append(value)
+        self._frames += 1
+        if not self.decided:
+            return
+        forget_beyond(self._seen)
+        report = ReaderReport()
+        try:
+            self.units = find_units(self._seen, self.declared, where="", report=report)
+        except InputError as error:
+            expected = f", expected {error.expected}" if error.expected else ""
+            report.assume(f"{error.what} ({error.got}{expected})")
+        self.notice = report.line()

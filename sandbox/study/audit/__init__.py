@@ -1,1 +1,0 @@
-"""Verification of a study's folder: journals, recordings, derived tables and the lock."""

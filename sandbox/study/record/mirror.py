@@ -1,0 +1,118 @@
+"""A second disk that gets every record and recording of a session as it is written.
+
+A thread of its own copies what is new, twice a second. The session never waits for it: a mirror
+that cannot be written, or whose disk hangs, catches up as soon as it can, and the terminal says how
+far behind it is.
+"""
+
+from __future__ import annotations
+
+import shutil
+import threading
+from collections.abc import Callable, Iterator
+from contextlib import suppress
+from pathlib import Path
+
+from models.errors import StudyError
+from sandbox.devices.device import Closeable
+from sandbox.recording.recording import SUFFIX
+from sandbox.study.record.files import LOCK_FILES, TEMPORARY
+from sandbox.study.record.folder import DESIGN_FILE
+from sandbox.study.record.journal import SYNC
+from sandbox.study.record.notes import NOTES
+
+LAST = 5.0
+"""s for which the end of a session waits for a mirror that is behind."""
+
+
+class Mirror(Closeable):
+    """Copies a person's folder, and the notes and design of the study, while a session runs.
+
+    Args:
+        study: Folder of the study.
+        ppid: Pseudonym of the person.
+        to: Folder on the second disk, in which a folder of the study's name is made.
+        say: Prints a line for the experimenter.
+
+    Raises:
+        StudyError: That folder is the study's own.
+
+    Attributes:
+        behind: Bytes that the mirror lacks, as far as is known.
+    """
+
+    def __init__(self, study: Path, ppid: str, to: Path, say: Callable[[str], object]) -> None:
+        self._study, self._ppid, self._to, self._say = study, ppid, to / study.name, say
+        if self._to.resolve() == study.resolve():
+            raise StudyError("the mirror is the study itself", where="--mirror", got=str(to))
+        self._done: dict[Path, tuple[int, int]] = {}
+        self.behind = 0
+        self._failed = ""
+        self._end = threading.Event()
+        self._thread = threading.Thread(target=self._run, name="mirror", daemon=True)
+        self._thread.start()
+
+    def close(self) -> None:
+        """Copies what is left, and says what could not be copied."""
+        self._end.set()
+        self._thread.join(LAST)
+        if self._thread.is_alive() or self.behind:
+            self._say(
+                f"the mirror in {self._to} is {max(self.behind, 1)} bytes or more behind: copy "
+                f"{self._study / self._ppid} by hand"
+            )
+
+    def _run(self) -> None:
+        ended = False
+        while not ended:
+            # What is written before the end was announced is in the last copy.
+            ended = self._end.wait(SYNC)
+            self._copy_all()
+
+    def _copy_all(self) -> None:
+        failed, behind = "", 0
+        for path in self._sources():
+            try:
+                state = path.stat()
+                if self._done.get(path) != (state.st_size, state.st_mtime_ns):
+                    self._copy(path, state.st_size)
+                    self._done[path] = (state.st_size, state.st_mtime_ns)
+            except FileNotFoundError:
+                # A recording was compressed meanwhile: its other file comes next.
+                continue
+            except OSError as error:
+                failed = failed or (error.strerror or str(error))
+                behind += state.st_size - self._done.get(path, (0, 0))[0]
+        self.behind = behind
+        if failed and failed != self._failed:
+            self._say(f"the mirror is {behind} bytes behind ({failed}); the session goes on")
+        elif self._failed and not failed:
+            self._say("the mirror has caught up")
+        self._failed = failed
+
+    def _sources(self) -> Iterator[Path]:
+        yield self._study / DESIGN_FILE
+        yield from sorted((self._study / NOTES).glob("*.jsonl"))
+        for path in sorted((self._study / self._ppid).rglob("*")):
+            ours = path.name not in LOCK_FILES and not path.name.startswith(TEMPORARY)
+            if ours and path.is_file():
+                yield path
+
+    def _copy(self, path: Path, size: int) -> None:
+        """Copies a file, or what was added to it."""
+        copy = self._to / path.relative_to(self._study)
+        copy.parent.mkdir(parents=True, exist_ok=True)
+        there = copy.stat().st_size if copy.exists() else 0
+        grows = path.suffix == ".jsonl" and self._done.get(path, (0, 0))[0] == there > 0
+        if grows and there <= size:
+            with path.open("rb") as source, copy.open("ab") as target:
+                source.seek(there)
+                target.write(source.read())
+        else:
+            part = copy.with_name(f"{TEMPORARY}{copy.name}")
+            shutil.copyfile(path, part)
+            part.replace(copy)
+        if copy.name.endswith(SUFFIX):
+            # Once it is compressed, the recording is there once.
+            with suppress(FileNotFoundError):
+                copy.with_name(copy.name.removesuffix(SUFFIX)).unlink()

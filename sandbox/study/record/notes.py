@@ -1,0 +1,262 @@
+"""Decisions and seals, which stand beside the records of sessions: lines of JSON, only appended.
+
+`PERSON/notes.jsonl` begins with who the person is, and holds the decisions about them; it goes with
+the person's folder wherever that is copied. `notes/SITE.jsonl` of the study holds what the study
+is, what it is locked to, seals of sessions, copies and withdrawals. Each line is on the disk when
+the function that writes it returns.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from datetime import datetime
+from pathlib import Path
+from typing import Any
+
+from msgspec import Struct
+
+from models.errors import StudyError
+from models.json_input import checked, decoded_record
+from sandbox.study.record.chain import HASH, Record
+from sandbox.study.record.files import study_error, write_atomically
+from sandbox.study.record.journal import check_texts, now
+from sandbox.study.record.records import Shared, Words
+from sandbox.system.files import OPEN, sync_folder
+
+NOTES = "notes"
+"""Folder of a study with the notes of each site."""
+PERSON_NOTES = "notes.jsonl"
+"""File of a person's folder."""
+STUDY, UPGRADE, ANEW, LIBRARIES = "study", "upgrade", "locked_anew", "libraries"
+SEALED, WITHDRAWN, COPIED, ANONYMISED = "sealed", "withdrawn", "copied", "anonymised"
+PARTICIPANT, EXCLUDE, INCLUDE = "participant", "exclude", "include"
+RELEASE, REMARK, LOSS = "release", "remark", "loss_accepted"
+
+DECISIONS = (EXCLUDE, INCLUDE, RELEASE, REMARK)
+"""Kinds of decisions about a participant that can be taken back."""
+
+
+class _Head(Struct):
+    time: datetime
+    kind: Shared[str]
+
+
+class _Participant(_Head):
+    ppid: str
+    site: Shared[str]
+    number: Shared[int]
+    hand: Shared[str] = "right"
+    hand_size: Shared[float] = 1.0
+    language: Shared[str] = "en"
+    user: Shared[dict[str, Any] | None] = None
+
+
+class _Decision(_Head):
+    """Exclusion, inclusion or remark: about a trial of a session, or about the person.
+
+    `after` has the number of records that each session had at that time. `number` is the one that
+    a participant has who takes part again after it was freed.
+    """
+
+    reason: Words[str]
+    after: Shared[dict[int, int]]
+    number: Shared[int | None] = None
+    session: Shared[int | None] = None
+    trial: Shared[int | None] = None
+
+
+class _Reason(_Head):
+    reason: Words[str]
+
+
+class _Loss(_Reason):
+    """`voids` names the seals that no longer hold."""
+
+    session: int
+    records: int
+    voids: list[str]
+
+
+class _Study(_Head):
+    schema: Shared[int]
+    experiment: Shared[str]
+    mode: Shared[str]
+    build: Shared[dict[str, Any]]
+    settings: Shared[dict[str, Any] | None] = None
+
+
+class _Changed(_Head):
+    changed: list[str]
+    before: dict[str, Any]
+    after: dict[str, Any]
+
+
+class _Sealed(_Head):
+    ppid: str
+    session: int
+    records: int
+    hash: str
+
+
+class _Withdrawn(_Head):
+    ppid: str
+
+
+class _Copied(_Head):
+    path: str
+    ppids: list[str]
+
+
+class _Anonymised(_Head):
+    about: dict[str, Any]
+
+
+FORMS: dict[str, type[_Head]] = {
+    PARTICIPANT: _Participant,
+    EXCLUDE: _Decision,
+    INCLUDE: _Decision,
+    REMARK: _Decision,
+    RELEASE: _Reason,
+    LOSS: _Loss,
+    STUDY: _Study,
+    UPGRADE: _Changed,
+    ANEW: _Changed,
+    LIBRARIES: _Changed,
+    SEALED: _Sealed,
+    WITHDRAWN: _Withdrawn,
+    COPIED: _Copied,
+    ANONYMISED: _Anonymised,
+}
+
+
+def read_notes(path: Path) -> list[Record]:
+    """Reads the notes of a person or of a site; none without the file.
+
+    A half-written last line, which a killed program leaves, is not read.
+
+    Raises:
+        StudyError: The file cannot be read, or a line is damaged.
+    """
+    try:
+        data = path.read_bytes()
+    except FileNotFoundError:
+        return []
+    except OSError as error:
+        raise StudyError("the notes cannot be read", where=str(path), got=error.strerror) from None
+    lines = data.split(b"\n")[:-1]
+    what, remedy = "the notes are damaged", "Restore them from a backup; nothing was changed"
+    notes = []
+    for number, line in enumerate(lines, start=1):
+        where = f"{path}, line {number}"
+        note = decoded_record(line, StudyError, what=what, where=where, remedy=remedy)
+        head = checked(note, _Head, StudyError, what=what, where=where, remedy=remedy)
+        form = FORMS.get(head.kind)
+        if form is None:
+            raise StudyError(what, where=where, got=head.kind, expected=", ".join(FORMS))
+        checked(note, form, StudyError, what=what, where=where, remedy=remedy)
+        notes.append(note)
+    return notes
+
+
+def add_note(path: Path, kind: str, /, **values: Any) -> Record:
+    """Appends a note durably; the caller holds the lock of the study.
+
+    Raises:
+        StudyError: It cannot be written, and the file is as it was.
+    """
+    note = {"time": now(), "kind": kind, **values}
+    check_texts(note, f"{path}, {kind}")
+    line = json.dumps(note, separators=(",", ":"), ensure_ascii=False).encode() + b"\n"
+    try:
+        data = path.read_bytes() if path.exists() else b""
+        fd = os.open(path, os.O_WRONLY | os.O_CREAT | OPEN, 0o666)
+        try:
+            # Behind the last whole line; a killed program may have left the half of one.
+            whole = data.rfind(b"\n") + 1
+            try:
+                os.ftruncate(fd, whole)
+                os.lseek(fd, whole, os.SEEK_SET)
+                while line:
+                    line = line[os.write(fd, line) :]
+                os.fsync(fd)
+            except OSError:
+                os.ftruncate(fd, whole)
+                raise
+        finally:
+            os.close(fd)
+        if not data:
+            sync_folder(path.parent)
+    except OSError as error:
+        raise study_error(error, path, "the note cannot be written") from None
+    return note
+
+
+def write_notes(path: Path, notes: Iterable[Record]) -> None:
+    """Writes notes anew, atomically: those of a copy, or those that a withdrawal leaves."""
+    lines = (json.dumps(note, separators=(",", ":"), ensure_ascii=False) for note in notes)
+    write_atomically(path, "".join(f"{line}\n" for line in lines).encode())
+
+
+def site_notes(study: Path) -> list[Record]:
+    """Notes of all sites of a study, each in its order.
+
+    Raises:
+        StudyError: A file is damaged.
+    """
+    return [note for path in sorted((study / NOTES).glob("*.jsonl")) for note in read_notes(path)]
+
+
+def person_notes(study: Path, ppid: str) -> list[Record]:
+    """Notes about a person.
+
+    Raises:
+        StudyError: The file is damaged.
+    """
+    return read_notes(study / ppid / PERSON_NOTES)
+
+
+@dataclass(frozen=True)
+class Seal:
+    """A record of a session as it was when the session was closed.
+
+    Attributes:
+        records: Number of its lines.
+        hash: Hash of the last one.
+    """
+
+    records: int
+    hash: str
+
+
+def seals_of(study: Path, ppid: str, session: int) -> list[Seal]:
+    """Seals of a session that hold: those that no accepted loss has ended, in order.
+
+    Raises:
+        StudyError: Notes are damaged.
+    """
+    losses = (note for note in person_notes(study, ppid) if note["kind"] == LOSS)
+    void = {seal for loss in losses if loss["session"] == session for seal in loss["voids"]}
+    return [
+        Seal(note["records"], note[HASH])
+        for note in site_notes(study)
+        if note["kind"] == SEALED
+        and (note["ppid"], note["session"]) == (ppid, session)
+        and note[HASH] not in void
+    ]
+
+
+def broken_seals(records: Sequence[Record], seals: Iterable[Seal]) -> tuple[int, bool]:
+    """Compares the record of a session with its seals.
+
+    Returns:
+        How many sealed lines it lacks at its end, and whether a sealed line is another one.
+    """
+    lacks, unlike = 0, False
+    for seal in seals:
+        lacks = max(lacks, seal.records - len(records))
+        if 0 < seal.records <= len(records):
+            unlike |= records[seal.records - 1][HASH] != seal.hash
+    return lacks, unlike

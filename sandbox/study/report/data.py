@@ -1,0 +1,842 @@
+"""Reads a study's tables from a folder, selects the used trials, and averages them by person.
+
+Only the CSV files are read, so that a report can be made from any copy. The codebook has the name
+and kind of the study, the number of people who withdrew, and changes of the design.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from difflib import get_close_matches
+from hashlib import sha256
+from math import inf, nan
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from models.arithmetic import Array
+from models.errors import StudyError
+from models.message import counted
+from sandbox.study.tables.column import (
+    CHANGE,
+    CLOCK_STEPS,
+    EXPERIMENT,
+    FACTOR,
+    LISTED,
+    MODE,
+    ORDERS,
+    PRIMARY,
+    STUDY,
+    TABLES,
+    UXF_NAMES,
+    WITHDRAWALS,
+    WORDING,
+)
+
+if TYPE_CHECKING:
+    from pandas import DataFrame, Series
+
+    from sandbox.study.report.numbers import Estimate
+
+NEEDED = ("ppid", "trial_num", "counted", "practice", "excluded", "success", "time_s")
+"""Required columns of `trials.csv`."""
+NUMBERS = (
+    "session_num",
+    "trial_num",
+    "counted",
+    "practice",
+    "excluded",
+    "success",
+    "time_s",
+    "attempt",
+    "block_num",
+    "trial_num_in_block",
+    "repetition",
+    "limit_s",
+)
+RATIO_UNITS = ("s", "m", "mm", "m/s", "bit/s", "ms")
+"""Units of measures that are compared by ratios, if all values are above 0."""
+SCALES = ("limit", "share", "count", "log", "plain", "score")
+"""Kinds of outcomes: a time with a limit, 0 or 1, a count, a logarithm, another number, a score."""
+LABEL_TRUTH, SIMULATED_USER = "label_truth", "simulated user"
+"""Column with the source of the true fingers, and one of its values."""
+FRAMES = "frames"
+"""Column with the file of the frames."""
+SIMULATED = "simulated"
+"""Kind of the data of a study in which nobody took part."""
+RECORDS = "*/S[0-9][0-9][0-9]/session.jsonl"
+"""Files from which the tables of a study follow."""
+SESSION = "session"
+"""Name of the factor that is added if participants repeat the same levels in several sessions."""
+BETWEEN_NAMES = " / "
+"""Separator of levels in the name of a condition; ASCII only, for spreadsheets."""
+
+
+def _empty() -> DataFrame:
+    import pandas as pd
+
+    return pd.DataFrame()
+
+
+@dataclass(frozen=True)
+class ObservedFactor:
+    """A factor of the design.
+
+    Attributes:
+        name: Name as in the design.
+        levels: Levels in the design's order.
+        within: True if at least one participant did more than one of them.
+    """
+
+    name: str
+    levels: tuple[str, ...]
+    within: bool
+
+    @property
+    def column(self) -> str:
+        """Name of its column in tables."""
+        return FACTOR + self.name
+
+    @property
+    def place(self) -> str:
+        """Name of the column of `StudyData.used` with the place of its level in its order."""
+        return "place of " + self.name
+
+    @property
+    def round(self) -> str:
+        """Name of the column of `StudyData.used` with the round, whose order is its own."""
+        return "round of " + self.name
+
+    @property
+    def count(self) -> str:
+        """Name of the column of `StudyData.used` with the number of the trial with its level."""
+        return "count of " + self.name
+
+
+@dataclass(frozen=True)
+class Measure:
+    """An outcome, and the scale on which it is averaged and compared.
+
+    Attributes:
+        name: Column of `trials.csv`, or name of a questionnaire, scale or question.
+        title: Title for people.
+        unit: Unit of its values; empty for counts and indices.
+        means: Definition in one line.
+        better: high or low, the better direction; empty if neither is better.
+        low, high: Smallest and largest possible value.
+        scale: One of `SCALES`.
+    """
+
+    name: str
+    title: str
+    unit: str = ""
+    means: str = ""
+    better: str = ""
+    low: float = -inf
+    high: float = inf
+    scale: str = "plain"
+
+    @property
+    def label(self) -> str:
+        """Title with unit."""
+        if self.scale == "share":
+            return f"{self.title} (% of trials)"
+        return f"{self.title} ({self.unit})" if self.unit else self.title
+
+    @property
+    def forward_limits(self) -> tuple[float, float]:
+        """Smallest and largest possible value on the scale of the means."""
+        return (-inf, inf) if self.scale == "log" else (self.low, self.high)
+
+    def forward(self, values: Array) -> Array:
+        """Converts values to the scale on which they are averaged."""
+        return np.log(values) if self.scale == "log" else values
+
+    def in_unit(self, mean: Estimate) -> Estimate:
+        """Converts a mean on that scale back to the unit, a difference of logarithms to a ratio."""
+        if self.scale != "log":
+            return mean
+        value, low, high = (float(np.exp(v)) for v in (mean.value, mean.low, mean.high))
+        return replace(mean, value=value, low=low, high=high)
+
+
+@dataclass(frozen=True)
+class Values:
+    """An outcome of every person under every condition.
+
+    Attributes:
+        factors: Factors whose levels the conditions are.
+        names: Names of the conditions.
+        levels: Level of each factor, by name, for each condition.
+        means: (people, conditions) means of a person's trials, on the outcome's scale; nan where
+            there is none. People are those of `StudyData.ppids`, in order.
+        trials: (people, conditions) numbers of trials.
+        limits: Time limits of the trials of each condition, s.
+    """
+
+    factors: tuple[ObservedFactor, ...]
+    names: tuple[str, ...]
+    levels: tuple[dict[str, str], ...]
+    means: Array
+    trials: Array
+    limits: tuple[frozenset[float], ...] = ()
+
+    def cells_of(self, factor: ObservedFactor, level: str) -> list[int]:
+        """Numbers of the conditions with a level."""
+        return [i for i, of in enumerate(self.levels) if of.get(factor.name) == level]
+
+    def matched(self, factor: ObservedFactor, first: str, second: str) -> list[tuple[int, int]]:
+        """Pairs of conditions that differ in these levels of one factor alone."""
+
+        def apart_from_it(cell: int) -> dict[str, str]:
+            return {name: x for name, x in self.levels[cell].items() if name != factor.name}
+
+        return [
+            (a, b)
+            for a in self.cells_of(factor, first)
+            for b in self.cells_of(factor, second)
+            if apart_from_it(a) == apart_from_it(b)
+        ]
+
+    def limit(self, cell: int) -> frozenset[float]:
+        """Time limits of the trials of a condition, s."""
+        return self.limits[cell] if self.limits else frozenset()
+
+
+@dataclass(frozen=True)
+class Words:
+    """The answers to a question in words or by a choice.
+
+    Attributes:
+        form, item: Names of the questionnaire and the question.
+        ask: The question.
+        is_choice: True if the answers are choices.
+        answers: Person, condition, and answer, in the order of the table.
+    """
+
+    form: str
+    item: str
+    ask: str
+    is_choice: bool
+    answers: tuple[tuple[str, str, str], ...]
+
+
+@dataclass(frozen=True)
+class StudyData:
+    """A study's tables.
+
+    Attributes:
+        name: Name of the study.
+        mode: real, pilot, simulated, or unknown.
+        factors: Factors in the design's order.
+        trials: Every finished attempt, as in the table, with numbers converted.
+        used: Counted attempts, without practice and excluded trials. Added columns: `condition`,
+            `cell` (its number), `position` (number of the participant's trial, from 1, without
+            practice; in its session, where `by_session`), `censored` (no success, so that it would
+            have taken longer), and for every factor the round, the place of its level in the order
+            of the round, and the number of the participant's trial with its level, all from 1.
+            Excluded trials count in them and in `position`, since they were practice as well.
+        conditions: Names of all combinations of levels that were used, in the design's order.
+        people: `participants.csv`, or participants derived from the trials.
+        answers: `answers.csv`; may be empty.
+        scores: `scores.csv`; may be empty.
+        codebook: Unit and meaning of columns of `trials.csv`.
+        primary: Confirmatory outcomes of the design: measures, and questionnaires for their scores.
+            Empty if it names none.
+        by_session: True if the session was added as a factor.
+        wordings: What the codebook says of questionnaires that have not the published wording.
+        digest: SHA-256 of `trials.csv`.
+        withdrawn: Number of people who withdrew, and of whom nothing else is here; None if the
+            codebook does not tell.
+        upgrades: Sentences on every `--force-upgrade` after somebody had taken part.
+        events: `events.csv`; may be empty.
+        columns: Rows of the codebook about measures and questions, by name.
+        has_records: True if the records from which the tables follow are in the folder.
+    """
+
+    name: str
+    mode: str
+    factors: tuple[ObservedFactor, ...]
+    trials: DataFrame
+    used: DataFrame
+    conditions: tuple[str, ...]
+    people: DataFrame
+    answers: DataFrame
+    scores: DataFrame
+    codebook: dict[str, tuple[str, str]] = field(default_factory=dict)
+    primary: tuple[str, ...] = ()
+    by_session: bool = False
+    digest: str = ""
+    wordings: dict[str, str] = field(default_factory=dict)
+    withdrawn: int | None = None
+    upgrades: tuple[str, ...] = ()
+    events: DataFrame = field(default_factory=_empty)
+    columns: dict[str, dict[str, str]] = field(default_factory=dict)
+    has_records: bool = True
+
+    @property
+    def orders(self) -> str:
+        """How many participants a full cycle of orders takes, by the design; empty if unknown."""
+        return self.codebook.get(ORDERS, ("", ""))[1]
+
+    @property
+    def ppids(self) -> list[str]:
+        """Participants with used trials, in order of first appearance."""
+        return list(dict.fromkeys(self.used["ppid"]))
+
+    @property
+    def clock_steps(self) -> list[str]:
+        """A line about steps of the wall clock during sessions; none without steps."""
+        if CLOCK_STEPS not in self.people:
+            return []
+        steps = {
+            person: steps
+            for person, steps in zip(self.people["ppid"], self.people[CLOCK_STEPS], strict=True)
+            if steps
+        }
+        if not steps:
+            return []
+        told = ", ".join(f"{person} {steps} s" for person, steps in steps.items())
+        return [
+            f"The wall clock made steps during sessions ({told}), and no time here depends on it: "
+            "all come from a clock that nobody sets"
+        ]
+
+    @property
+    def rehearsed(self) -> str:
+        """Sentence on trials that a simulated user played although these are not simulated data, as
+        in a rehearsal; empty if there are none."""
+        if self.mode == SIMULATED or LABEL_TRUTH not in self.used:
+            return ""
+        # A trial without touches does not tell.
+        telling = [source for source in self.used[LABEL_TRUTH] if source]
+        count = telling.count(SIMULATED_USER)
+        if not count:
+            return ""
+        if count == len(telling):
+            return "No person took part: a simulated user played all trials."
+        return f"A simulated user, and no person, played {count} of {len(self.used)} trials."
+
+    @property
+    def withdrawals(self) -> str:
+        """Sentence on people who withdrew; empty if the folder does not tell."""
+        if self.withdrawn is None:
+            return ""
+        if not self.withdrawn:
+            return "Nobody withdrew."
+        return (
+            f"{counted(self.withdrawn, 'person', 'people')} withdrew. All their data were deleted, "
+            "and no other number here counts them."
+        )
+
+    @property
+    def without_frames(self) -> list[str]:
+        """A line about counted trials whose frames are missing; none without such trials."""
+        used = self.trials[self.trials["counted"] == 1]
+        missing = int((used[FRAMES] == "").sum()) if FRAMES in used else 0
+        if not missing:
+            return []
+        return [
+            f"{counted(missing, 'trial has', 'trials have')} no frames, so that their measures of "
+            "movements and contacts are empty"
+        ]
+
+    def factor(self, name: str) -> ObservedFactor:
+        """Finds a factor by its name."""
+        return next(f for f in self.factors if f.name == name)
+
+    @property
+    def measures(self) -> list[str]:
+        """Names of the measures that the codebook has titles for, in order."""
+        return [name for name, row in self.columns.items() if row.get("title")]
+
+    def measure(self, name: str, must: bool = False) -> Measure | None:
+        """A measure of the trials used; None if it has no numbers.
+
+        Args:
+            name: Name of its column.
+            must: True raises an error instead.
+
+        Raises:
+            StudyError: The column does not exist, or has no numbers; only if `must`.
+        """
+        if name not in self.trials.columns:
+            if not must:
+                return None
+            numbers = [c for c in self.trials if to_numbers(self.trials[c]).notna().any()]
+            near = get_close_matches(name, numbers, 1)
+            raise StudyError(
+                "no such measure in this study",
+                where="--measure",
+                got=name,
+                expected="a column of trials.csv with numbers",
+                remedy=f"Did you mean {near[0]}?" if near else None,
+            )
+        values = to_numbers(self.used[name]).dropna()
+        if not len(values):
+            if must:
+                raise StudyError("the measure has no numbers", where="--measure", got=name)
+            return None
+        row = self.columns.get(name, {})
+        unit = row.get("unit", "") or ("s" if name == "time_s" else "")
+        low, high = (_number(row.get(end, ""), nothing) for end, nothing in ENDS)
+        title = row.get("title") or name.replace("_", " ").capitalize()
+        what = Measure(
+            name, title, unit, row.get("meaning", ""), row.get("better", ""), low, high, "plain"
+        )
+        if name == "time_s":
+            limit = float(self.used["limit_s"].max()) if len(self.used) else inf
+            return replace(what, title="Time to success", scale="limit", low=0.0, high=limit)
+        scale = row.get("scale") or _guessed_scale(name, unit, values)
+        if scale == "share":
+            return replace(what, scale=scale, low=0.0, high=1.0)
+        if scale == "log" and (values > 0.0).all():
+            return replace(what, scale=scale)
+        if scale == "count":
+            return replace(what, scale=scale, low=max(0.0, low))
+        return what
+
+
+def _guessed_scale(name: str, unit: str, values: Series) -> str:
+    """Scale of a column that is no measure of the program's, such as one of an older table."""
+    if name == "success" or unit == "0/1":
+        return "share"
+    if unit in RATIO_UNITS:
+        return "log"
+    return "count" if not unit and ((values >= 0.0) & (values % 1.0 == 0.0)).all() else "plain"
+
+
+ENDS = (("low", -inf), ("high", inf))
+"""Columns of the codebook with the smallest and the largest possible value."""
+
+
+def _number(text: str, nothing: float) -> float:
+    """A number in a cell; `nothing` for an empty one."""
+    try:
+        return float(text)
+    except ValueError:
+        return nothing
+
+
+def trial_values(data: StudyData, what: Measure) -> Values:
+    """Person means of a measure by condition.
+
+    A time with a limit is the limit in a trial without success: the mean is the restricted mean.
+    """
+    used = data.used
+    numbers = to_numbers(used[what.name]).to_numpy(float)
+    if what.scale == "limit":
+        limits = used["limit_s"].to_numpy(float)
+        shorter = np.where(np.isfinite(limits), np.minimum(numbers, limits), numbers)
+        numbers = np.where(used["censored"], limits, shorter)
+    elif what.scale == "log":
+        numbers = what.forward(np.where(numbers > 0.0, numbers, nan))
+    factors = tuple(f for f in data.factors if len(f.levels) > 1)
+    seen = used.drop_duplicates("cell").sort_values("cell")
+    levels = tuple({f.name: row[f.column] for f in factors} for _, row in seen.iterrows())
+    means, trials = _by_person(data, used["ppid"], used["cell"].tolist(), numbers, len(levels))
+    of = [frozenset(used.loc[used["cell"] == i, "limit_s"].dropna()) for i in range(len(levels))]
+    return Values(factors, data.conditions, levels, means, trials, tuple(of))
+
+
+def _by_person(
+    data: StudyData, ppids: Series, cells: Sequence[int], numbers: Array, count: int
+) -> tuple[Array, Array]:
+    """Means and numbers of the known values of every person in every cell."""
+    row = {ppid: i for i, ppid in enumerate(data.ppids)}
+    at = np.array([row.get(ppid, -1) for ppid in ppids], dtype=np.intp)
+    known = np.isfinite(numbers) & (at >= 0)
+    sums, trials = np.zeros((len(row), count)), np.zeros((len(row), count))
+    where = (at[known], np.asarray(cells, dtype=np.intp)[known])
+    np.add.at(sums, where, numbers[known])
+    np.add.at(trials, where, 1.0)
+    return np.where(trials > 0, sums / np.maximum(trials, 1.0), nan), trials
+
+
+def score_values(data: StudyData, main: bool = True) -> list[tuple[Measure, Values]]:
+    """Scores of questionnaires, by person and level.
+
+    Args:
+        data: The study.
+        main: True gives the first scale of questionnaires about levels, which is their score;
+            False all other scales.
+    """
+    table = data.scores
+    if not {"instrument", "scale", "score", "ppid"} <= set(table.columns):
+        return []
+    firsts = {form: rows["scale"].iloc[0] for form, rows in table.groupby("instrument", sort=False)}
+    found = []
+    for (form, scale), rows in table.groupby(["instrument", "scale"], sort=False):
+        ends = (rows[name].iloc[0] if name in rows else "" for name in ("score_low", "score_high"))
+        low, high = (_number(text, end) for text, end in zip(ends, (-inf, inf), strict=True))
+        same = str(scale).lower() in (str(form).lower(), "score", "total", "")
+        title = str(form) if same else f"{form}: {scale}"
+        name = str(form) if firsts[form] == scale else title
+        what = Measure(name, title, "", "", "", low, high, "score")
+        values = _answered(data, rows, to_numbers(rows["score"]).to_numpy(float))
+        compared = firsts[form] == scale and bool(values.factors)
+        if compared is main:
+            found.append((what, values))
+    return found
+
+
+def item_values(data: StudyData) -> list[tuple[Measure, Values]]:
+    """Single questions with numbers as answers, by person and level; no question that is a scale
+    of its own, and none about the person."""
+    table = data.answers
+    if not {"ppid", "instrument", "item", "answer"} <= set(table.columns):
+        return []
+    scores = {what.title for main in (True, False) for what, _ in score_values(data, main)}
+    found = []
+    for (form, item), rows in table.groupby(["instrument", "item"], sort=False):
+        given = rows["answer"].astype(str).str.strip() != ""
+        numbers = to_numbers(rows["answer"])
+        title = f"{form}: {item}"
+        if form == ABOUT_PERSON or title in scores or (f"{form}" in scores and item == form):
+            continue
+        if given.any() and numbers[given].notna().all():
+            what = Measure(title, title, scale="score")
+            found.append((what, _answered(data, rows, numbers.to_numpy(float))))
+    return found
+
+
+ABOUT_PERSON = "demographics"
+"""Name of the form with questions about the person."""
+
+
+def _answered(data: StudyData, rows: DataFrame, numbers: Array) -> Values:
+    """Answers by person and by the levels that they are about."""
+    factors = tuple(
+        f for f in data.factors if f.column in rows and (rows[f.column] != "").sum() > 0
+    )
+    factors = tuple(f for f in factors if rows[f.column].nunique() > 1)
+    asked = [tuple(row) for row in rows[[f.column for f in factors]].itertuples(index=False)]
+    rank = {f.name: {x: i for i, x in enumerate(f.levels)} for f in factors}
+
+    def order(levels: tuple[str, ...]) -> tuple[int, ...]:
+        pairs = zip(factors, levels, strict=True)
+        return tuple(rank[f.name].get(level, len(f.levels)) for f, level in pairs)
+
+    cells = sorted(set(asked), key=order) if factors else [()]
+    at = [cells.index(levels) for levels in asked] if factors else [0] * len(rows)
+    means, trials = _by_person(data, rows["ppid"], at, numbers, len(cells))
+    levels = tuple({f.name: x for f, x in zip(factors, c, strict=True)} for c in cells)
+    names = tuple(BETWEEN_NAMES.join(c) or "all" for c in cells)
+    within = tuple(
+        replace(
+            f,
+            within=bool(
+                (
+                    trials[
+                        :, Values((f,), names, levels, means, trials).cells_of(f, f.levels[0])
+                    ].sum(axis=1)
+                    < trials.sum(axis=1)
+                ).any()
+            ),
+        )
+        for f in factors
+    )
+    return Values(within, names, levels, means, trials)
+
+
+def words(data: StudyData) -> list[Words]:
+    """All answers in words, and choices, by question."""
+    table = data.answers
+    if not {"ppid", "instrument", "item", "answer"} <= set(table.columns):
+        return []
+    columns = [f.column for f in data.factors if f.column in table.columns]
+    found = []
+    for (form, item), rows in table.groupby(["instrument", "item"], sort=False):
+        row = data.columns.get(f"item {form}/{item}") or data.columns.get(f"{item}") or {}
+        given = rows[rows["answer"].astype(str).str.strip() != ""]
+        kind = row.get("type", "")
+        if not kind and to_numbers(given["answer"]).isna().any():
+            kind = "text"
+        if kind not in ("text", "factor") or not len(given):
+            continue
+        answers = [
+            (r["ppid"], BETWEEN_NAMES.join(x for x in (r[c] for c in columns) if x), r["answer"])
+            for _, r in given.iterrows()
+        ]
+        ask = row.get("meaning", "")
+        found.append(Words(str(form), str(item), ask, kind == "factor", tuple(answers)))
+    return found
+
+
+def load_study(folder: Path) -> StudyData:
+    """Reads a study's tables.
+
+    Args:
+        folder: Folder of the study, which contains `tables/trials.csv`.
+
+    Raises:
+        StudyError: The table is missing, or is not a table of trials.
+    """
+    tables = folder / TABLES
+    path = tables / "trials.csv"
+    if not path.is_file():
+        raise StudyError(
+            "the folder has no tables/trials.csv",
+            where=str(folder),
+            expected="the folder of a study",
+            remedy="Give OUT/NAME, OUT/NAME-pilot or OUT/NAME-simulated; `sandbox study tables` "
+            "makes them",
+        )
+    trials = _read(path)
+    missing = [name for name in NEEDED if name not in trials.columns]
+    if missing:
+        raise StudyError(
+            "columns are missing",
+            where=str(path),
+            got=", ".join(trials.columns[:8]),
+            expected=", ".join(missing),
+        )
+    for name in NUMBERS:
+        if name in trials.columns:
+            trials[name] = to_numbers(trials[name], path)
+    meanings, primary, described = _codebook(tables)
+    told = wordings(tables)
+    facts = _facts(tables)
+    answers, scores = (_optional(tables / name) for name in ("answers.csv", "scores.csv"))
+    by_session = _did_the_same_again(trials)
+    if by_session:
+        for table in (trials, answers, scores):
+            _name_sessions(table)
+        meanings[FACTOR + SESSION] = ("", "session number of this participant, from 1")
+    factors = _factors(trials, meanings)
+    used, conditions = _used(trials, factors, by_session)
+    people = _optional(tables / "participants.csv")
+    if "ppid" not in people.columns:
+        people = trials[["ppid"]].drop_duplicates().reset_index(drop=True)
+    return StudyData(
+        name=_only(trials, EXPERIMENT, path) or facts.get(EXPERIMENT) or folder.resolve().name,
+        mode=_only(trials, MODE, path) or facts.get(MODE) or "unknown",
+        factors=factors,
+        trials=trials,
+        used=used,
+        conditions=conditions,
+        people=people,
+        answers=answers,
+        scores=scores,
+        codebook=meanings,
+        primary=primary,
+        by_session=by_session,
+        digest=sha256(path.read_bytes()).hexdigest(),
+        wordings=told,
+        withdrawn=int(facts[WITHDRAWALS]) if WITHDRAWALS in facts else None,
+        upgrades=tuple(text for name, text in facts.items() if name.startswith(CHANGE)),
+        events=_optional(tables / "events.csv"),
+        columns=described,
+        has_records=any(folder.glob(RECORDS)),
+    )
+
+
+def read_table(path: Path) -> DataFrame:
+    """Reads a table with all cells as text, since a pseudonym like 12E345 is not a number.
+
+    Raises:
+        StudyError: The file is not a table.
+    """
+    import pandas as pd
+
+    try:
+        return pd.read_csv(path, dtype=str, keep_default_na=False, encoding="utf-8")
+    except (ValueError, pd.errors.ParserError) as error:
+        raise StudyError(
+            "not a table",
+            where=str(path),
+            got=str(error).strip()[:120],
+            remedy="`sandbox study tables` makes them again",
+        ) from None
+    except OSError as error:
+        raise StudyError("the table cannot be read", where=str(path), got=error.strerror) from None
+
+
+def to_numbers(column: Series, path: Path | None = None) -> Series:
+    """Converts a column to numbers; empty cells become NaN.
+
+    Args:
+        column: The cells.
+        path: File of the table; None converts invalid cells to NaN.
+
+    Raises:
+        StudyError: A cell is not a number; only if `path` is given.
+    """
+    import pandas as pd
+
+    texts = column.astype(str).str.strip()
+    numbers = pd.to_numeric(texts, errors="coerce").astype(float)
+    wrong = numbers.isna() & (texts != "")
+    if path is not None and wrong.any():
+        row = int(wrong.to_numpy().argmax())
+        raise StudyError(
+            "not a number",
+            where=f"{path}: {column.name}, row {row + 2}",
+            got=str(column.iloc[row])[:40],
+        )
+    return numbers
+
+
+def _optional(path: Path) -> DataFrame:
+    import pandas as pd
+
+    return _read(path) if path.is_file() else pd.DataFrame()
+
+
+def _read(path: Path) -> DataFrame:
+    """Reads a table, whose first columns may be named as in UXF or otherwise; here as in UXF."""
+    return read_table(path).rename(columns=UXF_NAMES)
+
+
+def _only(trials: DataFrame, column: str, path: Path) -> str:
+    """The only value of a column; empty if there is none."""
+    values = [x for x in dict.fromkeys(trials.get(column, ())) if x]
+    if len(values) > 1:
+        raise StudyError(
+            "data of different kinds must not be mixed",
+            where=f"{path}: {column}",
+            got=", ".join(values[:4]),
+            expected="the same in every row",
+        )
+    return str(values[0]) if values else ""
+
+
+def _facts(tables: Path) -> dict[str, str]:
+    """Facts about the study in the codebook, by name."""
+    table = _optional(tables / "codebook.csv")
+    if not {"table", "column", "meaning"} <= set(table.columns):
+        return {}
+    rows = table[table["table"] == STUDY]
+    return dict(zip(rows["column"], rows["meaning"], strict=True))
+
+
+def _codebook(
+    tables: Path,
+) -> tuple[dict[str, tuple[str, str]], tuple[str, ...], dict[str, dict[str, str]]]:
+    """Unit and meaning of columns of `trials.csv`, the names of primary outcomes, and rows
+    of the codebook about measures and questions, by name."""
+    table = _optional(tables / "codebook.csv")
+    if not {"table", "column", "unit", "meaning"} <= set(table.columns):
+        return {}, (), {}
+    table["column"] = [UXF_NAMES.get(name, name) for name in table["column"]]
+    rows = table[table["table"] == "trials.csv"]
+    meanings = {row.column: (row.unit, row.meaning) for row in rows.itertuples(index=False)}
+    about = table["table"].isin(["trials.csv", "participants.csv", "answers.csv"])
+    described = {row["column"]: dict(row) for _, row in table[about][::-1].iterrows()}
+    described = dict(reversed(described.items()))
+    if "role" not in table.columns:
+        return meanings, (), described
+    named = table.loc[table["role"] == PRIMARY, "column"]
+    # A score is named `score QUESTIONNAIRE/SCALE`.
+    primary = (str(name).removeprefix("score ").partition("/")[0] for name in named)
+    return meanings, tuple(primary), described
+
+
+def wordings(tables: Path) -> dict[str, str]:
+    """What the codebook says of questionnaires whose wording is not the published one, by name."""
+    table = _optional(tables / "codebook.csv")
+    if not {"column", "meaning"} <= set(table.columns):
+        return {}
+    rows = table[table["column"].str.startswith(WORDING)]
+    return {r.column.removeprefix(WORDING): r.meaning for r in rows.itertuples(index=False)}
+
+
+def _did_the_same_again(trials: DataFrame) -> bool:
+    """Returns True if a participant had the same levels in two sessions, so that sessions can be
+    compared. Otherwise each session has its own levels, and the session is not a factor."""
+    factors = [name for name in trials.columns if name.startswith(FACTOR)]
+    if "session_num" not in trials.columns or FACTOR + SESSION in factors:
+        return False
+    main = trials[(trials["counted"] == 1) & (trials["practice"] != 1)]
+    return bool((main.groupby(["ppid", *factors])["session_num"].nunique() > 1).any())
+
+
+def _name_sessions(table: DataFrame) -> None:
+    """Adds the session to a table as its outermost factor."""
+    if "session_num" in table.columns:
+        numbers = to_numbers(table["session_num"])
+        table.insert(0, FACTOR + SESSION, [f"session {n:g}" for n in numbers])
+
+
+def _factors(trials: DataFrame, meanings: dict[str, tuple[str, str]]) -> tuple[ObservedFactor, ...]:
+    main = trials[(trials["counted"] == 1) & (trials["practice"] != 1)]
+    factors = []
+    for column in trials.columns:
+        if not column.startswith(FACTOR):
+            continue
+        seen = [x for x in dict.fromkeys(main[column]) if x]
+        listed = _listed(meanings.get(column, ("", ""))[1].partition(": ")[2], seen)
+        # The codebook has the order of the design; levels that it lacks come last.
+        levels = [x for x in listed if x in seen] + [x for x in seen if x not in listed]
+        within = len(main) > 0 and bool((main.groupby("ppid")[column].nunique() > 1).any())
+        factors.append(ObservedFactor(column.removeprefix(FACTOR), tuple(levels), within))
+    return tuple(factors)
+
+
+def _listed(text: str, names: Sequence[str]) -> list[str]:
+    """The entries of a list; names may have its separator in them, and the longest one counts."""
+    parts = text.split(LISTED)
+    entries: list[str] = []
+    while parts:
+        lengths = range(len(parts), 0, -1)
+        count = next((n for n in lengths if LISTED.join(parts[:n]) in names), 1)
+        entries.append(LISTED.join(parts[:count]))
+        parts = parts[count:]
+    return list(dict.fromkeys(entries))
+
+
+def _rounds(main: DataFrame, within: Sequence[str], factor: ObservedFactor) -> Series:
+    """Number of the round of every trial: with `repeat_inside`, levels come back in an order of
+    their own; without it there is one round."""
+    import pandas as pd
+
+    if "repetition" in main.columns:
+        for _, levels in main.groupby(list(within), sort=False)[factor.column]:
+            if (levels != levels.shift()).sum() > levels.nunique():
+                return to_numbers(main["repetition"]).fillna(1).astype(int)
+    return pd.Series(1, index=main.index)
+
+
+def _first_places(levels: Series) -> Series:
+    """Place of every level in the order of their first appearance, from 1."""
+    return levels.map({x: i + 1 for i, x in enumerate(dict.fromkeys(levels))}).astype(int)
+
+
+def _used(
+    trials: DataFrame, factors: Sequence[ObservedFactor], by_session: bool
+) -> tuple[DataFrame, tuple[str, ...]]:
+    order = [name for name in ("session_num", "trial_num") if name in trials.columns]
+    main = trials[(trials["counted"] == 1) & (trials["practice"] != 1)]
+    main = main.sort_values(order, kind="stable").copy()
+    # Excluded trials were practice as well, so they are counted in the position. What is learned
+    # from one session to the next is the difference between sessions, where these are compared.
+    once = ["ppid", "session_num"] if by_session else ["ppid"]
+    main["position"] = main.groupby(once, sort=False).cumcount() + 1
+    for i, factor in enumerate(factors):
+        within = ["ppid", *(f.column for f in factors[:i])]
+        main[factor.round] = _rounds(main, within, factor)
+        places = main.groupby([*within, factor.round], sort=False)[factor.column]
+        main[factor.place] = places.transform(_first_places)
+        main[factor.count] = main.groupby(["ppid", factor.column], sort=False).cumcount() + 1
+    used = main[(main["excluded"] != 1) & main["success"].isin([0, 1])].copy()
+    used = used.sort_values("ppid", kind="stable").reset_index(drop=True)
+    columns = [f.column for f in factors if len(f.levels) > 1]
+    used["condition"] = "all"
+    if columns and len(used):
+        first, *rest = (used[column] for column in columns)
+        used["condition"] = first.str.cat(rest, sep=BETWEEN_NAMES) if rest else first
+    rank = {f.column: {x: i for i, x in enumerate(f.levels)} for f in factors}
+    seen = used[["condition", *columns]].drop_duplicates()
+    keys = [tuple(rank[c].get(row[c], -1) for c in columns) for _, row in seen.iterrows()]
+    conditions = tuple(
+        str(seen["condition"].iloc[i]) for i in sorted(range(len(keys)), key=keys.__getitem__)
+    )
+    number = {name: i for i, name in enumerate(conditions)}
+    used["cell"] = np.array([number[x] for x in used["condition"]], dtype=int)
+    used["censored"] = used["success"] != 1
+    if "limit_s" not in used or used["limit_s"].isna().all():
+        # A table without limits: no trial was longer than the longest one.
+        used["limit_s"] = used["time_s"].max() if used["censored"].any() else np.inf
+    return used, conditions

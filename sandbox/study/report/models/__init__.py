@@ -1,1 +1,0 @@
-"""Numbers of a report: data, statistical models and summaries."""

@@ -1,1 +1,0 @@
-"""The page of the report: sections, tables and plots."""

@@ -1,0 +1,288 @@
+"""Plots as SVG with the colours (light or dark) and the font of the page.
+
+matplotlib draws with placeholder colours, which are replaced in the SVG by variables of the page's
+style sheet. Levels also differ in the shape of their markers, for readers who cannot tell colours
+apart.
+"""
+
+from __future__ import annotations
+
+import io
+import re
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from typing import Any
+
+import numpy as np
+
+from sandbox.study.report.numbers import Estimate
+
+INK, MUTED, GRID, PAPER = "#0a0bf0", "#0a0bf1", "#0a0bf2", "#0a0bf3"
+_NAMES = {INK: "--ink", MUTED: "--muted", GRID: "--grid", PAPER: "--paper"}
+SERIES = tuple(f"#0a0b{i:02x}" for i in range(8))
+"""Placeholders of the colours --s0 ... --s7 of the page."""
+FARTHEST = 2.0
+"""Farthest end of a drawn interval, in multiples of the span of values; see `_scale`."""
+WIDTH = 7.2
+"""Width of a plot, in; the page scales it."""
+_STYLE: Any = {
+    "svg.fonttype": "none",
+    # A dollar sign in the name of a level must not start a formula.
+    "text.parse_math": False,
+    "svg.hashsalt": "sandbox study report",
+    "font.size": 10.0,
+    "text.color": INK,
+    "axes.edgecolor": MUTED,
+    "axes.labelcolor": INK,
+    "axes.titlecolor": INK,
+    "axes.titlesize": 10.0,
+    "axes.facecolor": "none",
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.axisbelow": True,
+    "axes.grid": True,
+    "grid.color": GRID,
+    "grid.linewidth": 0.8,
+    "xtick.color": MUTED,
+    "ytick.color": MUTED,
+    "xtick.labelcolor": INK,
+    "ytick.labelcolor": INK,
+    "figure.facecolor": "none",
+    "savefig.facecolor": "none",
+    "legend.frameon": False,
+    "lines.linewidth": 1.6,
+}
+
+
+@contextmanager
+def _figure(
+    body: float,
+    left: float = 0.75,
+    above: float = 0.1,
+    below: float = 0.55,
+    columns: int = 1,
+    **how: Any,
+) -> Iterator[tuple[Any, list[Any]]]:
+    """A figure with given margins, in; to compute them would take longer than drawing."""
+    from matplotlib import rc_context
+    from matplotlib.backends.backend_svg import FigureCanvasSVG
+    from matplotlib.figure import Figure
+
+    with rc_context(_STYLE):
+        height = above + body + below
+        figure = Figure(figsize=(WIDTH, height))
+        FigureCanvasSVG(figure)
+        axes = figure.subplots(1, columns, squeeze=False, **how)
+        figure.subplots_adjust(
+            left / WIDTH, below / height, 1.0 - 0.15 / WIDTH, 1.0 - above / height, wspace=0.08
+        )
+        yield figure, list(axes[0])
+
+
+def _above(series: Sequence[str]) -> float:
+    """Upper margin for the legend, in."""
+    return 0.1 if len(series) < 2 else 0.2 + 0.22 * -(-len(series) // _per_row(series))
+
+
+def _per_row(series: Sequence[str]) -> int:
+    """Number of legend entries that fit in one row."""
+    return max(1, min(len(series), int(WIDTH / (0.6 + 0.08 * max(map(len, series))))))
+
+
+def _legend(figure: Any, axes: Any, series: Sequence[str]) -> None:
+    if len(series) > 1:
+        figure.legend(
+            *axes.get_legend_handles_labels(),
+            loc="upper left",
+            borderaxespad=0.2,
+            ncols=_per_row(series),
+        )
+
+
+def svg_of(figure: Any, name: str, title: str) -> str:
+    """Converts a figure to SVG for a page with several figures.
+
+    Args:
+        figure: Figure of matplotlib.
+        name: Prefix of all ids, so that those of two pictures differ.
+        title: Text for readers who cannot see it.
+    """
+    from html import escape
+
+    out = io.StringIO()
+    figure.savefig(out, format="svg", metadata={"Date": None, "Creator": None})
+    text = out.getvalue()
+    text = text[text.index("<svg") :]
+    text = re.sub(r"<metadata>.*?</metadata>", "", text, flags=re.DOTALL)
+    text = re.sub(r' id="([^"]+)"', rf' id="{name}-\1"', text)
+    text = re.sub(r"url\(#", f"url(#{name}-", text)
+    text = re.sub(r'xlink:href="#', f'href="#{name}-', text)
+    # The font of the page instead of that of the figure.
+    text = re.sub(r"font: (?:[a-z0-9]+ )*?(\d[\d.]*)px [^;\"]+", r"font-size: \1px", text)
+    for colour, variable in _NAMES.items():
+        text = text.replace(colour, f"var({variable})")
+    text = re.sub(r"#0a0b0(\d)", r"var(--s\1)", text)
+    text = re.sub(
+        r'^<svg [^>]*?viewBox="([^"]+)"[^>]*>',
+        rf'<svg viewBox="\1" role="img" aria-label="{escape(title)}">',
+        text,
+        count=1,
+        flags=re.DOTALL,
+    )
+    return text.strip()
+
+
+def lines_by_person(
+    name: str,
+    title: str,
+    label: str,
+    panels: Sequence[str],
+    levels: Sequence[Sequence[str]],
+    values: Sequence[np.ndarray],
+    means: Sequence[Sequence[Estimate]],
+    log: bool = False,
+) -> str:
+    """Plots a line over levels for each person, and the mean over people.
+
+    Args:
+        name, title: See `svg_of`.
+        label: Label of the measure's axis.
+        panels: Factors, side by side.
+        levels: Levels of each panel.
+        values: Values of each panel, (people, levels); nan if missing.
+        means: Means of each panel, with intervals.
+        log: True for a logarithmic axis.
+    """
+    tilted = any(len(some) > 4 for some in levels)
+    with _figure(
+        2.8, above=0.3, below=0.95 if tilted else 0.4, columns=len(panels), sharey=True
+    ) as (figure, all_axes):
+        for k, axes in enumerate(all_axes):
+            x = np.arange(len(levels[k]))
+            # People who did only one level are drawn as points with small shifts.
+            many = np.isfinite(values[k]).sum(axis=1) > 1
+            axes.plot(x, values[k][many].T, "-", color=MUTED, alpha=0.5, lw=0.9)
+            for i, own in enumerate(values[k][~many]):
+                shift = 0.16 * ((i * 0.618) % 1.0 - 0.5)
+                axes.plot(x + shift, own, "o", color=MUTED, alpha=0.5, ms=3.5)
+            centre = np.array([e.value for e in means[k]])
+            axes.plot(x, centre, "-", color=SERIES[0], lw=2.0)
+            for j, e in enumerate(means[k]):
+                if e.is_known:
+                    axes.plot(
+                        [j, j], [e.low, e.high], color=SERIES[0], lw=4.0, solid_capstyle="butt"
+                    )
+            axes.plot(x, centre, "o", color=SERIES[0], ms=8.0, mec=PAPER)
+            axes.set_xticks(
+                x,
+                [_short(s) for s in levels[k]],
+                rotation=25 if tilted else 0,
+                ha="right" if tilted else "center",
+            )
+            axes.set_xlim(-0.5, len(x) - 0.5)
+            axes.set_title(panels[k])
+            axes.grid(axis="x", visible=False)
+        # This must come last, since the panels share the axis.
+        _scale(all_axes[0].yaxis, log, np.concatenate([v.ravel() for v in values]))
+        all_axes[0].set_ylabel(label)
+        return svg_of(figure, name, title)
+
+
+def solved(
+    name: str,
+    title: str,
+    series: Sequence[str],
+    times: Sequence[np.ndarray],
+    limit: float,
+) -> str:
+    """Plots the share of trials that have succeeded by each second.
+
+    Args:
+        name, title: See `svg_of`.
+        series: Levels.
+        times: Times of the trials of each level, s; infinity without success.
+        limit: End of the axis, s.
+    """
+    with _figure(2.4, above=_above(series)) as (figure, (axes,)):
+        for j, (one, of) in enumerate(zip(series, times, strict=True)):
+            known = np.sort(of[np.isfinite(of)])
+            x = np.concatenate([[0.0], known, [limit]])
+            y = np.concatenate([[0.0], np.arange(1, len(known) + 1), [len(known)]])
+            axes.step(x, 100.0 * y / max(len(of), 1), where="post", color=SERIES[j % 8])
+            axes.plot([], [], "-", color=SERIES[j % 8], label=_label(one))
+        axes.set_xlim(0.0, limit)
+        axes.set_ylim(0.0, 102.0)
+        axes.set_xlabel("time (s)")
+        axes.set_ylabel("solved (% of trials)")
+        _legend(figure, axes, series)
+        return svg_of(figure, name, title)
+
+
+def along(
+    name: str,
+    title: str,
+    label: str,
+    axis: str,
+    people: Sequence[tuple[np.ndarray, np.ndarray]],
+    mean: tuple[np.ndarray, np.ndarray],
+) -> str:
+    """Plots a thin line for each person and the mean along a horizontal axis.
+
+    Args:
+        name, title: See `svg_of`.
+        label, axis: Labels of the vertical and of the horizontal axis.
+        people: Coordinates of each person.
+        mean: Those of the mean.
+    """
+    with _figure(2.4) as (figure, (axes,)):
+        for x, y in people:
+            axes.plot(x, y, "-", color=MUTED, alpha=0.5, lw=0.9)
+        axes.plot(*mean, "o-", color=SERIES[0], lw=2.0, ms=5.5, mec=PAPER)
+        axes.set_xlabel(axis)
+        axes.set_ylabel(label)
+        _scale(axes.yaxis, False, np.concatenate([y for _, y in people]))
+        return svg_of(figure, name, title)
+
+
+def _label(name: str) -> str:
+    """Entry of a legend; matplotlib ignores names that begin with an underscore."""
+    return "\u200b" + name if name.startswith("_") else name
+
+
+def _short(text: str, most: int = 18) -> str:
+    return text if len(text) <= most else text[: most - 1] + "…"
+
+
+def _scale(axis: Any, log: bool, values: Sequence[float] | np.ndarray = ()) -> None:
+    """Sets limits of an axis around values, and plain numbers as ticks of a logarithmic one.
+
+    Intervals can be so wide that nothing else would be visible. The axis therefore ends at
+    `FARTHEST` times the span of the values beyond them.
+    """
+    known = np.asarray(values, dtype=float)
+    known = known[np.isfinite(known) & ((known > 0.0) | (not log))]
+    if len(known):
+        change, back = (np.log, np.exp) if log else (np.asarray, np.asarray)
+        low, high = change(known.min()), change(known.max())
+        reach = FARTHEST * max(high - low, 0.5 if log else 0.2 * abs(high), 1e-9)
+        ends = sorted(axis.get_view_interval())
+        inside = (max(ends[0], back(low - reach)), min(ends[1], back(high + reach)))
+        axis.axes.set_xlim(*inside) if axis.axis_name == "x" else axis.axes.set_ylim(*inside)
+    if not log:
+        return
+    from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter, NullLocator
+
+    if not len(known):
+        return
+    axis.axes.set_xscale("log") if axis.axis_name == "x" else axis.axes.set_yscale("log")
+    # Finer ticks where the axis is shorter.
+    low, high = sorted(axis.get_view_interval())
+    steps: tuple[float, ...] = (1.0,)
+    if high / low < 6.0:
+        steps = (1.0, 1.2, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 8.0)
+    elif high / low < 500.0:
+        steps = (1.0, 2.0, 5.0)
+    axis.set_major_locator(LogLocator(base=10.0, subs=steps))
+    axis.set_minor_locator(NullLocator())
+    axis.set_minor_formatter(NullFormatter())
+    axis.set_major_formatter(FuncFormatter(lambda v, _: f"{v:.4g}"))

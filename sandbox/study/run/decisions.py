@@ -1,0 +1,197 @@
+"""Decisions about participants, taken after their sessions: each is a note in the person's folder.
+
+Exclusions, releases and remarks can be undone, and delete nothing. An accepted loss is final: the
+record of a session that has lost lines goes on as it is. Whole recordings without a record become
+trials where they fit the plan, and are set aside elsewhere; answers that were lost are asked for
+again. The tables of before, which may have such answers, stay in `tables/before-DATE`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+from models.errors import StudyError
+from sandbox.recording.recording import load_recording
+from sandbox.study.design.plan import TrialStep, session_plan, trials_of
+from sandbox.study.record.folder import JOURNAL, Participant, StudyFolder
+from sandbox.study.record.journal import read_journal
+from sandbox.study.record.notes import INCLUDE, broken_seals, seals_of
+from sandbox.study.record.records import END
+from sandbox.study.record.session_folder import SessionFolder
+from sandbox.study.record.state import SessionState
+from sandbox.study.record.stored_sessions import all_sessions, session_folders, sessions_of
+from sandbox.study.record.trial_files import TRIALS, finished_result, whole_leftovers
+from sandbox.study.run.finished_trials import bring_up_to_date
+from sandbox.study.tables.tables import keep_tables
+from sandbox.trial.result import TrialResult
+
+Say = Callable[[str], object]
+
+
+def decide(
+    study: StudyFolder,
+    ppid: str,
+    kind: str,
+    reason: str,
+    session: int | None = None,
+    trial: int | None = None,
+) -> str:
+    """Notes a decision, or a remark, about a participant or one of their trials.
+
+    A participant whose number was freed and who is included gets a number again; see
+    `StudyFolder.include`.
+
+    Args:
+        study: The study.
+        ppid: Pseudonym of the participant.
+        kind: `EXCLUDE`, `INCLUDE` or `REMARK`.
+        reason: Words for the tables.
+        session: Session of the trial.
+        trial: Number of the trial; None for the participant.
+
+    Returns:
+        What became of a number that was freed; empty if none was.
+
+    Raises:
+        StudyError: There is no such participant or trial, or the note cannot be written.
+    """
+    person = study.find(ppid)
+    sessions = sessions_of(study, person)
+    of = next((s for s in sessions if s.number == session), None)
+    if trial is not None and (of is None or trial not in of.state.attempts):
+        known = ", ".join(str(n) for n in sorted(of.state.attempts)) if of else ""
+        raise StudyError(
+            "no such trial has begun",
+            where=f"participant {ppid}, session {session}",
+            got=trial,
+            expected=known or ", ".join(f"session {s.number}" for s in sessions) or None,
+        )
+    after = {str(s.number): len(s.records) for s in sessions}
+    about = {"reason": reason, "session": session, "trial": trial, "after": after}
+    if kind != INCLUDE or trial is not None or not study.is_released(ppid):
+        study.note_about(ppid, kind, **about)
+        return ""
+    begun = any(session.state.attempts for session in sessions)
+    now, other = study.include(person, begun, **about)
+    if other is None:
+        return f"{ppid} has number {now.number + 1} again"
+    given = f"number {person.number + 1} was given to {other.ppid} meanwhile"
+    if begun:
+        return f"{given}: both have its orders, and both count"
+    return f"{given}: {ppid} has number {now.number + 1} now, and its orders"
+
+
+@dataclass(frozen=True)
+class Found:
+    """A whole recording without a record.
+
+    Attributes:
+        file: The recording, without `.gz`.
+        trial: The trial of the plan that it is of; None if it cannot be taken in.
+        result: Its result; None if it cannot be taken in.
+        why_not: Why it cannot be taken in; empty if it can.
+    """
+
+    file: str
+    trial: TrialStep | None
+    result: TrialResult | None
+    why_not: str = ""
+
+
+@dataclass(frozen=True)
+class Loss:
+    """Losses of a session.
+
+    Attributes:
+        person, session: The participant, and the number of the session.
+        records: Number of lines that were sealed and that the record has not.
+        unlike: True if sealed lines are other ones now.
+        found: Whole recordings without a record.
+    """
+
+    person: Participant
+    session: int
+    records: int
+    unlike: bool
+    found: tuple[Found, ...]
+
+
+def losses(study: StudyFolder) -> Iterator[Loss]:
+    """Losses of the sessions of a study that have lost something.
+
+    Raises:
+        StudyError: A record is damaged.
+    """
+    for person in study.participants():
+        for path in session_folders(study.path / person.ppid):
+            journal = path / JOURNAL
+            records = read_journal(journal) if journal.exists() else []
+            state, number = SessionState.of(records), int(path.name[1:])
+            plan = trials_of(session_plan(study.design, person.number, number))
+            found = tuple(
+                _found(person, number, plan, state, path / file)
+                for file in whole_leftovers(path, state)
+            )
+            lacks, unlike = broken_seals(records, seals_of(study.path, person.ppid, number))
+            if found or lacks or unlike:
+                yield Loss(person, number, lacks, unlike, found)
+
+
+def unsealed(study: StudyFolder) -> list[str]:
+    """Sessions that have ended and that nobody has sealed, as where notes were not copied.
+
+    Raises:
+        StudyError: A record is damaged.
+    """
+    return [
+        f"{person.ppid}, session {session.number}"
+        for person, sessions in all_sessions(study)
+        for session in sessions
+        if any(record["kind"] == END for record in session.records)
+        and not seals_of(study.path, person.ppid, session.number)
+    ]
+
+
+def accept_loss(study: StudyFolder, loss: Loss, reason: str, say: Say) -> None:
+    """Accepts what a session has lost, takes in what fits, and builds the tables again.
+
+    Raises:
+        StudyError: The session is open, or cannot be written.
+    """
+    with SessionFolder(study, loss.person, loss.session, recovering=True) as session:
+        say(f"the tables of before are in {keep_tables(study)}")
+        session.accept_loss(loss.records, loss.unlike, reason)
+        for found in loss.found:
+            trial, result = found.trial, found.result
+            # Of two attempts at one trial, the first one counts.
+            counted = trial is not None and session.state.counted(trial.number) is not None
+            if trial is not None and result is not None and not counted:
+                session.take_in(trial, found.file, result)
+                say(f"{found.file}: taken in as trial {trial.number}")
+            else:
+                session.set_aside(found.file, reason)
+                say(f"{found.file}: set aside")
+        bring_up_to_date(session, say)
+
+
+def _found(
+    person: Participant, session: int, plan: list[TrialStep], state: SessionState, path: Path
+) -> Found:
+    """A recording, with the trial that it is of if it fits the plan and nothing counts yet."""
+    file = f"{TRIALS}/{path.name}"
+    result = finished_result(path)
+    if result is None:
+        return Found(file, None, None, "the attempt was broken off")
+    header = load_recording(path).header
+    about = header.get("study", {})
+    trial = next((t for t in plan if t.number == about.get("trial")), None)
+    mine = (person.ppid, session)
+    if (about.get("ppid"), about.get("session")) != mine or trial is None:
+        return Found(file, None, None, "it is of another participant or session")
+    if (header["settings"]["seed"], about.get("levels")) != (trial.seed, trial.levels):
+        return Found(file, None, None, "the plan has another trial of this number")
+    if state.counted(trial.number) is not None:
+        return Found(file, None, None, "another attempt of this trial counts")
+    return Found(file, trial, result)

@@ -1,0 +1,251 @@
+"""Records, notes, recordings and frames of a participant, as others get them.
+
+Each passes only the fields that are declared to be shared, where they are declared: of records and
+notes in `sandbox.study.record`, of recordings in `sandbox.recording` and `sandbox.trial`, of frames
+beside them. A field of a later version is left out until its declaration says otherwise.
+"""
+
+from __future__ import annotations
+
+import csv
+import gzip
+import json
+import zlib
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, field, fields
+from datetime import UTC, datetime, timedelta
+from io import StringIO
+from pathlib import PureWindowsPath
+from typing import Any
+
+from msgspec import Struct
+
+from models.errors import StudyError
+from models.json_input import checked, decoded_record
+from sandbox.recording.recording import SHARED_FIELDS
+from sandbox.recording.versions import SHARED_VERSIONS
+from sandbox.study.record.build import SHARED_BUILD
+from sandbox.study.record.chain import Record
+from sandbox.study.record.notes import FORMS
+from sandbox.study.record.records import COMMAND, FORM, RUNS, forms, shared_fields
+from sandbox.study.record.state import SessionClock
+from sandbox.study.tables.frames import declared_columns, frames_bytes
+from sandbox.trial.result import ResultRecord, record_fields
+from sandbox.trial.settings import declared
+from tasks.user import UserConfiguration
+
+EPOCH = datetime(2000, 1, 1, tzinfo=UTC)
+"""Start time of every anonymous session: dates and times of day are removed, durations are kept."""
+WITHHELD = "(words are left out)"
+"""Replaces texts typed by the experimenter."""
+
+HAND_SIZE = "hand_size"
+"""Field with the length of a hand relative to the trained one."""
+COPY = "anonymous copy"
+"""In the place of the id of the machine's start."""
+
+_WITHIN: dict[str, tuple[str, ...]] = {
+    "build": SHARED_BUILD,
+    "result": record_fields(ResultRecord.SHARED),
+    "study": ("experiment", "mode", "session", "trial", "attempt", "practice", "levels"),
+    "user": tuple(each.name for each in fields(UserConfiguration)),
+    "versions": SHARED_VERSIONS,
+}
+"""Shared fields of objects in records, notes and recordings, by their name."""
+_USER_OPTIONS = ("user", "drop_outs")
+"""Options of devices that are about a simulated user; addresses of a laboratory's devices are
+nobody else's."""
+HEADER, DUMP, BROKEN_OFF = "header", "dump", "broken_off"
+"""Kind of a recording's first line; fields with the file of a divergence, and with words on an
+attempt that was broken off."""
+COMMANDS = ("pause", "go_on", "repeat", "begin_again", "skip", "exclude", "note")
+"""Commands that stay in a copy."""
+LEFT_OUT = "left_out"
+"""Command of the records that replace drafts of forms and records of unlisted kinds."""
+
+
+@dataclass(frozen=True)
+class PersonMasking:
+    """Settings for making one participant's data anonymous.
+
+    Attributes:
+        ppid: The new pseudonym.
+        answer: Function of form, item and answer that returns the kept part of the answer, or
+            None to leave it out.
+        words: True keeps texts typed by the experimenter.
+        hand_size: Returns the size of the hand that the copy tells.
+    """
+
+    ppid: str
+    answer: Callable[[str, str, Any], Any] = field(default=lambda form, item, value: value)
+    words: bool = False
+    hand_size: Callable[[float], float] = field(default=lambda size: size)
+
+
+def shared_records(records: Iterable[Record], masking: PersonMasking) -> list[Record]:
+    """Masks the journal of a session; number and order of records are unchanged."""
+    masked: list[Record] = []
+    clock = SessionClock()
+    for record in records:
+        clock.take(record)
+        masked.append(_masked_record(record, clock.of.get(record["n"], 0.0), masking))
+    return masked
+
+
+def shared_note(note: Record, masking: PersonMasking) -> Record:
+    """Masks a note, of a participant or of a study."""
+    masked = _shared(note, shared_fields(FORMS[note["kind"]]), masking)
+    return {"time": time_after(0.0), **masked}
+
+
+def time_after(seconds: float) -> str:
+    """Time of the wall clock so long after the start of a session, s, as others get it."""
+    return (EPOCH + timedelta(seconds=seconds)).isoformat(timespec="milliseconds")
+
+
+def _masked_record(record: Record, seconds: float, masking: PersonMasking) -> Record:
+    """Masks a record that was written so long after the session's start, s."""
+    kind = record["kind"]
+    names = shared_fields(forms()[kind]) if kind in forms() else {}
+    if names.keys() <= {"n"} or record.get("command", "note") not in COMMANDS:
+        # Drafts of forms, and whatever a later version adds.
+        kind, names, record = COMMAND, {}, {"n": record["n"], "command": LEFT_OUT}
+    masked: Record = {
+        "n": record["n"],
+        "time": time_after(seconds),
+        "clock": seconds,
+        "kind": kind,
+        **({"command": LEFT_OUT} if not names else _shared(record, names, masking)),
+    }
+    if kind in RUNS:
+        # All clocks in the copy begin with the session.
+        masked |= {"ppid": masking.ppid, "boot": COPY}
+    if kind == FORM:
+        masked["answers"] = {
+            item: masking.answer(record["form"], item, value)
+            for item, value in record["answers"].items()
+        }
+    return masked
+
+
+def _shared(record: Record, names: Mapping[str, bool], masking: PersonMasking) -> Record:
+    """The shared fields of a record or note.
+
+    Args:
+        record: The record.
+        names: Its shared fields; True for words.
+        masking: Settings.
+    """
+    kept: Record = {}
+    for name, are_words in names.items():
+        if name in record:
+            value = record[name]
+            kept[name] = WITHHELD if are_words and value and not masking.words else value
+    if kept.get(HAND_SIZE) is not None:
+        kept[HAND_SIZE] = masking.hand_size(kept[HAND_SIZE])
+    return {name: _within(name, without_folders(value)) for name, value in kept.items()}
+
+
+def _within(name: str, value: Any) -> Any:
+    """A field without what is not shared within it."""
+    if name not in ("settings", *_WITHIN):
+        return value
+    if not isinstance(value, Mapping):
+        return None
+    if name == "settings":
+        value = declared(value)
+        for device in (value.get("device"), value.get("second_device")):
+            options = device.get("options") if isinstance(device, dict) else None
+            if isinstance(options, dict):
+                device["options"] = {k: v for k, v in options.items() if k in _USER_OPTIONS}
+        return value
+    value = {k: _within(k, v) for k, v in value.items() if k in _WITHIN[name]}
+    if isinstance(value.get(DUMP), str):
+        # Its folders need not look like a path's: that of a study may be `studies/NAME/...`.
+        value[DUMP] = PureWindowsPath(value[DUMP]).name
+    return value
+
+
+def without_folders(value: Any) -> Any:
+    """A JSON value without the folders of paths, whose names may be names of people."""
+    if isinstance(value, Mapping):
+        return {without_folders(key): without_folders(inner) for key, inner in value.items()}
+    if isinstance(value, list | tuple):
+        return [without_folders(inner) for inner in value]
+    if isinstance(value, str) and _is_path(value):
+        return PureWindowsPath(value).name
+    return value
+
+
+class RecordingEnd(Struct):
+    """The field that the last line of a recording must have."""
+
+    result: dict[str, Any]
+
+
+def shared_line(line: bytes, masking: PersonMasking, where: str = "recording") -> bytes:
+    """Masks a line of a recording; the data needed for replay are unchanged.
+
+    Args:
+        line: The line as JSON.
+        masking: Settings.
+        where: Name of the file, for the error.
+
+    Returns:
+        The masked line; empty for a line of an undeclared kind.
+
+    Raises:
+        StudyError: The line is damaged.
+    """
+    what = "the recording is damaged, so it cannot be shared"
+    values = decoded_record(line, StudyError, what=what, where=where)
+    kind = str(values.get("kind"))
+    if kind == HEADER:
+        masked = {"kind": kind, **_masked_result(values, masking)}
+    elif kind in SHARED_FIELDS:
+        masked = {name: v for name, v in values.items() if name in SHARED_FIELDS[kind]}
+        if kind == "end":
+            checked(values, RecordingEnd, StudyError, what=what, where=where)
+            masked["result"] = _masked_result(values["result"], masking)
+        if masked == values:
+            return line
+    else:
+        return b""
+    return json.dumps(masked, separators=(",", ":"), ensure_ascii=False).encode()
+
+
+def _masked_result(result: Mapping[str, Any], masking: PersonMasking) -> dict[str, Any]:
+    """Masks the result of a trial, or the header of its recording, which has fields of it."""
+    masked: dict[str, Any] = _within("result", without_folders(result))
+    if isinstance(masked.get("study"), dict):
+        masked["study"]["ppid"] = masking.ppid
+    if BROKEN_OFF in result:
+        masked[BROKEN_OFF] = result[BROKEN_OFF] if masking.words else WITHHELD
+        if masked.get("reason") and not masking.words:
+            masked["reason"] = WITHHELD
+    return masked
+
+
+def shared_frames(data: bytes) -> bytes:
+    """Frames of a trial with the declared columns.
+
+    Raises:
+        StudyError: The file is damaged.
+    """
+    try:
+        names, *rows = csv.reader(StringIO(gzip.decompress(data).decode(), newline=""))
+    except (OSError, EOFError, zlib.error, ValueError, csv.Error) as error:
+        raise StudyError(
+            "frames of a trial are damaged",
+            got=str(error),
+            remedy="Delete the file; `sandbox study tables` makes it again",
+        ) from None
+    kept = [names.index(name) for name in declared_columns(names)]
+    if len(kept) == len(names):
+        return data
+    return frames_bytes([names[i] for i in kept], ([row[i] for i in kept] for row in rows))
+
+
+def _is_path(text: str) -> bool:
+    looks = text.startswith(("/", "~", "../", "..\\", "\\\\")) or text[1:3] in (":\\", ":/")
+    return looks and "\n" not in text

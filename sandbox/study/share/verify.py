@@ -1,0 +1,413 @@
+"""Verifies that a study's data are as they were written: eight points, each with what is wrong.
+
+Nothing is repaired or written. What a killed program leaves (a half-written last line, an attempt
+without an end, a recording without one) is not wrong; it is counted or noted.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path, PureWindowsPath
+
+from models.errors import StudyError
+from models.message import counted
+from sandbox.recording.recording import SUFFIX, load_recording, read_stored, stored
+from sandbox.recording.versions import states_difference
+from sandbox.study.design.plan import session_plan, trials_of
+from sandbox.study.record.build import code_digest
+from sandbox.study.record.chain import HASH, Record, digest_of, follows
+from sandbox.study.record.folder import (
+    FILES,
+    JOURNAL,
+    Participant,
+    StudyFolder,
+    readable_design,
+)
+from sandbox.study.record.journal import checked_record
+from sandbox.study.record.notes import SEALED, WITHDRAWN, Seal, broken_seals, read_notes, seals_of
+from sandbox.study.record.records import END, RUNS, TRIAL, TRIAL_END
+from sandbox.study.record.state import SessionState, is_broken
+from sandbox.study.record.stored_sessions import SESSIONS, session_path
+from sandbox.study.record.trial_files import frames_of, is_whole, unknown_recordings
+from sandbox.study.share.masking import LEFT_OUT
+from sandbox.study.tables.column import TABLES as FOLDER
+from sandbox.study.tables.frames import frames_again
+from sandbox.study.tables.tables import table_files
+from sandbox.trial.replay import Verification
+
+CHAINS, SEALS, RECORDINGS, STATES, FRAMES, TABLES, PLANS, GONE = (
+    "lines of the records",
+    "seals",
+    "recordings",
+    "states of the trials",
+    "frames",
+    "tables",
+    "numbers, orders and seeds",
+    "withdrawals",
+)
+POINTS = (CHAINS, SEALS, RECORDINGS, STATES, FRAMES, TABLES, PLANS, GONE)
+
+
+@dataclass(frozen=True)
+class Finding:
+    """Something that is not as it was written.
+
+    Attributes:
+        path: The file or folder, relative to the folder of the study.
+        what: The cause, in words.
+        line: Number of the line, from 1; None for a whole file.
+    """
+
+    path: str
+    what: str
+    line: int | None = None
+
+    def __str__(self) -> str:
+        line = "" if self.line is None else f", line {self.line}"
+        return f"{self.path}{line}: {self.what}"
+
+
+@dataclass
+class Verified:
+    """Result of a verification.
+
+    Attributes:
+        root: Folder of the study.
+        found: What is wrong, by point.
+        compared: What was compared, in words, by point.
+        notes: Lines about what is as it may be, such as attempts that were broken off.
+    """
+
+    root: Path
+    found: dict[str, list[Finding]] = field(default_factory=lambda: {p: [] for p in POINTS})
+    compared: dict[str, str] = field(default_factory=dict)
+    notes: list[str] = field(default_factory=list)
+
+    @property
+    def sound(self) -> bool:
+        """True if nothing is wrong."""
+        return not any(self.found.values())
+
+    def add(self, point: str, path: Path, what: str, line: int | None = None) -> None:
+        """Adds a finding about a file or folder of the study."""
+        self.found[point].append(Finding(self.name(path), what, line))
+
+    def note(self, path: Path, what: str) -> None:
+        """Adds a line about what is as it may be."""
+        self.notes.append(f"{self.name(path)}: {what}")
+
+    def name(self, path: Path) -> str:
+        """Name of a file relative to the folder of the study."""
+        return path.relative_to(self.root).as_posix()
+
+    def lines(self) -> Iterator[str]:
+        """A line for each point: whether it is right, and what was compared."""
+        for point in POINTS:
+            wrong, compared = len(self.found[point]), self.compared.get(point, "")
+            if wrong:
+                yield f"{point}: {wrong} wrong ({compared or 'nothing to compare'})"
+            elif not compared or compared.startswith("0 "):
+                yield f"{point}: nothing to check"
+            else:
+                yield f"{point}: right ({compared})"
+
+
+@dataclass(frozen=True)
+class _Read:
+    """The record of a session, as far as its lines are right.
+
+    Attributes:
+        path: Its file.
+        person: Whose it is; None if nobody's notes are there.
+        number: Number of the session.
+        records: The records.
+        lines: Numbers of their lines.
+        sound: True if nothing was wrong.
+    """
+
+    path: Path
+    person: Participant | None
+    number: int
+    records: list[Record]
+    lines: list[int]
+    sound: bool
+
+
+def verify(path: Path, seals: Path | None = None, replays: bool = True) -> Verified:
+    """Verifies a study.
+
+    Args:
+        path: Folder of the study.
+        seals: A copy of `notes/SITE.jsonl` that was kept elsewhere, whose seals must hold, too.
+        replays: False leaves states and frames out.
+
+    Raises:
+        StudyError: It is not a study's folder, notes cannot be read, or the copy has no seals.
+    """
+    study, done = StudyFolder.at(path), Verified(path)
+    copy = read_notes(seals) if seals else []
+    if seals and not any(note["kind"] == SEALED for note in copy):
+        raise StudyError(
+            "no seals to compare with",
+            where=str(seals),
+            expected="a copy of the study's notes/A.jsonl, which was stored elsewhere",
+        )
+    people = {person.ppid: person for person in study.participants()}
+    # A damaged record is read as far as it goes, so that every fault is named.
+    sessions = [
+        _read(done, file, people.get(file.parents[1].name))
+        for file in sorted(path.glob(f"*/{SESSIONS}/{JOURNAL}"))
+    ]
+    lines = sum(len(session.records) for session in sessions)
+    done.compared[CHAINS] = f"{counted(lines, 'line')} of {counted(len(sessions), 'session')}"
+    _check_seals(done, study, sessions, copy)
+    finished = [file for session in sessions for file in _check_recordings(done, session)]
+    if replays:
+        _check_replays(done, finished)
+    _check_tables(done, study, all(session.sound for session in sessions))
+    for session in sessions:
+        _check_plan(done, session)
+    done.compared[PLANS] = counted(len(sessions), "session")
+    _check_design(done, study)
+    _check_withdrawals(done, study)
+    return done
+
+
+def _read(done: Verified, path: Path, person: Participant | None) -> _Read:
+    """Reads the record of a session to its end, whatever is wrong with it."""
+    *lines, rest = path.read_bytes().split(b"\n")
+    before = len(done.found[CHAINS])
+    kept: list[tuple[int, Record]] = []
+    head: str | None = ""
+    for number, line in enumerate(lines, start=1):
+        try:
+            record = checked_record(line, f"line {number}")
+        except StudyError as error:
+            if number == len(lines) and line.endswith(b"\0"):
+                done.note(path, "ends in zeros, after a power cut")
+                break
+            got = "" if error.got is None else f" (got {error.got})"
+            done.add(CHAINS, path, f"{error.what}{got}", number)
+            head = None
+            continue
+        if head is not None and not follows(line, record[HASH], head):
+            _name_break(done, path, record, kept[-1][1] if kept else None, number)
+        kept.append((number, record))
+        head = record[HASH]
+    if rest:
+        done.note(path, f"line {len(lines) + 1} is half written, as when a program was killed")
+    sound = len(done.found[CHAINS]) == before
+    number = int(path.parent.name[1:])
+    return _Read(path, person, number, [r for _, r in kept], [n for n, _ in kept], sound)
+
+
+def _name_break(
+    done: Verified, path: Path, record: Record, last: Record | None, number: int
+) -> None:
+    """Names what is wrong with a line that has not the hash of itself and of the line before."""
+    expected = 0 if last is None else last["n"] + 1
+    n = record["n"]
+    if n > expected:
+        gone = f"record {expected}" if n == expected + 1 else f"records {expected} to {n - 1}"
+        done.add(CHAINS, path, f"missing before this line: {gone}", number)
+    elif n < expected:
+        done.add(CHAINS, path, f"out of order: record {n} after record {expected - 1}", number)
+    else:
+        done.add(CHAINS, path, "changed: its hash is not that of it and the line before", number)
+
+
+def _check_seals(
+    done: Verified, study: StudyFolder, sessions: Sequence[_Read], copy: Sequence[Record]
+) -> None:
+    known = {(s.path.parents[1].name, s.number): s for s in sessions}
+    withdrawn = {note["ppid"] for note in study.records() if note["kind"] == WITHDRAWN}
+    kept = [note for note in [*study.records(), *copy] if note["kind"] == SEALED]
+    for ppid, number in dict.fromkeys((n["ppid"], n["session"]) for n in kept):
+        if (ppid, number) not in known and ppid not in withdrawn:
+            path = session_path(done.root, ppid, number) / JOURNAL
+            done.add(SEALS, path, "missing: a session that was sealed")
+    count = 0
+    for (ppid, number), session in known.items():
+        seals = seals_of(study.path, ppid, number)
+        seals += [
+            Seal(n["records"], n[HASH])
+            for n in copy
+            if (n.get("ppid"), n.get("session")) == (ppid, number)
+        ]
+        count += len(seals)
+        if not session.sound:
+            continue
+        lacks, unlike = broken_seals(session.records, seals)
+        if lacks:
+            done.add(
+                SEALS, session.path, f"missing: the last {counted(lacks, 'line')} that were sealed"
+            )
+        if unlike:
+            done.add(SEALS, session.path, "changed: a sealed line is another one")
+        ended = any(record["kind"] == END for record in session.records)
+        if ended and not seals:
+            done.add(SEALS, session.path, "no seal: the notes of its site are not in this folder")
+    done.compared[SEALS] = counted(count, "seal")
+
+
+def _check_recordings(done: Verified, session: _Read) -> list[Path]:
+    """Compares the recordings of a session with its record.
+
+    Returns:
+        Those of finished attempts that are as they were written, without `.gz`.
+    """
+    folder = session.path.parent
+    digests: dict[str, str | None] = {}
+    ended, known = set(), set()
+    for record in session.records:
+        if "recording" in record and "file" in record:
+            digests[record["file"]] = record["recording"]
+        if record["kind"] == TRIAL_END and not is_broken(record):
+            ended.add(record["file"])
+            # The last states of an attempt that diverged, which `sandbox replay` plays.
+            known.add(PureWindowsPath(record["result"].get("dump") or "").name)
+        known.add(Path(record.get("file", "")).name)
+    right = {file for file, digest in digests.items() if _is_right(done, folder / file, digest)}
+    text = done.compared.get(RECORDINGS, "0").split()[0]
+    done.compared[RECORDINGS] = counted(int(text) + len(right), "recording")
+    if session.sound:
+        for file in unknown_recordings(folder, SessionState.of(session.records)):
+            path = stored(folder / file)
+            if is_whole(folder / file):
+                done.add(RECORDINGS, path, "a whole recording without a record")
+            else:
+                done.note(path, "left by a program that was killed")
+    return [folder / file for file in sorted(ended & right)]
+
+
+def _is_right(done: Verified, path: Path, digest: str | None) -> bool:
+    """Compares a recording with its digest; False for one that is not there, as it should."""
+    files = [p for p in (path, path.with_name(path.name + SUFFIX)) if p.exists()]
+    if digest in (None, LEFT_OUT):
+        for file in files:
+            done.add(RECORDINGS, file, "its attempt had no recording")
+        return False
+    if not files:
+        done.add(RECORDINGS, path.with_name(path.name + SUFFIX), "missing")
+        return False
+    for file in files:
+        data, whole = read_stored(file)
+        if not whole or digest_of(data) != digest:
+            done.add(RECORDINGS, file, "changed: it is not the recording of this attempt")
+            return False
+    return True
+
+
+def _check_replays(done: Verified, finished: Sequence[Path]) -> None:
+    """Replays attempts, and compares states and frames with what was written."""
+    others: Counter[str] = Counter()
+    played, frames = 0, 0
+    for path in finished:
+        if reason := states_difference(load_recording(path).header):
+            others[reason] += 1
+            continue
+        verification, made = frames_again(path)
+        played += 1
+        if not verified(verification):
+            done.add(STATES, stored(path), _differs(verification))
+        if made is None or not frames_of(path).exists():
+            continue
+        frames += 1
+        if frames_of(path).read_bytes() != made:
+            done.add(FRAMES, frames_of(path), "changed: a replay of the recording has others")
+    done.compared[STATES] = f"{counted(played, 'recording')} replayed"
+    done.compared[FRAMES] = counted(frames, "file")
+    for reason, count in others.items():
+        done.notes.append(f"{counted(count, 'recording')} not replayed: {reason}")
+
+
+def verified(verification: Verification) -> bool:
+    """True if a recording is complete, and its states are equal or agree as another machine's."""
+    agrees = (
+        not verification.same_machine
+        and verification.agreement is not None
+        and verification.agreement.holds
+    )
+    return (verification.exact or agrees) and verification.complete
+
+
+def _differs(verification: Verification) -> str:
+    """What a replay has found, in words."""
+    if verification.exact:
+        return "incomplete: its states are equal, up to where it breaks off"
+    why = (verification.task_change, *verification.differs_in)
+    because = "; ".join(filter(None, why))
+    where = f"its states differ from physics step {verification.first_difference} on"
+    return f"{where}: {because}" if because else where
+
+
+def _check_tables(done: Verified, study: StudyFolder, sound: bool) -> None:
+    if not sound:
+        done.compared[TABLES] = "not compared: a record is damaged"
+        return
+    if study.build.get("program") != code_digest():
+        done.compared[TABLES] = "not compared: the study is locked to another program than this one"
+        return
+    made: Mapping[str, bytes] = table_files(study)
+    folder = study.path / FOLDER
+    there = {name for name in made if (folder / name).exists()}
+    for name in sorted(there):
+        if (folder / name).read_bytes() != made[name]:
+            what = "not what follows from the records; `sandbox study tables` makes it again"
+            done.add(TABLES, folder / name, what)
+    done.compared[TABLES] = counted(len(there), "table")
+
+
+def _check_plan(done: Verified, session: _Read) -> None:
+    """Checks that number, orders and seeds follow from the design in the record."""
+    if not session.sound or not session.records:
+        return
+    person, start = session.person, session.records[0]
+    if person is None:
+        done.add(PLANS, session.path.parents[1], "nobody's: it has no notes.jsonl")
+        return
+    # A number may be another one until a trial has begun; see `StudyFolder.include`.
+    runs = [record for record in session.records if record["kind"] in RUNS]
+    begun = any(record["kind"] == TRIAL for record in session.records)
+    start = {**start, "number": runs[-1].get("number") if begun else person.number}
+    wrong = [name for name, value in vars(person).items() if start.get(name) != value]
+    if wrong:
+        what = (
+            f"notes.jsonl and the record of session {session.number} differ in {', '.join(wrong)}"
+        )
+        done.add(PLANS, session.path.parents[1], what)
+        return
+    planned: dict[int, tuple[object, object]] = {}
+    for line, record in zip(session.lines, session.records, strict=True):
+        if record["kind"] in RUNS and FILES in record:
+            design = readable_design(record[FILES])
+            if design is None:
+                done.note(session.path, f"line {line}: a design that cannot be read here")
+                return
+            if design.digest != record["design"]:
+                done.add(PLANS, session.path, "the design is not that of its digest", line)
+            plan = trials_of(session_plan(design, person.number, session.number))
+            planned = {trial.number: (trial.levels, trial.seed) for trial in plan}
+        elif record["kind"] == TRIAL and planned.get(record["trial"]) != (
+            record["levels"],
+            record["seed"],
+        ):
+            what = f"trial {record['trial']} has other levels or another seed than planned"
+            done.add(PLANS, session.path, what, line)
+
+
+def _check_design(done: Verified, study: StudyFolder) -> None:
+    """Checks that the design in force is the one that the study is locked to."""
+    if study.design.digest != study.build["design"]:
+        what = "changed: it is not the design that the study is locked to"
+        done.add(PLANS, study.path / "design.toml", what)
+
+
+def _check_withdrawals(done: Verified, study: StudyFolder) -> None:
+    gone = {note["ppid"] for note in study.records() if note["kind"] == WITHDRAWN}
+    for ppid in sorted(gone):
+        if (study.path / ppid).exists():
+            done.add(GONE, study.path / ppid, "a person who has withdrawn is still there")
+    done.compared[GONE] = counted(len(gone), "withdrawal")

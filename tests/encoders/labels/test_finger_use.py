@@ -1,0 +1,107 @@
+"""Fingers that a person declares are the only ones that labels name, in the declared proportion."""
+
+from __future__ import annotations
+
+import pytest
+from hypothesis import assume, given
+from hypothesis import strategies as st
+
+from encoders.labels.finger_use import odds_of_sets, parse_finger_sets
+from encoders.labels.labelling import finger_sets
+from encoders.labels.pair_network import USUAL_SETS
+from models.errors import InputError
+from models.frames import FINGERS
+from sandbox.trial.settings import PipelineSettings
+from tests.encoders.labels.test_belief import Contacts, new_belief, touches
+
+SETS = [each for count in range(1, 6) for each in finger_sets(count)]
+ANY_SETS = st.dictionaries(st.sampled_from(SETS), st.floats(0.01, 100.0), min_size=1, max_size=6)
+
+
+def text_of(sets: dict[tuple[int, ...], float]) -> str:
+    names = ["+".join(FINGERS[f] for f in fingers) for fingers in sets]
+    return ", ".join(f"{a}:{w!r}" for a, w in zip(names, sets.values(), strict=True))
+
+
+@given(ANY_SETS)
+def test_a_text_of_sets_is_read_as_written(sets: dict[tuple[int, ...], float]) -> None:
+    assert parse_finger_sets(text_of(sets)) == sets
+
+
+@given(touches(), ANY_SETS)
+def test_labels_are_parts_of_a_declared_set_unless_more_fingers_touch_than_any_set_has(
+    contacts: Contacts, sets: dict[tuple[int, ...], float]
+) -> None:
+    belief, undeclared = new_belief(), new_belief()
+    belief.odds = odds_of_sets(sets, USUAL_SETS)
+    labelling, free = belief.assign(contacts, {}), undeclared.assign(contacts, {})
+    named = set(labelling.labels.values())
+    if len(contacts) > max(len(fingers) for fingers in sets):
+        assert (labelling.labels, labelling.probability) == (free.labels, free.probability)
+    else:
+        assert any(named <= set(fingers) for fingers in sets)
+    assert 0.0 < labelling.probability <= 1.0 + 1e-12
+
+
+@given(touches(least=2, most=4), st.data())
+def test_a_set_that_is_used_more_often_gains_by_that_factor(
+    contacts: Contacts, data: st.DataObject
+) -> None:
+    count = len(contacts)
+    two = data.draw(st.lists(st.sampled_from(finger_sets(count)), min_size=2, max_size=2))
+    assume(two[0] != two[1])
+    factor = data.draw(st.floats(0.1, 10.0))
+    shares = []
+    for weight in (1.0, factor):
+        belief = new_belief()
+        belief.odds = odds_of_sets({two[0]: weight, two[1]: 1.0}, USUAL_SETS)
+        chances = belief.assign(contacts, {}).chances
+        assert chances is not None
+        # A finger that only the first set has shows the share of that set.
+        only = (set(two[0]) - set(two[1])).pop()
+        shares.append(sum(float(chance[only]) for chance in chances().values()))
+    before, after = shares
+    assume(1e-6 < before < 1.0 - 1e-6)
+    assert after / (1.0 - after) == pytest.approx(factor * before / (1.0 - before), rel=1e-6)
+
+
+@given(touches(least=2, most=4))
+def test_with_all_sets_in_their_usual_proportion_nothing_changes(contacts: Contacts) -> None:
+    count = len(contacts)
+    usual = {each: USUAL_SETS.get(each, 1.0) for each in finger_sets(count)}
+    belief, undeclared = new_belief(), new_belief()
+    belief.odds = odds_of_sets(usual, USUAL_SETS)
+    labelling, free = belief.assign(contacts, {}), undeclared.assign(contacts, {})
+    assert labelling.labels == free.labels
+    assert labelling.probability == pytest.approx(free.probability)
+
+
+def test_the_very_fingers_that_touch_are_named_when_they_are_declared() -> None:
+    # Middle and ring finger, 2 cm apart: without their names they are index and middle finger.
+    contacts = {1: (0.05, 0.05), 2: (0.071, 0.053)}
+    belief = new_belief()
+    belief.odds = odds_of_sets({(2, 3): 1.0}, USUAL_SETS)
+    assert belief.assign(contacts, {}).labels == {1: 2, 2: 3}
+
+
+@pytest.mark.parametrize(
+    ("text", "meant"),
+    [
+        ("thumb+indx", "index"),
+        ("thumb+thumb", "once"),
+        ("thumb+index,index+thumb", "twice"),
+        ("thumb:often", "number"),
+        ("thumb:0", "above 0"),
+        ("thumb:nan", "above 0"),
+        ("thumb,", "finger"),
+    ],
+)
+def test_a_wrong_set_is_refused_where_it_is_written(text: str, meant: str) -> None:
+    with pytest.raises(InputError, match=meant) as error:
+        PipelineSettings(finger_sets=text)
+    assert error.value.where == "finger_sets"
+
+
+def test_the_papers_labels_take_no_finger_sets() -> None:
+    with pytest.raises(InputError, match="finger-sets"):
+        PipelineSettings(finger_sets="thumb+index", labels="paper")

@@ -1,0 +1,321 @@
+"""Units are found by what a hand can be: exactly one is taken and reported, or the file is
+refused."""
+
+from __future__ import annotations
+
+import math
+from itertools import pairwise
+from typing import NamedTuple
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from models.errors import InputError, MotionError
+from models.plausible import (
+    BEYOND,
+    DISTANCE,
+    FINGER,
+    IN_PICTURE,
+    PALM,
+    REACH,
+    SPEED,
+    STEP,
+    UNITS,
+    Bounds,
+    ContactSizes,
+    HandJumps,
+    LiveUnits,
+    SideDoubt,
+    bent_side,
+    find_units,
+    in_order,
+    lie_on,
+    on_surface,
+    parse_units,
+    steps_of,
+    touch_steps,
+)
+from models.reader_report import ReaderReport
+
+LEAP = {"length": "mm", "time": "us"}
+
+
+@pytest.mark.parametrize("bounds", [FINGER, PALM])
+def test_no_length_is_possible_in_two_units(bounds: Bounds) -> None:
+    sizes = sorted(UNITS["length"].values())
+    smallest_ratio = min(b / a for a, b in pairwise(sizes))
+    assert bounds.most / bounds.least < smallest_ratio
+    assert STEP.most / STEP.least < 1000
+
+
+@pytest.mark.parametrize("length", UNITS["length"])
+@pytest.mark.parametrize("time", UNITS["time"])
+def test_every_unit_is_found_by_a_finger_and_a_rate(length: str, time: str) -> None:
+    report = ReaderReport()
+    finger, step = 0.098 / UNITS["length"][length], 0.01 / UNITS["time"][time]
+    seen = {FINGER: [finger] * 3, STEP: [step] * 3}
+    assert find_units(seen, LEAP, where="x", report=report) == {"length": length, "time": time}
+    for name, declared in ((length, "mm"), (time, "us")):
+        assert (f"read in {name}:" in report.line()) == (name != declared)
+    assert bool(report) == ((length, time) != ("mm", "us"))
+
+
+def test_the_declared_unit_is_taken_where_it_fits_although_another_does_too() -> None:
+    # 5 in cm or in are both within the bounds of a reach.
+    assert find_units({REACH: [5.0]}, {"length": "cm"}, where="x") == {"length": "cm"}
+    with pytest.raises(InputError, match=r"several are possible.*cm or in"):
+        find_units({REACH: [5.0]}, {"length": "mm"}, where="x")
+
+
+@pytest.mark.parametrize("factor", [10.0, 25.4, 1000.0])
+def test_a_size_that_no_unit_explains_is_refused(factor: float) -> None:
+    with pytest.raises(MotionError, match="longest finger is impossible in any unit"):
+        find_units({FINGER: [98.0 * factor]}, LEAP, where="x", error=MotionError)
+
+
+def test_times_that_stand_still_are_refused() -> None:
+    with pytest.raises(InputError, match="between two frames is zero"):
+        find_units({STEP: [0.0, 0.0]}, LEAP, where="x")
+
+
+def test_numbers_of_frames_are_no_times_in_ms_and_a_rate_of_1000_is_one_of_its_own_unit() -> None:
+    with pytest.raises(InputError, match="between two frames"):
+        find_units({STEP: [1.0, 1.0]}, LEAP, where="x")
+    seen = {STEP: [0.001], FINGER: [98.0]}
+    seconds = {"length": "m", "time": "s"}
+    assert find_units(seen, seconds, where="x") == {"length": "mm", "time": "s"}
+
+
+@pytest.mark.parametrize("times", [[3, 2, 1, 0], [5, 0, 6, 0, 7, 0], [4, 4, 4]])
+def test_times_that_do_not_go_on_are_no_steps(times: list[float]) -> None:
+    assert max(steps_of(times)) <= 0.0
+
+
+def test_few_times_that_run_backwards_do_no_harm() -> None:
+    assert steps_of([0, 1, 2, 1, 2, 3, 4]) == [1, 1, 1, 1, 1]
+    assert steps_of([5.0]) == steps_of([]) == []
+
+
+def test_a_single_wrong_value_does_no_harm() -> None:
+    assert find_units({STEP: [10_000, 10_000, 9e9]}, LEAP, where="x") == LEAP
+
+
+def test_a_given_unit_is_not_doubted_and_is_reported() -> None:
+    report = ReaderReport()
+    given = parse_units("cm")
+    units = find_units({FINGER: [98.0], STEP: [10.0]}, LEAP, given, where="x", report=report)
+    assert units == {"length": "cm", "time": "ms"}
+    assert "lengths are read in cm, as --unit says" in report.line()
+
+
+def test_a_speed_decides_where_sizes_do_not() -> None:
+    # 20 m/s at most: 0.3 m in a step of 0.5 s, and not in one of 0.5 ms.
+    seen = {DISTANCE: [0.3], SPEED: [600.0]}
+    with pytest.raises(InputError, match=r"hand's speed|several"):
+        find_units(seen, {"length": "m", "time": "s"}, where="x")
+
+
+@pytest.mark.parametrize("text", ["ft", "mm,cm", "mm,ft"])
+def test_unknown_units_and_two_of_a_kind_are_refused(text: str) -> None:
+    with pytest.raises(InputError, match="unit"):
+        parse_units(text)
+
+
+def test_a_live_device_goes_on_with_the_likely_unit_and_a_notice() -> None:
+    live = LiveUnits(LEAP, wanted=3)
+    for _ in range(3):
+        assert not live.notice
+        live.look({FINGER: 0.098, STEP: 10_000.0})
+    assert live.units == {"length": "m", "time": "us"}
+    assert "lengths are read in m" in live.notice
+
+
+def test_a_live_device_is_not_judged_before_a_hand_is_seen() -> None:
+    live = LiveUnits(LEAP, wanted=2)
+    for _ in range(9):
+        live.look({STEP: 10_000.0, DISTANCE: 0.2})
+    assert not live.decided
+    live.look({FINGER: 0.1, STEP: 10_000.0})
+    live.look({FINGER: 0.1, STEP: 10_000.0})
+    assert live.units["length"] == "m"
+
+
+def test_a_live_device_with_impossible_values_keeps_its_units_and_has_a_notice() -> None:
+    live = LiveUnits(LEAP, wanted=1)
+    live.look({FINGER: 98_000.0})
+    assert live.units == LEAP
+    assert "impossible in any unit" in live.notice
+
+
+CONTACTS = {
+    "a fingertip": (0.008, (0.007, 0.009), True),
+    "a fingertip without width and height": (0.008, None, True),
+    "a palm": (0.080, (0.06, 0.11), True),
+    "a flat finger": (0.025, (0.010, 0.070), True),
+    "a light touch": (0.001, (0.001, 0.0011), True),
+    "2000 px": (0.048, (0.006, 0.385), False),
+    "a strip": (0.030, (0.008, 0.115), False),
+    "as large as a table": (0.4, (0.4, 0.4), False),
+    "a diameter in mm": (8.0, None, False),
+    "a tenth of a millimetre": (0.0001, (0.0001, 0.0001), False),
+    "no number": (math.nan, (math.nan, 0.008), False),
+    "no diameter": (math.inf, None, False),
+}
+
+
+@pytest.mark.parametrize(("size", "extent", "known"), CONTACTS.values(), ids=CONTACTS)
+@pytest.mark.parametrize("after", [0, 100])
+def test_a_size_that_no_finger_or_hand_has_is_unknown_and_counted(
+    size: float, extent: tuple[float, float] | None, known: bool, after: int
+) -> None:
+    report = ReaderReport()
+    sizes = ContactSizes(report)
+    for _ in range(after):
+        sizes.known(0.008, (0.008, 0.008))
+    assert sizes.known(size, extent) == ((size, extent) if known else (None, None))
+    assert report.left_out.total() == (not known)
+
+
+@pytest.mark.parametrize("size", [0.0, -1.0])
+def test_a_size_that_is_not_measured_is_unknown_and_not_counted(size: float) -> None:
+    report = ReaderReport()
+    assert ContactSizes(report).known(size, (size, 0.008)) == (None, None)
+    assert not report.left_out
+
+
+@pytest.mark.parametrize(
+    ("position", "shown"),
+    [
+        *((0.0, 0.0), (1.0, 1.0), (0.5, 0.5), (-0.25, 0.0), (1.25, 1.0)),
+        *((-0.26, None), (1.26, None), (1e9, None), (math.nan, None), (-math.inf, None)),
+    ],
+)
+def test_a_position_a_little_beyond_the_edge_is_on_it(position: float, shown: float | None) -> None:
+    assert on_surface(position) == shown
+
+
+class Row(NamedTuple):
+    time: float
+
+
+TIMES = st.lists(st.floats(0.0, 1e6), max_size=30).map(sorted)
+
+
+@given(TIMES, st.integers(0, 29), st.floats(-1e9, 1e9))
+def test_one_wrong_time_costs_its_row_alone(times: list[float], at: int, wrong: float) -> None:
+    report = ReaderReport()
+    rows = [Row(time) for time in times]
+    assert in_order(rows, report) == rows
+    assert not report
+    mixed = [*rows[:at], Row(wrong), *rows[at:]]
+    kept = in_order(mixed, report)
+    assert [row.time for row in kept] == sorted(row.time for row in kept)
+    assert len(kept) >= len(mixed) - 1
+
+
+def test_the_mean_step_of_touches_does_not_count_pauses_and_bursts() -> None:
+    times = [n / 60 for n in range(30)] + [900.0 + n / 60 for n in range(30)]
+    touched = [True] * 29 + [False] + [True] * 30
+    assert touch_steps(times, touched) == pytest.approx([1 / 60])
+    assert touch_steps(times[:10], touched[:10]) == []
+
+
+PATH = [(0.002 * n, 0.0, 0.2) for n in range(30)]
+"""m, a hand that moves by 2 mm in each frame."""
+
+
+def jumping(path: list[tuple[float, float, float] | None], step: float = 0.01) -> list[int]:
+    """Numbers of the frames in which a hand jumps; None is a frame without it."""
+    jumps = HandJumps()
+    frames = [{} if place is None else {7: place} for place in path]
+    return [n for n, places in enumerate(frames) if jumps.find(step * n, places)]
+
+
+@pytest.mark.parametrize("at", [1, 10, 29])
+def test_a_jump_of_a_metre_and_back_costs_its_frame_alone(at: int) -> None:
+    path = [*PATH[:at], (1.0, 0.0, 0.2), *PATH[at + 1 :]]
+    assert jumping([*path]) == [at]
+
+
+def test_a_hand_that_stays_where_it_jumped_to_is_there_from_the_next_frame_on() -> None:
+    assert jumping([*PATH[:10], *((x + 1.0, y, z) for x, y, z in PATH[10:])]) == [10]
+
+
+def test_a_hand_that_jumps_again_and_again_is_left_out_each_time() -> None:
+    path = [(x + (n % 3 == 2), y, z) for n, (x, y, z) in enumerate(PATH)]
+    assert jumping([*path]) == list(range(2, 30, 3))
+
+
+def test_a_hand_that_comes_in_again_elsewhere_does_not_jump() -> None:
+    assert jumping([*PATH[:10], None, *((x + 1.0, y, z) for x, y, z in PATH[10:])]) == []
+    jumps = HandJumps()
+    assert not jumps.find(0.0, {1: (0.0, 0.0, 0.2)})
+    assert not jumps.find(0.01, {2: (1.0, 0.0, 0.2)})
+
+
+def test_a_throw_and_a_correction_of_a_few_centimetres_are_no_jumps() -> None:
+    throw = [(min(0.2 * n, 1.0), 0.0, 0.2) for n in range(10)]
+    assert jumping([*throw]) == []
+    assert jumping([*PATH[:10], *((x + 0.05, y, z) for x, y, z in PATH[10:])]) == []
+
+
+def test_one_hand_s_jump_does_not_cost_the_other() -> None:
+    jumps = HandJumps()
+    other = (-0.1, 0.0, 0.2)
+    assert not jumps.find(0.0, {1: (0.0, 0.0, 0.2), 2: other})
+    assert jumps.find(0.01, {1: (1.0, 0.0, 0.2), 2: other}) == {1}
+
+
+def test_a_live_hand_beyond_the_edge_of_a_picture_in_pixels_is_no_doubt_of_its_unit() -> None:
+    live = LiveUnits({"length": "m", "image coordinate": "px"}, wanted=3)
+    for _ in range(3):
+        live.look({PALM: 0.09, IN_PICTURE: 300.0, BEYOND: 200.0})
+    assert live.decided and not live.notice
+
+
+FINGERS = [
+    [(x, 0.0, 0.0), (x, 0.04, 0.0), (x, 0.05, -0.02), (x, 0.04, -0.04)]
+    for x in (-0.03, -0.01, 0.01, 0.03)
+]
+"""m, bent fingers of a right hand that lies flat, from the index finger on."""
+LEFT = [[(-x, y, z) for x, y, z in finger] for finger in FINGERS]
+STRAIGHT = [[(x, 0.02 * i, 0.0) for i in range(4)] for x in (-0.03, -0.01, 0.01, 0.03)]
+
+
+def test_bent_fingers_show_the_side_of_a_hand_and_straight_ones_do_not() -> None:
+    assert bent_side(FINGERS) == "right" and bent_side(LEFT) == "left"
+    assert bent_side(FINGERS[1:3]) == "right"
+    assert bent_side(STRAIGHT) == ""
+    assert bent_side([[(0.0, 0.0, 0.0)] * 4] * 4) == ""
+
+
+def test_a_side_is_doubted_where_most_frames_with_bent_fingers_contradict_it() -> None:
+    doubt = SideDoubt()
+    for n in range(40):
+        doubt.look("right", LEFT if n % 4 else FINGERS)
+        doubt.look(None, LEFT)
+        doubt.look("left", LEFT)
+        doubt.look("left", STRAIGHT)
+    assert not doubt.sentence
+    doubt = SideDoubt()
+    for _ in range(10):
+        doubt.look("right", LEFT)
+    assert "the right hand is a left hand" in doubt.sentence
+    # A name that was wrong for a moment is no doubt for ever.
+    for _ in range(3):
+        doubt.look("right", FINGERS)
+    assert not doubt.sentence
+
+
+def test_every_frame_is_looked_at_first_and_few_later() -> None:
+    doubt = SideDoubt()
+    looked = [doubt.due() for _ in range(6000)]
+    assert all(looked[:32]) and 0.05 < sum(looked) / len(looked) < 0.1
+
+
+def test_hands_at_one_place_are_one_and_clasped_hands_are_two() -> None:
+    hand = [point for finger in FINGERS for point in finger]
+    assert lie_on(hand, [(x + 0.01, y, z) for x, y, z in hand], 0.1)
+    assert not lie_on(hand, [(x, y, z - 0.04) for x, y, z in hand], 0.1)
+    assert not lie_on(hand, hand[:3], 0.1)

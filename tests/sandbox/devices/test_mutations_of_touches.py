@@ -1,0 +1,258 @@
+"""Mutations of touch recordings and of captures of TUIO, 200 of each format.
+
+A detectable one ends equal, refused or reported: units times 10, 25.4 and 1000; other units of
+time; rows doubled, swapped, or without a time; names in other bytes. An undetectable one, a row
+that is missing, changes that frame alone. None ends in another exception than the reader's own.
+"""
+
+from __future__ import annotations
+
+import copy
+import json
+from collections.abc import Callable, Sequence
+from itertools import groupby
+from pathlib import Path
+from typing import Any
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from models.errors import InputError
+from models.frames import Contact, TouchFrame
+from models.surface import Surface
+from sandbox.devices.device import Device
+from sandbox.devices.files.frame_file import frame_record, header_record
+from sandbox.devices.files.touch_files import open_file
+from tests.support.tuio_packets import alv, blb, bnd, bundle, cur, frm, ptr
+
+EXAMPLES = 200
+SURFACE = Surface()
+INCH = 0.0254
+Row = dict[str, Any]
+Mutation = Callable[[list[Row], int], None]
+Shown = list[tuple[float, tuple[Contact, ...]]]
+
+FRAMES: list[Row] = [
+    header_record(SURFACE, "page"),
+    *(
+        frame_record(
+            TouchFrame(
+                n / 60,
+                tuple(
+                    Contact(i, (x + n / 40) * INCH, y * INCH, 0.009, extent=(0.008, 0.010))
+                    for i, (x, y) in enumerate([(2.0, 3.0), (4.0, 2.5)])
+                )
+                if 2 < n < 58
+                else (),
+            )
+        )
+        for n in range(60)
+    ),
+]
+
+
+def packets11(n: int, scale: float = 1.0, blob: float = 1.0) -> list[bytes]:
+    """A frame of cursors and one of blobs."""
+    ids = (1, 2) if 2 < n < 58 else ()
+    places = {i: (0.3 * i + n / 300, 0.4) for i in ids}
+    sets = [cur("set", i, scale * x, scale * y, 0.0, 0.0, 0.0) for i, (x, y) in places.items()]
+    ellipses = [
+        blb("set", i, x, y, 0.0, 0.04 * blob, 0.05 * blob, 0.002) for i, (x, y) in places.items()
+    ]
+    return [
+        bundle(blb("alive", *ids), *ellipses, blb("fseq", n + 1)),
+        bundle(cur("source", "table"), cur("alive", *ids), *sets, cur("fseq", n + 1)),
+    ]
+
+
+def packets20(n: int, scale: float = 1.0, blob: float = 1.0) -> list[bytes]:
+    """A frame of pointers and bounds."""
+    ids = (1, 2) if 2 < n < 58 else ()
+    parts = [ptr(i, scale * (0.3 * i + n / 300), scale * 0.4) for i in ids]
+    bounds = [bnd(i, 0.04 * blob, 0.05 * blob) for i in ids]
+    return [bundle(frm(n + 1, "table"), *parts, *bounds, alv(*ids))]
+
+
+def capture(made: Callable[..., list[bytes]], **scales: float) -> list[Row]:
+    return [
+        {"t": 7.0 + n / 60 + 1e-4 * k, "hex": data.hex(), "from": "192.0.2.5:4000"}
+        for n in range(60)
+        for k, data in enumerate(made(n, **scales))
+    ]
+
+
+def written(path: Path, rows: Sequence[Row | bytes]) -> Path:
+    lines = [row if isinstance(row, bytes) else json.dumps(row).encode() for row in rows]
+    path.write_bytes(b"".join(line + b"\n" for line in lines))
+    return path
+
+
+def played(path: Path) -> tuple[Shown, Device]:
+    """What is shown when, each state once."""
+    device = open_file(path, None).device
+    frames = [(f.time, f.contacts) for f in device.poll(1e12)]
+    return [next(same) for _, same in groupby(frames, key=lambda f: f[1])], device
+
+
+def outcome(path: Path, sound: Shown) -> str:
+    """equal, reported, refused, or differs."""
+    try:
+        shown, device = played(path)
+    except InputError as error:
+        assert len(str(error)) < 600
+        return "refused"
+    if device.damage is not None or (device.report is not None and device.report.line()):
+        return "reported"
+    return "equal" if shown == sound else "differs"
+
+
+def each(rows: list[Row], change: Callable[[Row], None]) -> None:
+    for row in rows:
+        change(row)
+
+
+def of_contacts(names: str, factor: float) -> Mutation:
+    """Multiplies values of contacts."""
+
+    def change(row: Row) -> None:
+        for contact in row.get("contacts", ()):
+            for name in names.split():
+                contact[name] *= factor
+
+    return lambda rows, at: each(rows, change)
+
+
+def of_times(name: str, factor: float) -> Mutation:
+    def change(row: Row) -> None:
+        if name in row:
+            row[name] *= factor
+
+    return lambda rows, at: each(rows, change)
+
+
+def doubled(rows: list[Row], at: int) -> None:
+    rows.insert(at, rows[at])
+
+
+def swapped(rows: list[Row], at: int) -> None:
+    rows[at], rows[at - 1] = rows[at - 1], rows[at]
+
+
+def timeless(name: str, value: object) -> Mutation:
+    def mutate(rows: list[Row], at: int) -> None:
+        rows[at] = {**rows[at], name: value}
+
+    return mutate
+
+
+FACTORS = (10.0, 25.4, 1000.0)
+TIMES = (1e3, 1e6, 1e9, 1e-3)
+OF_FRAMES: list[Mutation] = [
+    *(of_contacts("x y", factor) for factor in FACTORS),
+    *(of_contacts("size width height", factor) for factor in (*FACTORS, 1 / 25.4, 1e-3)),
+    *(of_contacts("x y size width height", factor) for factor in FACTORS),
+    *(of_times("time", factor) for factor in TIMES),
+    *(doubled, swapped, timeless("time", None), timeless("time", float("nan"))),
+    *(timeless("time", -1e9), timeless("time", 1e9), timeless("contacts", [4])),
+]
+OF_PACKETS: list[Mutation] = [
+    *(of_times("t", factor) for factor in TIMES),
+    *(doubled, swapped, timeless("t", None), timeless("t", float("nan")), timeless("t", 1e9)),
+    *(timeless("hex", "zz"), timeless("hex", None), timeless("hex", "00" * 65_508)),
+]
+
+
+@settings(max_examples=EXAMPLES)
+@given(mutation=st.sampled_from(OF_FRAMES), at=st.integers(2, 60))
+def test_a_detectable_mutation_of_recorded_touches_is_not_silent(
+    tmp_path_factory: pytest.TempPathFactory, mutation: Mutation, at: int
+) -> None:
+    path = tmp_path_factory.getbasetemp() / "touches.jsonl"
+    sound, device = played(written(path, FRAMES))
+    assert device.report is not None and not device.report.line() and len(sound) > 50
+    rows = copy.deepcopy(FRAMES)
+    mutation(rows, at)
+    assert outcome(written(path, rows), sound) != "differs"
+
+
+@settings(max_examples=EXAMPLES)
+@given(
+    mutation=st.sampled_from(OF_PACKETS),
+    made=st.sampled_from([packets11, packets20]),
+    at=st.integers(1, 59),
+)
+def test_a_detectable_mutation_of_a_capture_is_not_silent(
+    tmp_path_factory: pytest.TempPathFactory,
+    mutation: Mutation,
+    made: Callable[..., list[bytes]],
+    at: int,
+) -> None:
+    path = tmp_path_factory.getbasetemp() / "packets.jsonl"
+    rows = capture(made)
+    sound, device = played(written(path, rows))
+    assert device.report is not None and not device.report.line() and len(sound) > 50
+    mutation(rows, at)
+    assert outcome(written(path, rows), sound) != "differs"
+
+
+@pytest.mark.parametrize("made", [packets11, packets20])
+@pytest.mark.parametrize("what", ["scale", "blob"])
+@pytest.mark.parametrize("factor", [*FACTORS, 1 / 25.4, 1e-3])
+def test_packets_in_other_units_are_not_silent(
+    tmp_path: Path, made: Callable[..., list[bytes]], what: str, factor: float
+) -> None:
+    if what == "scale" and factor < 1.0:
+        return  # All touches within a few millimetres may be meant.
+    path = tmp_path / "packets.jsonl"
+    sound, _ = played(written(path, capture(made)))
+    assert outcome(written(path, capture(made, **{what: factor})), sound) != "differs"
+
+
+@given(at=st.integers(2, 60))
+def test_a_frame_that_is_missing_changes_that_frame_alone(
+    tmp_path_factory: pytest.TempPathFactory, at: int
+) -> None:
+    path = tmp_path_factory.getbasetemp() / "fewer.jsonl"
+    sound = open_file(written(path, FRAMES), None).device.poll(1e9)
+    fewer = open_file(written(path, [*FRAMES[:at], *FRAMES[at + 1 :]]), None).device.poll(1e9)
+    assert list(fewer) == [*sound[: at - 1], *sound[at:]]
+
+
+@given(made=st.sampled_from([packets11, packets20]), at=st.integers(6, 55))
+def test_a_packet_that_is_missing_changes_that_frame_alone(
+    tmp_path_factory: pytest.TempPathFactory, made: Callable[..., list[bytes]], at: int
+) -> None:
+    path = tmp_path_factory.getbasetemp() / "fewer-packets.jsonl"
+    rows = capture(made)
+    per_frame = len(rows) // 60
+    sound = dict(played(written(path, rows))[0])
+    del rows[per_frame * at + per_frame - 1]
+    fewer = dict(played(written(path, rows))[0])
+    changed = {time for time in sound.keys() | fewer.keys() if sound.get(time) != fewer.get(time)}
+    assert len(changed) == 1
+
+
+NAMES = ["Tür".encode(), "Tür".encode("latin-1"), "机".encode("cp932"), b"\xff"]
+
+
+@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("key", ["device", "finger"])
+def test_names_in_any_bytes_cost_no_touch(tmp_path: Path, name: bytes, key: str) -> None:
+    path = tmp_path / "names.jsonl"
+    sound, _ = played(written(path, FRAMES))
+    lines: list[bytes] = [json.dumps(row).encode() for row in FRAMES]
+    if key == "device":
+        lines[0] = lines[0].replace(b"page", name)
+    else:
+        lines[30] = lines[30].replace(b"null", b'"' + name + b'"', 1)
+    assert played(written(path, lines))[0] == sound
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_the_name_of_a_sender_in_any_bytes_costs_no_packet(tmp_path: Path, name: bytes) -> None:
+    path = tmp_path / "names.jsonl"
+    rows = capture(packets11)
+    sound, _ = played(written(path, rows))
+    lines = [json.dumps(row).encode().replace(b"192.0.2.5", name) for row in rows]
+    assert played(written(path, lines))[0] == sound

@@ -1,0 +1,296 @@
+"""An anonymous copy tells nothing that could say who somebody was, and still replays and counts."""
+
+from __future__ import annotations
+
+import contextlib
+import gzip
+import json
+import shutil
+from pathlib import Path
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from models.errors import StudyError
+from sandbox.recording.recording import load_recording
+from sandbox.study.record.folder import SIMULATED, StudyFolder
+from sandbox.study.record.journal import read_journal
+from sandbox.study.record.session_folder import SessionFolder
+from sandbox.study.record.state import SessionState
+from sandbox.study.record.stored_sessions import session_path
+from sandbox.study.run.simulate import run_simulated
+from sandbox.study.share.groups import binned, groups
+from sandbox.study.share.masking import (
+    WITHHELD,
+    PersonMasking,
+    shared_line,
+    shared_records,
+    without_folders,
+)
+from sandbox.study.share.share import Masking, Shared, _rare, share_study
+from sandbox.study.share.verify import verify
+from sandbox.study.tables.tables import make_tables
+from sandbox.trial.replay import replay
+from tests.support.study_files import DESIGN, TRIALS, design, quiet, rows_of
+
+SECRET = "Anna Kowalczyk in room 412"
+TEXT = DESIGN.replace(
+    "[[questionnaires]]",
+    '[[demographics]]\nname = "remarks"\nkind = "text"\nask = "Remarks?"\noptional = true\n'
+    "[[questionnaires]]",
+)
+
+
+@pytest.fixture(scope="module")
+def laboratory(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder with the task, where the study is run: its path is in no other text by chance."""
+    place = tmp_path_factory.mktemp("laboratory-in-room-412")
+    task = Path("tests", "support", "regress_tasks.py")
+    (place / task).parent.mkdir(parents=True)
+    shutil.copy(task, place / task)
+    return place
+
+
+@pytest.fixture(scope="module")
+def study(laboratory: Path, tmp_path_factory: pytest.TempPathFactory) -> StudyFolder:
+    with contextlib.chdir(laboratory):
+        found = StudyFolder(tmp_path_factory.mktemp("kept"), design(TEXT), SIMULATED)
+        for number in range(2):
+            run_simulated(found, number, quiet)
+    for number in range(2):
+        with SessionFolder(found, found.participants()[number]) as session:
+            session.command("note", text=SECRET, trial=None)
+            session.command("exclude", trial=2, reason=SECRET)
+            session.write("answer", step="form:x", item="remarks", answer=SECRET)
+            answers = {"age": 37, "remarks": SECRET}
+            session.write(
+                "form",
+                step="form:demographics",
+                form="demographics",
+                block=0,
+                levels={},
+                answers=answers,
+                seconds=1.0,
+            )
+            session.command("of_a_later_version", name=SECRET)
+    make_tables(found)
+    return found
+
+
+@pytest.fixture(scope="module")
+def copy(study: StudyFolder, tmp_path_factory: pytest.TempPathFactory) -> StudyFolder:
+    out = tmp_path_factory.mktemp("shared") / "quick-simulated"
+    found = share_study(study, out, Masking(bins={"age": 10}, hands=True), quiet)
+    assert isinstance(found, Shared) and found.people == 2
+    return StudyFolder.at(out)
+
+
+def contents(folder: Path) -> dict[str, bytes]:
+    """All files, unpacked where they are packed."""
+    return {
+        str(p.relative_to(folder)): gzip.decompress(p.read_bytes())
+        if p.suffix == ".gz"
+        else p.read_bytes()
+        for p in folder.rglob("*")
+        if p.is_file()
+    }
+
+
+def test_nothing_in_the_copy_names_anybody_or_says_when_or_what_they_wrote(
+    study: StudyFolder, copy: StudyFolder, laboratory: Path
+) -> None:
+    old = [p.ppid for p in study.participants()]
+    day = study.records()[0]["time"][:10]
+    found = contents(copy.path)
+    assert len(found) > 30
+    forbidden = [*old, day, SECRET, "Kowalczyk", str(study.path), str(laboratory)]
+    for name, data in found.items():
+        assert not any(ppid in name for ppid in old)
+        for what in forbidden:
+            assert what.encode() not in data, (name, what)
+
+
+def test_every_journal_of_the_original_holds_what_the_copy_must_not(
+    study: StudyFolder, laboratory: Path
+) -> None:
+    # Otherwise the test above could not fail.
+    found = contents(study.path)
+    journal = found[f"{study.participants()[0].ppid}/S001/session.jsonl"]
+    assert journal.count(SECRET.encode()) == 5
+    assert any(str(laboratory).encode() in data for data in found.values())
+
+
+def test_results_are_the_same_but_for_names_and_dates(
+    study: StudyFolder, copy: StudyFolder
+) -> None:
+    def results(folder: StudyFolder) -> list[dict[str, str]]:
+        rows = rows_of(folder.path / "tables/trials.csv")
+        files = (
+            "participant",
+            "recording",
+            "frames",
+            "exclusion_reason",
+        )
+        rows.sort(key=lambda r: (int(r["number"]), int(r["trial"])))
+        return [{k: v for k, v in r.items() if k not in (*files, "hand_size")} for r in rows]
+
+    assert results(study) == results(copy) and len(results(copy)) == 2 * TRIALS
+    excluded = [r for r in rows_of(copy.path / "tables/trials.csv") if r["excluded"] == "1"]
+    assert [r["trial"] for r in excluded] == ["2", "2"]
+    assert {r["exclusion_reason"] for r in excluded} == {WITHHELD}
+
+
+def test_files_that_tables_name_are_there_and_recordings_replay_to_the_bit(
+    copy: StudyFolder,
+) -> None:
+    rows = rows_of(copy.path / "tables/trials.csv")
+    for row in rows:
+        for column in ("recording", "frames"):
+            assert (copy.path / row[column]).is_file()
+    recording = load_recording(copy.path / rows[0]["recording"])
+    assert recording.header["study"]["ppid"] == rows[0]["participant"]
+    _, found = replay(recording)
+    assert found.exact and found.complete
+
+
+def test_numbers_are_rounded_and_words_are_gone_unless_asked_for(
+    study: StudyFolder, copy: StudyFolder, tmp_path: Path
+) -> None:
+    people = rows_of(copy.path / "tables/participants.csv")
+    assert [p["age"] for p in people] == ["30"] * 2 and "remarks" not in people[0]
+    share_study(study, tmp_path / "more", Masking(words=True, drop=("age",)), quiet)
+    people = rows_of(tmp_path / "more/tables/participants.csv")
+    assert [p["remarks"] for p in people] == [SECRET] * 2 and "age" not in people[0]
+
+
+def test_the_copy_opens_like_any_study_and_has_nothing_left_to_do(
+    copy: StudyFolder, tmp_path: Path
+) -> None:
+    # Opening a session writes into it.
+    shutil.copytree(copy.path, tmp_path / copy.path.name)
+    opened = StudyFolder(tmp_path, design(TEXT), SIMULATED)
+    assert {p.number for p in opened.participants()} == {0, 1}
+    for person in opened.participants():
+        with SessionFolder(opened, person) as session:
+            assert session.state.complete and session.state.next_step(session.steps) is None
+
+
+def test_who_did_not_agree_is_not_in_the_copy(tmp_path: Path) -> None:
+    found = StudyFolder(tmp_path / "kept", design(), SIMULATED)
+    run_simulated(found, 0, quiet)
+    with SessionFolder(found, found.add(hand="left")) as session:
+        session.write("consent", step="consent", agreed=False, version="1", language="en")
+    done = share_study(found, tmp_path / "open", Masking(), quiet)
+    assert (done.people, done.without_consent) == (1, 1)
+    assert "left" not in {p.hand for p in StudyFolder.at(tmp_path / "open").participants()}
+
+
+def test_a_copy_is_never_written_over_anything(study: StudyFolder, tmp_path: Path) -> None:
+    (tmp_path / "there").mkdir()
+    with pytest.raises(StudyError, match="exists already"):
+        share_study(study, tmp_path / "there", Masking(), quiet)
+    with pytest.raises(StudyError, match="no such demographic item"):
+        share_study(study, tmp_path / "other", Masking(drop=("income",)), quiet)
+    assert list(tmp_path.iterdir()) == [tmp_path / "there"]
+
+
+def test_the_size_of_a_hand_is_coarse_and_recordings_that_tell_it_are_left_out(
+    study: StudyFolder, tmp_path: Path
+) -> None:
+    sizes = {p.hand_size for p in study.participants()}
+    done = share_study(study, tmp_path / "coarse", Masking(), quiet)
+    assert done.hands == 2 * TRIALS and not list((tmp_path / "coarse").rglob("T0*.jsonl*"))
+    for row in rows_of(tmp_path / "coarse/tables/participants.csv"):
+        assert float(row["hand_size"]) in {binned(size, 0.1) for size in sizes}
+    for data in contents(tmp_path / "coarse").values():
+        assert not [size for size in sizes if str(size).encode() in data]
+    share_study(study, tmp_path / "kept", Masking(hands=True), quiet)
+    about = json.loads((tmp_path / "kept/anonymised.json").read_bytes())
+    assert "hand_size" in about["compared"] and about["smallest_group"] == 1
+    share_study(study, tmp_path / "one", Masking(bins={"hand_size": 5.0}, drop=("age",)), quiet)
+    about = json.loads((tmp_path / "one/anonymised.json").read_bytes())
+    assert "hand_size" not in about["compared"]
+    with pytest.raises(StudyError, match="no such demographic item"):
+        share_study(study, tmp_path / "none", Masking(drop=("hand_size",)), quiet)
+
+
+def test_a_copy_without_the_sizes_of_hands_is_sound_and_has_the_same_measures(
+    study: StudyFolder, copy: StudyFolder, tmp_path: Path
+) -> None:
+    share_study(study, tmp_path / "coarse", Masking(), quiet)
+    coarse = StudyFolder.at(tmp_path / "coarse")
+    assert verify(coarse.path, replays=False).sound
+    measured = [
+        sorted(
+            row[name]
+            for name in ("time_s", "success", "drops", "first_contact_s")
+            for row in rows_of(path)
+        )
+        for path in (folder.path / "tables/trials.csv" for folder in (coarse, copy))
+    ]
+    assert measured[0] == measured[1]
+
+
+@pytest.mark.parametrize(("people", "left_out"), [([1.0] * 3, 0), ([1.0] * 5 + [0.9], 1)])
+def test_a_size_that_enough_people_share_tells_nobody(people: list[float], left_out: int) -> None:
+    sizes = {str(i): size for i, size in enumerate(people)}
+    assert len(_rare(sizes)) == left_out
+
+
+@pytest.mark.parametrize(
+    "path", ["/home/anna/design.py", "~/anna/design.py", "C:\\anna\\design.py", "../anna/design.py"]
+)
+def test_names_of_folders_are_gone_and_names_of_files_stay(path: str) -> None:
+    assert without_folders({"a": [path, 3, "one/two"]}) == {"a": ["design.py", 3, "one/two"]}
+
+
+def test_the_file_of_a_divergence_keeps_its_name_and_loses_the_folder_of_the_person() -> None:
+    result = {
+        "dump": "studies/quick/3B5G5T/S001/trials/T001-diverged.jsonl",
+        "dump_error": "studies/quick/3B5G5T: the file cannot be written",
+        "success": False,
+    }
+    record = {"n": 0, "time": "2026-11-21T10:00:00.000+00:00", "clock": 5.0, "kind": "trial_end"}
+    masking = PersonMasking("NEW")
+    (found,) = shared_records([{**record, "result": result}], masking)
+    end = json.dumps({"kind": "end", "result": result}).encode()
+    header = json.dumps({"kind": "header", **result}).encode()
+    for masked in (
+        found["result"],
+        json.loads(shared_line(end, masking))["result"],
+        json.loads(shared_line(header, masking)),
+    ):
+        assert masked.pop("kind", "header") == "header"
+        assert masked == {"dump": "T001-diverged.jsonl", "success": False}
+
+
+def test_what_is_played_is_not_touched() -> None:
+    line = b'{"kind":"input","step":8,"hand":0,"time":0.016,"contacts":[],"hash":"00"}'
+    assert shared_line(line, PersonMasking("NEW")) is line
+
+
+@given(st.lists(st.tuples(st.integers(0, 2), st.integers(0, 2)), min_size=1, max_size=30))
+def test_the_smallest_group_is_found_by_comparing_everybody_with_everybody(
+    people: list[tuple[int, int]],
+) -> None:
+    found = groups([{"a": a, "b": b} for a, b in people], ("a", "b"))
+    assert found.smallest == min(people.count(p) for p in people)
+    assert found.exposed == sum(people.count(p) < 5 for p in people)
+
+
+@given(st.integers(-1000, 1000), st.sampled_from([1, 5, 10]))
+def test_a_rounded_number_is_the_low_end_of_its_bin(value: int, width: int) -> None:
+    assert binned(value, width) % width == 0 and 0 <= value - binned(value, width) < width
+
+
+def test_a_session_state_says_the_same_of_the_disguised_journal(
+    study: StudyFolder, copy: StudyFolder
+) -> None:
+    def told(folder: StudyFolder, number: int) -> object:
+        person = next(p for p in folder.participants() if p.number == number)
+        path = session_path(folder.path, person.ppid) / "session.jsonl"
+        state = SessionState.of(read_journal(path))
+        return state.finished, set(state.excluded), state.complete, sorted(state.attempts)
+
+    assert all(told(study, number) == told(copy, number) for number in range(2))
