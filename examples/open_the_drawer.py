@@ -24,7 +24,7 @@ class Hook:
     def __init__(self, configuration, surface, seed):
         self.surface, self.finger, self.done = surface, None, False
 
-    def look(self, sight):
+    def observe(self, sight):
         x, y, _ = sight.objects["desk/drawer"].position
         self.done = sight.done
         self.finger = self.finger or (x, y - 0.037)

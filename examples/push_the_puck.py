@@ -21,7 +21,7 @@ class OneFinger:
         self.configuration, self.surface = configuration, surface
         self.finger, self.aim, self.id = None, None, 0
 
-    def look(self, sight):
+    def observe(self, sight):
         """Takes in what is on the screen: puck, goal, and the drawn hand."""
         puck, goal = sight.objects["puck"].position[:2], sight.goals[0].position[:2]
         way = goal - puck

@@ -165,9 +165,9 @@ class ChordUser(FingersKnown):
         ids = self._fingers.ids()
         return self._touching[ids.index(contact)] if contact in ids[: len(self._touching)] else None
 
-    def look(self, sight: Sight) -> None:
+    def observe(self, sight: Sight) -> None:
         """Shows the user the screen; the user reacts to it a reaction time later."""
-        self._eye.look(sight)
+        self._eye.observe(sight)
 
     def touch(self, now: float) -> TouchFrame:
         """Touches on the screen at the time now, s."""

@@ -19,7 +19,7 @@ class IdleUser:
     def __init__(self, configuration: UserConfiguration, surface: Surface, seed: int) -> None:
         self.configuration = configuration
 
-    def look(self, sight: Sight) -> None:
+    def observe(self, sight: Sight) -> None:
         """Ignores the screen."""
 
     def touch(self, now: float) -> TouchFrame:
@@ -37,7 +37,7 @@ class RandomUser:
         self._until = 0.0
         self._moves = 0
 
-    def look(self, sight: Sight) -> None:
+    def observe(self, sight: Sight) -> None:
         """Ignores the screen."""
 
     def touch(self, now: float) -> TouchFrame:

@@ -81,9 +81,9 @@ class SkilledUser(FingersKnown):
         ids = self.finger_ids()
         return ids.index(contact) if contact in ids else None
 
-    def look(self, sight: Sight) -> None:
+    def observe(self, sight: Sight) -> None:
         """Shows the user the screen; the user reacts to it a reaction time later."""
-        self._eye.look(sight)
+        self._eye.observe(sight)
 
     def touch(self, now: float) -> TouchFrame:
         """Touches on the screen at the time now, s."""

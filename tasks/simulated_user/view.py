@@ -39,7 +39,7 @@ class Eye:
         self.delay = delay
         self._seen: deque[Sight] = deque()
 
-    def look(self, sight: Sight) -> None:
+    def observe(self, sight: Sight) -> None:
         """Stores the current content of the screen."""
         self._seen.append(sight)
 
@@ -101,9 +101,9 @@ class FrontUser:
     def __init__(self, user: User, view: FrontView) -> None:
         self.user, self._view = user, view
 
-    def look(self, sight: Sight) -> None:
+    def observe(self, sight: Sight) -> None:
         """Shows the user the current content of the screen."""
-        self.user.look(LateSight.of(sight.time, partial(self._view.sight, sight)))
+        self.user.observe(LateSight.of(sight.time, partial(self._view.sight, sight)))
 
     def touch(self, now: float) -> TouchFrame:
         """Current touches, in the surface's own frame in any orientation."""
@@ -208,9 +208,9 @@ class SeatedUser:
     def __init__(self, user: User, seat: Seat) -> None:
         self.user, self._seat = user, seat
 
-    def look(self, sight: Sight) -> None:
+    def observe(self, sight: Sight) -> None:
         """Shows the user the current content of the screen."""
-        self.user.look(LateSight.of(sight.time, partial(self._seat.sight, sight)))
+        self.user.observe(LateSight.of(sight.time, partial(self._seat.sight, sight)))
 
     def touch(self, now: float) -> TouchFrame:
         """Current touches on the real screen."""

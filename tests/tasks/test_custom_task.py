@@ -469,7 +469,7 @@ def test_a_user_whose_touch_returns_nothing_is_told_in_one_line(
     body = """
 class Nobody:
     def __init__(self, configuration, surface, seed): pass
-    def look(self, sight): pass
+    def observe(self, sight): pass
     def touch(self, now): pass
 class A(Slide):
     name = 'lab-a'

@@ -286,7 +286,7 @@ def _refuse(error: CycloptsError, prog: str, argv: Sequence[str]) -> NoReturn:
     match error:
         case UnknownOptionError():
             word = error.token.keyword or error.token.value
-            raise _no_option(word, error.argument_collection, help_line) from None
+            raise _no_option(word, error.argument_collection, argv, help_line) from None
         case CoercionError(argument=Argument() as argument, token=token) if token is not None:
             where = token.keyword or _label(argument)
             if names := list(argument.get_choices() or ()):
@@ -304,7 +304,7 @@ def _refuse(error: CycloptsError, prog: str, argv: Sequence[str]) -> NoReturn:
                 for word in error.unused_tokens or ():
                     if word.startswith("-") and error.app is not None:
                         known = error.app.assemble_argument_collection()
-                        raise _no_option(word, known, help_line) from None
+                        raise _no_option(word, known, argv, help_line) from None
                 where = _label(argument)
                 raise InputError("this is missing", where=where, remedy=help_line) from None
             raise InputError(
@@ -324,13 +324,17 @@ def _refuse(error: CycloptsError, prog: str, argv: Sequence[str]) -> NoReturn:
     raise InputError(" ".join(str(error).split()), remedy=help_line) from None
 
 
-def _no_option(word: str, known: ArgumentCollection, help_line: str) -> InputError:
+def _no_option(
+    word: str, known: ArgumentCollection, argv: Sequence[str], help_line: str
+) -> InputError:
     """The error of an option that there is not, with the nearest one."""
     word = word.partition("=")[0]
     if "--device" in (name for argument in known for name in argument.names):
         from sandbox.devices.registry import devices_with_option
 
         if devices := devices_with_option(word.removeprefix("--").replace("-", "_")):
+            if any(each.removeprefix("--device=") in devices for each in argv):
+                return InputError("this command has no options of devices", where=word)
             return InputError(
                 "this is an option of another device",
                 where=word,

@@ -187,7 +187,7 @@ class SimulatedLeap(HandDevice):
             tips = {f: _MIRROR * tip for f, tip in tips.items()}
             goals = tuple(_mirrored_goal(g) for g in goals)
         done = snapshot.score.held
-        self.user.look(Sight(snapshot.time, tips, bool(hand.solid), seen, goals, done))
+        self.user.observe(Sight(snapshot.time, tips, bool(hand.solid), seen, goals, done))
 
     def poll(self, now: float) -> Sequence[HandFrame]:
         """The hand frame that the device sees now."""

@@ -142,9 +142,9 @@ class SimulatedDevice(Device):
         sight = partial(_sight, snapshot, self._hand, self._shapes, self._screen.own_id)
         if self._screen.loses:
             # The mapping of ids changes with drop-outs, so it is applied now.
-            self._seated.look(sight())
+            self._seated.observe(sight())
             return
-        self._seated.look(LateSight.of(snapshot.time, sight))
+        self._seated.observe(LateSight.of(snapshot.time, sight))
 
     def poll(self, now: float) -> Sequence[TouchFrame]:
         """The user's touches now."""

@@ -202,14 +202,18 @@ def _rare(sizes: Mapping[str, float]) -> set[str]:
 
 
 def _check(known: Sequence[str], masking: Masking) -> None:
-    for name in (*masking.drop, *(masking.bins or {})):
-        if name not in known and (name != HAND_SIZE or name in masking.drop):
-            raise StudyError(
-                "no such demographic item",
-                where="--drop or --bin",
-                got=name,
-                expected=", ".join(known) or f"no demographics; --bin takes {HAND_SIZE}",
-            )
+    for option, names, usable in (
+        ("--drop", masking.drop, known),
+        ("--bin", masking.bins or {}, (*known, HAND_SIZE)),
+    ):
+        for name in names:
+            if name not in usable:
+                raise StudyError(
+                    "no such demographic item",
+                    where=option,
+                    got=name,
+                    expected=", ".join(usable) or "no option: this study asks no demographics",
+                )
 
 
 def _item_name(item: str) -> str:

@@ -147,9 +147,9 @@ class AirPerson:
         """True while an object is lifted and carried."""
         return self._stage is Stage.LIFTED
 
-    def look(self, sight: Sight) -> None:
+    def observe(self, sight: Sight) -> None:
         """Takes in what is on the screen now."""
-        self._eye.look(sight)
+        self._eye.observe(sight)
         self._lately.append(sight)
 
     def hand(self, now: float) -> tuple[Array, Array, Array]:
