@@ -22,6 +22,8 @@ from time import process_time
 from typing import Any
 from unittest.mock import patch
 
+import numpy as np
+
 from benchmarks.machine import describe_machine
 from encoders.captures.conversion.hand_files import Mapping, read_points, read_poses
 from models.errors import FrameError
@@ -79,6 +81,10 @@ def _nothing(*_: Any, **__: Any) -> dict[Any, Any]:
     return {}
 
 
+def _no_jumps(_time: Any, places: Any) -> Any:
+    return np.zeros(places.shape[:2], bool)
+
+
 UNCHECKED: dict[str, Any] = {
     "sandbox.devices.files.frame_file._Reader._contact": _any_contact,
     "sandbox.devices.files.frame_file.in_order": _as_they_are,
@@ -96,6 +102,8 @@ UNCHECKED: dict[str, Any] = {
     "models.plausible.HandJumps.find": lambda *_: set(),
     "models.plausible.SideDoubt.due": lambda _: False,
     "encoders.captures.conversion.hand_files.find_units": _declared,
+    "encoders.captures.conversion.hand_files.find_jumps": _no_jumps,
+    "encoders.captures.conversion.hand_files._side_doubt": lambda *_: "",
 }
 """Name of what asks `models.plausible` -> what does not."""
 

@@ -42,7 +42,7 @@ from typing import Protocol, TypeVar
 
 import numpy as np
 
-from models.arithmetic import Array, distance
+from models.arithmetic import Array, Mask, distance
 from models.errors import InputError
 from models.frames import TrackedHand, Vector
 from models.reader_report import ReaderReport
@@ -542,6 +542,21 @@ class SideDoubt:
         self._frames += 1
         return self._frames <= _BEGINNING or self._frames % _EVERY == 0
 
+    def look_through(self, side: str, fingers: Array) -> None:
+        """Looks at a hand in frames spread over a recording.
+
+        Args:
+            side: Its name.
+            fingers: (T, n, 4, 3), points of n fingers as for `bent_side`, NaN where a point was not
+                seen.
+        """
+        whole = np.flatnonzero(np.isfinite(fingers).all(axis=(1, 2, 3)))
+        if not len(whole):
+            return
+        some = np.unique(np.linspace(0, len(whole) - 1, _SETTLED).astype(int))
+        for t in whole[some]:
+            self.look(side, fingers[t].tolist())
+
     def look_at(self, hand: TrackedHand) -> None:
         """Looks at a hand whose device knows fingers and their joints."""
         known = {f.finger: f.joints for f in hand.fingers if f.finger and f.joints}
@@ -563,6 +578,7 @@ class SideDoubt:
 
 
 JUMPED = "hands that jump farther than a hand moves"
+POINT_JUMPED = "points of a hand that jump farther than a hand moves"
 _FROZEN = 1.0
 """s. A hand that is held still moves in the last digits, as no device measures twice the same."""
 _CORRECTION = 0.05
@@ -624,6 +640,29 @@ class HandJumps:
         return (
             f"a hand did not move in any digit for {self.frozen:.1f} s: the device may have lost it"
         )
+
+
+def find_jumps(time: Array, places: Array) -> Mask:
+    """Booleans (T, M): points of a recording that jump as hands do for `HandJumps`.
+
+    Args:
+        time: (T,) s, increasing.
+        places: (T, M, 3) m, NaN where a point was not seen.
+    """
+    moved = np.sqrt((np.diff(places, axis=0) ** 2).sum(axis=2))
+    # Few recordings have a jump; the test of all steps at once is quick. It compares with NaN.
+    far: Mask = moved > (SPEED.most * np.diff(time) + _CORRECTION)[:, None]
+    jumped = np.zeros(places.shape[:2], bool)
+    points = np.flatnonzero(far.any(axis=0)).tolist()
+    if not points:
+        return jumped
+    seen: Mask = np.asarray(np.isfinite(places).all(axis=2))
+    jumps = HandJumps()
+    for t, now in enumerate(time.tolist()):
+        at: dict[int, Vector] = {m: tuple(places[t, m].tolist()) for m in points if seen[t, m]}
+        for m in jumps.find(now, at):
+            jumped[t, m] = True
+    return jumped
 
 
 def _moves(before: tuple[float, Vector], now: tuple[float, Vector]) -> bool:

@@ -6,7 +6,7 @@ import math
 import tomllib
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from itertools import combinations
+from itertools import combinations, product
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -23,6 +23,7 @@ from encoders.captures.conversion import (
 from encoders.captures.conversion.sites import PALM, Site, mapped, recognised, sites_of
 from models.arithmetic import Array
 from models.errors import CaptureError, InputError, MotionError
+from models.frames import FINGERS
 from models.json_input import checked, decoded, read_bytes
 from models.motion.motion import Motion
 from models.motion.read.asf import read_amc, read_asf
@@ -36,8 +37,12 @@ from models.plausible import (
     ANGLE,
     HAND,
     HEIGHT,
+    JUMPED,
+    POINT_JUMPED,
     STEP,
     UNITS,
+    SideDoubt,
+    find_jumps,
     find_units,
     parse_units,
     unit_size,
@@ -150,17 +155,29 @@ def read_hand(
     read = read_points(path, mapping, left, unit, skeleton_file, rate)
     report.add_reading(read.report)
     frame = _surface(mapping, read.points, read.unit, find_surface, path)
-    return joints_from_points(
-        read.time,
-        read.points,
-        read.sites,
-        frame,
-        ADULT,
-        report,
-        left=left,
-        tolerance=tolerance,
-        progress=progress,
-    )
+    try:
+        return joints_from_points(
+            read.time,
+            read.points,
+            read.sites,
+            frame,
+            ADULT,
+            report,
+            left=left,
+            tolerance=tolerance,
+            progress=progress,
+        )
+    except CaptureError as error:
+        if not read.report:
+            raise
+        # What the reader noticed is the likely reason.
+        raise CaptureError(
+            error.what,
+            where=error.where or str(path),
+            got=error.got,
+            expected=error.expected,
+            remedy=". ".join(filter(None, (error.remedy, f"In the file: {read.report.line()}"))),
+        ) from None
 
 
 @dataclass(frozen=True)
@@ -246,7 +263,51 @@ def read_points(
         factor = unit_size(units, "length") / metre
         points = {name: factor * places for name, places in points.items()}
         metre *= factor
-    return HandPoints(time * unit_size(units, "time"), points, sites, metre, reading)
+    time = time * unit_size(units, "time")
+    points = points | _without_jumps(time, {name: points[name] for name in sites}, reading)
+    if doubt := _side_doubt("left" if left else "right", points, sites):
+        reading.assume(doubt)
+    return HandPoints(time, points, sites, metre, reading)
+
+
+def _without_jumps(
+    time: Array, points: dict[str, Array], reading: ReaderReport
+) -> dict[str, Array]:
+    """Points (T, 3) m of a hand, NaN where they jump, which is counted."""
+    places = np.stack(list(points.values()), axis=1)
+    jumped = find_jumps(time, places)
+    if not jumped.any():
+        return points
+    # Most points of a hand jump together or not at all.
+    seen = np.isfinite(places).all(axis=2)
+    whole = jumped.any(axis=1) & (2 * jumped.sum(axis=1) > seen.sum(axis=1))
+    reading.leave_out(JUMPED, int(whole.sum()))
+    reading.leave_out(POINT_JUMPED, int(jumped[~whole].sum()))
+    jumped |= whole[:, None]
+    return {
+        name: np.where(jumped[:, m, None], np.nan, places[:, m]) for m, name in enumerate(points)
+    }
+
+
+_SHOWING = (("mcp",), ("pip", "dip"), ("dip", "pip"), ("tip",))
+"""Points of a finger that show how it is bent; a second one stands for one that a file lacks."""
+
+
+def _side_doubt(side: str, points: dict[str, Array], sites: dict[str, Site]) -> str:
+    """What is doubted of the side of a hand; empty without a doubt, and for points that do not show
+    how two fingers are bent."""
+    named = {site.name: name for name, site in sites.items()}
+    fingers = []
+    for finger, end in product(FINGERS[1:], ("", "_skin")):
+        shown = [[f"{finger}_{level}{end}" for level in levels] for levels in _SHOWING]
+        found = [next((named[at] for at in choice if at in named), None) for choice in shown]
+        if None not in found:
+            some = [points[name][_sampled(len(points[name]))] for name in found if name]
+            fingers.append(np.stack(some, axis=1))
+    doubt = SideDoubt()
+    if len(fingers) > 1:
+        doubt.look_through(side, np.stack(fingers, axis=1))
+    return doubt.sentence
 
 
 def _kind(path: Path) -> str:
@@ -320,7 +381,10 @@ def read_poses(path: Path, unit: str, reading: ReaderReport) -> tuple[Array, Arr
     if units != declared:
         q = q * unit_size(units, "angle")
         q[:, ROOT_POSITION] *= unit_size(units, "length") / unit_size(units, "angle")
-    return time * unit_size(units, "time"), q
+    time = time * unit_size(units, "time")
+    jumped = find_jumps(time, q[:, None, ROOT_POSITION])[:, 0]
+    reading.leave_out(JUMPED, int(jumped.sum()))
+    return (time[~jumped], q[~jumped]) if jumped.any() else (time, q)
 
 
 def _with_skeleton(
