@@ -90,7 +90,7 @@ def test_the_line_that_runs_a_hard_trial_again_gives_its_state(tmp_path: Path) -
 
 
 def test_the_hard_settings_can_be_drawn_and_are_on_the_page() -> None:
-    page = (ROOT / "docs" / "regression-runs.md").read_text()
+    page = (ROOT / "docs" / "results.md").read_text()
     built_in = {name for name, task in TASKS.items() if is_built_in(task)}
     assert {*HARD_SETTINGS} - {"quick"} == built_in
     for task, setting in HARD_SETTINGS.items():
