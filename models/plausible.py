@@ -453,6 +453,8 @@ IMPOSSIBLE_SIZE = "sizes that no finger or hand has"
 
 _SAME = 0.2
 """Share of a hand's size, within which the points of two are those of one hand."""
+_SOME = 4
+"""Points of which one is compared first."""
 ON_ANOTHER = "hands that lie on another one"
 
 
@@ -464,8 +466,13 @@ def lie_on(one: Sequence[Sequence[float]], other: Sequence[Sequence[float]], siz
         other: The same points of another hand.
         size: How long a hand is in this unit.
     """
-    apart = math.fsum(map(distance, one, other)) / len(one)
-    return len(one) == len(other) and apart < _SAME * size
+    most = len(one) * _SAME * size
+    # Some points of two hands are mostly farther apart than all of them may be.
+    return (
+        len(one) == len(other)
+        and math.fsum(map(distance, one[::_SOME], other[::_SOME])) < most
+        and math.fsum(map(distance, one, other)) < most
+    )
 
 
 _BENT = 0.5
@@ -477,7 +484,7 @@ _ENOUGH, _MORE = 8, 4
 _BEGINNING, _EVERY = 32, 16
 """Frames that are looked at first, and those of which one is after them."""
 _SETTLED = 48
-"""Frames with a hand whose fingers are bent, after which no more are looked at."""
+"""Frames with a side's hand whose fingers are bent, after which no more are looked at."""
 
 
 def bent_side(fingers: Sequence[Sequence[Vector]]) -> str:
@@ -490,27 +497,27 @@ def bent_side(fingers: Sequence[Sequence[Vector]]) -> str:
     Returns:
         `right` or `left`; empty for fingers that are nearly straight.
     """
-    across = [a - b for a, b in zip(fingers[0][0], fingers[-1][0], strict=True)]
-    along, closing, lengths = [0.0] * 3, [0.0] * 3, 0.0
+    # Term by term, as a camera's pictures come often.
+    a, b, c = _between(fingers[-1][0], fingers[0][0])
+    d = e = f = g = h = i = lengths = 0.0
     for knuckle, pip, _, tip in fingers:
-        first = [b - a for a, b in zip(knuckle, pip, strict=True)]
-        rest = [b - a for a, b in zip(pip, tip, strict=True)]
+        x, y, z = _between(knuckle, pip)
+        u, v, w = _between(pip, tip)
         # What of the rest of the finger does not go on along its first bone.
-        share = _dot(first, rest) / (_dot(first, first) or 1.0)
-        along = [a + b for a, b in zip(along, first, strict=True)]
-        closing = [c + r - share * f for c, r, f in zip(closing, rest, first, strict=True)]
-        lengths += math.hypot(*rest)  # any order: only a side follows from it
-    (a, b, c), (d, e, f), (g, h, i) = across, along, closing
+        share = (x * u + y * v + z * w) / ((x * x + y * y + z * z) or 1.0)
+        d, e, f = d + x, e + y, f + z
+        g, h, i = g + u - share * x, h + v - share * y, i + w - share * z
+        lengths += math.hypot(u, v, w)  # any order: only a side follows from it
     volume = a * (e * i - f * h) + b * (f * g - d * i) + c * (d * h - e * g)
-    size = math.hypot(*across) * math.hypot(*along) * math.hypot(*closing)  # any order: as above
-    bent = math.hypot(*closing) > _BENT * lengths  # any order: as above
-    if not (bent and abs(volume) > _CLEAR * size):
+    closing = math.hypot(g, h, i)  # any order: as above
+    size = math.hypot(a, b, c) * math.hypot(d, e, f) * closing  # any order: as above
+    if not (closing > _BENT * lengths and abs(volume) > _CLEAR * size):
         return ""
     return "right" if volume > 0.0 else "left"
 
 
-def _dot(a: Sequence[float], b: Sequence[float]) -> float:
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+def _between(a: Vector, b: Vector) -> Vector:
+    return b[0] - a[0], b[1] - a[1], b[2] - a[2]
 
 
 class SideDoubt:
@@ -518,7 +525,8 @@ class SideDoubt:
 
     def __init__(self) -> None:
         self._frames = 0
-        self._settled = False
+        # Sides whose verdict no further frame can change.
+        self._settled: set[str] = set()
         # Side -> numbers of frames that agree with it, and that contradict it.
         self._agreed: dict[str, int] = {}
         self._contradicted: dict[str, int] = {}
@@ -537,8 +545,6 @@ class SideDoubt:
 
     def due(self) -> bool:
         """True if the next frame is one that is looked at."""
-        if self._settled:
-            return False
         self._frames += 1
         return self._frames <= _BEGINNING or self._frames % _EVERY == 0
 
@@ -569,12 +575,18 @@ class SideDoubt:
             side: Its name; None for a device that does not know it.
             fingers: As for `bent_side`; fewer than two say nothing.
         """
-        shown = bent_side(fingers) if side and len(fingers) > 1 else ""
-        if not (side and shown):
+        if not side or side in self._settled or len(fingers) < 2:
+            return
+        shown = bent_side(fingers)
+        if not shown:
             return
         counts = self._agreed if shown == side else self._contradicted
         counts[side] = counts.get(side, 0) + 1
-        self._settled = self._agreed.get(side, 0) + self._contradicted.get(side, 0) >= _SETTLED
+        agreed = self._agreed.get(side, 0)
+        left = _SETTLED - agreed - self._contradicted.get(side, 0)
+        # As many agree as all others together cannot outweigh, or enough were looked at.
+        if left <= 0 or self._contradicted.get(side, 0) + left <= _MORE * agreed:
+            self._settled.add(side)
 
 
 JUMPED = "hands that jump farther than a hand moves"

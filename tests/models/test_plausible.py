@@ -319,3 +319,23 @@ def test_hands_at_one_place_are_one_and_clasped_hands_are_two() -> None:
     assert lie_on(hand, [(x + 0.01, y, z) for x, y, z in hand], 0.1)
     assert not lie_on(hand, [(x, y, z - 0.04) for x, y, z in hand], 0.1)
     assert not lie_on(hand, hand[:3], 0.1)
+
+
+@given(st.lists(st.booleans(), max_size=80))
+def test_a_side_is_settled_only_where_more_frames_change_nothing(agrees: list[bool]) -> None:
+    doubt = SideDoubt()
+    for agree in agrees:
+        doubt.look("right", FINGERS if agree else LEFT)
+    some = agrees[:48]
+    against = some.count(False)
+    assert bool(doubt.sentence) == (against >= 8 and against > 4 * some.count(True))
+
+
+def test_a_hand_that_comes_late_is_looked_at_too() -> None:
+    doubt = SideDoubt()
+    for n in range(2000):
+        if doubt.due():
+            doubt.look("right", FINGERS)
+            if n > 1000:
+                doubt.look("left", FINGERS)
+    assert "the left hand is a right hand" in doubt.sentence

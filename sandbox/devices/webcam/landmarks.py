@@ -222,10 +222,13 @@ COLLAPSED = "hands whose points in space are of a size that no hand has"
 OUTSIDE = "hands that are wholly beyond the picture"
 
 
-_STAYS = 0.03
-"""Share of the picture's width by which a palm moves that nearly stays where it was."""
+_STAYS = 0.02
+"""Share of the picture's width by which wrist and knuckle of a hand move together that nearly stays
+where it was."""
 _MIDDLE = 9
 """Landmark of the middle finger's knuckle."""
+_NOWHERE = (math.inf, math.inf)
+_SHORTEST, _LONGEST = PALM_AT_ONCE.least, PALM_AT_ONCE.most
 
 
 class PossibleHands:
@@ -239,7 +242,7 @@ class PossibleHands:
         self.side = SideDoubt()
         self._jumps = HandJumps()
         # px, wrist and middle knuckle of the only hand of the picture before.
-        self._palm = (math.inf,) * 4
+        self._wrist, self._knuckle = _NOWHERE, _NOWHERE
         # That picture, if jumps were not looked for.
         self._stayed: LandmarkFrame | None = None
 
@@ -250,7 +253,24 @@ class PossibleHands:
             frame: The picture, in `LANDMARK_UNITS`.
             left_out: Receives what is left out, by reason.
         """
-        if len(frame.hands) == 1 and self._stays(frame):
+        hands = frame.hands
+        if len(hands) == 1:
+            # Most pictures have one hand, inside them, of a hand's size, and nearly where it was;
+            # the test is quick.
+            hand = hands[0]
+            world, wrist, knuckle = hand.world, hand.image[0], hand.image[_MIDDLE]
+            moved = math.dist(wrist, self._wrist) + math.dist(knuckle, self._knuckle)
+            self._wrist, self._knuckle = wrist, knuckle
+            width, height = frame.size
+            stays = (
+                moved < _STAYS * width
+                and 0.0 <= wrist[0] <= width
+                and 0.0 <= wrist[1] <= height
+                and _SHORTEST <= math.dist(world[0], world[_MIDDLE]) <= _LONGEST
+            )
+        else:
+            stays = False
+        if stays:
             self._stayed = frame
         else:
             frame = self._examined(frame, left_out)
@@ -258,23 +278,6 @@ class PossibleHands:
             for hand in frame.hands:
                 self.side.look(hand.side, [hand.world[k : k + 4] for k in KNUCKLES])
         return frame
-
-    def _stays(self, frame: LandmarkFrame) -> bool:
-        """True for a hand that is in the picture, of a hand's size, and nearly where it was.
-
-        Most are; the test is quick.
-        """
-        hand, (width, height), (a, b, c, d) = frame.hands[0], frame.size, self._palm
-        (x, y), (u, v) = hand.image[0], hand.image[_MIDDLE]
-        self._palm = x, y, u, v
-        return (
-            abs(x - a) + abs(y - b) + abs(u - c) + abs(v - d) < _STAYS * width
-            and 0.0 <= x <= width
-            and 0.0 <= y <= height
-            and PALM_AT_ONCE.least
-            <= math.dist(hand.world[0], hand.world[_MIDDLE])
-            <= PALM_AT_ONCE.most
-        )
 
     def _examined(self, frame: LandmarkFrame, left_out: Counter[str]) -> LandmarkFrame:
         if self._stayed is not None:
@@ -296,7 +299,7 @@ class PossibleHands:
             seen = zip(possible.hands, places, strict=True)
             possible = _with(possible, [hand for hand, who in seen if who not in jumped])
         if len(frame.hands) != 1 or possible is not frame:
-            self._palm = (math.inf,) * 4
+            self._wrist = self._knuckle = _NOWHERE
         return possible
 
 
@@ -312,8 +315,10 @@ def _impossible(hand: SeenHand, size: tuple[int, int]) -> str:
     """Why no hand can be as it is seen; empty for one that can."""
     if not PALM_AT_ONCE.includes(math.dist(hand.world[0], hand.world[_MIDDLE])):
         return COLLAPSED
-    for axis, pixels in enumerate(size):
-        places = [point[axis] for point in hand.image]
+    x, y = hand.image[0]
+    if 0.0 <= x <= size[0] and 0.0 <= y <= size[1]:
+        return ""  # As most are.
+    for places, pixels in zip(zip(*hand.image, strict=True), size, strict=True):
         if min(places) > pixels or max(places) < 0.0:
             return OUTSIDE
     return ""
@@ -330,12 +335,14 @@ _ACROSS = (0, 5, 17)
 
 def _rough_place(hand: SeenHand, size: tuple[int, int]) -> Vector:
     """m, about where a hand is before a usual camera, by its size in the picture."""
-    pairs = [(a, b) for i, a in enumerate(_ACROSS) for b in _ACROSS[:i]]
-    in_space = sum(math.dist(hand.world[a][:2], hand.world[b][:2]) for a, b in pairs)
-    in_picture = sum(math.dist(hand.image[a], hand.image[b]) for a, b in pairs)
+    wrist, index, little = (hand.image[n] for n in _ACROSS)
+    a, b, c = (hand.world[n][:2] for n in _ACROSS)
+    in_space = math.dist(b, a) + math.dist(c, a) + math.dist(c, b)
+    in_picture = math.dist(index, wrist) + math.dist(little, wrist) + math.dist(little, index)
     # m for a pixel; a usual camera's focal length is about the picture's longer side.
     scale = in_space / max(in_picture, 1.0)
-    x, y = (sum(hand.image[a][axis] for a in _ACROSS) / len(_ACROSS) for axis in (0, 1))
+    x = (wrist[0] + index[0] + little[0]) / len(_ACROSS)
+    y = (wrist[1] + index[1] + little[1]) / len(_ACROSS)
     return scale * x, scale * y, scale * max(size)
 
 
