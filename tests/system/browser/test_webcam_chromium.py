@@ -137,6 +137,42 @@ def test_landmarks_come_as_they_were_found(tab: Tab, device: WebcamDevice) -> No
     assert tab.evaluate("globalThis.asked") == 3
 
 
+UNKNOWN = {
+    "places in space": "found.worldLandmarks[1] = null",
+    "all places in space": "found.worldLandmarks.length = 1",
+    "one place in space": "found.worldLandmarks[1][8] = null",
+    "a coordinate": "found.worldLandmarks[1][8].z = null",
+    "a coordinate that is no number": "found.worldLandmarks[1][8].z = NaN",
+    "places in the picture": "found.landmarks[1] = null",
+    "a place in the picture": "found.landmarks[1][8].x = null",
+    "side": "found.handedness[1] = []",
+}
+"""What the engine does not know of the second hand -> how the test takes it away."""
+
+
+@pytest.mark.parametrize("mirrored", [False, True])
+def test_a_hand_that_the_engine_cannot_place_does_not_cost_the_other(
+    tab: Tab, device: WebcamDevice, mirrored: bool
+) -> None:
+    side, other = ("left", "right") if mirrored else ("right", "left")
+    if mirrored:
+        tab.evaluate("document.getElementById('mirrored').click(); true")
+    for lost in UNKNOWN.values():
+        before = device.report.left_out["hands that cannot be read"]
+        tab.evaluate("globalThis.found = undefined; true")
+        tab.wait(f"{LINE}.startsWith('No hand')")
+        tab.evaluate(f"{found(side, other)}; {lost}; true")
+        tab.wait(f"{LINE} === 'Your hand is followed.'")
+        device.poll(0.0)
+        frame = picture(device, lambda f: bool(f.hands))
+        assert [hand.side for hand in frame.hands] == ["right"]
+        soon(lambda n=before: device.report.left_out["hands that cannot be read"] > n)  # type: ignore[misc]
+    # Nor is such a hand followed where it is the only one.
+    tab.evaluate(f"{found(side)}; found.worldLandmarks[0] = null; true")
+    tab.wait(f"{LINE}.startsWith('No hand')")
+    assert not device.notices
+
+
 def test_the_camera_is_shown_as_on(tab: Tab) -> None:
     assert tab.evaluate("!document.getElementById('on').hidden")
 

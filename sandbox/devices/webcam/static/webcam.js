@@ -136,27 +136,38 @@ async function openEngine() {
   );
 }
 
-const round = (x, digits) => Number(x.toFixed(digits));
+/** A rounded number; null for one that is not finite. */
+const round = (x, digits) => (Number.isFinite(x) ? Number(x.toFixed(digits)) : null);
 
-/** Landmarks of a hand as they are sent; those of a mirrored picture are turned back. */
+/** Coordinates of a point; NaN for those that the engine does not know. */
+const coordinates = (p) => [p?.x ?? NaN, p?.y ?? NaN, p?.z ?? NaN];
+
+/** Landmarks of a hand as they are sent, null where the engine does not know them; those of a mirrored picture are turned back. */
 function hand(found, i, width, height) {
   const flip = mirroredBox.checked;
-  const name = found.handedness[i][0].categoryName === "Right" ? "right" : "left";
-  const other = name === "right" ? "left" : "right";
+  const [most] = found.handedness?.[i] ?? [];
+  const name = most ? (most.categoryName === "Right" ? "right" : "left") : null;
+  const other = name && (name === "right" ? "left" : "right");
   return {
     side: flip ? other : name,
-    score: round(Math.min(found.handedness[i][0].score, 1), 4),
-    image: found.landmarks[i].map((p) => [
-      round((flip ? 1 - p.x : p.x) * width, 2),
-      round(p.y * height, 2),
-    ]),
-    world: found.worldLandmarks[i].map((p) => [
-      round(flip ? -p.x : p.x, 5),
-      round(p.y, 5),
-      round(p.z, 5),
-    ]),
+    score: most ? round(Math.min(most.score, 1), 4) : null,
+    image:
+      found.landmarks[i]?.map(coordinates).map(([x, y]) => [
+        round((flip ? 1 - x : x) * width, 2),
+        round(y * height, 2),
+      ]) ?? null,
+    world:
+      found.worldLandmarks?.[i]?.map(coordinates).map(([x, y, z]) => [
+        round(flip ? -x : x, 5),
+        round(y, 5),
+        round(z, 5),
+      ]) ?? null,
   };
 }
+
+/** True for a hand of which the engine knows side and places. */
+const known = (h) =>
+  h.side !== null && [h.image, h.world].every((places) => places?.flat().every(Number.isFinite));
 
 function draw(found) {
   const { videoWidth: width, videoHeight: height } = video;
@@ -166,9 +177,12 @@ function draw(found) {
   pen.lineWidth = Math.max(2, width / 200);
   pen.strokeStyle = "#5fc38a";
   for (const points of found.landmarks)
-    for (const finger of FINGERS) {
+    for (const finger of points ? FINGERS : []) {
       pen.beginPath();
-      for (const i of finger) pen.lineTo(points[i].x * width, points[i].y * height);
+      for (const i of finger) {
+        const [x, y] = coordinates(points[i]);
+        pen.lineTo(x * width, y * height); // the canvas leaves out what is not finite
+      }
       pen.stroke();
     }
   const marks = marking ?? corners;
@@ -250,7 +264,7 @@ function look(now, data) {
     send({ time: round(performance.now() / 1000, 4), taken, size: [width, height], seen: hands });
     took.push(performance.now() - began);
     draw(found);
-    judge(hands, began);
+    judge(hands.filter(known), began);
     if (took.length === SLOW_AFTER) {
       const middle = took.sort((a, b) => a - b)[SLOW_AFTER / 2];
       speed.textContent = `One picture takes ${middle.toFixed(0)} ms here.`;

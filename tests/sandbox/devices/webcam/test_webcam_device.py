@@ -87,6 +87,7 @@ def test_hands_that_the_engine_cannot_place_cost_no_page_and_no_other_hand(
             socket.send(json.dumps({**message, "seen": seen}))
         until(lambda: frames.extend(device.poll(0.0)) or len(frames) == 40)
     assert len(frames) == 40 and sum(not frame.hands for frame in frames) == 1
+    until(lambda: device.counts["pages closed"])
     assert device.report.left_out == {
         "hands that cannot be read": 39,
         "pictures that are not valid": 20,
