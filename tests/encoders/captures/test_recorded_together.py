@@ -95,7 +95,7 @@ def test_clocks_place_names_and_poses_are_found(dialect: str, wrist: float, angl
     """This person's hand is 13 % smaller than an average one: 7 mm between wrist and palm's centre.
 
     A first Leap says nothing of the fingers but their tips, whose hand is an average one; what
-    poses are worth is in docs/own-hand.md.
+    poses are worth is in docs/captures.md.
     """
     s = session(dialect)
     capture, notes = plainly(dialect, "right")
