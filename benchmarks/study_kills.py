@@ -24,7 +24,7 @@ from typing import Any
 import numpy as np
 
 from benchmarks.machine import describe_machine
-from sandbox.study.record.folder import JOURNAL
+from sandbox.study.record.copies import JOURNAL
 from sandbox.study.record.journal import read_journal
 from tests.support.study_driver import results, resume, run, verify
 from tests.support.study_files import DESIGN, TRIALS, in_child, killed_after

@@ -24,7 +24,8 @@ from sandbox.export.sources import Of, open_source
 from sandbox.export.targets import FORMATS, Exporter, ExportSettings, format_of
 from sandbox.recording.recording import is_dump, is_recording, stored
 from sandbox.recording.versions import bytes_digest
-from sandbox.study.record.folder import JOURNAL, is_study
+from sandbox.study.record.copies import JOURNAL
+from sandbox.study.record.folder import is_study
 from sandbox.study.record.journal import read_journal
 from sandbox.study.record.state import SessionState
 from sandbox.study.record.trial_files import find_recordings

@@ -1,4 +1,4 @@
-"""`sandbox replay STUDY --verify`: eight points, a line each."""
+"""`sandbox replay STUDY --verify`: nine points, a line each."""
 
 from __future__ import annotations
 

@@ -88,6 +88,7 @@ def note(options: NoteOptions, console: Console) -> int:
             "this is about a participant, not a trial", where=f"--{kind.replace('_', '-')}"
         )
     study = StudyFolder.at(options.folder)
+    print_copies(study, console)
     try:
         ppid = read_pseudonym(options.participant)
     except StudyError:
@@ -166,6 +167,21 @@ def _accept_loss(study: StudyFolder, ppid: str, reason: str, console: Console) -
     if not lost:
         say(f"nothing of {ppid} is other than it was sealed")
     return 0
+
+
+def print_copies(study: StudyFolder, console: Console) -> tuple[str, ...]:
+    """Names folders inside of a study that are copies, and no data.
+
+    Returns:
+        Their names in the study.
+    """
+    from sandbox.study.record.copies import copies
+
+    found = {copy.path.relative_to(study.path).as_posix(): copy for copy in copies(study.path)}
+    for name, copy in found.items():
+        line = f"{name} {copy}. Nothing of it counts"
+        console.print(f"[yellow]{escape(line)}[/]", highlight=False, soft_wrap=True)
+    return tuple(found)
 
 
 def print_losses(study: StudyFolder, console: Console) -> tuple[str, ...]:

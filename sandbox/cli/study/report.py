@@ -12,7 +12,7 @@ from rich.markup import escape
 
 from models.errors import HandSandboxError, InputError
 from models.message import counted
-from sandbox.cli.study.note import print_losses
+from sandbox.cli.study.note import print_copies, print_losses
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -66,6 +66,7 @@ def tables(options: TablesOptions, console: Console) -> int:
     from sandbox.study.tables.tables import make_tables
 
     study = StudyFolder.at(options.folder)
+    print_copies(study, console)
     if print_losses(study, console):
         console.print("[yellow]until that is decided, the tables are left as they are[/]")
         return 1
@@ -116,6 +117,7 @@ def _bring_up_to_date(folder: Path, console: Console) -> str:
         return ""
     try:
         study = StudyFolder.at(folder)
+        print_copies(study, console)
         if ppids := print_losses(study, console):
             console.print("[yellow]until that is decided, the tables are left as they are[/]")
             return (

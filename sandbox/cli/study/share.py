@@ -13,7 +13,7 @@ from rich.markup import escape
 
 from models.errors import InputError, StudyError
 from models.message import counted
-from sandbox.cli.study.note import print_losses
+from sandbox.cli.study.note import print_copies, print_losses
 
 if TYPE_CHECKING:
     from sandbox.study.record.folder import StudyFolder
@@ -80,6 +80,7 @@ def share(options: ShareOptions, console: Console) -> int:
     study = StudyFolder.at(options.folder)
     _outside(study, options.out)
     refuse_existing(options.out)
+    print_copies(study, console)
     if print_losses(study, console):
         console.print("[yellow]what was lost is not in the folder[/]")
     masking = Masking(

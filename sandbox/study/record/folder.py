@@ -27,6 +27,7 @@ from models.errors import InputError, StudyError
 from sandbox.study.design.design import Design
 from sandbox.study.record.build import build_of, changes, noted_changes
 from sandbox.study.record.chain import Record
+from sandbox.study.record.copies import JOURNAL, person_folders, session_folders
 from sandbox.study.record.files import locked, make_folder, remove_unfinished, write_atomically
 from sandbox.study.record.journal import read_journal
 from sandbox.study.record.notes import (
@@ -84,8 +85,6 @@ class Participant:
 
 
 DESIGN_FILE = "design.toml"
-JOURNAL = "session.jsonl"
-"""File of a session's folder: its record."""
 REPORT = "report.html"
 """Name of the page of a report, wherever it is."""
 SETTINGS = "settings"
@@ -202,8 +201,9 @@ class StudyFolder:
 
     def _files(self) -> Iterator[tuple[str, dict[str, str]]]:
         """Digests and texts of the designs by which sessions were run."""
-        for path in sorted(self.path.glob(f"*/S[0-9][0-9][0-9]/{JOURNAL}")):
-            for record in read_journal(path):
+        for session in (s for p in person_folders(self.path) for s in session_folders(p)):
+            records = read_journal(session / JOURNAL) if (session / JOURNAL).exists() else []
+            for record in records:
                 if record["kind"] in RUNS and FILES in record:
                     yield record["design"], record[FILES]
 
@@ -336,8 +336,9 @@ class StudyFolder:
         """Participants in order of arrival, and whether their number was freed."""
         found = []
         gone = {n["ppid"] for n in self.records() if n["kind"] == WITHDRAWN}
-        for path in self.path.glob(f"*/{PERSON_NOTES}"):
-            notes = read_notes(path) if path.parent.name not in gone else []
+        for folder in person_folders(self.path):
+            path = folder / PERSON_NOTES
+            notes = read_notes(path) if folder.name not in gone else []
             if not notes:
                 # They withdrew, or a program was killed before it had written who this is.
                 continue

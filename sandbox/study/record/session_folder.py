@@ -16,8 +16,9 @@ from sandbox.recording.recording import stored
 from sandbox.recording.versions import versions
 from sandbox.study.design.plan import Step, TrialStep, session_plan, trials_of
 from sandbox.study.record.chain import HASH, Record
+from sandbox.study.record.copies import JOURNAL
 from sandbox.study.record.files import locked, make_folder, remove_unfinished, study_error
-from sandbox.study.record.folder import FILES, JOURNAL, Participant, StudyFolder, design_files
+from sandbox.study.record.folder import FILES, Participant, StudyFolder, design_files
 from sandbox.study.record.journal import SCHEMA, Journal, SyncThread, read_journal
 from sandbox.study.record.notes import LOSS, SEALED, broken_seals, person_notes, seals_of
 from sandbox.study.record.records import COMMAND, REPAIRED, RESUME, RUNS, SESSION, TRIAL, TRIAL_END

@@ -9,14 +9,12 @@ from pathlib import Path
 from sandbox.study.design.design import Design
 from sandbox.study.design.plan import Step, session_plan, trials_of
 from sandbox.study.record.chain import Record
-from sandbox.study.record.folder import JOURNAL, Participant, StudyFolder
+from sandbox.study.record.copies import JOURNAL, session_folders
+from sandbox.study.record.folder import Participant, StudyFolder
 from sandbox.study.record.journal import read_journal
 from sandbox.study.record.notes import person_notes
 from sandbox.study.record.records import RUNS
 from sandbox.study.record.state import SessionState, decisions_on
-
-SESSIONS = "S[0-9][0-9][0-9]"
-"""Pattern of the names of session folders."""
 
 
 @dataclass(frozen=True)
@@ -43,11 +41,6 @@ class StoredSession:
 def session_path(study: Path, ppid: str, session: int = 1) -> Path:
     """Folder of a session."""
     return study / ppid / f"S{session:03d}"
-
-
-def session_folders(person: Path) -> list[Path]:
-    """Folders of all sessions of a participant, in order, also of sessions that have not begun."""
-    return sorted(person.glob(SESSIONS))
 
 
 def has_finished(study: StudyFolder, person: Participant) -> bool:

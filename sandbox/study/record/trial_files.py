@@ -18,11 +18,10 @@ from models.errors import RecordingError, StudyError
 from models.json_input import decoded
 from sandbox.recording.recording import SUFFIX, load_recording, packed, read_stored, stored
 from sandbox.study.record.chain import digest_of
+from sandbox.study.record.copies import JOURNAL, person_folders, session_folders
 from sandbox.study.record.files import study_error, write_atomically
-from sandbox.study.record.folder import JOURNAL
 from sandbox.study.record.journal import read_journal
 from sandbox.study.record.state import SessionState, is_broken
-from sandbox.study.record.stored_sessions import SESSIONS, session_folders
 from sandbox.system.files import sync_folder
 from sandbox.trial.result import TrialResult
 from sandbox.trial.settings import recorded_settings
@@ -132,7 +131,7 @@ def _sessions(path: Path) -> list[Path]:
         path = path.parent
     if (path / TRIALS).is_dir():
         return [path]
-    return session_folders(path) or sorted(path.glob(f"*/{SESSIONS}"))
+    return session_folders(path) or [s for p in person_folders(path) for s in session_folders(p)]
 
 
 def _trial(session: Path, name: str) -> list[Path]:

@@ -15,13 +15,14 @@ from pathlib import Path
 from models.errors import StudyError
 from sandbox.recording.recording import load_recording
 from sandbox.study.design.plan import TrialStep, session_plan, trials_of
-from sandbox.study.record.folder import JOURNAL, Participant, StudyFolder
+from sandbox.study.record.copies import JOURNAL, session_folders
+from sandbox.study.record.folder import Participant, StudyFolder
 from sandbox.study.record.journal import read_journal
 from sandbox.study.record.notes import INCLUDE, broken_seals, seals_of
 from sandbox.study.record.records import END
 from sandbox.study.record.session_folder import SessionFolder
 from sandbox.study.record.state import SessionState
-from sandbox.study.record.stored_sessions import all_sessions, session_folders, sessions_of
+from sandbox.study.record.stored_sessions import all_sessions, sessions_of
 from sandbox.study.record.trial_files import TRIALS, finished_result, whole_leftovers
 from sandbox.study.run.finished_trials import bring_up_to_date
 from sandbox.study.tables.tables import keep_tables

@@ -23,6 +23,7 @@ from sandbox.recording.recording import SUFFIX, packed, read_stored, stored
 from sandbox.study.design.design import DEMOGRAPHICS, FILLED, Design
 from sandbox.study.design.plan import in_the_air
 from sandbox.study.record.chain import HASH, Record
+from sandbox.study.record.copies import JOURNAL
 from sandbox.study.record.files import (
     TEMPORARY,
     json_bytes,
@@ -32,7 +33,6 @@ from sandbox.study.record.files import (
     write_atomically,
 )
 from sandbox.study.record.folder import (
-    JOURNAL,
     SITE,
     StudyFolder,
     withdrawals_of,

@@ -1,4 +1,4 @@
-"""Verifies that a study's data are as they were written: eight points, each with what is wrong.
+"""Verifies that a study's data are as they were written: nine points, each with what is wrong.
 
 Nothing is repaired or written. What a killed program leaves (a half-written last line, an attempt
 without an end, a recording without one) is not wrong; it is counted or noted.
@@ -18,9 +18,9 @@ from sandbox.recording.versions import states_difference
 from sandbox.study.design.plan import session_plan, trials_of
 from sandbox.study.record.build import code_digest
 from sandbox.study.record.chain import HASH, Record, digest_of, follows
+from sandbox.study.record.copies import JOURNAL, SESSIONS, copies
 from sandbox.study.record.folder import (
     FILES,
-    JOURNAL,
     Participant,
     StudyFolder,
     readable_design,
@@ -29,7 +29,7 @@ from sandbox.study.record.journal import checked_record
 from sandbox.study.record.notes import SEALED, WITHDRAWN, Seal, broken_seals, read_notes, seals_of
 from sandbox.study.record.records import END, RUNS, TRIAL, TRIAL_END
 from sandbox.study.record.state import SessionState, is_broken
-from sandbox.study.record.stored_sessions import SESSIONS, session_path
+from sandbox.study.record.stored_sessions import session_path
 from sandbox.study.record.trial_files import frames_of, is_whole, unknown_recordings
 from sandbox.study.share.masking import LEFT_OUT
 from sandbox.study.tables.column import TABLES as FOLDER
@@ -37,7 +37,8 @@ from sandbox.study.tables.frames import frames_again
 from sandbox.study.tables.tables import table_files
 from sandbox.trial.replay import Verification
 
-CHAINS, SEALS, RECORDINGS, STATES, FRAMES, TABLES, PLANS, GONE = (
+FOLDERS, CHAINS, SEALS, RECORDINGS, STATES, FRAMES, TABLES, PLANS, GONE = (
+    "folders",
     "lines of the records",
     "seals",
     "recordings",
@@ -47,7 +48,9 @@ CHAINS, SEALS, RECORDINGS, STATES, FRAMES, TABLES, PLANS, GONE = (
     "numbers, orders and seeds",
     "withdrawals",
 )
-POINTS = (CHAINS, SEALS, RECORDINGS, STATES, FRAMES, TABLES, PLANS, GONE)
+NOT_COMPARED = "not compared"
+"""Begin of the words about a point for which there is nothing to compare with."""
+POINTS = (FOLDERS, CHAINS, SEALS, RECORDINGS, STATES, FRAMES, TABLES, PLANS, GONE)
 
 
 @dataclass(frozen=True)
@@ -110,6 +113,8 @@ class Verified:
                 yield f"{point}: {wrong} wrong ({compared or 'nothing to compare'})"
             elif not compared or compared.startswith("0 "):
                 yield f"{point}: nothing to check"
+            elif compared.startswith(NOT_COMPARED):
+                yield f"{point}: {compared}"
             else:
                 yield f"{point}: right ({compared})"
 
@@ -155,11 +160,9 @@ def verify(path: Path, seals: Path | None = None, replays: bool = True) -> Verif
             expected="a copy of the study's notes/A.jsonl, which was stored elsewhere",
         )
     people = {person.ppid: person for person in study.participants()}
+    known = _check_folders(done)
     # A damaged record is read as far as it goes, so that every fault is named.
-    sessions = [
-        _read(done, file, people.get(file.parents[1].name))
-        for file in sorted(path.glob(f"*/{SESSIONS}/{JOURNAL}"))
-    ]
+    sessions = [_read(done, file, people.get(file.parents[1].name)) for file in known]
     lines = sum(len(session.records) for session in sessions)
     done.compared[CHAINS] = f"{counted(lines, 'line')} of {counted(len(sessions), 'session')}"
     _check_seals(done, study, sessions, copy)
@@ -173,6 +176,21 @@ def verify(path: Path, seals: Path | None = None, replays: bool = True) -> Verif
     _check_design(done, study)
     _check_withdrawals(done, study)
     return done
+
+
+def _check_folders(done: Verified) -> list[Path]:
+    """Names copies of folders inside of the study.
+
+    Returns:
+        The records of sessions that are no copies.
+    """
+    apart = copies(done.root)
+    for copy in apart:
+        done.add(FOLDERS, copy.path, str(copy))
+    left_out = {copy.path for copy in apart}
+    files = sorted(done.root.glob(f"*/{SESSIONS}/{JOURNAL}"))
+    done.compared[FOLDERS] = counted(len(files), "folder of a session", "folders of sessions")
+    return [f for f in files if not left_out & {f.parent, f.parents[1]}]
 
 
 def _read(done: Verified, path: Path, person: Participant | None) -> _Read:
@@ -344,14 +362,19 @@ def _differs(verification: Verification) -> str:
 
 
 def _check_tables(done: Verified, study: StudyFolder, sound: bool) -> None:
+    if not any((study.path / FOLDER).glob("*.csv")):
+        done.compared[TABLES] = f"{NOT_COMPARED}: there are none"
+        return
     if not sound:
-        done.compared[TABLES] = "not compared: a record is damaged"
+        done.compared[TABLES] = f"{NOT_COMPARED}: a record is damaged"
         return
     if study.build.get("program") != code_digest():
-        done.compared[TABLES] = "not compared: the study is locked to another program than this one"
+        done.compared[TABLES] = (
+            f"{NOT_COMPARED}: the study is locked to another program than this one"
+        )
         return
-    made: Mapping[str, bytes] = table_files(study)
     folder = study.path / FOLDER
+    made: Mapping[str, bytes] = table_files(study)
     there = {name for name in made if (folder / name).exists()}
     for name in sorted(there):
         if (folder / name).read_bytes() != made[name]:

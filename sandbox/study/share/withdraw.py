@@ -14,11 +14,11 @@ from contextlib import ExitStack
 from dataclasses import dataclass
 from pathlib import Path
 
+from sandbox.study.record.copies import session_folders
 from sandbox.study.record.files import LOCK_FILES, locked, study_error, write_atomically
 from sandbox.study.record.folder import REPORT, StudyFolder
 from sandbox.study.record.journal import now
 from sandbox.study.record.notes import COPIED, NOTES, WITHDRAWN, add_note, read_notes, write_notes
-from sandbox.study.record.stored_sessions import session_folders
 from sandbox.study.tables.column import TABLES, csv_bytes
 from sandbox.study.tables.tables import BEFORE, make_tables
 from sandbox.system.files import sync_folder

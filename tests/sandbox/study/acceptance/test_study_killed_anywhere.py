@@ -17,7 +17,8 @@ from models.errors import InputError, StudyError
 from sandbox.cli.main import main
 from sandbox.recording.recording import load_recording
 from sandbox.study.record import journal
-from sandbox.study.record.folder import JOURNAL, REAL, SIMULATED, StudyFolder
+from sandbox.study.record.copies import JOURNAL
+from sandbox.study.record.folder import REAL, SIMULATED, StudyFolder
 from sandbox.study.record.journal import read_journal
 from sandbox.study.record.session_folder import SessionFolder
 from sandbox.study.record.state import SessionState

@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 
-from sandbox.study.record.folder import JOURNAL
+from sandbox.study.record.copies import JOURNAL
 from sandbox.study.record.journal import read_journal
 from sandbox.study.record.session_folder import SessionFolder
 from sandbox.study.record.trial_files import recording_digest

@@ -1,0 +1,130 @@
+"""Folders of people and sessions, and copies among them, which are no data.
+
+A folder is a person's if its name is the pseudonym in its first note, and a session's if its place
+is the one in the first sound record of a run. Who copies a folder inside of a study gives it
+another place, so that each record counts at most once.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from sandbox.study.record.chain import HASH, follows
+from sandbox.study.record.notes import PERSON_NOTES
+from sandbox.study.record.records import RUNS
+
+JOURNAL = "session.jsonl"
+"""File of a session's folder: its record."""
+SESSIONS = "S[0-9][0-9][0-9]"
+"""Pattern of the names of session folders."""
+
+
+@dataclass(frozen=True)
+class Copy:
+    """A folder that is not at the place that its record names.
+
+    Attributes:
+        path: The folder.
+        of: The place that its record names.
+        of_person: True for the folder of a person, false for that of a session.
+    """
+
+    path: Path
+    of: Path
+    of_person: bool
+
+    def __str__(self) -> str:
+        if not self.of.exists():
+            return f"holds the data of {self._name}: name it so, or move it out of the study"
+        file = PERSON_NOTES if self.of_person else JOURNAL
+        equal = _bytes(self.path / file) == _bytes(self.of / file)
+        what = "is a copy of" if equal else "holds other data of"
+        return f"{what} {self._name}; move it out of the study"
+
+    @property
+    def _name(self) -> str:
+        return self.of.name if self.of_person else f"{self.of.parent.name}/{self.of.name}"
+
+
+def person_folders(study: Path) -> list[Path]:
+    """Folders of the people of a study, in the order of their names, without copies."""
+    paths = sorted(path.parent for path in study.glob(f"*/{PERSON_NOTES}"))
+    return [path for path in paths if _person_in(path) in (None, path.name)]
+
+
+def session_folders(person: Path) -> list[Path]:
+    """Folders of all sessions of a participant, in order, without copies; also of sessions that
+    have not begun."""
+    paths = sorted(person.glob(SESSIONS))
+    return [path for path in paths if _session_in(path) in (None, _place(path))]
+
+
+def copies(study: Path) -> list[Copy]:
+    """Folders of a study that are not at the place that their record names."""
+    people = sorted(path.parent for path in study.glob(f"*/{PERSON_NOTES}"))
+    found = []
+    for path in people:
+        ppid = _person_in(path)
+        if ppid not in (None, path.name):
+            found.append(Copy(path, study / str(ppid), True))
+    whole = {copy.path for copy in found}
+    for path in sorted(file.parent for file in study.glob(f"*/*/{JOURNAL}")):
+        place = _session_in(path)
+        if path.parent not in whole and place not in (None, _place(path)):
+            found.append(Copy(path, study / str(place), False))
+    return found
+
+
+def _place(session: Path) -> str:
+    """Place of the folder of a session in its study."""
+    return f"{session.parent.name}/{session.name}"
+
+
+def _person_in(folder: Path) -> str | None:
+    """The pseudonym that the notes in a folder name; None if they name none."""
+    first = _decoded(_bytes(folder / PERSON_NOTES).partition(b"\n")[0])
+    ppid = first.get("ppid")
+    return ppid if isinstance(ppid, str) else None
+
+
+def _session_in(folder: Path) -> str | None:
+    """The place that the record in a folder names; None if it names none in a sound line."""
+    for record in _sound(folder / JOURNAL):
+        if record.get("kind") in RUNS:
+            ppid, number = record.get("ppid"), record.get("session", 1)
+            named = isinstance(ppid, str) and isinstance(number, int)
+            return f"{ppid}/S{number:03d}" if named else None
+    return None
+
+
+def _sound(path: Path) -> Iterator[dict[str, Any]]:
+    """Records of a session up to the first line that is not what was written."""
+    head = ""
+    for line in _bytes(path).split(b"\n")[:-1]:
+        record = _decoded(line)
+        own = record.get(HASH)
+        if not isinstance(own, str) or not follows(line, own, head):
+            return
+        yield record
+        head = own
+
+
+def _decoded(line: bytes) -> dict[str, Any]:
+    """A line of JSON; empty if it is damaged, which who reads all of the file reports."""
+    try:
+        value = json.loads(line)
+    except (ValueError, RecursionError):
+        return {}
+    return value if isinstance(value, dict) else {}
+
+
+def _bytes(path: Path) -> bytes:
+    """Content of a file; empty if it cannot be read, which who reads all of the file reports."""
+    try:
+        return path.read_bytes()
+    except OSError:
+        return b""
