@@ -251,7 +251,7 @@ class Waiting(HeadlessPlayer):
 def between(folder: Path, trials: int = 12) -> None:
     """Time between two trials of a session, beyond what a page shows."""
     study = StudyFolder(folder / "between", load_design(DESIGN), SIMULATED)
-    person, controls = study.add(**simulated_person(study.design, 0)), Controls()
+    person, controls = study.add(**simulated_person(study.design, 1)), Controls()
 
     def say(line: str) -> None:
         if len(Waiting.waited) >= trials:
@@ -311,7 +311,7 @@ def fill(folder: Path, design: Design) -> StudyFolder:
         "digests": {"encoder": "0" * 32, "labels": "0" * 32},
         "measures": {"first_contact_s": 0.3, "lost_s": 0.0},
     }
-    for number in range(PEOPLE):
+    for number in range(1, PEOPLE + 1):
         person = study.add(**simulated_person(design, number))
         with SessionFolder(study, person) as session:
             for step in session.steps:

@@ -20,7 +20,7 @@ from typing import Any
 from models.errors import HandSandboxError, StudyError
 from sandbox.study.record.chain import HASH, Record, chained_bytes
 from sandbox.study.record.files import make_folder, write_atomically
-from sandbox.study.record.folder import FILES, SCHEMA, SITE, StudyFolder
+from sandbox.study.record.folder import FILES, SITE, StudyFolder
 from sandbox.study.record.journal import read_journal
 from sandbox.study.record.notes import (
     ANEW,
@@ -36,7 +36,7 @@ from sandbox.study.record.notes import (
     WITHDRAWN,
     write_notes,
 )
-from sandbox.study.record.records import RUNS
+from sandbox.study.record.records import RUNS, SCHEMA
 from sandbox.study.tables.tables import make_tables
 
 DROPPED = ("tables", "packed", "moved", "left_out")

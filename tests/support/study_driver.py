@@ -43,7 +43,7 @@ LIVE = (
 def run(out: Path, text: str = SHORT, people: int = 1) -> Path:
     """Runs a study with simulated participants, or goes on with it; its folder."""
     study = StudyFolder(out, design(text), SIMULATED)
-    for number in range(people):
+    for number in range(1, people + 1):
         run_simulated(study, number, lambda line: None)
     return study.path
 

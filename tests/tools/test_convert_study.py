@@ -18,6 +18,7 @@ from sandbox.study.record.chain import digest_of
 from sandbox.study.record.folder import SIMULATED, StudyFolder
 from sandbox.study.record.journal import read_journal
 from sandbox.study.record.notes import read_notes
+from sandbox.study.record.records import RUNS
 from sandbox.study.run.simulate import simulate
 from tests.support.study_files import DESIGN, design, rows_of
 from tools.convert_study import convert
@@ -53,7 +54,8 @@ def as_before(study: StudyFolder, out: Path) -> Path:
     journal = [{**notes[0], "schema": 1, "study": "id"}]
     for person in study.participants():
         about = read_notes(study.path / person.ppid / "notes.jsonl")[0]
-        journal.append({k: v for k, v in about.items() if k != "site"})
+        kept = {k: v for k, v in about.items() if k not in ("site", "schema")}
+        journal.append({**kept, "number": about["number"] - 1})
     out.mkdir()
     shutil.copyfile(study.path / "design.toml", out / "design.toml")
     (out / "study.jsonl").write_bytes(old_lines(journal))
@@ -64,6 +66,8 @@ def as_before(study: StudyFolder, out: Path) -> Path:
         records = []
         for one in read_journal(record):
             kept = {k: v for k, v in one.items() if k not in ("files", "site")}
+            if kept["kind"] in RUNS:
+                kept |= {"schema": 2, "number": kept["number"] - 1}
             kept["kind"] = BEFORE.get(kept["kind"], kept["kind"])
             if kept.get("recording"):
                 data = read_stored(record.parent / kept["file"]).data

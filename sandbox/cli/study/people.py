@@ -59,7 +59,7 @@ def find_participant(options: StudyRunOptions, study: StudyFolder, console: Cons
         )
     checked = Person(options.hand, options.hand_size)
     if options.device == "simulated":
-        drawn = simulated_person(design, len(study.participants()))
+        drawn = simulated_person(design, len(study.participants()) + 1)
         # What is not the default was asked for.
         if checked.hand != "right":
             drawn["hand"] = checked.hand

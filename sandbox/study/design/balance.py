@@ -109,7 +109,7 @@ def rows_of(design: Design, participant: int) -> tuple[int, ...]:
 
     Args:
         design: The design.
-        participant: 0, 1, ... in order of arrival.
+        participant: Place in the order of arrival, from 0: one less than the number.
     """
     rows, combined = [], 1
     for factor in design.factors:

@@ -110,7 +110,7 @@ def _all(design: Design, lines: TomlLines) -> Iterator[Flaw]:
     yield from _people(design)
     yield from _practice(design)
     yield from _limits(design, lines)
-    plans = [session_plan(design, 0, n + 1) for n in range(design.sessions)]
+    plans = [session_plan(design, 1, n + 1) for n in range(design.sessions)]
     yield from _never(design, plans)
     yield from _lengths(design, plans)
     yield from _exclusions(design)
@@ -304,7 +304,7 @@ def _practice(design: Design) -> Iterator[Flaw]:
 def _fits(design: Design, every: int) -> bool:
     """True if breaks come after so many trials, and never right after practice."""
     changed = replace(design, break_every=every)
-    some = any(isinstance(step, BreakStep) for step in session_plan(changed, 0))
+    some = any(isinstance(step, BreakStep) for step in session_plan(changed, 1))
     return some and not parting_breaks(changed, people_of_cycle(design))
 
 
@@ -317,12 +317,12 @@ def parting_breaks(design: Design, people: int) -> list[tuple[int, int, int]]:
     """Breaks right after practice, in the sessions of the first so many participants: participant,
     session, and number of the trial before the break, each from 1."""
     found = []
-    for person in range(people):
+    for person in range(1, people + 1):
         for session in range(1, design.sessions + 1):
             last: TrialStep | None = None
             for step in session_plan(design, person, session):
                 if isinstance(step, BreakStep) and last is not None and last.practice:
-                    found.append((person + 1, session, last.number))
+                    found.append((person, session, last.number))
                 if isinstance(step, TrialStep):
                     last = step
     return found
@@ -330,7 +330,7 @@ def parting_breaks(design: Design, people: int) -> list[tuple[int, int, int]]:
 
 def _unpractised(design: Design) -> tuple[str, str, int] | None:
     """Factor, level and session of a trial whose level was not practised; None if all are."""
-    for person in range(people_of_cycle(design)):
+    for person in range(1, people_of_cycle(design) + 1):
         practised = set()
         for session in range(1, design.sessions + 1):
             for trial in trials_of(session_plan(design, person, session)):

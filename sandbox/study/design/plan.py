@@ -106,7 +106,7 @@ class TrialStep(Step):
     session: int = 1
 
 
-def session_plan(design: Design, participant: int, session: int = 1) -> list[Step]:
+def session_plan(design: Design, number: int, session: int = 1) -> list[Step]:
     """Returns all steps of one session of a participant.
 
     Consent and demographics are in the first session only. In each later session, orders `latin`
@@ -115,10 +115,10 @@ def session_plan(design: Design, participant: int, session: int = 1) -> list[Ste
 
     Args:
         design: Design of the study.
-        participant: 0, 1, ... in order of arrival; determines orders.
+        number: Number of the participant, from 1; determines orders.
         session: 1, 2, ... up to `design.sessions`.
     """
-    steps = list(_Plan(design, participant, session).steps())
+    steps = list(_Plan(design, number, session).steps())
     if any(step.values.get("device") == LEAP for step in trials_of(steps)):
         return steps
     return [step for step in steps if not isinstance(step, CalibrationStep)]
@@ -162,9 +162,11 @@ def duration(design: Design, steps: list[Step]) -> float:
 class _Plan:
     """Generator of the steps of one session."""
 
-    def __init__(self, design: Design, participant: int, session: int) -> None:
-        self._design, self._participant, self._session = design, participant, session
-        self._rows = rows_of(design, participant)
+    def __init__(self, design: Design, number: int, session: int) -> None:
+        self._design, self._session = design, session
+        # Rows and seeds count people from 0.
+        self._participant = number - 1
+        self._rows = rows_of(design, self._participant)
         # Number of rows by which this session's orders are further than those of the first one.
         # With one level a session, sessions are the places of one order.
         one_a_session = any(factor.one_a_session for factor in design.factors)

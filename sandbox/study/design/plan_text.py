@@ -31,9 +31,9 @@ def order_rows(design: Design, people: int) -> list[list[str]]:
     names = [factor.name for factor in design.factors]
     several = design.sessions > 1
     rows = [["participant", *(["session"] * several), *names, "trials", "minutes"]]
-    for number, session in product(range(people), range(1, design.sessions + 1)):
+    for number, session in product(range(1, people + 1), range(1, design.sessions + 1)):
         steps = session_plan(design, number, session)
-        before = [str(number + 1), *([str(session)] * several)]
+        before = [str(number), *([str(session)] * several)]
         after = [str(len(trials_of(steps))), f"{duration(design, steps) / 60:.0f}"]
         for levels in _levels_in_order(design, steps):
             rows.append([*before, *levels, *after])
@@ -66,7 +66,7 @@ def session_lines(design: Design, people: int) -> Iterator[str]:
     total = 0.0
     breaks: dict[str, None] = {}
     for session in range(1, design.sessions + 1):
-        steps = session_plan(design, 0, session)
+        steps = session_plan(design, 1, session)
         trials = trials_of(steps)
         practice = sum(trial.practice for trial in trials)
         total += duration(design, steps)

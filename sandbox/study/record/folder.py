@@ -47,13 +47,10 @@ from sandbox.study.record.notes import (
     site_notes,
 )
 from sandbox.study.record.pseudonym import new_pseudonym
-from sandbox.study.record.records import RUNS
+from sandbox.study.record.records import RUNS, SCHEMA
 
 if TYPE_CHECKING:
     from sandbox.trial.settings import Settings
-
-SCHEMA = 2
-"""Version of the folder's layout."""
 
 REAL, PILOT, SIMULATED = "real", "pilot", "simulated"
 """Kinds of data. Each kind has its own folder and is named in every row of the tables; a folder is
@@ -68,7 +65,7 @@ class Participant:
 
     Attributes:
         ppid: Pseudonym.
-        number: 0, 1, ... in order of arrival at the site; it determines the orders of levels.
+        number: 1, 2, ... in order of arrival at the site; it determines the orders of levels.
         hand, hand_size: The participant's hand, and its length relative to the trained hand.
         language: Language of the texts.
         user: The simulated user's configuration; None for a person.
@@ -274,7 +271,7 @@ class StudyFolder:
                 ppid = new_pseudonym()
             person = Participant(ppid, number, site=self.site, **about)
             make_folder(self.path / ppid)
-            add_note(self.path / ppid / PERSON_NOTES, PARTICIPANT, **vars(person))
+            add_note(self.path / ppid / PERSON_NOTES, PARTICIPANT, schema=SCHEMA, **vars(person))
             return person
 
     def note(self, kind: str, /, **values: Any) -> Record:
@@ -325,7 +322,7 @@ class StudyFolder:
             if other is not None and not begun:
                 number = _first_free(held)
             path = self.path / person.ppid / PERSON_NOTES
-            add_note(path, INCLUDE, number=number, **values)
+            add_note(path, INCLUDE, schema=SCHEMA, number=number, **values)
             return replace(person, number=number), other
 
     def _holders(self) -> dict[int, Participant]:
@@ -405,7 +402,7 @@ class StudyFolder:
 
 def _first_free(taken: Collection[int]) -> int:
     """The first number that is not taken."""
-    return next(i for i in range(len(taken) + 1) if i not in taken)
+    return next(i for i in range(1, len(taken) + 2) if i not in taken)
 
 
 def is_study(path: Path) -> bool:

@@ -20,14 +20,11 @@ from models.errors import StudyError
 from models.json_input import checked, decoded_record
 from sandbox.study.record.chain import HASH, Record, chained, chained_bytes, follows
 from sandbox.study.record.files import study_error
-from sandbox.study.record.records import CLOCK_STEP, REPAIRED, AnyRecord
+from sandbox.study.record.records import CLOCK_STEP, REPAIRED, RUNS, AnyRecord, number_from_one
 from sandbox.system.files import OPEN, flush, sync_folder
 
 SYNC = 0.5
 """s between two flushes of written data to the disk."""
-
-SCHEMA = 3
-"""Version of the records."""
 
 STEP = 0.5
 """s by which the wall clock must move against the monotonic clock between two records to count as a
@@ -282,6 +279,8 @@ def checked_record(line: bytes, where: str) -> Record:
     """
     record = decoded_record(line, StudyError, what=_DAMAGED, where=where, remedy=_REMEDY)
     checked(record, AnyRecord, StudyError, what=_DAMAGED, where=where, remedy=_REMEDY)
+    if record["kind"] in RUNS:
+        number_from_one(record)
     return record
 
 

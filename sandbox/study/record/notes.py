@@ -23,7 +23,7 @@ from models.json_input import checked, decoded_record
 from sandbox.study.record.chain import HASH, Record
 from sandbox.study.record.files import study_error, write_atomically
 from sandbox.study.record.journal import check_texts, now
-from sandbox.study.record.records import Shared, Words
+from sandbox.study.record.records import Shared, Words, number_from_one
 from sandbox.system.files import OPEN, sync_folder
 
 NOTES = "notes"
@@ -48,6 +48,7 @@ class _Participant(_Head):
     ppid: str
     site: Shared[str]
     number: Shared[int]
+    schema: Shared[int] = 0
     hand: Shared[str] = "right"
     hand_size: Shared[float] = 1.0
     language: Shared[str] = "en"
@@ -64,6 +65,7 @@ class _Decision(_Head):
     reason: Words[str]
     after: Shared[dict[int, int]]
     number: Shared[int | None] = None
+    schema: Shared[int] = 0
     session: Shared[int | None] = None
     trial: Shared[int | None] = None
 
@@ -157,6 +159,8 @@ def read_notes(path: Path) -> list[Record]:
         if form is None:
             raise StudyError(what, where=where, got=head.kind, expected=", ".join(FORMS))
         checked(note, form, StudyError, what=what, where=where, remedy=remedy)
+        if head.kind in (PARTICIPANT, INCLUDE):
+            number_from_one(note)
         notes.append(note)
     return notes
 

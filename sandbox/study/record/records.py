@@ -28,6 +28,15 @@ SCREEN, CLOCK_STEP, REPAIRED = "screen", "clock_step", "repaired"
 RUNS = (SESSION, RESUME)
 """Kinds of the records with which a run of the program begins."""
 
+SCHEMA = 4
+"""Version of the layout of records and notes; before 4, numbers of participants counted from 0."""
+
+
+def number_from_one(record: dict[str, Any]) -> None:
+    """Brings the number of a participant in a record or note, if it has one, to today's layout."""
+    if record.get("number") is not None and record.get("schema", 0) < SCHEMA:
+        record |= {"number": record["number"] + 1, "schema": SCHEMA}
+
 
 class _Line(Struct, tag_field="kind"):
     """Fields of every record.
@@ -49,7 +58,7 @@ class Session(_Line, tag=SESSION):
     """A session begins: whose it is, by which program and design, whose texts are `files`."""
 
     ppid: str
-    number: Shared[int] = 0
+    number: Shared[int] = 1
     session: Shared[int] = 1
     experiment: Shared[str] = ""
     mode: Shared[str] = ""

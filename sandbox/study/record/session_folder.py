@@ -19,9 +19,18 @@ from sandbox.study.record.chain import HASH, Record
 from sandbox.study.record.copies import JOURNAL
 from sandbox.study.record.files import locked, make_folder, remove_unfinished, study_error
 from sandbox.study.record.folder import FILES, Participant, StudyFolder, design_files
-from sandbox.study.record.journal import SCHEMA, Journal, SyncThread, read_journal
+from sandbox.study.record.journal import Journal, SyncThread, read_journal
 from sandbox.study.record.notes import LOSS, SEALED, broken_seals, person_notes, seals_of
-from sandbox.study.record.records import COMMAND, REPAIRED, RESUME, RUNS, SESSION, TRIAL, TRIAL_END
+from sandbox.study.record.records import (
+    COMMAND,
+    REPAIRED,
+    RESUME,
+    RUNS,
+    SCHEMA,
+    SESSION,
+    TRIAL,
+    TRIAL_END,
+)
 from sandbox.study.record.state import Attempt, SessionState, decisions_on
 from sandbox.study.record.stored_sessions import (
     StoredSession,

@@ -77,11 +77,11 @@ def decide(
     begun = any(session.state.attempts for session in sessions)
     now, other = study.include(person, begun, **about)
     if other is None:
-        return f"{ppid} has number {now.number + 1} again"
-    given = f"number {person.number + 1} was given to {other.ppid} meanwhile"
+        return f"{ppid} has number {now.number} again"
+    given = f"number {person.number} was given to {other.ppid} meanwhile"
     if begun:
         return f"{given}: both have its orders, and both count"
-    return f"{given}: {ppid} has number {now.number + 1} now, and its orders"
+    return f"{given}: {ppid} has number {now.number} now, and its orders"
 
 
 @dataclass(frozen=True)

@@ -106,7 +106,7 @@ def session_sheet(
             expected=", ".join(design.languages),
         )
     language = language or design.languages[0]
-    steps = session_plan(design, number - 1, session)
+    steps = session_plan(design, number, session)
     of_several = f", session {session} of {design.sessions}" if design.sessions > 1 else ""
     title = (
         f"{design.name}: participant number {number}{of_several}, language {language}, about "

@@ -13,7 +13,6 @@ from models.errors import DifferentPlanError, StudyError
 from models.surface import Surface
 from sandbox.devices.device import Device, Sees
 from sandbox.devices.simulated import NEXT_PERSON
-from sandbox.devices.simulated.in_air import SimulatedLeap
 from sandbox.devices.simulated.simulated import SimulatedDevice
 from sandbox.devices.wrappers.degraded import DegradedDevice
 from sandbox.study.design.conditions import uses_camera
@@ -52,9 +51,9 @@ def simulated_person(design: Design, number: int) -> dict[str, Any]:
 
     Args:
         design: Design of the study, whose seed is used.
-        number: Number of the participant.
+        number: Number of the participant, from 1.
     """
-    rng = np.random.default_rng([design.seed, number, _STREAM])
+    rng = np.random.default_rng([design.seed, number - 1, _STREAM])
     skill = float(rng.beta(3.0, 3.0))
     size = float(np.clip(rng.normal(1.0, HAND_SPREAD), 0.8, 1.2))
     plain = UserConfiguration()
@@ -73,7 +72,7 @@ def simulated_person(design: Design, number: int) -> dict[str, Any]:
     return {
         "hand": "left" if rng.uniform() < LEFT else "right",
         "hand_size": round(size, 4),
-        "language": design.languages[number % len(design.languages)],
+        "language": design.languages[(number - 1) % len(design.languages)],
         "user": configuration,
     }
 
@@ -84,7 +83,7 @@ def simulated_devices(person: Participant) -> OpenDevices:
 
     def of_trial(trial: TrialStep, settings: Settings) -> DeviceMakers:
         # The seed differs from the task's own, between participants, and between sessions.
-        seed = trial.seed ^ (person.number + 1) ^ ((trial.session - 1) << DAYS)
+        seed = trial.seed ^ person.number ^ ((trial.session - 1) << DAYS)
         makers = tuple(
             simulated_hand(user, settings, hand, seed) for hand in range(len(settings.hands))
         )
@@ -109,6 +108,9 @@ def simulated_hand(
 
     def make(task: Task, surface: Surface) -> Device:
         if whose.in_air is not None:
+            # Most studies have no hand in the air, and this one imports some 35 modules.
+            from sandbox.devices.simulated.in_air import SimulatedLeap
+
             leap = SimulatedLeap(task, user, seed, whose.in_air.at, person=whose.person, hand=hand)
             return cast(Device, leap)
         device = SimulatedDevice(
@@ -139,7 +141,7 @@ def run_simulated(
 
     Args:
         study: The study.
-        number: Number of the participant, from 0.
+        number: Number of the participant, from 1.
         say: Prints a line.
         controls: Commands of the experimenter; None gives none.
         tables: False leaves the tables to the caller.
@@ -152,7 +154,8 @@ def run_simulated(
                 # A design that has changed since may have more for it; it stays as it was.
                 bring_up_to_date(session, say, tables)
                 continue
-            forms = SimulatedForms((study.design.seed % 2**31 + number) ^ ((n - 1) << DAYS))
+            seed = study.design.seed % 2**31 + number - 1
+            forms = SimulatedForms(seed ^ ((n - 1) << DAYS))
             outcome = SessionRunner(
                 session,
                 HeadlessPlayer(),
@@ -203,14 +206,15 @@ def simulate(
         )
     people = study.participants()
     finished = {p.number for p in people if has_finished(study, p)}
-    for number in range(participants):
+    everybody = range(1, participants + 1)
+    for number in everybody:
         try:
             outcome: str = run_simulated(study, number, say, tables=False)
         except DifferentPlanError as error:
             outcome = f"left as it is: {error}"
         already = " already" if number in finished else ""
-        say(f"participant {number + 1} of {participants}: {outcome}{already}")
-    if finished >= set(range(participants)):
+        say(f"participant {number} of {participants}: {outcome}{already}")
+    if finished >= set(everybody):
         say(
             "all was done before, so nothing was played. What was found: "
             f"{shlex.join(['sandbox', 'study', 'report', str(study.path)])}. "

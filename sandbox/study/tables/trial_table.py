@@ -265,7 +265,7 @@ def session_cells(state: SessionState) -> Row:
         "mode": start["mode"],
         "site": start.get("site"),
         "participant": start["ppid"],
-        "number": start["number"] + 1,
+        "number": start["number"],
         "session": start["session"],
     }
 

@@ -139,7 +139,7 @@ def test_a_study_of_other_states_is_verified_but_for_its_replays(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     study = open_study(tmp_path)
-    run_simulated(study, 0, lambda text: None)
+    run_simulated(study, 1, lambda text: None)
     tables = session_path(study.path, study.participants()[0].ppid)
     frames = sorted(path.name for path in tables.rglob("*.frames.csv.gz"))
     assert frames

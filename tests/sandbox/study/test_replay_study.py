@@ -34,7 +34,7 @@ PERIOD = 0.016
 @pytest.fixture(scope="module")
 def study(tmp_path_factory: pytest.TempPathFactory) -> StudyFolder:
     found = open_study(tmp_path_factory.mktemp("replays"))
-    run_simulated(found, 0, quiet)
+    run_simulated(found, 1, quiet)
     return found
 
 

@@ -33,7 +33,7 @@ from tests.support.study_files import DESIGN, TRIALS, design, open_study, pilot,
 @pytest.fixture(scope="module")
 def finished(tmp_path_factory: pytest.TempPathFactory) -> StudyFolder:
     study = open_study(tmp_path_factory.mktemp("study"))
-    assert run_simulated(study, 0, quiet) is SessionOutcome.COMPLETE
+    assert run_simulated(study, 1, quiet) is SessionOutcome.COMPLETE
     make_tables(study)
     return study
 
@@ -73,7 +73,7 @@ def test_a_journal_that_lost_the_end_of_a_trial_is_completed_from_the_recording(
     tmp_path: Path,
 ) -> None:
     study = open_study(tmp_path)
-    run_simulated(study, 0, quiet)
+    run_simulated(study, 1, quiet)
     path = next(study.path.glob("*/S001/session.jsonl"))
     lines = path.read_bytes().splitlines(keepends=True)
     last = max(i for i, line in enumerate(lines) if b'"kind":"trial_end"' in line)
@@ -81,7 +81,7 @@ def test_a_journal_that_lost_the_end_of_a_trial_is_completed_from_the_recording(
     path.write_bytes(b"".join(lines[:last]))
     write_notes(study.notes, [note for note in study.records() if note["kind"] != "sealed"])
     recording = read_stored(path.parent / "trials/T006.jsonl").data
-    assert run_simulated(study, 0, quiet) is SessionOutcome.COMPLETE
+    assert run_simulated(study, 1, quiet) is SessionOutcome.COMPLETE
     rows = rows_of(study.path / "tables/trials.csv")
     assert [r["trial"] for r in rows if r["counted"] == "1"] == list("123456")
     assert rows[-1]["recording"].endswith("S001/trials/T006.jsonl.gz")
@@ -120,7 +120,7 @@ def test_to_run_a_session_that_is_complete_adds_nothing_unless_files_of_it_are_m
     monkeypatch.setattr("sys.stdin", io.StringIO(""))
     (tmp_path / "design.toml").write_text(DESIGN)
     study = open_study(tmp_path, mode=PILOT)
-    run_simulated(study, 0, quiet)
+    run_simulated(study, 1, quiet)
     person = study.participants()[0].ppid
     run = [*pilot(tmp_path / "design.toml"), "--participant", person]
     first = contents(study.path)
@@ -210,11 +210,11 @@ def test_another_program_is_refused_unless_forced_and_that_is_logged(
 
 def test_a_finished_trial_that_is_repeated_counts_in_its_last_attempt(tmp_path: Path) -> None:
     study = open_study(tmp_path)
-    run_simulated(study, 0, quiet)
+    run_simulated(study, 1, quiet)
     person = study.participants()[0]
     with SessionFolder(study, person) as session:
         session.command("repeat", step="trial:3", trial=3, reason="wrong chair")
-    assert run_simulated(study, 0, quiet) is SessionOutcome.COMPLETE
+    assert run_simulated(study, 1, quiet) is SessionOutcome.COMPLETE
     rows = rows_of(study.path / "tables/trials.csv")
     third = [(r["attempt"], r["counted"]) for r in rows if r["trial"] == "3"]
     assert third == [("1", "0"), ("2", "1")]
@@ -226,7 +226,7 @@ def test_the_time_limit_of_a_study_ends_a_trial_and_its_recording_replays(tmp_pa
         "repetitions = 2", "repetitions = 1"
     )
     study = open_study(tmp_path, text)
-    run_simulated(study, 0, quiet)
+    run_simulated(study, 1, quiet)
     folder = session_path(study.path, study.participants()[0].ppid)
     rows = rows_of(study.path / "tables/trials.csv")
     assert {(r["status"], r["time_s"]) for r in rows} == {("timeout", "0.08")}
@@ -237,7 +237,7 @@ def test_the_time_limit_of_a_study_ends_a_trial_and_its_recording_replays(tmp_pa
 def test_rules_exclude_by_what_was_measured(tmp_path: Path) -> None:
     rule = '[[exclusions]]\nname = "quick"\nmeasure = "time_s"\nbelow = 0.2\n'
     study = open_study(tmp_path, DESIGN + rule)
-    run_simulated(study, 0, quiet)
+    run_simulated(study, 1, quiet)
     rows = rows_of(study.path / "tables/trials.csv")
     for row in rows:
         assert (row["excluded"] == "1") == (float(row["time_s"]) < 0.2)
@@ -263,8 +263,8 @@ def test_tables_keep_every_cell(cells: list[list[object]]) -> None:
 
 
 def test_simulated_people_differ_in_skill_and_hand_and_are_the_same_every_time() -> None:
-    people = [simulated_person(design(), n) for n in range(40)]
-    assert people == [simulated_person(design(), n) for n in range(40)]
+    people = [simulated_person(design(), n) for n in range(1, 41)]
+    assert people == [simulated_person(design(), n) for n in range(1, 41)]
     skills = [p["user"]["skill"] for p in people]
     sizes = [p["hand_size"] for p in people]
     assert min(skills) < 0.35 and max(skills) > 0.65

@@ -68,7 +68,7 @@ def run_with(
     out: Path, lines: dict[int, str]
 ) -> tuple[StudyFolder, SessionState, SessionOutcome, Typist]:
     study = open_study(out)
-    person = study.add(**simulated_person(study.design, 0))
+    person = study.add(**simulated_person(study.design, 1))
     typist = Typist(lines)
     with SessionFolder(study, person) as session:
         forms = SimulatedForms(1)
@@ -131,7 +131,7 @@ def test_the_last_trial_can_be_excluded_after_the_program_was_started_again(
     tmp_path: Path,
 ) -> None:
     study = open_study(tmp_path)
-    person = study.add(**simulated_person(study.design, 0))
+    person = study.add(**simulated_person(study.design, 1))
     leaving, outcomes, last = Leaving(1), list[SessionOutcome](), 0
     runs: list[tuple[SimulatedForms, dict[int, str]]] = [
         (leaving, {}),
@@ -154,7 +154,7 @@ def test_a_stopped_session_goes_on_where_it_was(tmp_path: Path) -> None:
     study, state, outcome, _ = run_with(tmp_path, {30: "q"})
     done = [t for t in range(1, TRIALS + 1) if state.counted(t)]
     assert outcome is SessionOutcome.STOPPED and len(done) < TRIALS
-    assert run_simulated(study, 0, quiet) is SessionOutcome.COMPLETE
+    assert run_simulated(study, 1, quiet) is SessionOutcome.COMPLETE
     journal = next(study.path.glob("*/S001/session.jsonl"))
     state = SessionState.of(read_journal(journal))
     assert all(state.counted(t) for t in range(1, TRIALS + 1))
@@ -202,7 +202,7 @@ def test_a_note_in_another_encoding_is_kept_and_the_keys_after_it_still_work() -
 
 def test_without_consent_nothing_is_played(tmp_path: Path) -> None:
     study = open_study(tmp_path)
-    person = study.add(**simulated_person(study.design, 0))
+    person = study.add(**simulated_person(study.design, 1))
     controls = Controls()
     terminal = Terminal(controls, Patient("no\n"))
     with SessionFolder(study, person) as session:
@@ -210,7 +210,7 @@ def test_without_consent_nothing_is_played(tmp_path: Path) -> None:
         assert runner.run() is SessionOutcome.NO_CONSENT
         assert not session.state.attempts
     # Whoever declines uses up neither a number nor its orders.
-    assert study.add(**simulated_person(study.design, 0)).number == person.number
+    assert study.add(**simulated_person(study.design, 1)).number == person.number
 
 
 def test_a_session_in_the_terminal_asks_plays_and_hears_the_experimenter(
@@ -337,7 +337,7 @@ def test_after_a_long_pause_a_block_begins_again_with_its_practice_if_the_experi
             assert "31 min" in said.pop(0) and "1 go on, 2 begin again" in said.pop()
             assert sorted(t for t in state.attempts if session.state.counted(t)) == after
             assert SessionState.of(session.journal.records).finished == session.state.finished
-    assert run_simulated(study, 0, quiet) is SessionOutcome.COMPLETE
+    assert run_simulated(study, 1, quiet) is SessionOutcome.COMPLETE
     rows = rows_of(study.path / "tables/trials.csv")
     counted = [r["trial"] for r in rows if r["counted"] == "1"]
     assert counted == [str(t) for t in range(1, TRIALS + 1)] and len(rows) == TRIALS + 1

@@ -172,7 +172,7 @@ def test_a_number_that_was_freed_goes_to_a_newcomer_or_is_taken_back(
         find_participant(options, study, Console())
     assert main([*note, first.ppid, "--include", "came after all"]) == 0
     assert "has number 1 again" in capsys.readouterr().out and not study.is_released(first.ppid)
-    assert study.add().number == 2
+    assert study.add().number == 3
     assert main([*note, second.ppid, "--release", "did not come"]) == 0
     newcomer = study.add()
     assert newcomer.number == second.number
@@ -194,7 +194,7 @@ def test_who_takes_part_after_all_before_any_trial_gets_the_next_free_number(
     note = ["study", "note", str(folder), "--participant", person.ppid]
     assert main([*note, "--include", "agrees now"]) == 0
     told = capsys.readouterr().out
-    assert f"{person.ppid} has number {person.number + 2} now, and its orders" in told
+    assert f"{person.ppid} has number {person.number + 1} now, and its orders" in told
     now = study.find(person.ppid)
     assert now.number == person.number + 1
     assert study.add().number == person.number + 2

@@ -49,10 +49,10 @@ def test_whoever_has_trials_over_a_leap_is_measured_before_them_and_nobody_else(
         'name = "contact"\norder = "latin"\nlevels = ["hard", "soft"]',
         'name = "device"\norder = "between"\nlevels = ["touch", "leap"]',
     ).replace('"contact"', '"device"')
-    over = steps(some, 1)
+    over = steps(some, 2)
     assert over.index(CalibrationStep) < over.index(TrialStep) and over.count(CalibrationStep) == 1
-    assert CalibrationStep not in steps(some, 0)
-    assert CalibrationStep not in steps(DESIGN, 0)
+    assert CalibrationStep not in steps(some, 1)
+    assert CalibrationStep not in steps(DESIGN, 1)
 
 
 @pytest.fixture(scope="module")

@@ -16,7 +16,7 @@ from tests.support.study_files import TRIALS, open_study, quiet, recordings
 
 def test_every_finished_trial_is_compressed_and_its_row_says_where(tmp_path: Path) -> None:
     study = open_study(tmp_path)
-    run_simulated(study, 0, quiet)
+    run_simulated(study, 1, quiet)
     folder = session_path(study.path, study.participants()[0].ppid)
     files = sorted(p.name for p in (folder / "trials").glob("*.jsonl*"))
     assert files == [f"T{n:03d}.jsonl.gz" for n in range(1, TRIALS + 1)]
@@ -28,13 +28,13 @@ def test_a_session_that_an_older_version_left_uncompressed_is_compressed_when_it
     tmp_path: Path,
 ) -> None:
     study = open_study(tmp_path)
-    run_simulated(study, 0, quiet)
+    run_simulated(study, 1, quiet)
     folder = session_path(study.path, study.participants()[0].ppid)
     small = folder / "trials/T002.jsonl.gz"
     before, plain = small.read_bytes(), folder / "trials/T002.jsonl"
     plain.write_bytes(read_stored(plain).data)
     small.unlink()
-    run_simulated(study, 0, quiet)
+    run_simulated(study, 1, quiet)
     assert small.read_bytes() == before and not plain.exists()
 
 

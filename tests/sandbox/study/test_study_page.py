@@ -504,7 +504,7 @@ def test_with_trials_elsewhere_the_page_has_the_forms_and_says_where_to_look(
     tmp_path: Path,
 ) -> None:
     study = open_study(tmp_path)
-    person = study.add(**simulated_person(study.design, 0))
+    person = study.add(**simulated_person(study.design, 1))
     server = PageServer(study=study_view(study.design.page, "de"))
     page = StudyPage(server, "de")
     said: list[str] = []

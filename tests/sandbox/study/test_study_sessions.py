@@ -80,12 +80,12 @@ def study(made: Path, tmp_path: Path) -> StudyFolder:
 @pytest.mark.parametrize("rule", ["latin", "random", "blocked", "factorial", "between"])
 def test_the_first_of_several_sessions_is_the_one_of_people_who_come_once(rule: str) -> None:
     once, twice = crossed(1, rule), crossed(2, rule)
-    assert all(session_plan(once, n) == session_plan(twice, n, 1) for n in range(6))
+    assert all(session_plan(once, n) == session_plan(twice, n, 1) for n in range(1, 7))
 
 
 def test_in_a_later_session_every_factor_has_the_next_one_of_its_orders() -> None:
     plan, squares = crossed(3), {"contact": 2, "task": 3}
-    for person in range(6):
+    for person in range(1, 7):
         for factor, count in squares.items():
             names = [x.name for f in plan.factors if f.name == factor for x in f.levels]
             orders = [[names[i] for i in row] for row in balanced_latin_square(count)]
@@ -98,9 +98,9 @@ def test_in_a_later_session_every_factor_has_the_next_one_of_its_orders() -> Non
 
 def test_a_random_order_is_drawn_anew_and_levels_between_people_stay() -> None:
     random, between = crossed(2, "random"), crossed(2, "between")
-    pairs = [[order(trials(random, n, s), "task") for s in (1, 2)] for n in range(12)]
+    pairs = [[order(trials(random, n, s), "task") for s in (1, 2)] for n in range(1, 13)]
     assert any(a != b for a, b in pairs)
-    for n in range(6):
+    for n in range(1, 7):
         levels = {t.levels["task"] for s in (1, 2) for t in trials(between, n, s)}
         assert len(levels) == 1
 
@@ -108,23 +108,25 @@ def test_a_random_order_is_drawn_anew_and_levels_between_people_stay() -> None:
 def test_one_level_a_session_spreads_a_factor_over_sessions_in_balanced_order() -> None:
     plan = crossed(2, more="\none_a_session = true")
     of = {
-        (n, s): {t.levels["contact"] for t in trials(plan, n, s)} for n in range(6) for s in (1, 2)
+        (n, s): {t.levels["contact"] for t in trials(plan, n, s)}
+        for n in range(1, 7)
+        for s in (1, 2)
     }
     assert all(len(levels) == 1 for levels in of.values())
-    assert all(of[n, 1] | of[n, 2] == {"hard", "soft"} for n in range(6))
-    assert Counter(*[[min(of[n, 1]) for n in range(6)]]) == {"hard": 3, "soft": 3}
+    assert all(of[n, 1] | of[n, 2] == {"hard", "soft"} for n in range(1, 7))
+    assert Counter(*[[min(of[n, 1]) for n in range(1, 7)]]) == {"hard": 3, "soft": 3}
 
 
 def test_starts_are_others_in_another_session_unless_all_share_them() -> None:
     own, shared = crossed(2), crossed(2, seeds="shared")
-    assert not {t.seed for t in trials(own, 0, 1)} & {t.seed for t in trials(own, 0, 2)}
-    by = [{(t.levels["task"], t.repetition): t.seed for t in trials(shared, 0, s)} for s in (1, 2)]
+    assert not {t.seed for t in trials(own, 1, 1)} & {t.seed for t in trials(own, 1, 2)}
+    by = [{(t.levels["task"], t.repetition): t.seed for t in trials(shared, 1, s)} for s in (1, 2)]
     assert by[0] == by[1]
 
 
 def test_consent_and_questions_about_the_person_come_once_and_the_rest_where_it_was_asked() -> None:
     text = TWICE.replace('at = "contact"\n', 'at = "contact"\nsessions = [2]\n')
-    plans = [session_plan(design(text), 0, s) for s in (1, 2)]
+    plans = [session_plan(design(text), 1, s) for s in (1, 2)]
     asked = [[s.form.name for s in plan if isinstance(s, FormStep)] for plan in plans]
     assert asked == [["demographics"], ["effort", "effort"]]
     assert [any(isinstance(s, ConsentStep) for s in plan) for plan in plans] == [True, False]
@@ -214,7 +216,7 @@ def test_who_is_excluded_in_one_session_is_left_out_in_all(study: StudyFolder) -
 def test_a_rule_about_people_waits_for_their_last_session(tmp_path: Path) -> None:
     rule = '[[exclusions]]\nname = "all"\nof = "participant"\nmeasure = "time_s"\nabove = 0.0\n'
     study = StudyFolder(tmp_path, design(TWICE + rule), SIMULATED)
-    run_simulated(study, 0, quiet)
+    run_simulated(study, 1, quiet)
     reasons = {r["exclusion_reason"] for r in rows_of(study.path / "tables/trials.csv")}
     assert reasons == {"participant: rule all"}
     shutil.rmtree(session_path(study.path, study.participants()[0].ppid, 2))
@@ -284,7 +286,7 @@ def test_the_command_begins_the_next_session_and_refuses_what_is_not_its_turn(
     assert "begins with session 1" in capsys.readouterr().err
     study = StudyFolder(tmp_path, design(TWICE), "pilot")
     assert not study.participants()
-    run_simulated(study, 0, quiet)
+    run_simulated(study, 1, quiet)
     person = study.participants()[0].ppid
     for _ in range(2):
         # What is complete has nothing left to do.
@@ -305,7 +307,7 @@ def test_the_command_begins_the_next_session_and_refuses_what_is_not_its_turn(
 def test_who_came_twice_is_complete_if_people_come_only_once_from_now_on(tmp_path: Path) -> None:
     """They were told to be incomplete."""
     study = StudyFolder(tmp_path, design(TWICE), SIMULATED)
-    run_simulated(study, 0, quiet)
+    run_simulated(study, 1, quiet)
     once = TWICE.replace("sessions = 2", "sessions = 1").replace("practice_sessions = [1]\n", "")
     study = StudyFolder(tmp_path, design(once), SIMULATED, "people are tired")
     make_tables(study)

@@ -55,7 +55,7 @@ time_limit_s = 4.0
 def study(tmp_path_factory: pytest.TempPathFactory) -> StudyFolder:
     """A study of one simulated participant with one trial, broken off after 4 s."""
     found = open_study(tmp_path_factory.mktemp("pairs"), PAIRS)
-    assert run_simulated(found, 0, quiet) is SessionOutcome.COMPLETE
+    assert run_simulated(found, 1, quiet) is SessionOutcome.COMPLETE
     make_tables(found)
     return found
 

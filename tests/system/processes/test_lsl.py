@@ -218,7 +218,7 @@ def test_other_instruments_hear_of_a_study_what_happens_and_nothing_that_was_sai
     ear = Ear()
     study = open_study(tmp_path)
     with forwarding_to(ear):
-        run_simulated(study, 0, lambda text: None)
+        run_simulated(study, 1, lambda text: None)
     ear.close()
     kinds = [what for what, _ in heard]
     assert kinds[0] == "journal_session" and kinds[-2:] == ["journal_end", "sealed"]

@@ -95,8 +95,8 @@ def test_kills_in_both_sessions_lose_nothing_and_count_nothing_twice(tmp_path: P
         kills += killed
         at_least = finished[1] if finished[0] == FIRST else 0
         if finished[0] < FIRST:
-            finished[0] = check_session(study, 0, finished[0])
-        finished[1] = check_session(study, 0, at_least, 2)
+            finished[0] = check_session(study, 1, finished[0])
+        finished[1] = check_session(study, 1, at_least, 2)
         in_second += killed and finished[0] == FIRST and finished[1] < SECOND
         assert finished[1] == 0 or finished[0] == FIRST
         assert told_finished(said) <= max(finished)

@@ -65,7 +65,7 @@ def kill_often(out: Path, kills: int, seed: int) -> int:
             killed, said = killed_after(child, wait)
             done += killed
             before = finished
-            finished = check_session(study, 0, max(before, told_finished(said)))
+            finished = check_session(study, 1, max(before, told_finished(said)))
         assert finished == TRIALS
         rows = list(csv.DictReader((study.path / "tables/trials.csv").open()))
         assert [int(r["trial"]) for r in rows if r["counted"] == "1"] == [1, 2, 3, 4, 5, 6]
@@ -91,7 +91,7 @@ def test_a_study_killed_two_hundred_times_loses_nothing(tmp_path: Path) -> None:
 
 def test_a_kill_while_tables_are_rebuilt_leaves_them_whole(tmp_path: Path) -> None:
     study = open_study(tmp_path)
-    run_simulated(study, 0, lambda text: None)
+    run_simulated(study, 1, lambda text: None)
     person = study.participants()[0]
     folder = study.path / "tables"
     names = ("trials.csv", "answers.csv", "events.csv", "codebook.csv")
@@ -130,17 +130,17 @@ def test_two_programs_that_are_killed_while_they_fill_one_study_do_not_disturb_e
     rounds = 0
     while any(alive):
         rounds += 1
-        children = [in_child(lambda say, n=n: run_simulated(study, n, say)) for n in (0, 1)]  # type: ignore[misc]
+        children = [in_child(lambda say, n=n: run_simulated(study, n + 1, say)) for n in (0, 1)]  # type: ignore[misc]
         for n, child in enumerate(children):
             wait = float(rng.uniform(0.1, 0.6)) if rounds <= 4 else WHOLE
             alive[n], said = killed_after(child, wait)
-            finished[n] = check_session(study, n, max(finished[n], told_finished(said)))
+            finished[n] = check_session(study, n + 1, max(finished[n], told_finished(said)))
     assert finished == [TRIALS, TRIALS]
     make_tables(study)
     rows = list(csv.DictReader((study.path / "tables/trials.csv").open()))
     counted = [(r["number"], r["trial"]) for r in rows if r["counted"] == "1"]
     assert len(counted) == len(set(counted)) == 2 * TRIALS
-    assert sorted(p.number for p in study.participants()) == [0, 1]
+    assert sorted(p.number for p in study.participants()) == [1, 2]
 
 
 def test_a_full_disk_ends_a_session_with_one_clear_error_and_costs_no_finished_trial(
@@ -152,7 +152,7 @@ def test_a_full_disk_ends_a_session_with_one_clear_error_and_costs_no_finished_t
     def work(limit: int, say: Say) -> None:
         resource.setrlimit(resource.RLIMIT_FSIZE, (limit, limit))
         try:
-            run_simulated(study, 0, say)
+            run_simulated(study, 1, say)
             say("no error")
         except InputError as error:
             say(f"refused: {error}")
@@ -162,9 +162,9 @@ def test_a_full_disk_ends_a_session_with_one_clear_error_and_costs_no_finished_t
         killed, said = killed_after(child, WHOLE)
         assert not killed
         assert limit > 14_000 or ("refused" in said and "File too large" in said), said
-        finished = check_session(study, 0, max(finished, told_finished(said)))
-    run_simulated(study, 0, lambda text: None)
-    assert check_session(study, 0, finished) == TRIALS
+        finished = check_session(study, 1, max(finished, told_finished(said)))
+    run_simulated(study, 1, lambda text: None)
+    assert check_session(study, 1, finished) == TRIALS
 
 
 def test_a_journal_on_a_full_device_says_so(tmp_path: Path) -> None:

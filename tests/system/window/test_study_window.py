@@ -31,7 +31,7 @@ SHORT = DESIGN.replace("repetitions = 2\npractice = 1", "repetitions = 1\npracti
 def hashes(out: Path, player: TrialPlayer) -> list[str]:
     """State hashes of a participant's trials, which have all been finished."""
     study = open_study(out, SHORT)
-    person = study.add(**simulated_person(study.design, 0))
+    person = study.add(**simulated_person(study.design, 1))
     with SessionFolder(study, person) as session:
         runner = SessionRunner(
             session,

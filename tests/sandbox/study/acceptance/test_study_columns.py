@@ -83,8 +83,8 @@ def test_what_was_answered_in_a_form_that_was_left_is_in_the_table_and_stays_in_
     tmp_path: Path,
 ) -> None:
     study = StudyFolder(tmp_path, design(DESIGN), SIMULATED)
-    person = study.add(**simulated_person(study.design, 0))
-    form = next(step for step in session_plan(study.design, 0) if isinstance(step, FormStep))
+    person = study.add(**simulated_person(study.design, 1))
+    form = next(step for step in session_plan(study.design, 1) if isinstance(step, FormStep))
     with SessionFolder(study, person) as session:
         session.write("answer", step=form.id, item=form.form.items[0].name, answer=33)
     make_tables(study)
@@ -107,8 +107,8 @@ def met(plan: Design, number: int) -> dict[int, dict[str, object]]:
 @pytest.mark.parametrize("rounds", ["", '\nrepeat_inside = "contact"'])
 def test_places_are_those_within_the_same_outer_level_and_round(rounds: str) -> None:
     plan = design(DESIGN.replace("[trials]", SECOND + "[trials]" + rounds))
-    cells = met(plan, 0)
-    trials = [t for t in trials_of(session_plan(plan, 0)) if not t.practice]
+    cells = met(plan, 1)
+    trials = [t for t in trials_of(session_plan(plan, 1)) if not t.practice]
     assert [cells[t.number]["position"] for t in trials] == list(range(1, len(trials) + 1))
     # Each level of the inner factor is at a place of its own in every outer level and round.
     for outer in ("hard", "soft"):
@@ -158,8 +158,8 @@ def test_participants_have_group_day_device_surface_and_program(study: Path) -> 
 
 def test_answers_have_the_time_that_each_took(tmp_path: Path) -> None:
     study = StudyFolder(tmp_path, design(TWO_ITEMS), SIMULATED)
-    person = study.add(**simulated_person(study.design, 0))
-    form = next(step for step in session_plan(study.design, 0) if isinstance(step, FormStep))
+    person = study.add(**simulated_person(study.design, 1))
+    form = next(step for step in session_plan(study.design, 1) if isinstance(step, FormStep))
     with SessionFolder(study, person) as session:
         for item, answer in (("first", 1), ("second", 2), ("first", 3)):
             session.write("answer", step=form.id, item=item, answer=answer)

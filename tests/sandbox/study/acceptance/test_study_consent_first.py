@@ -33,5 +33,5 @@ def test_who_declines_leaves_three_records_and_their_number(
     study = StudyFolder(tmp_path, design(SHORT), SIMULATED)
     (person,) = study.participants()
     assert study.is_released(person.ppid)
-    assert study.add(**simulated_person(study.design, 0)).number == person.number
+    assert study.add(**simulated_person(study.design, 1)).number == person.number
     assert verify(folder) == []

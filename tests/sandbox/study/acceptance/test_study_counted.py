@@ -21,7 +21,7 @@ from tests.support.study_files import design, trial_result
 @cache
 def plan() -> list[TrialStep]:
     """The trials of a session."""
-    return trials_of(session_plan(design(), 0, 1))
+    return trials_of(session_plan(design(), 1, 1))
 
 
 RESULT = trial_result().values_for(ResultRecord.JOURNAL)
@@ -132,7 +132,7 @@ ABOUT: dict[str, Any] = {
     "session": 1,
     "boot": "one",
     "ppid": "ABCDEF",
-    "number": 0,
+    "number": 1,
     "hand": "right",
     "hand_size": 1.0,
     "language": "en",

@@ -176,7 +176,7 @@ def test_a_session_that_is_open_is_refused_and_newcomers_of_many_programs_have_a
     for child in children:
         killed_after(child, 60.0)
     numbers = [p.number for p in study.participants()]
-    assert sorted(numbers) == list(range(1 + 4 * 6))
+    assert sorted(numbers) == list(range(1, 1 + 1 + 4 * 6))
 
 
 def test_a_participant_whose_session_is_complete_plays_nothing_and_changes_nothing(

@@ -67,7 +67,7 @@ def test_over_a_full_cycle_every_outer_order_meets_every_inner_one_in_every_leve
 ) -> None:
     design = crossed(outer, inner)
     orders, levels, places, both = (Counter[object]() for _ in range(4))
-    for number in range(whole_cycle(design)):
+    for number in range(1, whole_cycle(design) + 1):
         blocks = met(design, number, session)
         whole = tuple(level for level, _ in blocks)
         for place, (level, order) in enumerate(blocks):
@@ -89,7 +89,7 @@ def test_whoever_came_so_far_used_all_orders_within_one_of_equally_often(
     design = crossed(outer, inner)
     wholes, levels, places, orders = (Counter[object]() for _ in range(4))
     n, (a, b) = outer[1], map(cycle_of, design.factors)
-    for number in range(people):
+    for number in range(1, people + 1):
         blocks = met(design, number, session)
         whole = tuple(level for level, _ in blocks)
         wholes[whole] += 1
@@ -130,7 +130,7 @@ def test_over_a_full_cycle_each_level_is_equally_often_at_each_place_and_after_e
     design = crossed(*rules)
     assume(whole_cycle(design) * prod(count for _, count in rules) <= 2000)
     places, follows, groups = (Counter[tuple[object, ...]]() for _ in range(3))
-    for number in range(whole_cycle(design)):
+    for number in range(1, whole_cycle(design) + 1):
         trials = trials_of(session_plan(design, number))
         for i, (name, (rule, _)) in enumerate(zip(NAMES, rules, strict=False)):
             blocks = groupby(trials, key=lambda t: [t.levels[n] for n in NAMES[:i]])
@@ -156,7 +156,7 @@ def test_groups_of_two_factors_are_crossed() -> None:
     design = crossed(("between", 2), ("between", 2))
     groups = Counter(
         (trials[0].levels["contact"], trials[0].levels["servo"])
-        for trials in (trials_of(session_plan(design, n)) for n in range(4))
+        for trials in (trials_of(session_plan(design, n)) for n in range(1, 5))
     )
     assert set(groups.values()) == {1} and len(groups) == 4
 
@@ -182,7 +182,7 @@ def test_orders_of_nested_factors_of_several_lengths_are_balanced_in_each_of_the
     design = parse_design(text, Path("design.toml"), try_out=False)
     assert whole_cycle(design) == 12
     orders: dict[str, Counter[object]] = {"hard": Counter(), "soft": Counter()}
-    for number in range(12):
+    for number in range(1, 13):
         tasks: dict[str, list[str]] = {}
         for trial in trials_of(session_plan(design, number)):
             tasks.setdefault(trial.levels["contact"], []).append(trial.levels["task"])

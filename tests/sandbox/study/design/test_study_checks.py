@@ -273,7 +273,7 @@ def test_a_break_after_practice_is_found_and_the_remedy_s_number_avoids_it(
     (found,) = findings(design(f"{text}\n[breaks]\nevery = {repetitions}\n"))
     assert "between practice and its trials" in found.what
     better = int(re.findall(r"Write (\d+)", found.remedy)[0])
-    plan = session_plan(design(f"{text}\n[breaks]\nevery = {better}\n"), 0)
+    plan = session_plan(design(f"{text}\n[breaks]\nevery = {better}\n"), 1)
     after = [a for a, b in pairwise(plan) if isinstance(b, BreakStep)]
     assert after and all(isinstance(step, TrialStep) and not step.practice for step in after)
 

@@ -302,7 +302,7 @@ def test_no_label_of_a_device_is_wrong_and_those_of_a_simulated_user_are_what_it
 @pytest.fixture(scope="module")
 def study(tmp_path_factory: pytest.TempPathFactory) -> StudyFolder:
     found = open_study(tmp_path_factory.mktemp("measures"))
-    run_simulated(found, 0, quiet)
+    run_simulated(found, 1, quiet)
     return found
 
 
@@ -349,7 +349,7 @@ def test_frames_that_are_missing_are_made_again_with_the_measures_of_before(
 def test_a_rule_may_look_at_any_measure(tmp_path: Path) -> None:
     rule = '[[exclusions]]\nname = "none"\nmeasure = "object_path_m"\nbelow = 1e9\n'
     made = open_study(tmp_path, DESIGN + rule)
-    run_simulated(made, 0, quiet)
+    run_simulated(made, 1, quiet)
     rows = list(csv.DictReader((made.path / "tables/trials.csv").open()))
     assert {row["exclusion_reason"] for row in rows} == {"rule none"}
 

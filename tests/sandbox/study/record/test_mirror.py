@@ -36,10 +36,10 @@ def wait(until: Callable[[], bool]) -> None:
 
 def test_a_mirror_has_every_file_of_a_person_after_a_session(tmp_path: Path) -> None:
     study = open_study(tmp_path / "first")
-    person = study.add(0, **simulated_person(study.design, 0))
+    person = study.add(1, **simulated_person(study.design, 1))
     said: list[str] = []
     with Mirror(study.path, person.ppid, tmp_path / "second", said.append):
-        run_simulated(study, 0, quiet)
+        run_simulated(study, 1, quiet)
     assert files(tmp_path / "second" / study.path.name, person.ppid) == files(
         study.path, person.ppid
     )

@@ -69,7 +69,7 @@ def touching(trial: TrialStep, settings: Settings) -> DeviceMakers:
 
 def play(study: StudyFolder, controls: Controls | None = None, say: Any = quiet) -> SessionOutcome:
     """Plays the session of one participant, or what remains of it."""
-    person = study.add(0, **simulated_person(study.design, 0))
+    person = study.add(1, **simulated_person(study.design, 1))
     with SessionFolder(study, person, 1) as session:
         controls = controls or Controls(say)
         player, forms = HeadlessPlayer(), SimulatedForms(1)

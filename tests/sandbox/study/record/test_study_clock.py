@@ -36,7 +36,7 @@ def test_a_clock_that_is_set_back_changes_no_time_of_a_trial_and_is_told(
 ) -> None:
     study = StudyFolder(tmp_path / "a", design(), SIMULATED)
     monkeypatch.setattr(journal_module, "datetime", SetClock)
-    run_simulated(study, 0, quiet)
+    run_simulated(study, 1, quiet)
     monkeypatch.undo()
     rows = rows_of(study.path / "tables/trials.csv")
     times = [float(row[name]) for row in rows for name in ("started_s", "ended_s")]

@@ -33,7 +33,7 @@ def with_lag(vary: str) -> str:
 
 def begun(study: StudyFolder) -> SessionFolder:
     """A session in which every trial but the last has been begun."""
-    person = study.add(0, **simulated_person(study.design, 0))
+    person = study.add(1, **simulated_person(study.design, 1))
     session = SessionFolder(study, person)
     for trial in trials_of(session.steps)[:-1]:
         session.begin(trial)
@@ -57,7 +57,7 @@ def test_a_session_does_not_go_on_by_the_plan_of_another_design(
     before = next(study.path.glob("*/S001/session.jsonl")).read_bytes()
     changed = StudyFolder(tmp_path, design(other), SIMULATED, "it was better")
     with pytest.raises(DifferentPlanError, match="another plan") as error:
-        run_simulated(changed, 0, quiet)
+        run_simulated(changed, 1, quiet)
     assert says in str(error.value)
     assert next(study.path.glob("*/S001/session.jsonl")).read_bytes() == before
     # Others take part, and the tables are those of the new design.
@@ -70,11 +70,11 @@ def test_a_session_does_not_go_on_by_the_plan_of_another_design(
 
 def test_what_is_complete_stays_as_it_is_under_another_design(tmp_path: Path) -> None:
     study = open_study(tmp_path)
-    run_simulated(study, 0, quiet)
+    run_simulated(study, 1, quiet)
     before = read_journal(next(study.path.glob("*/S001/session.jsonl")))
     longer = design(DESIGN.replace("repetitions = 2", "repetitions = 3"))
     changed = StudyFolder(tmp_path, longer, SIMULATED, "more trials")
-    assert run_simulated(changed, 0, quiet) is SessionOutcome.COMPLETE
+    assert run_simulated(changed, 1, quiet) is SessionOutcome.COMPLETE
     assert read_journal(next(study.path.glob("*/S001/session.jsonl"))) == before
 
 
@@ -83,7 +83,7 @@ def test_a_person_stays_in_their_group_under_another_design(tmp_path: Path) -> N
         "seed = 3", "seed = 3\nsessions = 2"
     )
     study = open_study(tmp_path, groups)
-    person = study.add(0, **simulated_person(study.design, 0))
+    person = study.add(1, **simulated_person(study.design, 1))
     with SessionFolder(study, person) as first:
         level = trials_of(first.steps)[0].levels["contact"]
         simulated_runner(first, person, SimulatedForms(1)).run()
@@ -97,7 +97,7 @@ def test_a_person_stays_in_their_group_under_another_design(tmp_path: Path) -> N
 def test_answers_are_scored_by_the_form_as_it_was_asked(tmp_path: Path) -> None:
     scale = '[[questionnaires.scales]]\nname = "total"\nrule = "mean"\nitems = ["effort"]\n'
     study = open_study(tmp_path, DESIGN + scale)
-    run_simulated(study, 0, quiet)
+    run_simulated(study, 1, quiet)
     table = study.path / "tables/scores.csv"
     before = [(r["score"], r["score_high"]) for r in rows_of(table)]
     other = DESIGN.replace("step = 5", "high = 5") + scale

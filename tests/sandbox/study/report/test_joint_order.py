@@ -41,7 +41,7 @@ def study(
             "time_s": 2.0,
             **{f"factor_{name}": level for name, level in trial.levels.items()},
         }
-        for number in range(people)
+        for number in range(1, people + 1)
         for trial in trials_of(session_plan(made, number))
     ]
     (folder / "tables").mkdir(parents=True, exist_ok=True)
@@ -76,7 +76,7 @@ def test_levels_that_come_back_in_rounds_have_a_place_in_every_round(tmp_path: P
 def test_an_excluded_level_was_practice_for_the_one_after_it(tmp_path: Path) -> None:
     whole = often(study(tmp_path, 4), "contact")
     assert set(whole.values()) == {2}
-    data = study(tmp_path, 4, left_out=("hard", 0))
+    data = study(tmp_path, 4, left_out=("hard", 1))
     lost = {key: whole[key] - n for key, n in often(data, "contact").items()}
     # Level `soft` stays at its place, which is the second one for this person.
     assert lost == {("hard", 1): 1, ("hard", 2): 0, ("soft", 1): 0, ("soft", 2): 0}

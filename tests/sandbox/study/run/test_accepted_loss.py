@@ -72,7 +72,7 @@ def test_a_session_whose_journal_has_lost_records_is_not_continued_and_stays_as_
     before = files(study)
     assert 0 < finished(study) < TRIALS
     with pytest.raises(StudyError, match=r"whole recordings without a record: T00.*--accept-loss"):
-        run_simulated(study, 0, quiet)
+        run_simulated(study, 1, quiet)
     assert main(["study", "tables", str(study.path)]) == 1
     said = capsys.readouterr().out
     assert "it is not what was written" in said and f"T00{TRIALS}.jsonl: trial {TRIALS}" in said
@@ -105,7 +105,7 @@ def test_recordings_that_are_taken_in_count_and_verification_says_so(
     capsys.readouterr()
     assert main(["replay", str(study.path), "--verify"]) == 0, capsys.readouterr().out
     # What else was lost is asked for again.
-    run_simulated(study, 0, quiet)
+    run_simulated(study, 1, quiet)
     assert finished(study) == TRIALS and verify(study.path, replays=False).sound
 
 
@@ -136,11 +136,11 @@ def test_the_last_states_of_a_trial_that_diverged_are_no_attempt_that_somebody_l
         if "diverged" in text or "repeated" in text:
             controls.type(next(answers, "q"))
 
-    assert run_simulated(study, 0, say, controls) == "stopped"
+    assert run_simulated(study, 1, say, controls) == "stopped"
     trials = session(study) / "trials"
     assert {path.name[:13] for path in trials.iterdir()} > {"T001-diverged"}
     assert main(["study", "tables", str(study.path)]) == 0
-    run_simulated(study, 0, quiet)
+    run_simulated(study, 1, quiet)
     rows = rows_of(study.path / "tables/trials.csv")
     assert {row["status"] for row in rows} == {"diverged"}
     capsys.readouterr()

@@ -107,7 +107,7 @@ def test_a_sheet_has_the_steps_and_texts_of_the_session_that_is_run(
     tmp_path: Path, base: str, number: int
 ) -> None:
     study = open_study(tmp_path, both_languages(base + TEXTS))
-    person = study.add(number - 1, **simulated_person(study.design, number - 1))
+    person = study.add(number, **simulated_person(study.design, number))
     assert person.language == ("en", "de")[number - 1]
     for n in range(1, study.design.sessions + 1):
         forms = Witness()

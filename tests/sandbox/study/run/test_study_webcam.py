@@ -131,7 +131,7 @@ def test_recordings_of_landmarks_tell_how_a_hand_is_made_and_are_left_out_of_sha
 
 
 def test_nobody_is_measured_before_a_camera() -> None:
-    steps = session_plan(design(BEFORE_A_CAMERA), 0)
+    steps = session_plan(design(BEFORE_A_CAMERA), 1)
     assert not any(isinstance(step, CalibrationStep) for step in steps)
 
 

@@ -207,7 +207,7 @@ def poison(study: StudyFolder) -> None:
 @pytest.fixture(scope="module")
 def poisoned(tmp_path_factory: pytest.TempPathFactory) -> StudyFolder:
     study = StudyFolder(tmp_path_factory.mktemp("kept"), design(TEXT), SIMULATED)
-    run_simulated(study, 0, quiet)
+    run_simulated(study, 1, quiet)
     poison(study)
     assert sum(data.count(MARK.encode()) for data in contents(study.path).values()) > 500
     return study

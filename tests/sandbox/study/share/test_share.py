@@ -56,7 +56,7 @@ def laboratory(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def study(laboratory: Path, tmp_path_factory: pytest.TempPathFactory) -> StudyFolder:
     with contextlib.chdir(laboratory):
         found = StudyFolder(tmp_path_factory.mktemp("kept"), design(TEXT), SIMULATED)
-        for number in range(2):
+        for number in (1, 2):
             run_simulated(found, number, quiet)
     for number in range(2):
         with SessionFolder(found, found.participants()[number]) as session:
@@ -170,7 +170,7 @@ def test_the_copy_opens_like_any_study_and_has_nothing_left_to_do(
     # Opening a session writes into it.
     shutil.copytree(copy.path, tmp_path / copy.path.name)
     opened = StudyFolder(tmp_path, design(TEXT), SIMULATED)
-    assert {p.number for p in opened.participants()} == {0, 1}
+    assert {p.number for p in opened.participants()} == {1, 2}
     for person in opened.participants():
         with SessionFolder(opened, person) as session:
             assert session.state.complete and session.state.next_step(session.steps) is None
@@ -178,7 +178,7 @@ def test_the_copy_opens_like_any_study_and_has_nothing_left_to_do(
 
 def test_who_did_not_agree_is_not_in_the_copy(tmp_path: Path) -> None:
     found = StudyFolder(tmp_path / "kept", design(), SIMULATED)
-    run_simulated(found, 0, quiet)
+    run_simulated(found, 1, quiet)
     with SessionFolder(found, found.add(hand="left")) as session:
         session.write("consent", step="consent", agreed=False, version="1", language="en")
     done = share_study(found, tmp_path / "open", Masking(), quiet)
@@ -293,4 +293,4 @@ def test_a_session_state_says_the_same_of_the_disguised_journal(
         state = SessionState.of(read_journal(path))
         return state.finished, set(state.excluded), state.complete, sorted(state.attempts)
 
-    assert all(told(study, number) == told(copy, number) for number in range(2))
+    assert all(told(study, number) == told(copy, number) for number in (1, 2))

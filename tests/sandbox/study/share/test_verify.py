@@ -239,8 +239,8 @@ def test_attempts_that_a_kill_broke_off_are_no_error_before_and_after_the_next_o
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     study = StudyFolder(tmp_path, design(), SIMULATED)
-    run_simulated(study, 0, quiet)
-    person = study.add(1, **simulated_person(study.design, 1))
+    run_simulated(study, 1, quiet)
+    person = study.add(2, **simulated_person(study.design, 2))
     source = first(study) / "trials/T001.jsonl"
     for part in (b"", read_stored(source).data[:4000]):
         with SessionFolder(study, person) as session:
@@ -250,7 +250,7 @@ def test_attempts_that_a_kill_broke_off_are_no_error_before_and_after_the_next_o
         assert main(["study", "tables", str(study.path)]) == 0
         assert main(["replay", str(study.path), "--verify"]) == 0, capsys.readouterr().out
     assert main(["replay", str(study.path)]) == 0
-    run_simulated(study, 1, quiet)
+    run_simulated(study, 2, quiet)
     assert main(["replay", str(study.path), "--verify"]) == 0, capsys.readouterr().out
     # The part that was left of an attempt has a digest now.
     (session_path(study.path, person.ppid) / "trials/T001.jsonl").write_bytes(b"x")
@@ -283,7 +283,7 @@ def test_two_sites_are_merged_by_copying_and_copying_twice_changes_nothing(
     study: StudyFolder, tmp_path: Path
 ) -> None:
     other = StudyFolder(tmp_path / "b", design(), SIMULATED, site="B")
-    run_simulated(other, 0, quiet)
+    run_simulated(other, 1, quiet)
     for _ in range(2):
         for path in other.path.iterdir():
             if path.is_dir():
@@ -291,9 +291,9 @@ def test_two_sites_are_merged_by_copying_and_copying_twice_changes_nothing(
     make_tables(study)
     assert found(quick(study.path)) == []
     people = [(p.site, p.number) for p in study.participants()]
-    assert sorted(people) == [("A", 0), ("A", 1), ("B", 0)]
+    assert sorted(people) == [("A", 1), ("A", 2), ("B", 1)]
     # Each site goes on with its own numbers.
-    for site, number in (("A", 2), ("B", 1)):
+    for site, number in (("A", 3), ("B", 2)):
         merged = StudyFolder(study.path.parent, design(), SIMULATED, site=site)
         assert merged.add().number == number
 
@@ -315,7 +315,7 @@ def forge(study: StudyFolder) -> None:
 
 def test_a_session_prints_the_last_hash_of_its_record(tmp_path: Path) -> None:
     study, lines = StudyFolder(tmp_path, design(), SIMULATED), list[str]()
-    run_simulated(study, 0, lines.append)
+    run_simulated(study, 1, lines.append)
     sealed = [n[HASH] for n in study.records() if n["kind"] == SEALED]
     last = read_journal(first(study) / "session.jsonl")[-1][HASH]
     assert sealed == [last] and any(line.endswith(f"digest {last}") for line in lines)

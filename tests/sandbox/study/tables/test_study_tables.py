@@ -318,9 +318,9 @@ def test_answers_to_a_question_about_the_person_that_was_renamed_stay(tmp_path: 
 def test_scores_of_a_questionnaire_that_is_asked_no_longer_stay(tmp_path: Path) -> None:
     """Answers stayed, and their scores were gone."""
     asked = DESIGN + '[[questionnaires]]\nuse = "sus"\nat = "end"\n'
-    run_simulated(StudyFolder(tmp_path, design(asked), SIMULATED), 0, print)
+    run_simulated(StudyFolder(tmp_path, design(asked), SIMULATED), 1, print)
     study = StudyFolder(tmp_path, design(DESIGN), SIMULATED, "too long")
-    run_simulated(study, 1, print)
+    run_simulated(study, 2, print)
     old = study.participants()[0].ppid
     scores = rows_of(study.path / "tables/scores.csv")
     assert [row["participant"] for row in scores if row["instrument"] == "sus"] == [old]
