@@ -41,7 +41,8 @@ LONGEST_STRETCH = 1800.0
 MOST_PEOPLE = 12
 """People whose sessions are looked through, of a longer cycle."""
 FURTHEST = 12
-"""Largest change of the number of trials between breaks that is tried for a remedy."""
+"""Largest change of a number of trials, between breaks or of practice, that is tried for a
+remedy."""
 QUICK = 0.5
 """Share of the expected duration, below which a time may be an accident."""
 COPIED = 15
@@ -282,8 +283,7 @@ def _practice(design: Design) -> Iterator[Flaw]:
             ("trials", "practice"),
             f"{where}with {counted(design.practice, 'practice trial')}, {level} of {factor} is "
             "measured before anybody has practised it",
-            f'Write practice_each = "{factor}", or more practice trials'
-            + (f", and session {session} in practice_sessions" if design.practice_sessions else ""),
+            _practice_remedy(design, factor, session),
         )
     parting = parting_breaks(design, people_of_cycle(design)) if design.practice_each else []
     if parting:
@@ -340,6 +340,42 @@ def _unpractised(design: Design) -> tuple[str, str, int] | None:
                     elif (factor, level) not in practised:
                         return factor, level, session
     return None
+
+
+def _practice_remedy(design: Design, factor: str, session: int) -> str:
+    """Changes after which every level is practised before it is measured; each one was tried.
+
+    More trials alone may never reach a level: levels of all factors that practice has not chosen
+    change together.
+    """
+    for sessions in dict.fromkeys(
+        [
+            design.practice_sessions,
+            tuple(sorted({*design.practice_sessions, session})) if design.practice_sessions else (),
+            (),
+        ]
+    ):
+        changed = replace(design, practice_sessions=sessions)
+        found = []
+        # Before each level of the innermost factor, all levels are chosen.
+        for each in dict.fromkeys([factor, *(f.name for f in reversed(design.factors))]):
+            count = max(1, design.practice)
+            if not _unpractised(replace(changed, practice=count, practice_each=each)):
+                count_too = "" if count == design.practice else f"practice = {count} and "
+                found.append(f'{count_too}practice_each = "{each}"')
+                break
+        for count in range(design.practice + 1, design.practice + FURTHEST + 1):
+            if not _unpractised(replace(changed, practice=count)):
+                found.append(f"practice = {count}")
+                break
+        if not found:
+            continue
+        also = ""
+        if sessions != design.practice_sessions:
+            named = f"practice_sessions = {list(sessions)}"
+            also = f", and {named}" if sessions else ", and remove practice_sessions"
+        return f"Write {', or '.join(found)}{also}"
+    return "Write practice for all levels"
 
 
 def _limits(design: Design, lines: TomlLines) -> Iterator[Flaw]:

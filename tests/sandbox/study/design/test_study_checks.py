@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import tomllib
 from io import StringIO
 from itertools import pairwise, product
 from pathlib import Path
@@ -276,6 +277,39 @@ def test_a_break_after_practice_is_found_and_the_remedy_s_number_avoids_it(
     plan = session_plan(design(f"{text}\n[breaks]\nevery = {better}\n"), 1)
     after = [a for a, b in pairwise(plan) if isinstance(b, BreakStep)]
     assert after and all(isinstance(step, TrialStep) and not step.practice for step in after)
+
+
+@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize(
+    ("trials", "sessions"),
+    [
+        ({"practice": 2}, 1),
+        ({"practice": 0}, 1),
+        ({"practice": 1, "practice_each": "contact"}, 1),
+        ({"practice": 2, "practice_sessions": [2]}, 2),
+    ],
+)
+def test_each_remedy_for_a_level_that_was_not_practised_practises_all_levels(
+    tmp_path: Path, seed: int, trials: dict[str, Any], sessions: int
+) -> None:
+    some = changed(sound("en"), {"factors.1": TURN, "sessions": sessions, "seed": seed})
+    some["trials"] = {"repetitions": 1, **trials}
+    file = tmp_path / "design.toml"
+    file.write_text(written(some, "tables")[0])
+    remedies = [found.remedy for found, _ in found_in(file) if found.where == "trials.practice"]
+    for remedy in remedies:
+        ways, _, sessions_too = remedy.removeprefix("Write ").partition(", and ")
+        for way in ways.split(", or "):
+            better = {**trials, **tomllib.loads(way.replace(" and ", "\n"))}
+            if sessions_too == "remove practice_sessions":
+                del better["practice_sessions"]
+            else:
+                better |= tomllib.loads(sessions_too)
+            some["trials"] = {"repetitions": 1, **better}
+            file.write_text(written(some, "tables")[0])
+            assert not any(found.where == "trials.practice" for found, _ in found_in(file))
+    # Without practice, and where practice is late, levels are measured unpractised by any seed.
+    assert remedies or trials["practice"] and sessions == 1
 
 
 def test_a_language_that_instruments_lack_is_one_line_each() -> None:
