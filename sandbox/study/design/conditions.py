@@ -226,8 +226,21 @@ def _check_kinds(design: Design, reader: Reader) -> bool:
                 expected = expected_values(kind, error)
             wrong = True
             at = (*path, name) if path == ("settings",) else path
+            if name == "vary":
+                expected = f'vary = "{_vary_text(value)}"'
             reader.add_mistake(at, f"{name} cannot be {value!r}", f"Write {expected}")
     return wrong
+
+
+VARY_EXAMPLE = "size=0.7,latency=50"
+"""A value of `vary`, as the command line and a design write it."""
+
+
+def _vary_text(value: object) -> str:
+    """The text of `vary` that a table of numbers means, or an example of one."""
+    if not isinstance(value, dict) or not value:
+        return VARY_EXAMPLE
+    return ",".join(f"{name}={number}" for name, number in value.items())
 
 
 def _mistake_path(design: Design, levels: Mapping[str, Level], error: HandSandboxError) -> Any:

@@ -148,7 +148,13 @@ _TABLES: dict[str, tuple[Field, ...]] = {
             "is a table with one text for each: `text.en`, `text.de`",
             ("en",),
         ),
-        Field("settings", TABLE, "settings of all trials", {}),
+        Field(
+            "settings",
+            TABLE,
+            'settings of all trials, such as `encoder = "linear"`, or `vary = "size=0.7"`, '
+            "which is written as after `sandbox run --vary`",
+            {},
+        ),
         Field("factors", TABLES, "what is varied, from the outermost to the innermost"),
         Field("trials", TABLE, "number, practice, time and display of trials", {}),
         Field("tasks", TABLES, "what the page calls tasks", ()),

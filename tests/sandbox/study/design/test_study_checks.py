@@ -13,6 +13,7 @@ import pytest
 
 from sandbox.cli.main import main
 from sandbox.study.design.checks import findings
+from sandbox.study.design.conditions import run_settings
 from sandbox.study.design.design_file import load_design
 from sandbox.study.design.plan import BreakStep, TrialStep, session_plan
 from sandbox.study.design.reading import DesignError, Mistake
@@ -279,6 +280,26 @@ def test_a_break_after_practice_is_found_and_the_remedy_s_number_avoids_it(
     assert after and all(isinstance(step, TrialStep) and not step.practice for step in after)
 
 
+@pytest.mark.parametrize("place", ["settings.vary", "factors.0.levels.1.vary"])
+def test_a_table_of_what_is_varied_is_refused_with_a_text_that_means_the_same(
+    tmp_path: Path, place: str
+) -> None:
+    levels = [{"name": "near", "impulse": 1}, {"name": "far", "impulse": 2}]
+    some = changed(sound("en"), {"factors.0.levels": levels})
+    file = tmp_path / "design.toml"
+    wrong = changed(some, {place: {"size": 0.7, "latency": 50}})
+    file.write_text(written(wrong, "inline")[0])
+    ((mistake, _),) = found_in(file)
+    better = tomllib.loads(mistake.remedy.removeprefix("Write "))["vary"]
+    file.write_text(written(changed(some, {place: better}), "inline")[0])
+    assert found_in(file) == []
+    varied = run_settings({"task": "box-to-goal", "vary": better}, 0).variation
+    assert (
+        varied == run_settings({"task": "box-to-goal", "vary": "size=0.7,latency=50"}, 0).variation
+    )
+    assert not varied.neutral
+
+
 @pytest.mark.parametrize("seed", range(4))
 @pytest.mark.parametrize(
     ("trials", "sessions"),
@@ -309,7 +330,7 @@ def test_each_remedy_for_a_level_that_was_not_practised_practises_all_levels(
             file.write_text(written(some, "tables")[0])
             assert not any(found.where == "trials.practice" for found, _ in found_in(file))
     # Without practice, and where practice is late, levels are measured unpractised by any seed.
-    assert remedies or trials["practice"] and sessions == 1
+    assert remedies or (trials["practice"] and sessions == 1)
 
 
 def test_a_language_that_instruments_lack_is_one_line_each() -> None:
