@@ -413,6 +413,7 @@ def _people(one: Compared, factors: Sequence[ObservedFactor]) -> str:
         shown,
         means,
         what.scale == "log",
+        (0.0, scale) if what.scale == "share" else None,
     )
 
 

@@ -23,6 +23,8 @@ SERIES = tuple(f"#0a0b{i:02x}" for i in range(8))
 """Placeholders of the colours --s0 ... --s7 of the page."""
 FARTHEST = 2.0
 """Farthest end of a drawn interval, in multiples of the span of values; see `_scale`."""
+MARGIN = 0.03
+"""Space beyond fixed ends of an axis, in multiples of their distance: markers are whole there."""
 WIDTH = 7.2
 """Width of a plot, in; the page scales it."""
 _STYLE: Any = {
@@ -141,6 +143,7 @@ def lines_by_person(
     values: Sequence[np.ndarray],
     means: Sequence[Sequence[Estimate]],
     log: bool = False,
+    ends: tuple[float, float] | None = None,
 ) -> str:
     """Plots a line over levels for each person, and the mean over people.
 
@@ -152,6 +155,8 @@ def lines_by_person(
         values: Values of each panel, (people, levels); nan if missing.
         means: Means of each panel, with intervals.
         log: True for a logarithmic axis.
+        ends: Ends of the measure's axis, such as 0 and 100 of shares in %; None fits it to the
+            values.
     """
     tilted = any(len(some) > 4 for some in levels)
     with _figure(
@@ -183,7 +188,12 @@ def lines_by_person(
             axes.set_title(panels[k])
             axes.grid(axis="x", visible=False)
         # This must come last, since the panels share the axis.
-        _scale(all_axes[0].yaxis, log, np.concatenate([v.ravel() for v in values]))
+        if ends is None:
+            _scale(all_axes[0].yaxis, log, np.concatenate([v.ravel() for v in values]))
+        else:
+            margin = MARGIN * (ends[1] - ends[0])
+            all_axes[0].set_ylim(ends[0] - margin, ends[1] + margin)
+            all_axes[0].set_yticks(np.linspace(*ends, 6))
         all_axes[0].set_ylabel(label)
         return svg_of(figure, name, title)
 

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 
 from sandbox.study.report.data import load_study
+from sandbox.study.report.make import make_report
 from tests.sandbox.study.report.study_reports import (
     FILES,
     Rows,
@@ -159,3 +161,14 @@ def test_of_any_study_there_is_a_report(tmp_path: Path, change: Callable[[Rows],
         if name.endswith(".csv"):
             table = rows_of(tmp_path / "report" / name)
             assert not any(v.lower() in ("nan", "inf", "-inf") for r in table for v in r.values())
+
+
+@pytest.mark.parametrize("success", ["0", "1"])
+def test_an_axis_of_success_is_from_0_to_100_percent_where_all_are_equal(
+    tmp_path: Path, success: str
+) -> None:
+    put(tmp_path, [{**r, "success": success} for r in planted(tmp_path)])
+    text = make_report(tmp_path, tmp_path / "report").read_text(encoding="utf-8")
+    svg = text[text.index('aria-label="Success of every person"') :].partition("</svg>")[0]
+    ticks = re.findall(r">(\u2212?[\d.e]+)</text>", svg)
+    assert [float(tick) for tick in ticks] == [0, 20, 40, 60, 80, 100]
