@@ -30,6 +30,7 @@ from sandbox.study.tables.column import (
     PRIMARY,
     STUDY,
     TABLES,
+    TITLE,
     UXF_NAMES,
     WITHDRAWALS,
     WORDING,
@@ -254,6 +255,7 @@ class StudyData:
         events: `events.csv`; may be empty.
         columns: Rows of the codebook about measures and questions, by name.
         has_records: True if the records from which the tables follow are in the folder.
+        title: Title of the design; empty if it has none.
     """
 
     name: str
@@ -275,6 +277,7 @@ class StudyData:
     events: DataFrame = field(default_factory=_empty)
     columns: dict[str, dict[str, str]] = field(default_factory=dict)
     has_records: bool = True
+    title: str = ""
 
     @property
     def orders(self) -> str:
@@ -630,6 +633,7 @@ def load_study(folder: Path) -> StudyData:
         events=_optional(tables / "events.csv"),
         columns=described,
         has_records=any(folder.glob(RECORDS)),
+        title=facts.get(TITLE, ""),
     )
 
 

@@ -183,7 +183,7 @@ def head(found: Results) -> dict[str, Any]:
     return {
         "mode": mode,
         "kind": kind,
-        "title": title.format(data.name),
+        "title": title.format(data.title or data.name),
         "warning": " ".join(filter(None, (warning, data.rehearsed, upgraded))),
         "facts": _facts(data),
         "findings": [_finding(one, pair) for one in found.compared for pair in _tested(one)],

@@ -421,10 +421,11 @@ def _readme(study: StudyFolder, about: Mapping[str, Any]) -> str:
     replayed = "| `*/S*/trials/*.jsonl.gz` | recordings, which replay |\n"
     recordings = replayed if about["recordings"] else ""
     exposed = counted(about["people_in_groups_below_5"], "person", "people")
-    return f"""# {study.design.name}
+    design = study.design
+    return f"""# {design.title or design.name}
 
-A user study with Hand Sandbox ({study.mode} data): {people}, with new pseudonyms. The design plans
-{study.design.participants}.
+`{design.name}`, a user study with Hand Sandbox ({study.mode} data): {people}, with new pseudonyms.
+The design plans {design.participants}.
 
 Licence: (to be filled in)
 

@@ -37,9 +37,10 @@ PRIMARY = "primary"
 """Role of a confirmatory outcome in the codebook."""
 STUDY = "study"
 """In the place of a table's name: rows of the codebook that are about the study."""
-EXPERIMENT, MODE, WITHDRAWALS, CHANGE = "experiment", "mode", "withdrawals", "change "
-"""Such rows: its name, its kind of data, how many people withdrew, and the begin of the names of
-those on changes after somebody had taken part."""
+EXPERIMENT, TITLE, MODE = "experiment", "title", "mode"
+WITHDRAWALS, CHANGE = "withdrawals", "change "
+"""Such rows: its name, its title, its kind of data, how many people withdrew, and the begin of the
+names of those on changes after somebody had taken part."""
 CLOCK_STEPS = "clock_steps"
 """Column of `participants.csv` with the steps of the wall clock."""
 LISTED = ", "

@@ -28,6 +28,7 @@ from sandbox.study.tables.column import (
     EXPERIMENT,
     MODE,
     TABLES,
+    TITLE,
     UXF_NAMES,
     WITHDRAWALS,
     Column,
@@ -241,6 +242,7 @@ def _facts(study: StudyFolder) -> dict[str, str]:
     """What a report must know of a study that is in no row of a table."""
     return {
         EXPERIMENT: study.design.name,
+        **({TITLE: study.design.title} if study.design.title else {}),
         MODE: study.mode,
         WITHDRAWALS: str(withdrawals_of(study.records())),
         **{f"{CHANGE}{i}": text for i, text in enumerate(upgrades_of(study), start=1)},

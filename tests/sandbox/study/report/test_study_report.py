@@ -21,6 +21,7 @@ from sandbox.study.report.numbers import results
 from sandbox.study.report.page import head
 from sandbox.study.run.simulate import simulate
 from sandbox.study.tables.column import csv_bytes
+from sandbox.study.tables.tables import make_tables
 from tests.sandbox.study.report.study_reports import (
     FILES,
     LEAN,
@@ -32,7 +33,7 @@ from tests.sandbox.study.report.study_reports import (
     rows_of,
 )
 from tests.support.planted_study import Truth
-from tests.support.study_files import design, quiet
+from tests.support.study_files import DESIGN, design, quiet
 
 
 @pytest.fixture(scope="module")
@@ -92,6 +93,15 @@ def test_the_title_says_whether_people_took_part(plain: Path) -> None:
         assert ("no person took part" in told["warning"].lower()) == (mode == "simulated")
     text = Page((plain / "report" / "report.html").read_text(encoding="utf-8")).text
     assert head(found)["title"] in text[:80] and head(found)["warning"] in text
+
+
+def test_the_design_s_title_is_the_heading_of_its_report(tmp_path: Path) -> None:
+    titled = design(DESIGN.replace("seed", 'title = "Soft & hard, 1 < 2"\nseed', 1))
+    study = StudyFolder(tmp_path, titled, REAL)
+    assert make_tables(study)["trials"] == 0
+    page = report(study.path)
+    assert "Soft & hard, 1 < 2" in page.text[:80]
+    assert titled.name not in page.text[:80]
 
 
 def test_data_of_two_kinds_are_refused(tmp_path: Path) -> None:
