@@ -24,6 +24,7 @@ from models.arithmetic import Array, matrix_product, stacked_applied
 from models.errors import InputError
 from models.hand import CONTACT_HAND, CONTACT_OBJECT, CONTACT_TABLE
 from models.objects import mjcf_text
+from models.plausible import OBJECT
 
 _GEOM = mujoco.mjtGeom
 GEOM_KINDS = {
@@ -200,12 +201,23 @@ class MjcfObject:
         return self.size * np.min(corners, axis=0), self.size * np.max(corners, axis=0)
 
     def _check_middle(self) -> None:
-        """Refuses an object that lies beside the origin of its body, which is its place.
+        """Refuses an object of another unit, and one that lies beside the origin of its body, which
+        is its place.
 
         Meshes are often drawn somewhere in a room. The origin may be anywhere within the object.
         """
         low, high = self.bounds
         middle, half = 0.5 * (low + high), 0.5 * (high - low)
+        width = 2.0 * float(half.max())
+        if not OBJECT.includes(width):
+            raise InputError(
+                f"{OBJECT.name} is impossible",
+                where=self._where,
+                got=f"{width:.3g} m",
+                expected=f"{OBJECT.least:g} to {OBJECT.most:g} m",
+                remedy='Lengths are in m; a mesh in mm is scaled: <mesh scale=".001 .001 .001" '
+                ".../>",
+            )
         beside = np.abs(middle[:2]) > 2.0 * half[:2] + _BESIDE
         if beside.any():
             x, y, z = (f"{v / self.size:.4g}" for v in middle)

@@ -25,6 +25,7 @@ narrower than 1000, so that not more than one unit fits. Their sources:
               outer edge of a forearm is nine times as long as wide.
     touch     Fingertips side by side are 12 mm apart or more. Screens report at 480 Hz at most; a
               hand that rests may send nothing for a second.
+    object    What fingers move; a ring and a tray are wider than a hand, and no wider than a table.
     angle     The most that a joint of a finger bends is 2 rad, and that of a thumb less. Joints of
               robots' hands have ranges of a few degrees to a turn.
 """
@@ -44,7 +45,7 @@ import numpy as np
 
 from models.arithmetic import Array, Mask, distance
 from models.errors import InputError
-from models.frames import TrackedHand, Vector
+from models.frames import TouchFrame, TrackedHand, Vector
 from models.reader_report import ReaderReport
 
 UNITS: dict[str, dict[str, float]] = {
@@ -125,6 +126,7 @@ SPEED = Bounds("the hand's speed", 0.0, 20.0, (("length", 1), ("time", -1)))
 ANGLE = Bounds("the angle of a joint", 0.0, 2.8, (("angle", 1),))
 RANGE = Bounds("the range of a joint", 0.1, 6.3, (("angle", 1),))
 IN_PICTURE = Bounds("the width of a hand in the picture", 4.0, 960.0, (("image coordinate", 1),))
+OBJECT = Bounds("the width of the object", 0.001, 2.0)
 BEYOND = Bounds("a hand's part beyond the picture", 0.0, 160.0, (("image coordinate", 1),))
 
 CONTACT = Bounds("the size of a touch", 0.001, 0.150)
@@ -448,6 +450,40 @@ class ContactSizes:
                 )
         return size, extent
 
+
+class TouchIds:
+    """Notices a device that gives its touches new ids all the time, which identify nothing.
+
+    Args:
+        report: Receives the doubt.
+    """
+
+    def __init__(self, report: ReaderReport) -> None:
+        self._report = report
+        self._before: dict[int, tuple[float, float]] = {}
+        self._judged, self._renamed = 0, 0
+
+    def look(self, frame: TouchFrame) -> None:
+        """Looks at a frame; after some with touches, at no more."""
+        if self._judged == _JUDGED or not (frame.contacts or self._before):
+            return
+        now = {contact.id: (contact.x, contact.y) for contact in frame.contacts}
+        before, self._before = self._before, now
+        if not (now and before):
+            return
+        self._judged += 1
+        gone = [before[i] for i in before.keys() - now.keys()]
+        new = [now[i] for i in now.keys() - before.keys()]
+        near = (math.dist(a, b) < FINGERS_APART.least for a in new for b in gone)
+        self._renamed += any(near)
+        if self._renamed >= FEWEST and 2 * self._renamed > self._judged:
+            self._report.assume(
+                "touches have new ids in most frames; fingers are followed by their places alone"
+            )
+
+
+_JUDGED = 200
+"""Pairs of frames with touches by which ids are judged."""
 
 IMPOSSIBLE_SIZE = "sizes that no finger or hand has"
 

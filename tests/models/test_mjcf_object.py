@@ -329,6 +329,13 @@ def test_an_object_beside_the_origin_of_its_body_is_refused_with_its_offset(
     assert f"{1000 * x:.0f}" in str(error.value)
 
 
+@pytest.mark.parametrize("unit", [1e-3, 1e-2])
+def test_an_object_in_another_unit_is_refused_with_its_width(unit: float) -> None:
+    size = " ".join(f"{length / unit:g}" for length in (0.02, 0.03, 0.01))
+    with pytest.raises(InputError, match="width of the object is impossible"):
+        MjcfObject("thing", mjcf(f'<geom type="box" size="{size}"/>'), 0.1)
+
+
 def test_the_remedy_of_a_mesh_beside_its_origin_is_right() -> None:
     corners = " ".join(
         f"{0.5 + a * 0.02} {0.2 + b * 0.03} {c * 0.01}"

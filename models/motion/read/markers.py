@@ -1,7 +1,7 @@
 """Labelled 3-D markers over time, as Qualisys Track Manager exports them to text.
 
 A header of `KEY<TAB>value` lines, then one line a frame. Where the recorder lost sight of a marker,
-the three numbers are empty, `nan` or all zero.
+the three numbers are empty, `nan` or all zero. Some systems write decimal commas.
 """
 
 from __future__ import annotations
@@ -66,7 +66,7 @@ def read_markers(path: Path, unit: float = MILLIMETRE) -> MarkerTracks:
         at += 1
     names = _names(path, head)
     frames = _count(path, head, "NO_OF_FRAMES")
-    rate = numbers(head.get("FREQUENCY", []), 1, f"{path}, FREQUENCY")[0]
+    rate = numbers([_point(w) for w in head.get("FREQUENCY", [])], 1, f"{path}, FREQUENCY")[0]
     if rate <= 0:
         raise MotionError("not a frame rate", where=f"{path}, FREQUENCY", got=rate)
     # A line of column titles may follow, and Frame and Time columns with it.
@@ -110,7 +110,14 @@ def _row(line: str, width: int, where: str) -> list[float]:
         raise MotionError(
             "wrong number of values", where=where, got=len(cells), expected=f"{width}"
         )
-    return [np.nan if cell.lower() in _GAPS else numbers([cell], 1, where)[0] for cell in cells]
+    return [
+        np.nan if cell.lower() in _GAPS else numbers([_point(cell)], 1, where)[0] for cell in cells
+    ]
+
+
+def _point(number: str) -> str:
+    """A number with a point in place of a decimal comma."""
+    return number if "." in number else number.replace(",", ".", 1)
 
 
 def _names(path: Path, head: dict[str, list[str]]) -> tuple[str, ...]:
@@ -140,7 +147,7 @@ def _count(path: Path, head: dict[str, list[str]], key: str) -> int:
 
 def _is_number(text: str) -> bool:
     try:
-        float(text)
+        float(_point(text))
     except ValueError:
         return False
     return True

@@ -17,7 +17,7 @@ import math
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
-from itertools import pairwise
+from itertools import islice, pairwise
 from pathlib import Path
 from typing import Any
 
@@ -36,6 +36,7 @@ from models.plausible import (
     USUAL_MOST,
     Bounds,
     ContactSizes,
+    TouchIds,
     Units,
     find_units,
     in_order,
@@ -265,7 +266,11 @@ def read_frame_file(path: Path, unit: str = "", *, ordered: bool = True) -> Fram
     lines = in_order(lines, report) if ordered else lines
     found = _units(lines, surface, parse_units(unit), str(path), report)
     reader = _Reader(unit_size(found, "time"), unit_size(found, "length"), surface, report)
-    return FrameFile(tuple(map(reader.frame, lines)), surface, damage, report)
+    frames = tuple(map(reader.frame, lines))
+    ids = TouchIds(report)
+    for touched in islice((frame for frame in frames if frame.contacts), _SAMPLE):
+        ids.look(touched)
+    return FrameFile(frames, surface, damage, report)
 
 
 def _units(

@@ -26,6 +26,7 @@ from models.json_input import converted, decoded, loosely_decoded, numbered_line
 from models.plausible import (
     TOUCH_STEP,
     ContactSizes,
+    TouchIds,
     Units,
     find_units,
     in_order,
@@ -240,6 +241,7 @@ class CaptureDevice(Device):
         self._tuio = Tuio(stale_after)
         self._tuio.report.add(capture.report)
         self._sizes = ContactSizes(self._tuio.report)
+        self._ids = TouchIds(self._tuio.report)
         self._next = 0
 
     @property
@@ -290,4 +292,7 @@ class CaptureDevice(Device):
         return math.nextafter(min(heard) + self._stale_after, math.inf) if heard else math.inf
 
     def _frames(self, commits: list[Commit], time: float) -> list[TouchFrame]:
-        return [touch_frame(commit, self._surface, time, self._sizes) for commit in commits]
+        frames = [touch_frame(commit, self._surface, time, self._sizes) for commit in commits]
+        for frame in frames:
+            self._ids.look(frame)
+        return frames

@@ -21,7 +21,7 @@ from typing import get_args
 
 from models.errors import DeviceError, InputError
 from models.frames import Contact, TouchFrame
-from models.plausible import ContactSizes
+from models.plausible import ContactSizes, TouchIds
 from models.reader_report import ReaderReport
 from models.surface import Surface
 from sandbox.devices.device import Closeable, Device
@@ -117,6 +117,7 @@ class TuioDevice(Device, Closeable):
         self._surface = surface
         self._tuio = Tuio(stale_after)
         self._sizes = ContactSizes(self._tuio.report)
+        self._ids = TouchIds(self._tuio.report)
         self._queue: deque[TouchFrame] = deque(maxlen=queue_frames)
         self._dropped = 0
         self._failure: InputError | None = None
@@ -318,7 +319,9 @@ class TuioDevice(Device, Closeable):
             return
         for commit in commits:
             self._dropped += len(self._queue) == self._queue.maxlen
-            self._queue.append(touch_frame(commit, self._surface, now, self._sizes))
+            frame = touch_frame(commit, self._surface, now, self._sizes)
+            self._ids.look(frame)
+            self._queue.append(frame)
         if commits:
             self.frame_ready.set()
             self._news.notify_all()

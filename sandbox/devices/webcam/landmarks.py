@@ -54,6 +54,9 @@ MOST_SEEN = 4
 _LARGEST = 1e5
 """Largest coordinate in pixels, or size of a picture; anything beyond is nonsense."""
 
+USUAL_SIZE = (640, 480)
+"""Pixels."""
+
 Point = tuple[float, float]
 Vector = tuple[float, float, float]
 Trouble = Literal["absent", "in use", "refused", "engine", "hidden"]
@@ -75,7 +78,7 @@ class PictureMessage(msgspec.Struct):
     Attributes:
         time: s, when the page had found the hands, on its own clock; None for a trouble.
         taken: s, when the picture was taken, on the same clock; without it, `time`.
-        size: Width and height of the picture in pixels.
+        size: Width and height of the picture in pixels; None if it is not stated.
         seen: Hands in the picture.
         trouble: Why there is no picture; None with one.
         corners: px, a surface's corners that the person marked: top left, top right, bottom right,
@@ -85,11 +88,16 @@ class PictureMessage(msgspec.Struct):
 
     time: float | None = None
     taken: float | None = None
-    size: tuple[int, int] = (640, 480)
+    size: tuple[int, int] | None = None
     seen: list[HandMessage] = []
     trouble: Trouble | None = None
     corners: tuple[Point, Point, Point, Point] | None = None
     unread: int = 0
+
+    @property
+    def pixels(self) -> tuple[int, int]:
+        """Width and height of the picture, the usual ones where they are not stated."""
+        return self.size or USUAL_SIZE
 
 
 def picture_message(text: bytes | str, where: str = SOURCE) -> PictureMessage:
@@ -138,12 +146,16 @@ LANDMARK_UNITS: Units = {"length": "m", "time": "s", "image coordinate": "px"}
 def quantities(message: PictureMessage) -> dict[Bounds, float]:
     """Sizes of the first hand of a message in its own units; empty without a hand."""
     hand = next(iter(message.seen), None)
-    if hand is None or not len(hand.image) == len(hand.world) == LANDMARKS or min(message.size) < 1:
+    if (
+        hand is None
+        or not len(hand.image) == len(hand.world) == LANDMARKS
+        or min(message.pixels) < 1
+    ):
         return {}
     usual = unit_size({"image coordinate": "0..1"}, "image coordinate")
     ends = [
         (min(axis) * usual / pixels, max(axis) * usual / pixels)
-        for axis, pixels in zip(zip(*hand.image, strict=True), message.size, strict=True)
+        for axis, pixels in zip(zip(*hand.image, strict=True), message.pixels, strict=True)
     ]
     return {
         PALM: math.dist(hand.world[0], hand.world[9]),
@@ -157,7 +169,7 @@ def in_units(message: PictureMessage, units: Units) -> PictureMessage:
     if units == LANDMARK_UNITS or message.time is None:
         return message
     metre, second = unit_size(units, "length"), unit_size(units, "time")
-    width, height = message.size if units["image coordinate"] == "0..1" else (1, 1)
+    width, height = message.pixels if units["image coordinate"] == "0..1" else (1, 1)
     seen = [
         HandMessage(
             hand.side,
@@ -181,8 +193,8 @@ def frame_of(message: PictureMessage, where: str = SOURCE) -> LandmarkFrame:
         raise FrameError("this is not a picture", where=where, got=message.trouble)
     if len(message.seen) > MOST_SEEN:
         raise FrameError("too many hands", where=where, got=len(message.seen))
-    if max(message.size) > _LARGEST:
-        raise FrameError("the picture is too large", where=where, got=message.size)
+    if max(message.pixels) > _LARGEST:
+        raise FrameError("the picture is too large", where=where, got=message.pixels)
     taken = message.time if message.taken is None else message.taken
     if not math.isfinite(taken):
         raise FrameError("a picture's time must be finite", where=where, got=taken)
@@ -195,7 +207,7 @@ def frame_of(message: PictureMessage, where: str = SOURCE) -> LandmarkFrame:
             wrong = error
     if wrong is not None and not hands:
         raise wrong
-    return LandmarkFrame(message.time, tuple(hands), message.size, taken, SOURCE)
+    return LandmarkFrame(message.time, tuple(hands), message.pixels, taken, SOURCE)
 
 
 UNREADABLE = "hands that cannot be read"
@@ -462,6 +474,9 @@ def read_landmarks(path: Path, unit: str = "") -> LandmarkRecording:
         report=report,
         error=RecordingError,
     )
+    if any(m.size is None for m in sample if m.seen):
+        width, height = USUAL_SIZE
+        report.assume(f"pictures do not state their size; {width} x {height} pixels are assumed")
     _doubt_pictures([in_units(m, units) for m in sample if m.seen][::_APART], report)
     lines: list[int] = []
     frames: list[LandmarkFrame] = []

@@ -440,6 +440,14 @@ def test_a_missing_file_and_a_folder_are_refused(tmp_path: Path, kind: str) -> N
         read(tmp_path / f"folder.{kind}")
 
 
+def test_markers_with_decimal_commas_are_those_with_points(tmp_path: Path) -> None:
+    sound = read_markers(written(tmp_path, "tsv", TSV))
+    commas = read_markers(written(tmp_path, "tsv", TSV.replace(".", ",")))
+    assert commas.names == sound.names and not commas.report
+    np.testing.assert_array_equal(commas.time, sound.time)
+    np.testing.assert_array_equal(commas.places, sound.places)
+
+
 def test_a_packed_file_that_was_cut_short_is_refused(tmp_path: Path) -> None:
     packed = gzip.compress(TSV.encode())
     path = tmp_path / "cut.tsv.gz"

@@ -256,3 +256,43 @@ def test_the_name_of_a_sender_in_any_bytes_costs_no_packet(tmp_path: Path, name:
     sound, _ = played(written(path, rows))
     lines = [json.dumps(row).encode().replace(b"192.0.2.5", name) for row in rows]
     assert played(written(path, lines))[0] == sound
+
+
+def renumbered(rows: list[Row]) -> list[Row]:
+    """Touches that have a new id in every frame."""
+    rows = copy.deepcopy(rows)
+    for n, row in enumerate(rows):
+        for contact in row.get("contacts", ()):
+            contact["id"] += 10 * n
+    return rows
+
+
+def packets_renumbered(n: int) -> list[bytes]:
+    ids = (10 * n, 10 * n + 1) if 2 < n < 58 else ()
+    sets = [cur("set", i, 0.3 + 0.3 * (i % 10) + n / 300, 0.4, 0.0, 0.0, 0.0) for i in ids]
+    return [bundle(cur("source", "table"), cur("alive", *ids), *sets, cur("fseq", n + 1))]
+
+
+@pytest.mark.parametrize("rows", [renumbered(FRAMES), capture(packets_renumbered)])
+def test_ids_that_change_in_every_frame_are_reported(tmp_path: Path, rows: list[Row]) -> None:
+    _, device = played(written(tmp_path / "new_ids.jsonl", rows))
+    assert device.report is not None
+    assert "touches have new ids in most frames" in device.report.line()
+
+
+def taps(apart: float) -> list[Row]:
+    """A finger that is lifted and put down again and again, another one at rest."""
+    rows = copy.deepcopy(FRAMES)
+    for n, row in enumerate(rows):
+        for contact in row.get("contacts", ())[:1]:
+            contact["id"] = 100 + n // 2
+            contact["x"] += apart * (n // 2)
+        if n % 2:
+            row["contacts"] = row["contacts"][1:]
+    return rows
+
+
+@pytest.mark.parametrize("apart", [0.0, 0.05])
+def test_taps_have_new_ids_rightly(tmp_path: Path, apart: float) -> None:
+    _, device = played(written(tmp_path / "taps.jsonl", taps(apart)))
+    assert device.report is not None and not device.report.line()

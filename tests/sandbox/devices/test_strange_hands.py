@@ -695,6 +695,10 @@ SIBLINGS: dict[str, tuple[Callable[[], Messages], str]] = {
         lambda: every(lambda m, i: m["seen"][0].update(side="Left"), pictures()),
         "by the way its fingers bend, the left hand is a right hand",
     ),
+    "pictures without their size": (
+        lambda: every(lambda m, i: m.pop("size"), pictures()),
+        "pictures do not state their size; 640 x 480 pixels are assumed",
+    ),
     # Width and height exchanged: mediapipe-touchdesigner 85, three.js 26080.
     "shares of a picture whose width and height are exchanged": (
         lambda: every(lambda m, i: m.update(size=m["size"][::-1]), shares(pictures())),
