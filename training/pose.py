@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from encoders.capture import Capture
 from encoders.correction import tip_targets
 from encoders.input_vector import contact_vectors
-from encoders.regression.person_correction import DISTRUSTS
+from encoders.regression.bone_fit import DISTRUSTS
 from encoders.regression.train import rounded
 from encoders.regression.trained import POPULATION, PersonCorrection, TrainedModel
 from encoders.regression.yaw_normalised import YawNormalisedEncoder, turned_root, yaw_of

@@ -1,10 +1,11 @@
-"""Measures one method on test captures; tables and plots use the results."""
+"""Measures one method on test captures: errors, labels, smoothness, and the time of one pose."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from time import perf_counter_ns
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,7 +16,6 @@ from encoders.evaluation.errors import PoseErrors, limit_share, pose_errors, tip
 from encoders.evaluation.labels import COUNTS, OwnLabels, Verdicts, own_labels, takes
 from encoders.evaluation.methods import Method
 from encoders.evaluation.smoothness import Smoothness, joined, smoothness
-from encoders.evaluation.timing import us_in_batch, us_per_call
 from models.arithmetic import Array
 from models.errors import EncoderError
 
@@ -195,3 +195,37 @@ def _timed(method: Method, tests: Tests) -> tuple[float, float | None, str]:
 def counts_of(tests: Tests) -> dict[int, int]:
     """Number of frames by number of fingers."""
     return {k: int((tests.fingers == k).sum()) for k in COUNTS}
+
+
+BATCH = 120
+"""Number of poses in a batch: the number of labellings of five contacts."""
+BUDGET = 0.5
+"""s spent on each of the two measurements."""
+MOST = 3000
+"""Largest number of measured calls, enough for a median."""
+
+
+def us_per_call(predict: Callable[[Array], Array], U: Array) -> float:
+    """Median time (microseconds) of predicting one frame of inputs (T, width), called singly."""
+    predict(U[0])
+    spent: list[int] = []
+    end = perf_counter_ns() + int(1e9 * BUDGET)
+    while len(spent) < MOST and (not spent or perf_counter_ns() < end):
+        u = U[len(spent) % len(U)]
+        start = perf_counter_ns()
+        predict(u)
+        spent.append(perf_counter_ns() - start)
+    return float(np.median(spent)) / 1e3
+
+
+def us_in_batch(predict: Callable[[Array], Array], U: Array, batch: int = BATCH) -> float:
+    """Median time (microseconds) of one pose of a batch of inputs (T, width)."""
+    rows = np.ascontiguousarray(U[np.arange(batch) % len(U)])
+    predict(rows)
+    spent: list[int] = []
+    end = perf_counter_ns() + int(1e9 * BUDGET)
+    while len(spent) < MOST and (not spent or perf_counter_ns() < end):
+        start = perf_counter_ns()
+        predict(rows)
+        spent.append(perf_counter_ns() - start)
+    return float(np.median(spent)) / 1e3 / batch

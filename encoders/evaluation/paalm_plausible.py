@@ -12,12 +12,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from encoders.paalm.average import average_calibration
+from encoders.paalm.average import average_calibration, calibrate_on_recording
 from encoders.paalm.chain import FINGER_LIMITS
 from encoders.paalm.hand_pose import hand_pose
 from encoders.paalm.options import PaalmOptions
 from encoders.paalm.paalm import Paalm
-from encoders.paalm.recorded import calibrate_on_recording
 from models.errors import EncoderError
 from models.frames import FINGERS, SIDES, HandFrame
 from models.kinematics import Kinematics

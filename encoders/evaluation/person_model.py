@@ -22,9 +22,8 @@ from encoders.capture import Capture
 from encoders.encoder import Encoder
 from encoders.input_vector import contact_vectors
 from encoders.reconstruction.hand_motion import PoseFilter, rigid_motion
-from encoders.regression.bone_fit import fitted_skeleton
+from encoders.regression.bone_fit import blocked_variance, fitted_skeleton, train_correction
 from encoders.regression.model_registry import cache_folder, keep_model
-from encoders.regression.person_correction import blocked_variance, train_correction
 from encoders.regression.polynomial import PolynomialEncoder
 from encoders.regression.train import blocked_predictions, origin, rounded
 from encoders.regression.trained import PersonCorrection, TrainedModel, load_model

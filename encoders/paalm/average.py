@@ -1,4 +1,6 @@
-"""A calibration without an open hand: from an average hand, or from the device's own bones."""
+"""Calibration of hands that were not held open: an average hand, the device's own bones, or the
+open hands that a recording shows.
+"""
 
 from __future__ import annotations
 
@@ -8,13 +10,23 @@ from dataclasses import replace
 import numpy as np
 
 from encoders.paalm.angles import joints_of_angles
-from encoders.paalm.calibration import HandCalibration, coupling_of_joints, dialect_of_bones
+from encoders.paalm.calibration import (
+    ENOUGH,
+    HandCalibration,
+    calibrated,
+    coupling_of_joints,
+    dialect_of_bones,
+    longest_calibration,
+)
 from encoders.paalm.hand_pose import PALM_CENTRE
-from encoders.paalm.options import PaalmOptions
-from encoders.paalm.rig import bone_lengths
+from encoders.paalm.identity import HandSides
+from encoders.paalm.options import Hands, PaalmOptions
+from encoders.paalm.paalm import Paalm, stacked_hands
+from encoders.paalm.rig import bone_lengths, with_palm_shift
 from encoders.paalm.seen_palm import FIRST_SHIFT
 from models.arithmetic import Array, squared_lengths
-from models.frames import FINGERS, HandFrame
+from models.errors import EncoderError
+from models.frames import FINGERS, SIDES, HandFrame, TrackedHand
 from models.skeleton import ADULT
 
 OPEN_SPREAD = (10.0, 6.0, 1.0, -5.0, -14.0)
@@ -101,3 +113,56 @@ def _joints(frames: Sequence[HandFrame], side: str) -> Array | None:
             if hand.side == side and len(named) == len(FINGERS):
                 found.append([named[i] for i in range(len(FINGERS))])
     return np.array(found) if found else None
+
+
+OPEN_FRAMES = 100
+"""Number of frames of a hand that is held open that are used."""
+
+
+def calibrate_on_recording(paalm: Paalm, frames: Sequence[HandFrame], hands: Hands) -> str:
+    """Calibrates PAALM on a recording: by the device's bones, an open hand, or an average hand.
+
+    Args:
+        paalm: Receives the calibration.
+        frames: All frames of the recording.
+        hands: Sides of the hands.
+
+    Returns:
+        Why an average hand stands in for the recorded one; empty if it does not.
+    """
+    sides = SIDES if hands == "both" else (hands,)
+    if all(knows_bones(frames, side) for side in sides):
+        average = (average_calibration(frames, side, paalm.options) for side in sides)
+        paalm.use({c.side: with_reported_coupling(c, frames) for c in average})
+        return ""
+    try:
+        chooser = HandSides(sides)
+        chosen = [(f.time, {} if stacked_hands(f) else chooser.choose(f)) for f in frames]
+        measured = [
+            measured_in([(t, c.get(side)) for t, c in chosen], side, paalm.options)
+            for side in sides
+        ]
+        paalm.use({c.side: c for c in measured})
+    except EncoderError as error:
+        paalm.use({side: average_calibration(frames, side, paalm.options) for side in sides})
+        got = "" if error.got is None else f" ({error.got})"
+        return f"an average hand stands in for the recorded one: {error.what}{got}"
+    return ""
+
+
+def measured_in(
+    samples: Sequence[tuple[float, TrackedHand | None]], side: str, options: PaalmOptions
+) -> HandCalibration:
+    """Measures a hand in a recording, wherever it shows its fingers; by lengths, at its beginning.
+
+    Args:
+        samples: (time in s, the hand or None where it is not seen), one a frame.
+        side: `right` or `left`.
+        options: Options of PAALM.
+
+    Raises:
+        EncoderError: The hand is hardly ever open.
+    """
+    if options.solve == "lengths":
+        return calibrated(samples, side, OPEN_FRAMES, ENOUGH)
+    return with_palm_shift(longest_calibration(samples, side, ENOUGH), options)

@@ -36,7 +36,7 @@ class PaalmOptions:
         solve: What a finger without joints is solved by: `tips`, from its knuckle to its tip
             (`calibration.longest_calibration`), or `lengths` and directions, as printed.
         learns: Learns the coupling of each hand while its device reports joints, unless a coupling
-            is chosen (`encoders.paalm.learned_coupling`); of a hand without joints that was not
+            is chosen (`encoders.paalm.coupling`); of a hand without joints that was not
             measured, where the device sees its palm (`encoders.paalm.seen_palm`).
         hold: Frame in which a vanished finger stays: the `palm`'s or the `device`'s.
         vanished: Treatment of a vanished finger: `held` in its place, as in the paper, or `folded`,

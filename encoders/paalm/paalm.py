@@ -28,9 +28,9 @@ from encoders.paalm.calibration import (
     pointing,
 )
 from encoders.paalm.chain import Bend, DeferredBend
+from encoders.paalm.coupling import LearnedCoupling
 from encoders.paalm.fingertip_noise import STEADY, TIP_STEADY, FingertipNoise
-from encoders.paalm.identity import TrackedIdentity, paper_order
-from encoders.paalm.learned_coupling import LearnedCoupling
+from encoders.paalm.identity import HandSides, TrackedIdentity, paper_order
 from encoders.paalm.options import Hands, PaalmOptions
 from encoders.paalm.palm import Palm, palm_of, stacked
 from encoders.paalm.rig import (
@@ -42,7 +42,6 @@ from encoders.paalm.rig import (
     with_palm_shift,
 )
 from encoders.paalm.seen_palm import OVERREACH, LearnedPalm, slip
-from encoders.paalm.sides import HandSides
 from models.arithmetic import Array
 from models.errors import EncoderError
 from models.frames import FINGERS, HandFrame, TrackedHand, Vector

@@ -33,16 +33,29 @@ start.
 A single contact has no components (3 k - 3 = 0): the mean pose of the training frames for that
 finger is shifted, or with a free root also rotated, until the fingertip is at its target. The paper
 excludes this case.
+
+Base class of encoders by inverse kinematics: from touches to targets, iteratively, in batches.
+
+Rows with the same touching fingers have equations of the same shape and are solved together.
+Subclasses define the start and one step.
+
+The start of a solution is the pose of the training frame with the most similar touches. This is the
+rule of the paper of 2015 for its inverse kinematics (section 3): frames are compared by the
+positions of their touches, not by poses. Only frames with the same touching fingers can be
+compared; if there are none, this implementation uses frames in which other fingers touch as well.
 """
 
 from __future__ import annotations
 
+from abc import abstractmethod
 from math import fsum
-from typing import Any
+from typing import Any, NamedTuple, Self
 
 import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
-from encoders.regression.touch_ik import TouchIkEncoder
+from encoders.encoder import Encoder
+from encoders.input_vector import CONTACT_VECTOR_SIZE, contact_vectors
 from models.arithmetic import (
     Array,
     Mask,
@@ -50,14 +63,316 @@ from models.arithmetic import (
     matrix_product,
     matrix_vector,
     solve_positive,
+    squared_lengths,
     times_transposed,
     transposed_times,
     vector_matrix,
 )
 from models.errors import EncoderError
 from models.frames import FINGERS
-from models.pose import JOINTS, POSE_SIZE, ROOT_POSITION
+from models.pose import JOINTS, POSE_SIZE, ROOT_POSITION, relative_pose
+from models.single_pose import SinglePose, tips_and_jacobians
 from models.skeleton import ADULT, Skeleton
+from models.surface import METRES_PER_INCH
+
+_CHUNK = 256
+"""Number of rows solved together; their Jacobians (1.5 MB) stay in the processor's cache."""
+
+_LARGEST_TURN = 0.5
+"""rad, largest rotation of a joint in one step; a longer step is scaled down. The Jacobian is not
+valid beyond it, and weakly damped steps would make the hand tumble."""
+
+
+class IkSolution(NamedTuple):
+    """Solved poses with residuals and numbers of steps."""
+
+    q: Array
+    """(T, 48) relative poses."""
+    residual: Array
+    """(T,) m, largest distance between a touching fingertip and its target."""
+    iterations: NDArray[np.int64]
+    """(T,) steps taken."""
+
+
+class TouchIkEncoder(Encoder):
+    """Inverse kinematics with the interface of an encoder.
+
+    The target of a touching fingertip's centre is (x, -y, pad height): over its touch, in the 3-D
+    surface frame with the leftmost contact as its origin. Joint ranges are not enforced.
+
+    Args:
+        skeleton: Skeleton whose fingertips should meet the touches.
+        iterations: Maximum number of steps.
+        settled: m and rad; a row stops after a step that changes no number by more. 0 always takes
+            all steps.
+        pad_height: m, centre of a touching fingertip above the surface; None estimates it.
+
+    Attributes:
+        mean_: (48,) mean training pose.
+        pad_height_: m, the given value or the median over the touching fingertips of the training
+            poses.
+        tip_misfit_: m, root mean square per coordinate of the offsets between the touching
+            fingertips of the training poses and their targets, caused by noise, rolling fingertips
+            and errors of the skeleton's bones.
+    """
+
+    def __init__(
+        self, skeleton: Skeleton, iterations: int, settled: float, pad_height: float | None
+    ) -> None:
+        self.skeleton = skeleton
+        self.iterations = iterations
+        self.settled = settled
+        self.pad_height = pad_height
+        self.mean_: Array
+        self._learned = False
+
+    def fit(self, U: ArrayLike, Q: ArrayLike) -> Self:
+        """Learns from contact vectors U (T, 15) and relative poses Q (T, 48).
+
+        Raises:
+            EncoderError: Wrong widths, values that are not finite, rows without contact, or an
+                option out of its range.
+        """
+        self._check_options()
+        Q = np.asarray(Q, float)
+        down, places = touches_of(U)
+        if Q.ndim != 2 or Q.shape[1] != POSE_SIZE or len(Q) != len(down) or not len(Q):
+            raise EncoderError(
+                "inputs and outputs do not belong together",
+                got=(np.shape(U), Q.shape),
+                expected=f"(T, {CONTACT_VECTOR_SIZE}) and (T, {POSE_SIZE}), T at least 1",
+            )
+        if not np.isfinite(Q).all():
+            raise EncoderError("poses must be finite")
+        self._neighbours = TouchNeighbours(down, places, Q)
+        hand = SinglePose(self.skeleton)
+        tips = np.array([hand.tips(q) for q in Q])
+        height = float(np.median(tips[down][:, 2])) if self.pad_height is None else self.pad_height
+        misfit = (tips - _targets(places, height))[down]
+        self.mean_ = Q.mean(axis=0)
+        self.pad_height_, self.tip_misfit_ = height, float(np.sqrt(np.mean(misfit**2)))
+        self._learn(Q)
+        self._learned = True
+        return self
+
+    def predict(self, U: ArrayLike) -> Array:
+        """Relative poses (T, 48) of contact vectors (T, 15), or (48,) of one contact vector (15,).
+
+        Raises:
+            EncoderError: See `solve`.
+        """
+        U = np.asarray(U, float)
+        return self.solve(U[None]).q[0] if U.ndim == 1 else self.solve(U).q
+
+    def solve(self, U: ArrayLike) -> IkSolution:
+        """Solves for the poses of contact vectors (T, 15).
+
+        Raises:
+            EncoderError: The encoder is not fitted, or the contact vectors have a wrong width, a
+                value that is not finite, a row without contact, or a set of fingers that needs a
+                nearest neighbour and occurs in no training frame.
+        """
+        if not self._learned:
+            raise EncoderError("the encoder has learned nothing yet", remedy="Call fit first")
+        down, places = touches_of(U)
+        targets = _targets(places, self.pad_height_)
+        solution = IkSolution(
+            np.empty((len(down), POSE_SIZE)), np.empty(len(down)), np.zeros(len(down), np.int64)
+        )
+        for fingers in np.unique(down, axis=0):
+            rows = np.flatnonzero((down == fingers).all(axis=1))
+            for first in range(0, len(rows), _CHUNK):
+                some = rows[first : first + _CHUNK]
+                start = self._start(fingers, places[some])
+                partial = self._iterate(start, fingers, targets[some].compress(fingers, 1))
+                for whole, part in zip(solution, partial, strict=True):
+                    whole[some] = part
+        return solution
+
+    def _iterate(self, start: Array, fingers: Mask, targets: Array) -> IkSolution:
+        """Iterates from poses (n, 48) until fingertips are at their targets (n, k, 3)."""
+        hand = SinglePose(self.skeleton, np.flatnonzero(fingers).tolist())
+        q = start.copy()
+        taken = np.zeros(len(q), np.int64)
+        # All rows first, as a slice, which makes no copies.
+        moving: slice | NDArray[np.int64] = slice(None)
+        for _ in range(self.iterations):
+            tips, jacobian = tips_and_jacobians(hand, q[moving])
+            off = (targets[moving] - tips).reshape(len(tips), -1)
+            J = jacobian.reshape(len(tips), -1, POSE_SIZE)
+            step = self._step(q[moving], start[moving], off, J)
+            turn = np.abs(step[:, 3:]).max(axis=1, keepdims=True)
+            step *= np.minimum(1.0, _LARGEST_TURN / np.maximum(turn, _LARGEST_TURN))
+            q[moving] += step
+            taken[moving] += 1
+            far = np.abs(step).max(axis=1) > self.settled
+            if not far.any():
+                break
+            if not far.all():
+                moving = np.arange(len(q))[moving][far]
+        off = targets - np.array([hand.tips(row) for row in q])
+        return IkSolution(q, np.sqrt(squared_lengths(off).max(axis=1)), taken)
+
+    def configuration(self) -> dict[str, Any]:
+        """Options of all encoders by inverse kinematics; subclasses add their own.
+
+        Raises:
+            EncoderError: The skeleton is not that of the built-in hand; others cannot be stored.
+        """
+        if self.skeleton is not ADULT:
+            raise EncoderError(
+                "inverse kinematics of another skeleton cannot be stored",
+                got=self.skeleton.name,
+                expected=ADULT.name,
+            )
+        return {
+            "iterations": self.iterations,
+            "settled": self.settled,
+            "pad_height": self.pad_height,
+        }
+
+    @abstractmethod
+    def _learn(self, Q: Array) -> None:
+        """Learns from the training poses (T, 48) what the steps need."""
+
+    @abstractmethod
+    def _start(self, fingers: Mask, places: Array) -> Array:
+        """First poses (n, 48) for touches (n, 5, 2) of these fingers (5,)."""
+
+    @abstractmethod
+    def _step(self, q: Array, start: Array, off: Array, J: Array) -> Array:
+        """Change (n, 48) of poses q (n, 48).
+
+        Args:
+            q: Poses now.
+            start: Poses at which the steps began.
+            off: (n, 3 k) m, from the k touching fingertips to their targets.
+            J: (n, 3 k, 48) derivative of those fingertips.
+        """
+
+    def _check_options(self) -> None:
+        if self.iterations < 0:
+            raise EncoderError("the number of iterations is out of range", got=self.iterations)
+        if not 0 <= self.settled < np.inf:
+            raise EncoderError("settled must be 0 or more", got=self.settled)
+        if self.pad_height is not None and not np.isfinite(self.pad_height):
+            raise EncoderError("the pad height must be finite", got=self.pad_height)
+
+
+def _targets(places: Array, height: float) -> Array:
+    """Targets (T, 5, 3) m of the fingertips' centres for touches (T, 5, 2)."""
+    depth = np.full((*places.shape[:-1], 1), height)
+    return np.concatenate([places[..., :1], -places[..., 1:], depth], axis=-1)
+
+
+_PLACES = 2 * len(FINGERS)
+
+
+def touches_of(U: ArrayLike) -> tuple[Mask, Array]:
+    """Masks (T, 5) and positions (T, 5, 2) of the touching fingers of contact vectors (T, 15).
+
+    Positions are in metres relative to the leftmost contact, x right and y down, NaN where a finger
+    is lifted. The leftmost contact is determined again, so that a common shift of a row has no
+    effect.
+
+    Raises:
+        EncoderError: Wrong width, a value that is not finite, a flag that is neither 0 nor 1, or a
+            row without any contact.
+    """
+    U = np.asarray(U, float)
+    if U.ndim != 2 or U.shape[1] != CONTACT_VECTOR_SIZE:
+        raise EncoderError(
+            "wrong number of inputs", got=U.shape, expected=f"contact vectors {CONTACT_VECTOR_SIZE}"
+        )
+    if not np.isfinite(U).all():
+        raise EncoderError("contact vectors must be finite", where=_first_row(~np.isfinite(U)))
+    flags = U[:, _PLACES:]
+    odd = (flags != 0.0) & (flags != 1.0)
+    if odd.any():
+        raise EncoderError(
+            "a contact flag is neither 0 nor 1", where=_first_row(odd), got=float(flags[odd][0])
+        )
+    down = flags == 1.0
+    if not down.any(axis=1).all():
+        raise EncoderError(
+            "a contact vector has no contact",
+            where=_first_row(~down.any(axis=1, keepdims=True)),
+            expected="1 to 5 fingers down",
+        )
+    places = U[:, :_PLACES].reshape(-1, len(FINGERS), 2) * METRES_PER_INCH
+    places = np.where(down[..., None], places, np.nan)
+    if not len(places):
+        return down, places
+    return down, places - contact_vectors(places)[1][:, None, :]
+
+
+def finger_names(fingers: Mask) -> str:
+    """Names of the fingers of a mask (5,), such as 'thumb, index'."""
+    return ", ".join(name for name, down in zip(FINGERS, fingers, strict=True) if down)
+
+
+class TouchNeighbours:
+    """Training frames, grouped by the set of their touching fingers.
+
+    The frames for a set are those with exactly these fingers down; if there are none, those in
+    which at least these touch, with touches and pose relative to the leftmost of these.
+
+    Args:
+        down: (T, 5) mask of touching fingers.
+        places: (T, 5, 2) m relative to the leftmost contact, as `touches_of` gives them.
+        Q: (T, 48) relative poses.
+    """
+
+    def __init__(self, down: Mask, places: Array, Q: Array) -> None:
+        self._down, self._places, self._poses = down, places, Q
+        self._frames: dict[bytes, tuple[Array, Array]] = {}
+
+    def nearest(self, fingers: Mask, places: Array) -> Array:
+        """Poses (n, 48) of the frames whose touches are nearest to given ones.
+
+        The nearest frame has the least sum of squared distances over the touching fingers; of
+        equals, the first is taken. A single touch has no layout and is equally near to all frames:
+        the result is then the mean pose of all comparable frames.
+
+        Args:
+            fingers: (5,) mask of touching fingers.
+            places: (n, 5, 2) m relative to the leftmost contact.
+
+        Raises:
+            EncoderError: These fingers touch together in no training frame.
+        """
+        layouts, poses = self._comparable(fingers)
+        if fingers.sum() == 1:
+            return np.tile(poses.mean(axis=0), (len(places), 1))
+        wanted = places[:, fingers].reshape(len(places), -1)
+        # |a - b|^2 less |a|^2, which is the same for all frames.
+        distance = squared_lengths(layouts) - 2.0 * times_transposed(wanted, layouts)
+        nearest: Array = poses[np.argmin(distance, axis=1)]
+        return nearest
+
+    def _comparable(self, fingers: Mask) -> tuple[Array, Array]:
+        """Layouts (F, 2 k) m and relative poses (F, 48) of the frames for a set of fingers."""
+        key = fingers.tobytes()
+        if key not in self._frames:
+            rows = np.flatnonzero((self._down == fingers).all(axis=1))
+            if not len(rows):
+                rows = np.flatnonzero(self._down[:, fingers].all(axis=1))
+            if not len(rows):
+                raise EncoderError(
+                    "no training frame has these fingers down together",
+                    where=finger_names(fingers),
+                    remedy="Add a take with these fingers to the capture",
+                )
+            kept = np.where(fingers[:, None], self._places[rows], np.nan)
+            _, origin = contact_vectors(kept)
+            layouts = (kept - origin[:, None, :])[:, fingers].reshape(len(rows), -1)
+            self._frames[key] = layouts, relative_pose(self._poses[rows], origin)
+        return self._frames[key]
+
+
+def _first_row(wrong: Mask) -> str:
+    return f"row {int(np.flatnonzero(wrong.any(axis=1))[0])}"
+
 
 COMPLIANCE_TRANSLATION = 0.1
 COMPLIANCE_ROTATION = 25.0

@@ -138,7 +138,7 @@ class PersonCorrection:
     `encoders.correction` makes the tips of our own hand meet the touches exactly. Here the pose of
     the person's hand is estimated. The person has other bones, so the accuracy of a touch as a
     measurement of the pose depends on how well those bones are known
-    (`encoders.regression.person_correction`).
+    (`encoders.regression.bone_fit`).
 
     Attributes:
         skeleton: The person's skeleton as far as it is known.

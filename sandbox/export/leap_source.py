@@ -11,11 +11,15 @@ from typing import Any, Literal
 
 import numpy as np
 
-from encoders.paalm.average import average_calibration, knows_bones, with_reported_coupling
+from encoders.paalm.average import (
+    average_calibration,
+    knows_bones,
+    measured_in,
+    with_reported_coupling,
+)
 from encoders.paalm.calibration import HandCalibration
 from encoders.paalm.calibration_file import read_hand
 from encoders.paalm.paalm import Paalm
-from encoders.paalm.recorded import measured_in
 from encoders.reconstruction.hand_motion import Phase
 from models.arithmetic import Array
 from models.errors import EncoderError, InputError, RecordingError

@@ -8,8 +8,7 @@ import time
 from rich.console import Console
 
 from encoders.labels.belief import builtin_population_belief
-from encoders.person.hand_size import SPREADS, HandSize
-from encoders.person.spreads import SpreadCollector
+from encoders.person.hand_size import SPREADS, HandSize, SpreadCollector
 from models.arithmetic import Array
 from models.errors import InputError
 from models.person import Person

@@ -5,8 +5,7 @@ from __future__ import annotations
 from rich.console import Console
 from rich.text import Text
 
-from encoders.person.rest_posture import check_rest_samples
-from encoders.person.seen_rest import SeenRest
+from encoders.person.rest_posture import SeenRest, check_rest_samples
 from encoders.reconstruction.hand_motion import Phase
 from encoders.reconstruction.reconstructor import AirReconstructor
 from models.errors import EncoderError, InputError

@@ -52,7 +52,6 @@ APART = {
     "encoders/person/hand_size.py": "a profile's file holds the result",
     "encoders/regression/bone_fit.py": "training",
     "encoders/regression/least_squares.py": "training",
-    "encoders/regression/person_correction.py": "training",
     "encoders/regression/train.py": "training",
     "encoders/regression/trained.py": "training; what ships is stored",
     "encoders/validation.py": "training",

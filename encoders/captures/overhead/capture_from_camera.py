@@ -23,17 +23,22 @@ from encoders.captures.conversion.fingers import LabelledTrack, sample_times
 from encoders.captures.conversion.report import ConversionReport, ConversionRules
 from encoders.captures.conversion.synchronise import ClockOffset, refined_by_motion
 from encoders.captures.conversion.touch_log import TouchLog, valid_contacts
-from encoders.captures.overhead.camera_place import CameraPlace, field_of_view, place_of_camera
-from encoders.captures.overhead.lifts import offset_by_lifts
 from encoders.captures.overhead.names import NamingRules
 from encoders.captures.overhead.naming import NamedContact, moments_of, name_contacts
 from encoders.captures.overhead.picture_track import (
     LAST_JOINTS,
     TIPS,
     PictureTrack,
+    offset_by_lifts,
     picture_track,
 )
-from encoders.captures.overhead.tablet_plane import TabletPlane, plane_of_touches
+from encoders.captures.overhead.tablet_plane import (
+    CameraPlace,
+    TabletPlane,
+    field_of_view,
+    place_of_camera,
+    plane_of_touches,
+)
 from encoders.captures.paired.capture_from_hands import ONE_CLOCK, corrected
 from encoders.captures.paired.hand_track import HandTrack
 from encoders.correction import PAD_HEIGHT

@@ -1,4 +1,8 @@
-"""Simulates the subject: the takes of a day become one capture."""
+"""Simulates the subject: the takes of a day become one capture.
+
+The subject's hand takes the most likely posture with its fingertips over the touches. A screen
+then measures the touches, and a capture system the poses.
+"""
 
 from __future__ import annotations
 
@@ -10,18 +14,90 @@ from numpy.typing import NDArray
 from encoders.capture import Capture
 from encoders.captures.subject.configuration import SubjectConfiguration
 from encoders.captures.subject.gestures import path, smooth_noise
-from encoders.captures.subject.posture import FREEDOMS, anatomy, lifting
+from encoders.captures.subject.posture import FREEDOMS, Anatomy, anatomy, lifting
 from encoders.captures.subject.script import Take, takes_of
-from encoders.captures.subject.sensors import day_error, measured_pose, touches
-from encoders.captures.subject.solve import PostureSolver
 from models.arithmetic import Array
 from models.errors import InputError
 from models.frames import FINGERS
-from models.kinematics import Kinematics
-from models.pose import POSE_SIZE, ROOT_POSITION, ROOT_ROTATION
+from models.kinematics import Kinematics, Placement
+from models.pose import BALL_JOINTS, JOINTS, POSE_SIZE, ROOT_POSITION, ROOT_ROTATION, within_limits
 from models.rotations import exp, log
 from models.skeleton import ADULT, Skeleton
-from models.surface import Surface
+from models.surface import METRES_PER_INCH, Surface
+
+ITERATIONS = 20
+
+_FIRST_PRECISION = 0.02
+"""m, precision of targets in the first iterations: at full precision, a far hand would
+overshoot."""
+
+_STEP = 0.15
+"""rad, largest rotation of a joint in one iteration: tips are nearly linear in joints only so
+far."""
+
+_WALL = np.deg2rad(0.5)
+"""rad, softness of a joint's wall."""
+
+_BEFORE_LIMIT = np.deg2rad(2.0)
+"""rad between the wall and the anatomic limit: room for the errors of measurement."""
+
+
+class PostureSolver:
+    """Computes the most likely posture with given fingertips, for many frames at once.
+
+        theta = argmin  sum over fingertips |tip - target|^2 / precision^2
+                        + (theta - aim)' S^-1 (theta - aim) + a wall at the joints' limits
+
+    by Gauss-Newton. So poses are not polynomials of the touches: tips are trigonometric in the
+    joints, the solution contains an inverse, and the aim cannot be known from the touches alone.
+
+    Args:
+        kinematics: That of the skeleton.
+        anatomy: Posture at rest, its covariance, and the joints' hinges.
+    """
+
+    def __init__(self, kinematics: Kinematics, anatomy: Anatomy) -> None:
+        self._kinematics, self._hinges = kinematics, anatomy.hinges
+        self._precision = np.linalg.inv(anatomy.covariance)
+        skeleton = kinematics.skeleton
+        self._lower = skeleton.lower + _BEFORE_LIMIT
+        self._upper = skeleton.upper - _BEFORE_LIMIT
+
+    def solve(self, aim: Array, targets: Array, precision: Array) -> Array:
+        """Computes postures (n, 27).
+
+        Args:
+            aim: (n, 27) posture aimed at.
+            targets: (n, 5, 3) m, of the fingertips, in the frame of the root's freedoms.
+            precision: (n, 5, 3) m, required precision of each coordinate; infinite if it is free.
+        """
+        theta = aim.copy()
+        joints = self._hinges[JOINTS]
+        for i in range(ITERATIONS):
+            # Geometric sequence from the first precision to the required one in the first half.
+            share = min(1.0, 2 * i / ITERATIONS)
+            sd = np.maximum(precision, _FIRST_PRECISION * 1e-3**share)
+            weight = (1 / sd**2).reshape(len(aim), 15)
+            q = theta @ self._hinges.T
+            tips, by_pose = self._kinematics.tips_and_jacobian(q)
+            J = by_pose.reshape(len(aim), 15, -1) @ self._hinges
+            miss = (targets - tips).reshape(len(aim), 15)
+            over = self._over(q[:, JOINTS])
+            blocked = (over != 0) / _WALL**2
+            weighted = np.swapaxes(J * weight[..., None], -1, -2)
+            H = self._precision + weighted @ J
+            H += np.einsum("nj,ja,jb->nab", blocked, joints, joints, optimize=True)
+            g = (weighted @ miss[..., None])[..., 0] + (aim - theta) @ self._precision
+            g -= (blocked * over) @ joints
+            step = np.linalg.solve(H, g[..., None])[..., 0]
+            largest = np.abs(step[:, 3:]).max(axis=1, keepdims=True)
+            theta = theta + step * np.minimum(1.0, _STEP / np.maximum(largest, _STEP))
+        return theta
+
+    def _over(self, joints: Array) -> Array:
+        """Signed angles (n, 42) rad beyond the walls."""
+        return np.maximum(joints - self._upper, 0) + np.minimum(joints - self._lower, 0)
+
 
 SUBJECT, DAY, TAKE = 0, 1, 2
 """Purposes of random numbers; each has its own stream, so that none shifts another."""
@@ -242,3 +318,73 @@ def _contact_ids(down: NDArray[np.bool_], first: int) -> tuple[NDArray[np.int64]
     # Ids grow with time, so the latest landing is the greatest id so far.
     ids = np.maximum.accumulate(ids, axis=0)
     return np.where(down, ids, -1).astype(np.int64), first + int(landed.sum())
+
+
+def touches(
+    rng: np.random.Generator,
+    placement: Placement,
+    skeleton: Skeleton,
+    configuration: SubjectConfiguration,
+) -> Array:
+    """Touches (n, 5, 2) m of all fingertips as a screen reports them (x right, y down).
+
+    The flatter a finger lies, the more of its pad touches, and the further back is the middle of
+    the touch. Positions come in whole dots.
+    """
+    last = [*(skeleton.first_bone[1:] - 1), len(skeleton.bones) - 1]
+    along = placement.rotations[..., last, :, :][..., 1]
+    seen = (placement.tips - configuration.pad_roll * along)[..., :2]
+    seen = seen + rng.normal(0, configuration.touch_noise, seen.shape)
+    dot = METRES_PER_INCH / configuration.touch_resolution
+    return np.round(seen / dot) * dot * np.array([1.0, -1.0])
+
+
+def day_error(rng: np.random.Generator, configuration: SubjectConfiguration) -> Array:
+    """Constant error (48,) of one day's poses: markers never sit twice on the same spot."""
+    out = np.empty(POSE_SIZE)
+    out[ROOT_POSITION] = rng.normal(0, configuration.day_root[0], 3)
+    out[ROOT_ROTATION] = rng.normal(0, configuration.day_root[1], 3)
+    out[JOINTS] = rng.normal(0, configuration.day_joint, POSE_SIZE - 6)
+    return out
+
+
+def measured_pose(
+    rng: np.random.Generator,
+    times: Array,
+    q: Array,
+    day: Array,
+    kinematics: Kinematics,
+    configuration: SubjectConfiguration,
+) -> Array:
+    """Poses (n, 48) as a capture system reports them: with errors, and within anatomic limits.
+
+    Such a system turns joints until the skeleton meets the markers, those on the fingertips among
+    them. Its joints may err by degrees, but together they put the fingertips where they were.
+
+    Args:
+        rng: Source of the errors.
+        times: (n,) s, times of the frames.
+        q: (n, 48) true poses.
+        day: (48,) constant error of the day.
+        kinematics: Kinematics of the skeleton that is fitted to the markers.
+        configuration: Sizes of the errors.
+    """
+    c = configuration
+    error = np.tile(day, (len(q), 1))
+    error[:, ROOT_POSITION] += rng.normal(0, c.root_noise[0], (len(q), 3))
+    error[:, ROOT_ROTATION] += rng.normal(0, c.root_noise[1], (len(q), 3))
+    skin = smooth_noise(rng, times, c.soft_tissue_time, (3 * BALL_JOINTS,))
+    error[:, JOINTS] += c.soft_tissue * skin + rng.normal(0, c.joint_noise, skin.shape)
+    variance = np.empty(POSE_SIZE)
+    variance[ROOT_POSITION] = c.root_noise[0] ** 2 + c.day_root[0] ** 2
+    variance[ROOT_ROTATION] = c.root_noise[1] ** 2 + c.day_root[1] ** 2
+    variance[JOINTS] = c.soft_tissue**2 + c.joint_noise**2 + c.day_joint**2
+    tips, by_pose = kinematics.tips_and_jacobian(q)
+    out = q + error
+    for _ in range(2):
+        miss = (tips - kinematics.tips(out)).reshape(len(q), -1, 1)
+        J = by_pose.reshape(len(q), -1, POSE_SIZE)
+        spread = J * variance
+        H = spread @ np.swapaxes(J, -1, -2) + c.tip_marker**2 * np.eye(J.shape[1])
+        out = out + (np.swapaxes(spread, -1, -2) @ np.linalg.solve(H, miss))[..., 0]
+    return within_limits(out, kinematics.skeleton)

@@ -1,6 +1,6 @@
 """A forward model of the Leap: it computes the device's frames for a hand with known poses.
 
-`v1` is the first software (`first_software`), which PAALM (2013) reads; `v3` is the later one with
+`v1` is the first software (`FirstSoftware`), which PAALM (2013) reads; `v3` is the later one with
 labelled joints. `ForwardLeap` sees a hand that moves live; `leap_take` makes whole takes with it.
 The configuration is frozen.
 """
@@ -8,18 +8,19 @@ The configuration is frozen.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from math import ceil, exp, log, sqrt
+from statistics import NormalDist
 
 import numpy as np
 from numpy.typing import NDArray
 
 from encoders.paalm.palm import vector_of
 from encoders.paalm.simulated.air import AirTake
-from encoders.paalm.simulated.first_software import FirstSoftware
-from encoders.paalm.simulated.leap_configuration import FROZEN_LEAP, LeapConfiguration
+from encoders.paalm.simulated.leap_configuration import FROZEN_LEAP, QUANTILES, LeapConfiguration
 from models.arithmetic import Array
 from models.errors import EncoderError
 from models.frames import FINGERS, HandFrame, TrackedFinger, TrackedHand
-from models.rotations import exp
+from models.rotations import exp as rotation_exp
 
 DIALECTS = ("v3", "v1")
 
@@ -132,7 +133,7 @@ class ForwardLeap:
 
     def _with_joints(self, origin: Array, rotation: Array, joints: Array) -> _Seen:
         rng, c = self._rng, self._c
-        axes = exp(np.deg2rad(c.palm_turn) * rng.standard_normal(3)) @ rotation
+        axes = rotation_exp(np.deg2rad(c.palm_turn) * rng.standard_normal(3)) @ rotation
         palm = origin + c.palm_place * rng.standard_normal(3)
         world = origin + joints @ rotation.T
         world = world + c.joint * rng.standard_normal(world.shape)
@@ -197,3 +198,182 @@ def balls(world: Array) -> Array:
     # A thumb of two bones has its last joint at its end.
     start = np.concatenate([world[..., :1, 1, :], world[..., 1:, 2, :]], axis=-2)
     return np.asarray(end + BALL * (start - end))
+
+
+_FIVE = len(FINGERS)
+_SLOW = 0.5
+"""s, time constant of the slow errors of lengths."""
+_FINE = 4
+"""Steps of a smooth process per time constant, at least."""
+_LONG = 20
+"""Most steps for one frame: after a longer gap nothing is left of what was before."""
+_SCORES = np.array([NormalDist().inv_cdf(min(max(q, 1e-4), 1.0 - 1e-4)) for q in QUANTILES])
+_ROUND = np.diag([1.0, -1.0, -1.0])
+"""Turns a palm round, about the line across it."""
+
+
+@dataclass(frozen=True)
+class SeenHand:
+    """A hand as the device reports it.
+
+    Attributes:
+        origin: (3,) m, centre of the palm.
+        axes: (3, 3) device from palm.
+        ids: (5,) ids by finger; 0 is a finger that is not seen.
+        tips, along: (5, 3) m, tips; directions.
+        lengths: (5,) m.
+    """
+
+    origin: Array
+    axes: Array
+    ids: NDArray[np.int64]
+    tips: Array
+    along: Array
+    lengths: Array
+
+
+class FirstSoftware:
+    """One hand as the first Leap software reports it, frame by frame.
+
+    Fingers come in no order, with direction and length of what is seen of them. How much that is
+    changes slowly, whether a finger moves or not, and without steepening its direction: so it is in
+    the only recording of real hands (see `leap_configuration`).
+
+    Args:
+        rng: Chance.
+        configuration: Settings of the device.
+        drop_outs: False sees every finger always.
+    """
+
+    def __init__(
+        self,
+        rng: np.random.Generator,
+        configuration: LeapConfiguration,
+        drop_outs: bool = True,
+    ) -> None:
+        c = configuration
+        self._rng, self._c, self._drop_outs = rng, c, drop_outs
+        self._hidden = np.array([c.thumb_hidden, *[c.hidden] * (_FIVE - 1)])
+        # One share for all fingers, one for each.
+        self._share = _Smooth(rng, 1 + _FIVE, c.seen_seconds)
+        self._wander = _Smooth(rng, 1, c.wander_seconds)
+        self._aside = _Smooth(rng, 3 * _FIVE, c.aside_seconds)
+        self._long = rng.standard_normal(_FIVE)
+        self._now = 0.0
+        self._ids, self._last_ids = np.zeros(_FIVE, np.int64), np.zeros(_FIVE, np.int64)
+        self._fresh = 1
+        self._since = np.full(_FIVE, c.back)
+        self._lost_until = np.full(_FIVE, -1.0)
+        self._arrives()
+
+    def lose(self) -> None:
+        """Records that the hand has left the view: a returning hand is new to the device."""
+        self._ids[:] = self._last_ids[:] = 0
+        self._arrives()
+
+    def see(self, step: float, origin: Array, rotation: Array, joints: Array) -> SeenHand:
+        """The device's view of a hand.
+
+        Args:
+            step: s since the last one.
+            origin: (3,) m, palm centre of the average hand in the device's frame.
+            rotation: (3, 3) device from palm; a reflection for a left hand.
+            joints: (5, 4, 3) m, knuckle, PIP, DIP, tip in palm coordinates.
+        """
+        rng, c = self._rng, self._c
+        self._now += step
+        world = origin + joints @ rotation.T
+        base = world[:, 0] + self._hidden[:, None] * (world[:, 1] - world[:, 0])
+        tips = world[:, 3] + c.tip * rng.standard_normal((_FIVE, 3))
+        line = tips - base
+        whole = np.linalg.norm(line, axis=1)
+        keep = exp(-step / _SLOW)
+        self._long = keep * self._long + sqrt(1.0 - keep**2) * rng.standard_normal(_FIVE)
+        aside = self._aside.after(step).reshape(_FIVE, 3)
+        turn = np.deg2rad(c.aside * aside + c.direction * rng.standard_normal((_FIVE, 3)))
+        along = (rotation_exp(turn) @ (line / whole[:, None])[..., None])[..., 0]
+        own = self._share.after(step)
+        score = sqrt(c.seen_alike) * own[0] + sqrt(1.0 - c.seen_alike) * own[1:]
+        lengths = whole * np.interp(score, _SCORES, c.seen) * (1.0 + c.length_slow * self._long)
+        lengths = np.maximum(lengths + c.length * rng.standard_normal(_FIVE), 0.002)
+        axes = rotation_exp(np.deg2rad(c.centre_turn) * rng.standard_normal(3)) @ rotation
+        centre = np.array(c.centre)
+        centre[1] += c.centre_wanders * float(self._wander.after(step)[0])
+        place = origin + rotation @ centre + c.centre_place * rng.standard_normal(3)
+        if self._now < self._right_from:
+            axes = axes @ _ROUND
+        self._name(self._visible(world, tips, whole, line, rotation), tips, step)
+        return SeenHand(place, axes, self._ids.copy(), tips, along, lengths)
+
+    def _arrives(self) -> None:
+        c = self._c
+        wrong = self._drop_outs and self._rng.random() < c.reversed_share
+        self._right_from = self._now + (c.reversed_for if wrong else 0.0)
+
+    def _visible(
+        self, world: Array, tips: Array, whole: Array, line: Array, rotation: Array
+    ) -> NDArray[np.bool_]:
+        """Fingers (5,) that are neither folded, turned in nor merged with a longer one."""
+        if not self._drop_outs:
+            return np.ones(_FIVE, bool)
+        c = self._c
+        bones = np.linalg.norm(np.diff(world, axis=1), axis=2)
+        straight = bones.sum(axis=1) - self._hidden * bones[:, 0]
+        visible = (whole > c.folded * straight) & (
+            line @ rotation[:, 1] > whole * np.cos(np.deg2rad(c.turned_in))
+        )
+        apart = np.linalg.norm(tips[:, None] - tips[None], axis=2)
+        merged = (apart < c.merged) & (whole[:, None] < whole[None])
+        return np.asarray(visible & ~merged.any(axis=1))
+
+    def _name(self, visible: NDArray[np.bool_], tips: Array, step: float) -> None:
+        """Loses fingers and finds them again, and exchanges the ids of neighbours."""
+        rng, c = self._rng, self._c
+        hazard = rng.random(_FIVE) < c.lost_rate * step
+        span = np.exp(rng.uniform(log(c.lost[0]), log(c.lost[1]), _FIVE))
+        if self._drop_outs:
+            self._lost_until = np.where(
+                hazard & (self._now >= self._lost_until), self._now + span, self._lost_until
+            )
+        hidden = ~visible
+        self._since = np.where(hidden, 0.0, self._since + step)
+        up = (self._since >= c.back) & (self._now >= self._lost_until)
+        fresh, swaps = rng.random(_FIVE), rng.random() < c.swapped * step
+        for f in range(_FIVE):
+            if not up[f]:
+                self._ids[f] = 0
+            elif not self._ids[f]:
+                if not self._last_ids[f] or fresh[f] < c.fresh:
+                    self._last_ids[f], self._fresh = self._fresh, self._fresh + 1
+                self._ids[f] = self._last_ids[f]
+        pair = int(rng.integers(1, _FIVE - 1))
+        if swaps and self._drop_outs and self._ids[pair] and self._ids[pair + 1]:
+            both = [pair + 1, pair]
+            self._ids[[pair, pair + 1]] = self._ids[both]
+            self._last_ids[[pair, pair + 1]] = self._last_ids[both]
+
+
+class _Smooth:
+    """Processes of spread 1 without corners: low-passed white noise, low-passed again.
+
+    Args:
+        rng: Chance.
+        count: How many.
+        seconds: s, time constant of both low-passes.
+    """
+
+    def __init__(self, rng: np.random.Generator, count: int, seconds: float) -> None:
+        self._rng, self._seconds = rng, seconds
+        self._first = rng.standard_normal(count)
+        # Half of the variance passes a second low-pass; the two are correlated.
+        self._second = 0.5 * self._first + 0.5 * rng.standard_normal(count)
+
+    def after(self, step: float) -> Array:
+        """The values a number of seconds later."""
+        steps = min(ceil(_FINE * step / self._seconds), _LONG) if step > 0.0 else 0
+        for _ in range(steps):
+            keep = exp(-step / steps / self._seconds)
+            white = self._rng.standard_normal(len(self._first))
+            self._first = keep * self._first + sqrt(1.0 - keep**2) * white
+            self._second = keep * self._second + (1.0 - keep) * self._first
+        return sqrt(2.0) * self._second

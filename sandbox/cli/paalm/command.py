@@ -15,10 +15,9 @@ from rich.progress import Progress
 from rich.text import Text
 
 from encoders.paalm import PAPER, Paalm, PaalmFrame, PaalmOptions
-from encoders.paalm.average import average_calibration, knows_bones
+from encoders.paalm.average import average_calibration, calibrate_on_recording, knows_bones
 from encoders.paalm.calibration import PAPER_FRAMES, HandCalibration
 from encoders.paalm.calibration_file import read_calibration, write_calibration
-from encoders.paalm.recorded import calibrate_on_recording
 from models.errors import InputError
 from models.frames import SIDES, HandFrame
 from models.reader_report import ReaderReport

@@ -121,7 +121,7 @@ def _calibration(options: OverLeapOptions, side: str) -> HandCalibration | None:
 def _recorded(recording: LeapRecording, side: str, name: str) -> HandCalibration:
     """The calibration of the hand in a recording."""
     from encoders.paalm import Paalm
-    from encoders.paalm.recorded import calibrate_on_recording
+    from encoders.paalm.average import calibrate_on_recording
     from sandbox.devices.leap.leap_file import check_side, doubt_of_side
 
     check_side(recording.frames, side, name, "--hand")

@@ -22,7 +22,7 @@ from typing import Any
 
 import msgspec
 
-from encoders.paalm.sides import side_by_thumb
+from encoders.paalm.identity import side_by_thumb
 from models.errors import InputError, RecordingError
 from models.frames import HandFrame
 from models.json_input import any_json

@@ -8,8 +8,8 @@ from dataclasses import replace
 from math import inf
 
 from encoders.paalm.hand_reconstructor import NOTICE_LASTS
+from encoders.paalm.identity import HandSides
 from encoders.paalm.palm import stacked
-from encoders.paalm.sides import HandSides
 from models.frames import HandFrame
 from models.message import Message
 from sandbox.devices.wrappers.shared import MergedUsers, Split

@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 
 from encoders.captures.conversion import ConversionReport, ConversionRules, TouchLog
-from encoders.captures.overhead.camera_place import field_of_view, place_of_camera
 from encoders.captures.overhead.capture_from_camera import (
     NamedTouches,
     capture_from_camera,
@@ -23,7 +22,13 @@ from encoders.captures.overhead.simulated import (
     OverheadPictures,
     simulate_overhead,
 )
-from encoders.captures.overhead.tablet_plane import TabletPlane, mirrored_plane, plane_of_corners
+from encoders.captures.overhead.tablet_plane import (
+    TabletPlane,
+    field_of_view,
+    mirrored_plane,
+    place_of_camera,
+    plane_of_corners,
+)
 from encoders.captures.paired.simulated import FROZEN_PAIRED, PairedSession, simulate_paired
 from encoders.webcam.camera import Camera
 from models.errors import CaptureError, InputError

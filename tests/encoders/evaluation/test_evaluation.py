@@ -16,10 +16,9 @@ from encoders.capture import Capture
 from encoders.correction import PAD_HEIGHT
 from encoders.evaluation import EncoderMethod, evaluate_method
 from encoders.evaluation.errors import limit_share, pose_errors, tip_errors, variance_shares
-from encoders.evaluation.intervals import block_interval
 from encoders.evaluation.labels import own_labels
 from encoders.evaluation.measure import OWN, TRUE, Tests
-from encoders.evaluation.report import plain, report
+from encoders.evaluation.report import block_interval, plain, report
 from encoders.evaluation.smoothness import smoothness
 from encoders.evaluation.subjects import first_subject
 from encoders.evaluation.training import NAMES, TRAINED, Training, check_names

@@ -12,8 +12,7 @@ import pytest
 
 from encoders.paalm.palm import palm_of
 from encoders.paalm.simulated.air import AirTake, simulate_air
-from encoders.paalm.simulated.first_software import FirstSoftware, SeenHand
-from encoders.paalm.simulated.forward import leap_take
+from encoders.paalm.simulated.forward import FirstSoftware, SeenHand, leap_take
 from encoders.paalm.simulated.leap_configuration import FROZEN_LEAP, QUANTILES, LeapConfiguration
 from tests.support.leap_hands import SHORT, real_take
 

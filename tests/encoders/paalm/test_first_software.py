@@ -14,10 +14,10 @@ from encoders.paalm.average import average_calibration
 from encoders.paalm.calibration import longest_calibration
 from encoders.paalm.chain import FINGER_LIMITS, FingerChain
 from encoders.paalm.coupling import TWO_THIRDS
+from encoders.paalm.identity import HandSides
 from encoders.paalm.palm import palm_of
 from encoders.paalm.rig import average_knuckle, bone_lengths, with_palm_shift
 from encoders.paalm.seen_palm import FIRST_SHIFT, OVERREACH, LearnedPalm, slip
-from encoders.paalm.sides import HandSides
 from models.errors import EncoderError
 from models.frames import FINGERS, HandFrame, TrackedHand
 from models.rotations import exp

@@ -12,8 +12,7 @@ from hypothesis import strategies as st
 from encoders.paalm import Paalm, PaalmOptions
 from encoders.paalm.average import average_calibration
 from encoders.paalm.calibration import coupling_of_joints
-from encoders.paalm.coupling import ORION
-from encoders.paalm.learned_coupling import OFFSET_STEP, SLOPE_STEP, LearnedCoupling
+from encoders.paalm.coupling import OFFSET_STEP, ORION, SLOPE_STEP, LearnedCoupling
 from encoders.paalm.palm import vector_of
 from encoders.paalm.simulated.air import FROZEN_AIR, simulate_air
 from encoders.paalm.simulated.forward import leap_take

@@ -15,11 +15,10 @@ from encoders.evaluation.paalm_pair import moved, side_by_side
 from encoders.evaluation.paalm_recorded import take_of_recording
 from encoders.paalm import PAPER, Coupling, PaalmOptions
 from encoders.paalm.angles import angles_of_joints, joints_of_angles
-from encoders.paalm.average import average_calibration
+from encoders.paalm.average import average_calibration, calibrate_on_recording
 from encoders.paalm.calibration import ENOUGH
 from encoders.paalm.calibration_file import read_calibration, write_calibration
 from encoders.paalm.palm import palm_of, vector_of
-from encoders.paalm.recorded import calibrate_on_recording
 from encoders.paalm.simulated import air
 from encoders.paalm.simulated.air import simulate_air
 from encoders.paalm.simulated.forward import LeapTake, leap_take

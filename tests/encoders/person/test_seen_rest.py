@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 
 from encoders.correction import PAD_HEIGHT
-from encoders.person.rest_posture import check_rest_samples
-from encoders.person.seen_rest import SECONDS, SeenRest
+from encoders.person.rest_posture import SECONDS, SeenRest, check_rest_samples
 from models.arithmetic import Array
 from models.kinematics import Kinematics
 from models.pose import JOINTS, ROOT_POSITION

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from encoders import PcaIkEncoder, contact_vector
-from encoders.regression.touch_ik import TouchIkEncoder
+from encoders.regression.pca_ik import TouchIkEncoder
 from encoders.regression.trained import builtin_capture
 from models.kinematics import Kinematics
 from models.skeleton import ADULT

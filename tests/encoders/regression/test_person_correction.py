@@ -13,8 +13,14 @@ from scipy.optimize import least_squares
 
 from encoders.capture import Capture
 from encoders.correction import PAD_HEIGHT
-from encoders.regression.bone_fit import fitted_skeleton, perturbed_skeleton, tip_misses
-from encoders.regression.person_correction import DISTRUSTS, blocked_variance, train_correction
+from encoders.regression.bone_fit import (
+    DISTRUSTS,
+    blocked_variance,
+    fitted_skeleton,
+    perturbed_skeleton,
+    tip_misses,
+    train_correction,
+)
 from encoders.regression.polynomial import PolynomialEncoder
 from encoders.regression.train import blocked_predictions
 from encoders.regression.trained import PersonCorrection, builtin_capture

@@ -11,7 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from encoders import PcaIkEncoder, contact_vector
-from encoders.regression.touch_ik import TouchIkEncoder, TouchNeighbours, touches_of
+from encoders.regression.pca_ik import TouchIkEncoder, TouchNeighbours, touches_of
 from models.errors import EncoderError
 from models.pose import relative_pose
 from models.skeleton import ADULT

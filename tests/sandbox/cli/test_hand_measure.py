@@ -12,7 +12,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from encoders.person.spreads import REST, STILL, SpreadCollector
+from encoders.person.hand_size import REST, STILL, SpreadCollector
 from models.arithmetic import Array
 from models.errors import InputError
 from models.frames import Contact, TouchFrame

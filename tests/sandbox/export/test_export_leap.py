@@ -14,8 +14,8 @@ import pytest
 
 from encoders.paalm import Paalm
 from encoders.paalm.angles import joints_of_angles
+from encoders.paalm.average import calibrate_on_recording
 from encoders.paalm.hand_pose import PALM_CENTRE
-from encoders.paalm.recorded import calibrate_on_recording
 from encoders.paalm.rig import bone_lengths
 from models.frames import HandFrame
 from models.motion.armature import Y_UP

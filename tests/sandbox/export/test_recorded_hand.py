@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from encoders.paalm import Paalm
-from encoders.paalm.recorded import calibrate_on_recording
+from encoders.paalm.average import calibrate_on_recording
 from encoders.reconstruction.hand_motion import Phase
 from models.frames import HandFrame
 from sandbox.export.leap_hands import straight_reconstructor

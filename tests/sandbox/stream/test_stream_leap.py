@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from encoders.paalm import Paalm
-from encoders.paalm.recorded import calibrate_on_recording
+from encoders.paalm.average import calibrate_on_recording
 from models.motion.armature import Y_UP
 from models.motion.sampling import Poses
 from models.pose import ROOT_POSITION
