@@ -59,25 +59,28 @@ def _odds_of_sets(
         used = np.isin(hypotheses(1)[:, 0], sorted({f for s in sets for f in s}))
         return np.where(used, 0.0, IMPOSSIBLE)
     factors = []
-    for fingers in finger_sets(count):
-        odds = sets.get(fingers, 0.0) / usual.get(fingers, 1.0)
+    for finger_set in finger_sets(count):
+        odds = sets.get(finger_set, 0.0) / usual.get(finger_set, 1.0)
         for larger, weight in sets.items():
-            if set(fingers) < set(larger):
+            if set(finger_set) < set(larger):
                 odds += PARTIAL * weight / comb(len(larger), count)
         factors.append(log(odds) if odds > 0.0 else IMPOSSIBLE)
     return np.array(factors)[set_of_labelling(count)]
 
 
 @cache
-def odds_of_first(fingers: int) -> LogOdds:
+def odds_of_first(number: int) -> LogOdds:
     """Log factors for a hand that has only so many fingers, the thumb first, as a robot's may.
 
     With more contacts than fingers, all fingers may touch.
+
+    Args:
+        number: Number of fingers, 1 to 5.
     """
     return tuple(
         None
-        if not 1 <= count <= fingers < len(FINGERS)
-        else np.where((hypotheses(count) >= fingers).any(axis=1), IMPOSSIBLE, 0.0)
+        if not 1 <= count <= number < len(FINGERS)
+        else np.where((hypotheses(count) >= number).any(axis=1), IMPOSSIBLE, 0.0)
         for count in range(len(FINGERS) + 1)
     )
 
@@ -92,10 +95,10 @@ def parse_finger_sets(text: str) -> dict[tuple[int, ...], float]:
     sets: dict[tuple[int, ...], float] = {}
     for part in text.split(","):
         names, _, likelihood = part.partition(":")
-        fingers = sorted(_finger(name.strip()) for name in names.split("+"))
-        if len(set(fingers)) < len(fingers):
+        labels = sorted(_finger(name.strip()) for name in names.split("+"))
+        if len(set(labels)) < len(labels):
             raise _wrong("a set has each finger once", part)
-        if tuple(fingers) in sets:
+        if tuple(labels) in sets:
             raise _wrong("a set of fingers is listed twice", part)
         try:
             weight = float(likelihood) if likelihood else 1.0
@@ -103,7 +106,7 @@ def parse_finger_sets(text: str) -> dict[tuple[int, ...], float]:
             raise _wrong("the likelihood of a set must be a number", part) from None
         if not (isfinite(weight) and weight > 0.0):
             raise _wrong("the likelihood of a set must be above 0", part)
-        sets[tuple(fingers)] = weight
+        sets[tuple(labels)] = weight
     return sets
 
 

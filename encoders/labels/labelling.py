@@ -105,9 +105,9 @@ def hypotheses(count: int) -> Labels:
     return table
 
 
-def true_row(fingers: NDArray[np.intp]) -> int:
-    """Row of `hypotheses(k)` in which the contacts have these fingers (k,)."""
-    return int(np.flatnonzero((hypotheses(len(fingers)) == fingers).all(axis=1))[0])
+def true_row(labels: NDArray[np.intp]) -> int:
+    """Row of `hypotheses(k)` in which the contacts have these labels (k,)."""
+    return int(np.flatnonzero((hypotheses(len(labels)) == labels).all(axis=1))[0])
 
 
 @cache
@@ -120,7 +120,7 @@ def finger_sets(count: int) -> tuple[tuple[int, ...], ...]:
 def set_of_labelling(count: int) -> NDArray[np.intp]:
     """Index (P,) in `finger_sets(count)` of the fingers of every labelling of
     `hypotheses(count)`."""
-    number = {fingers: i for i, fingers in enumerate(finger_sets(count))}
+    number = {finger_set: i for i, finger_set in enumerate(finger_sets(count))}
     return np.array([number[tuple(sorted(row))] for row in hypotheses(count).tolist()], np.intp)
 
 

@@ -210,7 +210,7 @@ def set_prior(usual: Mapping[tuple[int, ...], float] = USUAL_SETS) -> dict[int, 
     """Log probabilities (P,) of the labellings before anything is seen, by number of contacts."""
     prior = {1: np.array([log(p) for p in LONE_FINGER])}
     for count in range(2, len(FINGERS) + 1):
-        weights = np.array([log(usual.get(fingers, 1.0)) for fingers in finger_sets(count)])
+        weights = np.array([log(usual.get(finger_set, 1.0)) for finger_set in finger_sets(count)])
         prior[count] = normalised(weights[set_of_labelling(count)])
     return prior
 

@@ -163,8 +163,8 @@ class TouchReconstructor:
         self._last_xy: dict[int, tuple[float, float]] = {}
         width, height = self.surface.size
         middle = absolute_pose(self._mean, (width / 2, height / 2))
-        self._place = within_limits(self._centred(middle), self._skeleton)
-        self._commanded = self._raised(self._place)
+        self._surface_pose = within_limits(self._centred(middle), self._skeleton)
+        self._commanded = self._raised(self._surface_pose)
         self._tip_error = 0.0
 
     def step(self, frame: TouchFrame) -> Reconstruction:
@@ -193,9 +193,9 @@ class TouchReconstructor:
                     for i, (x, y) in named.items()
                 }
             )
-            self._place = self._reconstruct(named, u, motion, dt)
+            self._surface_pose = self._reconstruct(named, u, motion, dt)
         self._lift.step(frame.lift, dt)
-        goal = self._raised(self._place)
+        goal = self._raised(self._surface_pose)
         rate = self.settings.rate if low else self._rate_above
         self._commanded = rate(self._commanded, goal, dt)
         self._arrival.step(
@@ -294,7 +294,7 @@ class TouchReconstructor:
         if len(ids) == 1:
             # Without a layout there is no information: the posture stays, and the hand follows the
             # finger.
-            guess = self._filter.step(_carried(self._place, *carried), (0.0, 0.0), dt)
+            guess = self._filter.step(_carried(self._surface_pose, *carried), (0.0, 0.0), dt)
             guess = self._shifted(guess, labels, targets)
         else:
             relative = self._predicted(u) if self.settings.encode else self._mean
@@ -307,7 +307,7 @@ class TouchReconstructor:
             return within_limits(guess, self._skeleton)
         # It begins at the last pose, shifted with the touches; but far from there the linearisation
         # would be worse than at the guess.
-        start = _carried(self._place, *carried) if self._same_grasp else None
+        start = _carried(self._surface_pose, *carried) if self._same_grasp else None
         settled = None if start is None else _SETTLED
         corrected = self._correction.correct(guess, labels, targets, start, settled)
         self._tip_error = corrected.error

@@ -78,7 +78,7 @@ class LandmarkReconstructor:
         self._time: float | None = None
         self._taken: float | None = None
         self._solved: float | None = None
-        self._place: Array | None = None
+        self._image_middle: Array | None = None
         self._goal: Array | None = None
         self._error = float("nan")
 
@@ -126,7 +126,7 @@ class LandmarkReconstructor:
             rays, world = rays * [-1.0, 1.0], world * [-1.0, 1.0, 1.0]
         pose, self._error = self._fit.fit(rays, world, dt)
         self._goal = self._in_world(mirrored(pose) if self.side == "left" else pose)
-        self._place = np.array(hand.image).mean(axis=0)
+        self._image_middle = np.array(hand.image).mean(axis=0)
 
     def _choose(self, frame: LandmarkFrame) -> SeenHand | None:
         """This reconstructor's hand among those of a picture; None if it is not there.
@@ -153,7 +153,7 @@ class LandmarkReconstructor:
     def _followed(self, frame: LandmarkFrame) -> bool:
         """True if the hand was seen just before this picture."""
         before = self._solved is not None and 0.0 <= frame.taken - self._solved <= _FORGET
-        return before and self._place is not None
+        return before and self._image_middle is not None
 
     def _is_near(self, hand: SeenHand) -> bool:
         """True if a hand lies over the place where this one was."""
@@ -162,8 +162,8 @@ class LandmarkReconstructor:
 
     def _off(self, hand: SeenHand) -> float:
         """Pixels from where the hand was, along the farther axis."""
-        assert self._place is not None
-        return float(np.abs(np.array(hand.image).mean(axis=0) - self._place).max())
+        assert self._image_middle is not None
+        return float(np.abs(np.array(hand.image).mean(axis=0) - self._image_middle).max())
 
     def _in_world(self, pose: Array) -> Array:
         """A pose (48,) of the camera's frame in the world."""
