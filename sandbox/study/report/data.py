@@ -22,8 +22,10 @@ from models.message import counted
 from sandbox.study.tables.column import (
     CHANGE,
     CLOCK_STEPS,
+    CONDITIONS,
     EXPERIMENT,
     FACTOR,
+    JOINED,
     LISTED,
     MODE,
     ORDERS,
@@ -71,8 +73,6 @@ RECORDS = "*/S[0-9][0-9][0-9]/session.jsonl"
 """Files from which the tables of a study follow."""
 SESSION = "session"
 """Name of the factor that is added if participants repeat the same levels in several sessions."""
-BETWEEN_NAMES = " / "
-"""Separator of levels in the name of a condition; ASCII only, for spreadsheets."""
 
 
 def _empty() -> DataFrame:
@@ -256,6 +256,8 @@ class StudyData:
         columns: Rows of the codebook about measures and questions, by name.
         has_records: True if the records from which the tables follow are in the folder.
         title: Title of the design; empty if it has none.
+        unused: Combinations of the design of which no trial is used, a level for each of `factors`;
+            empty where the codebook does not have those of the design.
     """
 
     name: str
@@ -278,11 +280,29 @@ class StudyData:
     columns: dict[str, dict[str, str]] = field(default_factory=dict)
     has_records: bool = True
     title: str = ""
+    unused: tuple[tuple[str, ...], ...] = ()
 
     @property
     def orders(self) -> str:
         """How many participants a full cycle of orders takes, by the design; empty if unknown."""
         return self.codebook.get(ORDERS, ("", ""))[1]
+
+    @property
+    def unused_conditions(self) -> tuple[str, ...]:
+        """Names of the combinations of which no trial is used, by the factors of `conditions`;
+        by all factors where these cannot tell them apart."""
+        several = [i for i, f in enumerate(self.factors) if len(f.levels) > 1]
+        names = [JOINED.join(levels[i] for i in several) for levels in self.unused]
+        return tuple(
+            JOINED.join(levels) if name in self.conditions or not name else name
+            for name, levels in zip(names, self.unused, strict=True)
+        )
+
+    def unused_levels(self, factor: ObservedFactor) -> list[str]:
+        """Levels of a factor of the design of which no trial is used."""
+        place = self.factors.index(self.factor(factor.name))
+        seen = self.used[factor.column].unique() if len(self.used) else ()
+        return list(dict.fromkeys(x[place] for x in self.unused if x[place] not in seen))
 
     @property
     def ppids(self) -> list[str]:
@@ -526,7 +546,7 @@ def _answered(data: StudyData, rows: DataFrame, numbers: Array) -> Values:
     at = [cells.index(levels) for levels in asked] if factors else [0] * len(rows)
     means, trials = _by_person(data, rows["ppid"], at, numbers, len(cells))
     levels = tuple({f.name: x for f, x in zip(factors, c, strict=True)} for c in cells)
-    names = tuple(BETWEEN_NAMES.join(c) or "all" for c in cells)
+    names = tuple(JOINED.join(c) or "all" for c in cells)
     within = tuple(
         replace(
             f,
@@ -560,7 +580,7 @@ def words(data: StudyData) -> list[Words]:
         if kind not in ("text", "factor") or not len(given):
             continue
         answers = [
-            (r["ppid"], BETWEEN_NAMES.join(x for x in (r[c] for c in columns) if x), r["answer"])
+            (r["ppid"], JOINED.join(x for x in (r[c] for c in columns) if x), r["answer"])
             for _, r in given.iterrows()
         ]
         ask = row.get("meaning", "")
@@ -634,6 +654,7 @@ def load_study(folder: Path) -> StudyData:
         columns=described,
         has_records=any(folder.glob(RECORDS)),
         title=facts.get(TITLE, ""),
+        unused=_unused(facts.get(CONDITIONS, ""), factors, used),
     )
 
 
@@ -747,6 +768,27 @@ def wordings(tables: Path) -> dict[str, str]:
     return {r.column.removeprefix(WORDING): r.meaning for r in rows.itertuples(index=False)}
 
 
+def _unused(
+    conditions: str, factors: Sequence[ObservedFactor], used: DataFrame
+) -> tuple[tuple[str, ...], ...]:
+    """Combinations of the design of which no trial is used.
+
+    Args:
+        conditions: Those of the design, as in the codebook; levels of an earlier design are in no
+            such list, and neither are sessions.
+        factors: Factors of the trials.
+        used: The trials used.
+    """
+    planned = [tuple(name.split(JOINED)) for name in conditions.split(LISTED) if name]
+    by_session = bool(factors) and factors[0].name == SESSION
+    if by_session:
+        planned = [(session, *levels) for session in factors[0].levels for levels in planned]
+    if any(len(levels) != len(factors) for levels in planned):
+        return ()
+    there = set(used[[f.column for f in factors]].itertuples(index=False, name=None))
+    return tuple(levels for levels in planned if levels not in there)
+
+
 def _did_the_same_again(trials: DataFrame) -> bool:
     """Returns True if a participant had the same levels in two sessions, so that sessions can be
     compared. Otherwise each session has its own levels, and the session is not a factor."""
@@ -830,7 +872,7 @@ def _used(
     used["condition"] = "all"
     if columns and len(used):
         first, *rest = (used[column] for column in columns)
-        used["condition"] = first.str.cat(rest, sep=BETWEEN_NAMES) if rest else first
+        used["condition"] = first.str.cat(rest, sep=JOINED) if rest else first
     rank = {f.column: {x: i for i, x in enumerate(f.levels)} for f in factors}
     seen = used[["condition", *columns]].drop_duplicates()
     keys = [tuple(rank[c].get(row[c], -1) for c in columns) for _, row in seen.iterrows()]

@@ -125,7 +125,8 @@ def unbalanced_states(data: StudyData) -> str:
 
 
 def endings(data: StudyData) -> dict[str, dict[str, int]]:
-    """Numbers of used trials by condition and status at their end."""
+    """Numbers of used trials by condition and status at their end, also of conditions of the design
+    without any."""
     used = data.used
     if "status" not in used.columns:
         status = used["success"].map({1.0: "success", 0.0: "no success"})
@@ -133,7 +134,7 @@ def endings(data: StudyData) -> dict[str, dict[str, int]]:
         status = used["status"].mask(used["success"] == 1, "success")
         status = status.mask((status == "") | (status == "held"), "no success")
     kinds = ["success", *sorted(set(status) - {"success"})]
-    table = {name: dict.fromkeys(kinds, 0) for name in data.conditions}
+    table = {name: dict.fromkeys(kinds, 0) for name in (*data.conditions, *data.unused_conditions)}
     for name, kind in zip(used["condition"], status, strict=True):
         table[name][kind] += 1
     return table

@@ -372,9 +372,14 @@ def _outcome(data: StudyData, one: Compared) -> Section:
     if not factors:
         section.parts.append(_means(one, one.cells, "All trials"))
         return section
-    tables = [_means(one, one.levels[f.name], f.name) for f in factors]
-    if len(one.cells) > len(one.levels[factors[0].name]):
-        tables.append(_means(one, one.cells, "Conditions"))
+    tables = [
+        _means(one, [*one.levels[f.name], *map(_nothing, data.unused_levels(f))], f.name)
+        for f in factors
+    ]
+    of_trials = one.values.names == data.conditions
+    cells = [*one.cells, *map(_nothing, data.unused_conditions if of_trials else ())]
+    if len(cells) > len(tables[0].rows):
+        tables.append(_means(one, cells, "Conditions"))
     svg = _people(one, factors)
     caption = "A thin line or dot is a person; the thick one is the mean over people" + (
         ", with its 95 % interval." if _has_interval(one) else "."
@@ -388,6 +393,11 @@ def _outcome(data: StudyData, one: Compared) -> Section:
         tables.append(_differences(one))
     section.parts.append(Picture(tuple(pictures), tuple(tables)))
     return section
+
+
+def _nothing(name: str) -> Mean:
+    """The mean of a condition or level of the design that no used trial has."""
+    return Mean(name, 0, 0, Estimate())
 
 
 def _has_interval(one: Compared) -> bool:

@@ -37,14 +37,16 @@ PRIMARY = "primary"
 """Role of a confirmatory outcome in the codebook."""
 STUDY = "study"
 """In the place of a table's name: rows of the codebook that are about the study."""
-EXPERIMENT, TITLE, MODE = "experiment", "title", "mode"
+EXPERIMENT, TITLE, MODE, CONDITIONS = "experiment", "title", "mode", "conditions"
 WITHDRAWALS, CHANGE = "withdrawals", "change "
-"""Such rows: its name, its title, its kind of data, how many people withdrew, and the begin of the
-names of those on changes after somebody had taken part."""
+"""Such rows: its name, its title, its kind of data, all combinations of levels, how many people
+withdrew, and the begin of the names of those on changes after somebody had taken part."""
 CLOCK_STEPS = "clock_steps"
 """Column of `participants.csv` with the steps of the wall clock."""
 LISTED = ", "
-"""Separator of levels in the codebook."""
+"""Separator of levels, and of conditions, in the codebook."""
+JOINED = " / "
+"""Separator of the levels of a condition."""
 
 
 @dataclass(frozen=True)

@@ -17,6 +17,7 @@ from pathlib import Path, PurePosixPath
 from models.errors import StudyError
 from models.message import counted
 from sandbox.recording.recording import stored
+from sandbox.study.design.conditions import combinations
 from sandbox.study.record.files import locked, make_folder, remove_unfinished, write_atomically
 from sandbox.study.record.folder import Participant, StudyFolder, withdrawals_of
 from sandbox.study.record.journal import now
@@ -25,7 +26,10 @@ from sandbox.study.record.trial_files import frames_of
 from sandbox.study.tables.codebook import codebook, columns_by_table
 from sandbox.study.tables.column import (
     CHANGE,
+    CONDITIONS,
     EXPERIMENT,
+    JOINED,
+    LISTED,
     MODE,
     TABLES,
     TITLE,
@@ -244,6 +248,10 @@ def _facts(study: StudyFolder) -> dict[str, str]:
         EXPERIMENT: study.design.name,
         **({TITLE: study.design.title} if study.design.title else {}),
         MODE: study.mode,
+        CONDITIONS: LISTED.join(
+            JOINED.join(level.name for level in levels.values())
+            for levels in combinations(study.design)
+        ),
         WITHDRAWALS: str(withdrawals_of(study.records())),
         **{f"{CHANGE}{i}": text for i, text in enumerate(upgrades_of(study), start=1)},
     }

@@ -29,7 +29,6 @@ from sandbox.study.design.power import detectable, power
 from sandbox.study.design.reading import DesignError
 from sandbox.study.design.toml_lines import TomlLines
 from sandbox.study.record.pseudonym import ALPHABET, new_pseudonym, read_pseudonym
-from sandbox.study.report.data import BETWEEN_NAMES
 from sandbox.study.run.answers import read_answer
 from sandbox.study.run.forms import SimulatedForms
 from sandbox.study.tables import column
@@ -218,7 +217,7 @@ def test_a_name_that_tables_cannot_tell_from_another_is_refused_and_a_begun_stud
 
 def test_the_program_fills_every_column_of_participants_that_is_no_question() -> None:
     assert {"participant_id", "ppid", "experiment", *names_of(PARTICIPANT)} == set(FILLED)
-    assert (LISTED, JOINED) == (column.LISTED, BETWEEN_NAMES)
+    assert (LISTED, JOINED) == (column.LISTED, column.JOINED)
 
 
 def test_all_mistakes_are_told_at_once() -> None:

@@ -4,12 +4,15 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable
+from itertools import product
 from pathlib import Path
 
 import pytest
 
 from sandbox.study.report.data import load_study
+from sandbox.study.report.exclusions import endings
 from sandbox.study.report.make import make_report
+from sandbox.study.tables.column import csv_bytes
 from tests.sandbox.study.report.study_reports import (
     FILES,
     Rows,
@@ -161,6 +164,48 @@ def test_of_any_study_there_is_a_report(tmp_path: Path, change: Callable[[Rows],
         if name.endswith(".csv"):
             table = rows_of(tmp_path / "report" / name)
             assert not any(v.lower() in ("nan", "inf", "-inf") for r in table for v in r.values())
+
+
+LEVELS = {"factor_encoder": ["a", "b", "c"], "factor_task": ["task1", "task2"]}
+
+
+@pytest.mark.parametrize(
+    "is_left", [("b", "task1"), ("b", ""), ("", "task2"), ("a", "task2")], ids=" ".join
+)
+def test_a_condition_or_level_without_a_trial_is_a_row_with_none(
+    tmp_path: Path, is_left: tuple[str, str]
+) -> None:
+    rows = planted(tmp_path)
+    for column, names in LEVELS.items():
+        assert sorted({r[column] for r in rows}) == names
+    conditions = list(product(*LEVELS.values()))
+    facts = [
+        {
+            "table": "study",
+            "column": "conditions",
+            "unit": "",
+            "meaning": ", ".join(map(" / ".join, conditions)),
+        }
+    ]
+    rows = [
+        r for r in rows if not all(r[c] == x for c, x in zip(LEVELS, is_left, strict=True) if x)
+    ]
+    put(tmp_path, rows)
+    (tmp_path / "tables/codebook.csv").write_bytes(csv_bytes(facts, list(facts[0])))
+    data = load_study(tmp_path)
+    left = [c for c in conditions if all(x in ("", y) for x, y in zip(is_left, c, strict=True))]
+    assert sorted(data.unused) == sorted(left)
+    counts = endings(data)
+    assert len(counts) == len(conditions)
+    assert sum(sum(n.values()) for n in counts.values()) == len(data.used)
+    assert sum(not any(n.values()) for n in counts.values()) == len(left)
+    page = make_report(tmp_path, tmp_path / "report").read_text(encoding="utf-8")
+    for name in counts:
+        assert f'<th scope="row">{name}</th>' in page
+    empty = r'<th scope="row">([^<]+)</th><td class="number">0</td><td class="number">0</td>'
+    told = set(re.findall(empty, page))
+    assert {n for n, some in counts.items() if not any(some.values())} <= told
+    assert ({x for x in is_left if x} if is_left[1] == "" else set()) <= told
 
 
 @pytest.mark.parametrize("success", ["0", "1"])
