@@ -392,7 +392,20 @@ def _outcome(data: StudyData, one: Compared) -> Section:
     if one.interactions and _has_interval(one):
         tables.append(_differences(one))
     section.parts.append(Picture(tuple(pictures), tuple(tables)))
+    if why := _no_interaction(one, factors):
+        section.say(why, "note")
     return section
+
+
+def _no_interaction(one: Compared, factors: Sequence[ObservedFactor]) -> str:
+    """Why there is no table of the interaction of the first two factors; empty if there is one, and
+    of one factor."""
+    if len(factors) < 2 or (one.interactions and _has_interval(one)):
+        return ""
+    names = f"the interaction of {factors[0].name} and {factors[1].name}"
+    if not one.interactions:
+        return f"No table of {names}: no person has values under all conditions that it compares."
+    return f"No table of {names}: fewer than {FEWEST} people, or no spread among them."
 
 
 def _nothing(name: str) -> Mean:

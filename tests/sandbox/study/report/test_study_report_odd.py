@@ -12,6 +12,8 @@ import pytest
 from sandbox.study.report.data import load_study
 from sandbox.study.report.exclusions import endings
 from sandbox.study.report.make import make_report
+from sandbox.study.report.numbers import results
+from sandbox.study.report.page import Paragraph, Picture, sections
 from sandbox.study.tables.column import csv_bytes
 from tests.sandbox.study.report.study_reports import (
     FILES,
@@ -206,6 +208,37 @@ def test_a_condition_or_level_without_a_trial_is_a_row_with_none(
     told = set(re.findall(empty, page))
     assert {n for n, some in counts.items() if not any(some.values())} <= told
     assert ({x for x in is_left if x} if is_left[1] == "" else set()) <= told
+
+
+@pytest.mark.parametrize("people", [1, 2, 5, 6])
+@pytest.mark.parametrize("apart", [False, True], ids=["all conditions", "tasks between people"])
+def test_every_outcome_with_two_factors_has_an_interaction_or_says_why_not(
+    tmp_path: Path, people: int, apart: bool
+) -> None:
+    rows = [r for r in planted(tmp_path) if r["ppid"] <= f"P{people:03d}"]
+    if apart:
+        rows = [r for r in rows if int(r["ppid"][1:]) % 2 == (r["factor_task"] == "task1")]
+    put(tmp_path, rows)
+    both = [
+        section
+        for section in sections(results(load_study(tmp_path)))
+        if any(
+            {"encoder", "task"} <= {table.caption for table in part.tables}
+            for part in section.parts
+            if isinstance(part, Picture)
+        )
+    ]
+    assert len(both) >= 2 or (apart and people == 1)
+    for section in both:
+        has = any(
+            table.caption.startswith("Interaction")
+            for part in section.parts
+            if isinstance(part, Picture)
+            for table in part.tables
+        )
+        why = [p.text for p in section.parts if isinstance(p, Paragraph) and p.tone == "note"]
+        assert has is (people >= 6 and not apart)
+        assert has is not any("interaction of encoder and task" in text for text in why)
 
 
 @pytest.mark.parametrize("success", ["0", "1"])
