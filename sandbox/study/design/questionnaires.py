@@ -42,6 +42,8 @@ def read_form(table: TomlTable, factors: list[str], folder: Path) -> Form:
     sessions = table.session_numbers("sessions")
     if use and file:
         table.add_mistake("file", "`use` is given as well", "Remove one of the two")
+    if use or file:
+        _refuse_own_items(table, use or file)
     text = _packaged(table, use) if use else _form_text(table, file, folder) if file else None
     source = _as_table(table, text, file) if text is not None else None if use or file else table
     if source is None:
@@ -70,6 +72,18 @@ def read_form(table: TomlTable, factors: list[str], folder: Path) -> Form:
     table.done()
     origin = (file, text) if file and text else None
     return Form(name, title, items, at, scales, origin, sessions, wording)
+
+
+def _refuse_own_items(table: TomlTable, name: str) -> None:
+    """Reports questions and scores beside a questionnaire that has them already."""
+    for key in ("items", "scales"):
+        if table.has(key):
+            table.raw(key)
+            table.add_mistake(
+                key,
+                f"{name} has its own {key}",
+                "Remove these, or write them in a [[questionnaires]] of its own, with a name",
+            )
 
 
 def scored_by_its_question(form: Form) -> Form:
