@@ -269,9 +269,24 @@ def _people(design: Design) -> Iterator[Flaw]:
         yield Flaw(
             ("participants",),
             f"{counted(design.participants, 'participant')} do not fill the "
-            f"{whole_cycle(design)} orders, so this is confounded: {'; '.join(missing)}",
-            f"Write {nearest_cycles(design, design.participants)}",
+            f"{whole_cycle(design)} orders ({_uses(design)}), so this is confounded: "
+            f"{'; '.join(missing)}",
+            f"Write {nearest_cycles(design, design.participants)}, with whom each order comes "
+            "equally often",
         )
+
+
+def _uses(design: Design) -> str:
+    """How often orders come among the planned people, such as `1 comes twice, 3 come once`."""
+    people, whole = design.participants, whole_cycle(design)
+    more = people % whole
+    often = people // whole
+    few = f"{whole - more} {'comes' if whole - more == 1 else 'come'} {_times(often)}"
+    return f"{more} {'comes' if more == 1 else 'come'} {_times(often + 1)}, {few}"
+
+
+def _times(count: int) -> str:
+    return {0: "never", 1: "once", 2: "twice"}.get(count, f"{count} times")
 
 
 def _practice(design: Design) -> Iterator[Flaw]:

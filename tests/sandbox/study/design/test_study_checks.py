@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 import tomllib
+from collections import Counter
 from io import StringIO
 from itertools import pairwise, product
 from pathlib import Path
@@ -12,6 +13,7 @@ from typing import Any, NamedTuple
 import pytest
 
 from sandbox.cli.main import main
+from sandbox.study.design.balance import rows_of, whole_cycle
 from sandbox.study.design.checks import findings
 from sandbox.study.design.conditions import run_settings
 from sandbox.study.design.design_file import load_design
@@ -298,6 +300,50 @@ def test_a_table_of_what_is_varied_is_refused_with_a_text_that_means_the_same(
         varied == run_settings({"task": "box-to-goal", "vary": "size=0.7,latency=50"}, 0).variation
     )
     assert not varied.neutral
+
+
+@pytest.mark.parametrize("key", ["items", "scales"])
+def test_items_beside_a_built_in_questionnaire_are_refused_at_their_line(
+    tmp_path: Path, key: str
+) -> None:
+    own = {"name": "tired", "kind": "scale", "ask": "How tired are you?"}
+    given = own if key == "items" else {"name": "strain", "items": ["mental"]}
+    some = changed(sound("en"), {"questionnaires.0": {"use": "nasa-tlx-raw", key: [given]}})
+    file = tmp_path / "design.toml"
+    text, lines = written(some, "tables")
+    file.write_text(text)
+    ((mistake, _),) = found_in(file)
+    assert mistake.line in {line for path, line in lines.items() if key in path}
+    assert f"nasa-tlx-raw has its own {key}" in str(mistake)
+    # What the remedy says is allowed.
+    apart = [{"use": "nasa-tlx-raw"}, {"name": "own", "title": "About you", "items": [own]}]
+    file.write_text(written(changed(some, {"questionnaires": apart}), "tables")[0])
+    assert found_in(file) == []
+
+
+@pytest.mark.parametrize("people", [1, 2, 3, 5, 6, 7, 9, 12])
+def test_the_check_counts_how_often_orders_come_among_the_people(
+    tmp_path: Path, people: int
+) -> None:
+    some = changed(sound("en"), {"factors.1": {**TURN, "order": "latin"}, "participants": people})
+    some["trials"] = {"practice": 1, "practice_each": "turn"}
+    file = tmp_path / "design.toml"
+    file.write_text(written(some, "tables")[0])
+    plan = load_design(file)
+    uses = Counter(rows_of(plan, number) for number in range(people))
+    often = Counter(uses.values())
+    often[0] = whole_cycle(plan) - len(uses)
+    words = {0: "never", 1: "once", 2: "twice", 3: "3 times"}
+    told = [found for found, _ in found_in(file) if found.where == "participants"]
+    assert len(told) == (people % 4 > 0)
+    for found in told:
+        for count, orders in often.items():
+            come = f"{orders} {'comes' if orders == 1 else 'come'} {words[count]}"
+            assert (come in found.what) == (orders > 0)
+        evens = [int(n) for n in re.findall(r"\d+", found.remedy)]
+        for even in evens:
+            uses = Counter(rows_of(plan, number) for number in range(even))
+            assert len(uses) == whole_cycle(plan) and len(set(uses.values())) == 1
 
 
 @pytest.mark.parametrize("seed", range(4))
