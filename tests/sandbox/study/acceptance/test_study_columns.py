@@ -17,6 +17,7 @@ from sandbox.study.run.simulate import simulated_person
 from sandbox.study.tables.column import UXF_NAMES
 from sandbox.study.tables.tables import make_tables, table_files
 from sandbox.study.tables.trial_table import planned_cells
+from tests.support.in_r import in_r
 from tests.support.study_driver import run
 from tests.support.study_files import DESIGN, design, rows_of
 
@@ -58,6 +59,27 @@ def test_every_column_has_the_type_that_the_codebook_says(study: Path) -> None:
         if book["trials.csv", name] in ("text", "factor") and cell.isdecimal()
     }
     assert numbers == set()
+
+
+@pytest.mark.needs("r")
+def test_r_finds_in_every_column_the_type_that_the_codebook_says(study: Path) -> None:
+    script = """
+    book <- words(file.path(given[[1]], "codebook.csv"))
+    for (file in intersect(unique(book$table), list.files(given[[1]]))) {
+      table <- words(file.path(given[[1]], file))
+      for (column in names(table)) {
+        cells <- table[[column]][table[[column]] != ""]
+        type <- book$type[book$table == file & book$column == column]
+        found <- class(type.convert(cells, as.is = TRUE))
+        right <- switch(type, number = found %in% c("numeric", "integer"), integer = ,
+                        logical = found == "integer", factor = , text = found == "character")
+        if (length(cells) && !right) cat(file, column, type, found, "\\n")
+      }
+    }
+    """
+    differ = in_r(script, study / "tables")
+    # An answer has the type of its question, which is text to a table of several.
+    assert [line for line in differ if not line.startswith("answers.csv answer ")] == []
 
 
 def test_participants_count_from_1_in_every_table(study: Path) -> None:
