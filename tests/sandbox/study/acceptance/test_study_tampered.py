@@ -36,7 +36,7 @@ from tests.support.study_driver import (
 from tests.support.study_files import design, rows_of
 
 Rng = np.random.Generator
-MUTATIONS = 12
+MUTATIONS = 100
 """Random mutations of each kind."""
 
 
