@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -144,8 +145,8 @@ def _withdraw(study: StudyFolder, ppid: str, console: Console) -> int:
             "[yellow]these files still name the participant, or may, since they are "
             "damaged; make them anew, or delete them:[/]"
         )
-    for path in deleted.still:
-        console.print(f"  {escape(str(path))}")
+    for line in _by_folder(study.path, deleted.still):
+        console.print(f"  {escape(line)}", highlight=False, soft_wrap=True)
     if deleted.copies:
         console.print(
             "[yellow]copies were made with the data in them; deleting those is up to you:[/]"
@@ -153,7 +154,27 @@ def _withdraw(study: StudyFolder, ppid: str, console: Console) -> int:
     for path in deleted.copies:
         there = "" if path.exists() else "  (no longer there)"
         console.print(f"  {escape(str(path))}{there}")
+    if deleted.unmade:
+        console.print(
+            f"[yellow]{ppid} is deleted, and in no table. The tables could not be made anew, "
+            f"because of another record: {escape(deleted.unmade)}[/]",
+            highlight=False,
+            soft_wrap=True,
+        )
+        return 1
     return 0
+
+
+def _by_folder(study: Path, files: Sequence[Path]) -> list[str]:
+    """A line for each folder of a study that has some of the files, with their number."""
+    folders: dict[Path, list[Path]] = {}
+    for path in files:
+        inside = path.relative_to(study)
+        folders.setdefault(study / inside.parts[0], []).append(path)
+    return [
+        str(some[0]) if len(some) == 1 else f"{folder}: {counted(len(some), 'file')}"
+        for folder, some in folders.items()
+    ]
 
 
 def _accept_loss(study: StudyFolder, ppid: str, reason: str, console: Console) -> int:
@@ -197,9 +218,12 @@ def print_losses(study: StudyFolder, console: Console) -> tuple[str, ...]:
         ppid = loss.person.ppid
         lost[ppid] = None
         other = "; others than were sealed" if loss.unlike else ""
+        damaged = f"line {loss.damaged} of its record is damaged; " if loss.damaged else ""
+        lines = "line from there on" if loss.damaged else "sealed line"
+        more = "lines from there on" if loss.damaged else "sealed lines"
         console.print(
             f"[yellow]{ppid}, session {loss.session}: it is not what was written "
-            f"({counted(loss.records, 'sealed line')} lost{other}; "
+            f"({damaged}{counted(loss.records, lines, more)} lost{other}; "
             f"{counted(len(loss.found), 'whole recording')} without a record). Restore it from a "
             f"backup, or accept it: `sandbox study note {escape(str(study.path))} --participant "
             f'{ppid} --accept-loss "REASON"`[/]',

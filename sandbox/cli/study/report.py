@@ -10,7 +10,7 @@ from cyclopts import Parameter
 from rich.console import Console
 from rich.markup import escape
 
-from models.errors import HandSandboxError, InputError
+from models.errors import HandSandboxError, InputError, StudyError
 from models.message import counted
 from sandbox.cli.study.note import print_copies, print_losses
 
@@ -85,10 +85,17 @@ def tables(options: TablesOptions, console: Console) -> int:
 def report(options: ReportOptions, console: Console) -> int:
     """Runs `sandbox study report`."""
     from sandbox.study.report.make import REPORTS, make_report
+    from sandbox.study.tables.column import TABLES
 
     if options.out is not None and options.out.is_file():
         raise InputError("this is a file", where="--out", got=str(options.out), expected="a folder")
     lacking = _bring_up_to_date(options.folder, console)
+    if lacking and not (options.folder / TABLES / "trials.csv").is_file():
+        raise StudyError(
+            "the study has no tables, and they cannot be made",
+            where=str(options.folder),
+            remedy=lacking,
+        )
     with console.status("") as status:
         out = options.out or options.folder / REPORTS
         page = make_report(
@@ -122,10 +129,13 @@ def _bring_up_to_date(folder: Path, console: Console) -> str:
             console.print("[yellow]until that is decided, the tables are left as they are[/]")
             return (
                 f"Records of {', '.join(ppids)} are lost, and nobody has decided about them: some "
-                "trials may be missing here. `sandbox study note --accept-loss` accepts that."
+                "trials may be missing here. Restore them from a backup, or `sandbox study note "
+                "--accept-loss` accepts that."
             )
         make_tables(study, sayer(console), compare=True)
     except HandSandboxError as error:
         console.print(f"[yellow]the newest trials are not in the tables: {escape(str(error))}[/]")
-        return "The newest trials are missing here, because the tables could not be rebuilt."
+        return (
+            f"The newest trials are missing here, because the tables could not be rebuilt: {error}."
+        )
     return ""

@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Any
 
 from sandbox.study.record.chain import HASH, follows
-from sandbox.study.record.notes import PERSON_NOTES
+from sandbox.study.record.notes import PERSON_NOTES, WITHDRAWN, site_notes
 from sandbox.study.record.records import RUNS
 
 JOURNAL = "session.jsonl"
@@ -31,13 +31,17 @@ class Copy:
         path: The folder.
         of: The place that its record names.
         of_person: True for the folder of a person, false for that of a session.
+        withdrawn: True if the person whose data it holds has withdrawn.
     """
 
     path: Path
     of: Path
     of_person: bool
+    withdrawn: bool
 
     def __str__(self) -> str:
+        if self.withdrawn:
+            return f"holds the data of {self._name}, who has withdrawn; delete it"
         if not self.of.exists():
             return f"holds the data of {self._name}: name it so, or move it out of the study"
         file = PERSON_NOTES if self.of_person else JOURNAL
@@ -64,18 +68,24 @@ def session_folders(person: Path) -> list[Path]:
 
 
 def copies(study: Path) -> list[Copy]:
-    """Folders of a study that are not at the place that their record names."""
+    """Folders of a study that are not at the place that their record names.
+
+    Raises:
+        StudyError: Notes of a site are damaged.
+    """
     people = sorted(path.parent for path in study.glob(f"*/{PERSON_NOTES}"))
+    gone = {note["ppid"] for note in site_notes(study) if note["kind"] == WITHDRAWN}
     found = []
     for path in people:
         ppid = _person_in(path)
         if ppid not in (None, path.name):
-            found.append(Copy(path, study / str(ppid), True))
+            found.append(Copy(path, study / str(ppid), True, ppid in gone))
     whole = {copy.path for copy in found}
     for path in sorted(file.parent for file in study.glob(f"*/*/{JOURNAL}")):
         place = _session_in(path)
         if path.parent not in whole and place not in (None, _place(path)):
-            found.append(Copy(path, study / str(place), False))
+            gone_too = str(place).partition("/")[0] in gone
+            found.append(Copy(path, study / str(place), False, gone_too))
     return found
 
 

@@ -19,12 +19,15 @@ from typing import Any
 from models.errors import StudyError
 from models.json_input import checked, decoded_record
 from sandbox.study.record.chain import HASH, Record, chained, chained_bytes, follows
-from sandbox.study.record.files import study_error
+from sandbox.study.record.files import study_error, write_atomically
 from sandbox.study.record.records import CLOCK_STEP, REPAIRED, RUNS, AnyRecord, number_from_one
 from sandbox.system.files import OPEN, flush, sync_folder
 
 SYNC = 0.5
 """s between two flushes of written data to the disk."""
+
+DAMAGED = "damaged-"
+"""Prefix of the name of a copy of a damaged journal, before its date."""
 
 STEP = 0.5
 """s by which the wall clock must move against the monotonic clock between two records to count as a
@@ -225,6 +228,19 @@ def parse_records(data: bytes, path: Path) -> tuple[list[Record], int]:
     Raises:
         StudyError: A line is damaged or changed, which no crash of the program causes.
     """
+    records, sound, damage = sound_records(data, path)
+    if damage is not None:
+        raise damage
+    return records, sound
+
+
+def sound_records(data: bytes, path: Path) -> tuple[list[Record], int, StudyError | None]:
+    """Parses a journal up to the first line that is damaged or changed.
+
+    Returns:
+        The records before it, their number of bytes, and what is wrong with the line, if one is
+        wrong; without, the rest is a half-written last line.
+    """
     records: list[Record] = []
     sound, head = 0, ""
     lines = data.split(b"\n")
@@ -233,24 +249,37 @@ def parse_records(data: bytes, path: Path) -> tuple[list[Record], int]:
             # A power cut may leave a last block of zeros that ends like a line.
             break
         where = f"{path}, line {number}"
-        record = read_record(line, len(records), where)
+        try:
+            record = read_record(line, len(records), where)
+        except StudyError as error:
+            return records, sound, _damage(error.what, path, number, error.got, error.expected)
         if not follows(line, record[HASH], head):
-            raise StudyError(
-                f"{_DAMAGED}: it, or the line before, was changed after it was written",
-                where=where,
-                remedy=_REMEDY,
-            )
+            what = f"{_DAMAGED}: it, or the line before, was changed after it was written"
+            return records, sound, _damage(what, path, number)
         head = record[HASH]
         records.append(record)
         sound += len(line) + 1
-    return records, sound
+    return records, sound, None
+
+
+def _damage(
+    what: str, path: Path, line: int, got: object = None, expected: str | None = None
+) -> StudyError:
+    """The error of a damaged line, which names both ways on."""
+    person = path.parents[1]
+    return StudyError(
+        what,
+        where=f"{path}, line {line}",
+        got=got,
+        expected=expected,
+        remedy=f"Restore it from a backup; or `sandbox study note {person.parent} --participant "
+        f'{person.name} --accept-loss "REASON"` goes on with the lines before it. Nothing was '
+        "changed. `sandbox replay STUDY --verify` names all that differs",
+    )
 
 
 _DAMAGED = "the journal is damaged"
-_REMEDY = (
-    "Restore it from a backup; nothing was changed. `sandbox replay STUDY --verify` names all "
-    "that differs"
-)
+_REMEDY = "Restore it from a backup; nothing was changed"
 
 
 def read_record(line: bytes, n: int, where: str) -> Record:
@@ -297,6 +326,49 @@ def read_journal(path: Path) -> list[Record]:
             "the journal cannot be read", where=str(path), got=error.strerror
         ) from None
     return parse_records(data, path)[0]
+
+
+def readable_records(path: Path) -> tuple[list[Record], int]:
+    """Reads a journal up to its first damaged line.
+
+    Returns:
+        The records before it, and the number of lines from it to the end; 0 if none is damaged.
+
+    Raises:
+        StudyError: The journal cannot be read.
+    """
+    try:
+        data = path.read_bytes()
+    except FileNotFoundError:
+        return [], 0
+    except OSError as error:
+        raise study_error(error, path, "the journal cannot be read") from None
+    records, sound, damage = sound_records(data, path)
+    return records, 0 if damage is None else len(data[sound:].splitlines())
+
+
+def cut_damage(path: Path) -> Path | None:
+    """Cuts a journal before its first damaged line; a copy of the whole stays beside it.
+
+    Returns:
+        The copy; None if no line is damaged, so that nothing is changed.
+
+    Raises:
+        StudyError: The journal cannot be read, or the copy or the journal cannot be written.
+    """
+    try:
+        data = path.read_bytes()
+    except FileNotFoundError:
+        return None
+    except OSError as error:
+        raise study_error(error, path, "the journal cannot be read") from None
+    _, sound, damage = sound_records(data, path)
+    if damage is None:
+        return None
+    copy = path.with_name(f"{DAMAGED}{now().replace(':', '')}.jsonl")
+    write_atomically(copy, data)
+    write_atomically(path, data[:sound])
+    return copy
 
 
 def journal_bytes(records: Iterable[Record]) -> bytes:

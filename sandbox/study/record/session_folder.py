@@ -19,7 +19,7 @@ from sandbox.study.record.chain import HASH, Record
 from sandbox.study.record.copies import JOURNAL
 from sandbox.study.record.files import locked, make_folder, remove_unfinished, study_error
 from sandbox.study.record.folder import FILES, Participant, StudyFolder, design_files
-from sandbox.study.record.journal import Journal, SyncThread, read_journal
+from sandbox.study.record.journal import Journal, SyncThread, cut_damage, read_journal
 from sandbox.study.record.notes import LOSS, SEALED, broken_seals, person_notes, seals_of
 from sandbox.study.record.records import (
     COMMAND,
@@ -72,6 +72,7 @@ class SessionFolder(Closeable):
         steps: All steps of the plan.
         state: State of the session according to the journal.
         resumed: True if the session had begun before.
+        damaged: Copy of the record with its damaged lines, which an accepted loss has cut off.
         away: Time since its last record when it was opened, s, by the wall clock.
 
     Raises:
@@ -106,6 +107,7 @@ class SessionFolder(Closeable):
         self._closing.enter_context(locked(self.path / ".lock", wait=False, what=what))
         for folder in (self.path, self.path / TRIALS):
             remove_unfinished(folder)
+        self.damaged = cut_damage(self.path / JOURNAL) if recovering else None
         if not recovering:
             self._check_losses()
         self.journal = Journal(self.path / JOURNAL)

@@ -17,7 +17,7 @@ from sandbox.recording.recording import load_recording
 from sandbox.study.design.plan import TrialStep, session_plan, trials_of
 from sandbox.study.record.copies import JOURNAL, session_folders
 from sandbox.study.record.folder import Participant, StudyFolder
-from sandbox.study.record.journal import read_journal
+from sandbox.study.record.journal import readable_records
 from sandbox.study.record.notes import INCLUDE, broken_seals, seals_of
 from sandbox.study.record.records import END
 from sandbox.study.record.session_folder import SessionFolder
@@ -107,7 +107,9 @@ class Loss:
 
     Attributes:
         person, session: The participant, and the number of the session.
-        records: Number of lines that were sealed and that the record has not.
+        records: Number of lines that were sealed, or stand in the record behind a damaged line or
+            are that line, and that the record has not without them.
+        damaged: Number of the first damaged line, from 1; None if none is.
         unlike: True if sealed lines are other ones now.
         found: Whole recordings without a record.
     """
@@ -116,19 +118,20 @@ class Loss:
     session: int
     records: int
     unlike: bool
+    damaged: int | None
     found: tuple[Found, ...]
 
 
 def losses(study: StudyFolder) -> Iterator[Loss]:
-    """Losses of the sessions of a study that have lost something.
+    """Losses of the sessions of a study that have lost something, or whose record is damaged.
 
     Raises:
-        StudyError: A record is damaged.
+        StudyError: Notes are damaged, or a record cannot be read.
     """
     for person in study.participants():
         for path in session_folders(study.path / person.ppid):
             journal = path / JOURNAL
-            records = read_journal(journal) if journal.exists() else []
+            records, behind = readable_records(journal)
             state, number = SessionState.of(records), int(path.name[1:])
             plan = trials_of(session_plan(study.design, person.number, number))
             found = tuple(
@@ -136,8 +139,9 @@ def losses(study: StudyFolder) -> Iterator[Loss]:
                 for file in whole_leftovers(path, state)
             )
             lacks, unlike = broken_seals(records, seals_of(study.path, person.ppid, number))
-            if found or lacks or unlike:
-                yield Loss(person, number, lacks, unlike, found)
+            if found or lacks or unlike or behind:
+                damaged = len(records) + 1 if behind else None
+                yield Loss(person, number, max(lacks, behind), unlike, damaged, found)
 
 
 def unsealed(study: StudyFolder) -> list[str]:
@@ -163,6 +167,8 @@ def accept_loss(study: StudyFolder, loss: Loss, reason: str, say: Say) -> None:
     """
     with SessionFolder(study, loss.person, loss.session, recovering=True) as session:
         say(f"the tables of before are in {keep_tables(study)}")
+        if session.damaged is not None:
+            say(f"the damaged record stays as {session.damaged}")
         session.accept_loss(loss.records, loss.unlike, reason)
         for found in loss.found:
             trial, result = found.trial, found.result

@@ -398,7 +398,17 @@ def _finish(
     make_tables(copy)
     write_atomically(work / README, _readme(copy, about).encode())
     found = verify(work, replays=False)
-    lines = [*found.lines(), *found.notes, "replays: `sandbox replay FOLDER --verify` makes them"]
+    if not found.sound:
+        wrong = [finding for some in found.found.values() for finding in some]
+        raise StudyError(
+            "the folder for others is not what its records say, so that it was not made",
+            where=str(wrong[0]),
+            got=f"{counted(len(wrong), 'finding')} in a verification of it",
+            remedy="`sandbox replay STUDY --verify` shows whether it is the study itself",
+        )
+    replays = "`sandbox replay FOLDER --verify` makes them"
+    replays = replays if recordings else "no recording is in this folder"
+    lines = [*found.lines(), *found.notes, f"replays: {replays}"]
     write_atomically(work / VERIFIED, "".join(f"{line}\n" for line in lines).encode())
     for folder in (work, work / TABLES):
         remove_locks(folder)
@@ -420,6 +430,7 @@ def _readme(study: StudyFolder, about: Mapping[str, Any]) -> str:
     ]
     replayed = "| `*/S*/trials/*.jsonl.gz` | recordings, which replay |\n"
     recordings = replayed if about["recordings"] else ""
+    compares = "records, tables and replays" if about["recordings"] else "records and tables"
     exposed = counted(about["people_in_groups_below_5"], "person", "people")
     design = study.design
     return f"""# {design.title or design.name}
@@ -442,7 +453,7 @@ Licence: (to be filled in)
 {recordings}| `{ABOUT}`, `{VERIFIED}` | what was left out; what a verification found |
 
 With the program (`pip install hand-sandbox[study]`), `sandbox study report FOLDER` makes the report
-again, and `sandbox replay FOLDER --verify` compares records, tables and replays.
+again, and `sandbox replay FOLDER --verify` compares {compares}.
 
 Not in here: {"; ".join(gone)}. Every session begins on 1 January 2000.
 

@@ -30,7 +30,7 @@ from sandbox.study.record.notes import SEALED, WITHDRAWN, Seal, broken_seals, re
 from sandbox.study.record.records import END, RUNS, TRIAL, TRIAL_END
 from sandbox.study.record.state import SessionState, is_broken
 from sandbox.study.record.stored_sessions import session_path
-from sandbox.study.record.trial_files import frames_of, is_whole, unknown_recordings
+from sandbox.study.record.trial_files import TRIALS, frames_of, is_whole, unknown_recordings
 from sandbox.study.share.masking import LEFT_OUT
 from sandbox.study.tables.column import TABLES as FOLDER
 from sandbox.study.tables.frames import frames_again
@@ -167,8 +167,9 @@ def verify(path: Path, seals: Path | None = None, replays: bool = True) -> Verif
     done.compared[CHAINS] = f"{counted(lines, 'line')} of {counted(len(sessions), 'session')}"
     _check_seals(done, study, sessions, copy)
     finished = [file for session in sessions for file in _check_recordings(done, session)]
-    if replays:
-        _check_replays(done, finished)
+    _check_replays(done, finished if replays else [])
+    if finished and not replays:
+        done.compared[STATES] = f"{NOT_COMPARED}: nothing was replayed"
     _check_tables(done, study, all(session.sound for session in sessions))
     for session in sessions:
         _check_plan(done, session)
@@ -336,7 +337,9 @@ def _check_replays(done: Verified, finished: Sequence[Path]) -> None:
         if frames_of(path).read_bytes() != made:
             done.add(FRAMES, frames_of(path), "changed: a replay of the recording has others")
     done.compared[STATES] = f"{counted(played, 'recording')} replayed"
-    done.compared[FRAMES] = counted(frames, "file")
+    there = len(list(done.root.glob(f"*/{SESSIONS}/{TRIALS}/*.frames.csv.gz")))
+    none = f"{NOT_COMPARED}: no replay of the recordings of {counted(there, 'file')}"
+    done.compared[FRAMES] = counted(frames, "file") if frames or not there else none
     for reason, count in others.items():
         done.notes.append(f"{counted(count, 'recording')} not replayed: {reason}")
 

@@ -14,6 +14,7 @@ from contextlib import ExitStack
 from dataclasses import dataclass
 from pathlib import Path
 
+from models.errors import StudyError
 from sandbox.study.record.copies import session_folders
 from sandbox.study.record.files import LOCK_FILES, locked, study_error, write_atomically
 from sandbox.study.record.folder import REPORT, StudyFolder
@@ -34,12 +35,15 @@ class Withdrawal:
         copies: Exports that contain the data.
         still: Files in the study folder that still contain the pseudonym, or may contain it
             because they are damaged, and pages of reports, which have the participant in them.
+        unmade: Why the tables could not be made anew, such as another person's damaged record;
+            empty if they were. The participant is in none of them.
     """
 
     files: int
     before: bool
     copies: tuple[Path, ...]
     still: tuple[Path, ...]
+    unmade: str = ""
 
 
 def withdraw(study: StudyFolder, ppid: str) -> Withdrawal:
@@ -61,12 +65,16 @@ def withdraw(study: StudyFolder, ppid: str) -> Withdrawal:
                 add_note(study.notes, WITHDRAWN, ppid=ppid, time=day)
             files = _delete(study.path / ppid)
             _remove_from_tables(study.path / TABLES, ppid)
-    make_tables(study)
+    unmade = ""
+    try:
+        make_tables(study)
+    except StudyError as error:
+        unmade = str(error)
     copied = [n["path"] for n in study.records() if n["kind"] == COPIED and ppid in n["ppids"]]
     with study.lock():
         for path in sorted((study.path / NOTES).glob("*.jsonl")):
             _remove_from_notes(path, ppid)
-    return Withdrawal(files, before, tuple(map(Path, copied)), tuple(_traces(study, ppid)))
+    return Withdrawal(files, before, tuple(map(Path, copied)), tuple(_traces(study, ppid)), unmade)
 
 
 def withdrawn(study: StudyFolder) -> set[str]:
@@ -101,12 +109,14 @@ def _delete(folder: Path) -> int:
 
 
 def _remove_from_tables(folder: Path, ppid: str) -> None:
-    """Removes a participant from the tables of before an accepted loss."""
-    for path in folder.glob(f"{BEFORE}*/*.csv"):
+    """Removes a participant from all tables, also from those of before an accepted loss."""
+    for path in (*folder.glob("*.csv"), *folder.glob(f"{BEFORE}*/*.csv")):
         with path.open(encoding="utf-8", newline="") as file:
-            names, *rows = csv.reader(file)
-        stay = [dict(zip(names, row, strict=True)) for row in rows if ppid not in row]
-        write_atomically(path, csv_bytes(stay, names))
+            rows = [*csv.reader(file)]
+        if any(ppid in row for row in rows):
+            names, *others = rows
+            stay = [dict(zip(names, row, strict=False)) for row in others if ppid not in row]
+            write_atomically(path, csv_bytes(stay, names))
 
 
 def _traces(study: StudyFolder, ppid: str) -> list[Path]:

@@ -110,7 +110,7 @@ SURFACE = (
     Column("screen_measured", "0/1", "0: the size of the screen is a guess"),
 )
 FILES = (
-    Column("recording", "", "file of the recording; `sandbox replay FILE` plays it"),
+    Column("recording", "", "file of the recording, if it is here; `sandbox replay` plays it"),
     Column("frames", "", "file of the frames; docs/measures.md says how to read them"),
 )
 PERSON = "participant: "
@@ -312,7 +312,7 @@ def _trial_row(
     frames = None
     if folder is not None:
         file = stored(folder / start["file"])
-        row["recording"] = file.relative_to(folder).as_posix()
+        row["recording"] = file.relative_to(folder).as_posix() if file.exists() else None
         frames = read_frames(folder / start["file"])
         if frames is None:
             row["frames"] = None

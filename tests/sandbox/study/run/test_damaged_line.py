@@ -1,0 +1,153 @@
+"""A damaged line of one record costs what is behind it, after a decision, and no other person's
+data."""
+
+from __future__ import annotations
+
+import shutil
+from pathlib import Path
+
+import pytest
+
+from models.errors import StudyError
+from sandbox.cli.main import main
+from sandbox.study.record.folder import StudyFolder
+from sandbox.study.record.journal import read_journal
+from sandbox.study.record.stored_sessions import session_path
+from sandbox.study.share.share import Masking, share_study
+from sandbox.study.share.verify import FOLDERS, Finding, Verified, verify
+from tests.support.study_files import TRIALS, quiet, rows_of
+
+
+@pytest.fixture
+def damaged(study: StudyFolder) -> StudyFolder:
+    """A study, of which the middle line of the first session has a flipped bit."""
+    journal = journal_of(study)
+    lines = journal.read_bytes().splitlines(keepends=True)
+    middle = bytearray(lines[len(lines) // 2])
+    middle[len(middle) // 2] ^= 1
+    lines[len(lines) // 2] = bytes(middle)
+    journal.write_bytes(b"".join(lines))
+    return study
+
+
+def journal_of(study: StudyFolder, person: int = 0) -> Path:
+    return session_path(study.path, people(study)[person]) / "session.jsonl"
+
+
+def people(study: StudyFolder) -> list[str]:
+    return [person.ppid for person in study.participants()]
+
+
+def note(study: StudyFolder, person: int, *words: str) -> int:
+    """Notes a decision about a person; the exit status."""
+    return main(["study", "note", str(study.path), "--participant", people(study)[person], *words])
+
+
+def test_a_damaged_line_is_a_loss_that_can_be_accepted(
+    damaged: StudyFolder, capsys: pytest.CaptureFixture[str]
+) -> None:
+    journal = journal_of(damaged)
+    broken = journal.read_bytes()
+    with pytest.raises(StudyError, match=r"backup; or .*--accept-loss"):
+        read_journal(journal)
+    assert main(["study", "tables", str(damaged.path)]) == 1
+    assert "--accept-loss" in capsys.readouterr().out
+    assert journal.read_bytes() == broken
+    assert note(damaged, 0, "--accept-loss", "a flipped bit") == 0
+    before = broken.splitlines()
+    kept = journal.read_bytes().splitlines()
+    assert kept[: len(before) // 2] == before[: len(before) // 2]
+    assert before[len(before) // 2] not in kept
+    (copy,) = journal.parent.glob("damaged-*")
+    assert copy.read_bytes() == broken
+    assert verify(damaged.path, replays=False).sound, capsys.readouterr().out
+
+
+def test_trials_behind_a_damaged_line_count_by_their_recordings(damaged: StudyFolder) -> None:
+    before = rows_of(damaged.path / "tables/trials.csv")
+    assert note(damaged, 0, "--accept-loss", "a flipped bit") == 0
+    assert main(["study", "tables", str(damaged.path)]) == 0
+    after = rows_of(damaged.path / "tables/trials.csv")
+    counts = [[r for r in rows if r["counted"] == "1"] for rows in (before, after)]
+    assert len(counts[0]) == len(counts[1]) == 2 * TRIALS
+    other = people(damaged)[1]
+    theirs = [[r for r in rows if other in r.values()] for rows in (before, after)]
+    assert theirs[0] == theirs[1] != []
+
+
+def test_a_loss_can_be_accepted_while_another_record_is_damaged(
+    damaged: StudyFolder, capsys: pytest.CaptureFixture[str]
+) -> None:
+    other = journal_of(damaged, 1)
+    other.write_bytes(other.read_bytes().replace(b'"trial":1,', b'"trial":2,', 1))
+    assert note(damaged, 0, "--accept-loss", "a flipped bit") == 0
+    assert "tables are not up to date" in capsys.readouterr().out
+    assert note(damaged, 1, "--accept-loss", "another one") == 0
+    assert main(["study", "tables", str(damaged.path)]) == 0
+
+
+def test_who_withdraws_is_deleted_while_another_record_is_damaged_and_in_no_table(
+    damaged: StudyFolder, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    one, other = people(damaged)
+    monkeypatch.setattr("builtins.input", lambda: other)
+    assert note(damaged, 1, "--withdraw") == 1
+    printed = capsys.readouterr().out
+    assert f"{other} is deleted" in printed and one in printed
+    assert not (damaged.path / other).exists()
+    assert not any(other in p.read_text() for p in (damaged.path / "tables").glob("*.csv"))
+    assert note(damaged, 0, "--accept-loss", "a flipped bit") == 0
+    words = ["study", "note", str(damaged.path), "--participant", other, "--withdraw"]
+    assert main(words) == 0
+    assert len(rows_of(damaged.path / "tables/participants.csv")) == 1
+
+
+def test_a_copy_that_stays_after_a_withdrawal_is_one_line(
+    study: StudyFolder, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    ppid = people(study)[0]
+    copy = study.path / f"{ppid} copy"
+    shutil.copytree(study.path / ppid, copy)
+    monkeypatch.setattr("builtins.input", lambda: ppid)
+    assert note(study, 0, "--withdraw") == 0
+    assert main(["study", "tables", str(study.path)]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    count = sum(p.is_file() for p in copy.rglob("*"))
+    assert [line for line in lines if line.strip().startswith(str(copy))] == [
+        f"  {copy}: {count} files"
+    ]
+    assert f"{copy.name} holds the data of {ppid}, who has withdrawn; delete it" in "\n".join(lines)
+
+
+def test_a_report_of_a_damaged_study_without_tables_names_the_cause(
+    damaged: StudyFolder, capsys: pytest.CaptureFixture[str]
+) -> None:
+    shutil.rmtree(damaged.path / "tables")
+    assert main(["study", "report", str(damaged.path)]) == 2
+    printed = " ".join("".join(capsys.readouterr()).split())
+    assert people(damaged)[0] in printed and "--accept-loss" in printed
+    assert "makes them" not in printed
+
+
+def test_a_folder_for_others_that_fails_its_verification_is_not_made(
+    study: StudyFolder, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def fails(path: Path, replays: bool = True) -> Verified:
+        done = Verified(path)
+        done.found[FOLDERS].append(Finding("A folder", "is a copy"))
+        return done
+
+    monkeypatch.setattr("sandbox.study.share.share.verify", fails)
+    with pytest.raises(StudyError, match="A folder: is a copy"):
+        share_study(study, tmp_path / "shared", Masking(), quiet)
+    assert not (tmp_path / "shared").exists()
+
+
+def test_a_folder_for_others_without_recordings_offers_no_replay(
+    study: StudyFolder, tmp_path: Path
+) -> None:
+    out = tmp_path / "shared"
+    share_study(study, out, Masking(recordings=False), quiet)
+    assert "replay" not in (out / "README.md").read_text().replace("sandbox replay", "")
+    assert not any(row.get("recording") for row in rows_of(out / "tables/trials.csv"))
+    assert "frames: not compared" in (out / "verify.txt").read_text()
