@@ -266,7 +266,7 @@ def _damage(
     what: str, path: Path, line: int, got: object = None, expected: str | None = None
 ) -> StudyError:
     """The error of a damaged line, which names both ways on."""
-    person = path.parents[1]
+    person = path.absolute().parent.parent
     return StudyError(
         what,
         where=f"{path}, line {line}",
