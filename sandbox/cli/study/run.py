@@ -150,7 +150,8 @@ def _agreed(terminal: Terminal, say: Callable[[str], object], otherwise: str) ->
     """
     from sandbox.study.run.controls import YES_OR_NO
 
-    return terminal.choose(YES_OR_NO, say, ended=lambda: _input_ended(otherwise)) == 0
+    ended = partial(_input_ended, otherwise)
+    return terminal.choose(YES_OR_NO, say, ended=ended, experimenter=True) == 0
 
 
 def offer_to_begin_again(
@@ -174,7 +175,8 @@ def offer_to_begin_again(
         "and does not count"
     )
     ways = ("go on", "begin again")
-    if terminal.choose(ways, say, ended=lambda: _input_ended("--resume goes on")) == 1:
+    ended = partial(_input_ended, "--resume goes on")
+    if terminal.choose(ways, say, ended=ended, experimenter=True) == 1:
         session.begin_again(again, f"begun again after {minutes}")
 
 

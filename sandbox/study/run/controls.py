@@ -87,9 +87,13 @@ class Controls:
             if isinstance(command, str):
                 self.say(command)
             elif command.key == "h":
-                self.say("\n".join(f"  {key}  {about}" for key, about in COMMANDS.items()))
+                self.show_keys()
             else:
                 yield command
+
+    def show_keys(self) -> None:
+        """Prints all keys."""
+        self.say("\n".join(f"  {key}  {about}" for key, about in COMMANDS.items()))
 
 
 class Terminal:
@@ -143,6 +147,7 @@ class Terminal:
         show: Callable[[str], object],
         poll: Callable[[], None] = lambda: None,
         ended: Callable[[], StudyError] = lambda: StudyError("the input has ended"),
+        experimenter: bool = False,
     ) -> int:
         """Waits until one of some options is typed, as its word or its number; returns its place.
 
@@ -151,16 +156,21 @@ class Terminal:
             show: Prints which there are, before each try.
             poll: See `ask`.
             ended: Makes the error for the end of the input.
+            experimenter: True where the experimenter is asked, before the session runs: h shows the
+                keys, as it does later.
         """
         with self.form():
             while True:
-                show(f"type {choice_of(options)}, then Enter")
+                help_too = ", h for the keys of a session" if experimenter else ""
+                show(f"type {choice_of(options)}{help_too}, then Enter")
                 text = self.ask(poll)
                 if text is None:
                     raise ended()
                 place = chosen(text, options)
                 if place is not None:
                     return place
+                if experimenter and text.strip() == "h":
+                    self._controls.show_keys()
 
     @contextmanager
     def form(self) -> Iterator[None]:
@@ -177,7 +187,10 @@ class Terminal:
         try:
             for line in self._lines():
                 text = line.rstrip("\n")
-                if text.startswith("/") or not (self._asking.is_set() or self._for_answers):
+                if text.strip() == "/h":
+                    # Showing the keys changes nothing, and so waits for no session.
+                    self._controls.show_keys()
+                elif text.startswith("/") or not (self._asking.is_set() or self._for_answers):
                     self._controls.type(text)
                 elif self._asking.is_set() or not self._source.isatty():
                     self._answers.put(text)

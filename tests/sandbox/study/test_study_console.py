@@ -25,7 +25,7 @@ from sandbox.study.record.journal import read_journal
 from sandbox.study.record.session_folder import SessionFolder
 from sandbox.study.record.state import SessionState
 from sandbox.study.run.answers import Answers, Draft, hint, question, read_answer
-from sandbox.study.run.controls import Command, Controls, Terminal, parse_command
+from sandbox.study.run.controls import COMMANDS, Command, Controls, Terminal, parse_command
 from sandbox.study.run.forms import SimulatedForms, TerminalForms
 from sandbox.study.run.runner import SessionOutcome
 from sandbox.study.run.simulate import run_simulated, simulated_person
@@ -315,6 +315,15 @@ def test_lines_of_a_pipe_answer_the_questions_that_come() -> None:
     wait_until(lambda: terminal.ended)
     assert [terminal.ask(), terminal.choose(("yes", "no"), quiet)] == ["q", 1]
     assert [command.key for command in controls.take()] == ["n"]
+
+
+@pytest.mark.parametrize("key", ["h", "/h"])
+def test_the_key_for_help_shows_all_keys_at_the_experimenter_s_questions_too(key: str) -> None:
+    said: list[str] = []
+    terminal = Terminal(Controls(said.append), Patient(f"{key}\n/n early\nyes\n"))
+    assert terminal.choose(("yes", "no"), quiet, experimenter=True) == 0
+    (keys,) = said
+    assert [line.split()[0] for line in keys.splitlines()] == list(COMMANDS)
 
 
 def test_after_a_long_pause_a_block_begins_again_with_its_practice_if_the_experimenter_says_so(
