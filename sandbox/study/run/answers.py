@@ -11,8 +11,21 @@ from typing import Any
 from models.errors import StudyError
 from sandbox.study.design.design import Item
 from sandbox.study.record.journal import plain_text
+from sandbox.words.words import base
 
 Answers = dict[str, Any]
+
+RANGES = {
+    "en": ("{low} to {high}", " in steps of {step}"),
+    "de": ("{low} bis {high}", " in Schritten von {step}"),
+    "fr": ("de {low} à {high}", " par pas de {step}"),
+    "es": ("de {low} a {high}", " en pasos de {step}"),
+    "zh": ("{low} 到 {high}", "，步长 {step}"),
+    "ja": ("{low} から {high} まで", "、{step} 刻み"),
+    "ar": ("من {low} إلى {high}", " بخطوات من {step}"),
+}
+"""Allowed numbers and their steps in words, by language, for the terminal and the sheet: the page
+draws scales. Not read by native speakers."""
 
 LONGEST = 2000
 """Largest number of characters of a free-text answer."""
@@ -50,24 +63,34 @@ def hint(item: Item, language: str = "", numbered: bool = False) -> str:
         words = [item.called(c, language) if language else c for c in item.choices]
         return f"({' / '.join(_numbered(words) if numbered else words)})"
     if item.kind in ("scale", "number"):
-        return f"({item.low:g} to {item.high:g}{steps(item)})"
+        return f"({_range(item, f'{item.low:g}', f'{item.high:g}', language)})"
     return ""
 
 
-def steps(item: Item) -> str:
-    """Step between the allowed values of a scale, to append to its ends; empty for steps of 1."""
-    return f" in steps of {item.step:g}" if item.kind == "scale" and item.step != 1 else ""
+def _range(item: Item, low: str, high: str, language: str = "") -> str:
+    """Allowed values in words: both ends, and the step of a scale unless it is 1.
+
+    Args:
+        item: The question.
+        low, high: Its ends, as they are shown.
+        language: Language of the words; English where `RANGES` lacks it.
+    """
+    ends, step = RANGES.get(base(language), RANGES["en"])
+    text = ends.format(low=low, high=high)
+    if item.kind == "scale" and item.step != 1:
+        text += step.format(step=f"{item.step:g}")
+    return text
 
 
 def question(item: Item, language: str, numbered: bool = False) -> str:
     """An item as a line: the question, and the allowed answers; see `hint`."""
     if item.ends is None:
         return f"{item.ask[language]} {hint(item, language, numbered)}".rstrip()
-    ends = " to ".join(
+    low, high = (
         f"{value:g} ({end[language]})"
         for value, end in zip((item.low, item.high), item.ends, strict=True)
     )
-    return f"{item.ask[language]} {ends}{steps(item)}"
+    return f"{item.ask[language]} {_range(item, low, high, language)}"
 
 
 def read_answer(item: Item, text: str, language: str = "") -> Any:
@@ -181,7 +204,7 @@ def _number(item: Item, value: float, given: str) -> Any:
             "the number is not allowed here",
             where=item.name,
             got=given,
-            expected=f"{item.low:g} to {item.high:g}{steps(item)}",
+            expected=_range(item, f"{item.low:g}", f"{item.high:g}"),
         )
     return int(value) if value == int(value) else value
 

@@ -11,11 +11,12 @@ from sandbox.cli.main import main
 from sandbox.study.design.design import Form
 from sandbox.study.record.journal import read_journal
 from sandbox.study.record.session_folder import SessionFolder
-from sandbox.study.run.answers import Answers, Draft, question
+from sandbox.study.run.answers import RANGES, Answers, Draft, question
 from sandbox.study.run.forms import Poll, SimulatedForms
 from sandbox.study.run.runner import SessionOutcome
 from sandbox.study.run.sheet import SessionSheet, session_sheet, sheet_lines
 from sandbox.study.run.simulate import simulated_person
+from sandbox.words.words import LANGUAGES
 from tests.support.study_files import DESIGN, TWICE, design, open_study, simulated_runner
 
 TEXTS = """
@@ -152,6 +153,19 @@ def test_a_sheet_names_conditions_practice_questions_and_what_may_be_left_out() 
         "[may be left out]",
     ):
         assert line in text
+
+
+def test_scales_of_a_sheet_are_in_the_language_of_the_participant() -> None:
+    assert set(RANGES) == set(LANGUAGES)
+    tlx = '\n[[questionnaires]]\nuse = "nasa-tlx"\nat = "end"\n'
+    two = design(both_languages(DESIGN + TEXTS) + tlx)
+    asked = {
+        code: [q for part in session_sheet(two, 1, 1, code).parts for q in part.questions]
+        for code in two.languages
+    }
+    assert any("0 (gering) bis 100 (hoch) in Schritten von 5" in line for line in asked["de"])
+    assert any("0 (low) to 100 (high) in steps of 5" in line for line in asked["en"])
+    assert not any(" to " in line or "steps" in line for line in asked["de"])
 
 
 class Words(HTMLParser):
