@@ -474,7 +474,11 @@ class TouchIds:
         self._judged += 1
         gone = [before[i] for i in before.keys() - now.keys()]
         new = [now[i] for i in now.keys() - before.keys()]
-        near = (math.dist(a, b) < FINGERS_APART.least for a in new for b in gone)
+        near = (
+            math.dist(a, b) < FINGERS_APART.least  # any order: only a report follows from it
+            for a in new
+            for b in gone
+        )
         self._renamed += any(near)
         if self._renamed >= FEWEST and 2 * self._renamed > self._judged:
             self._report.assume(
