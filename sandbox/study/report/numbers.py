@@ -168,7 +168,8 @@ def results(data: StudyData, asked: Sequence[str] = ()) -> Results:
 
     The primary outcomes of the design are tested; without any, time, success, the measures that
     were asked for and one score of every questionnaire are. All tests are one family, whose p
-    values are adjusted together (Holm 1979).
+    values are adjusted together (Holm 1979). A pair that has an estimate but too few people for a
+    test is of the family: data that are lost make no other difference more certain.
 
     Args:
         data: The study.
@@ -188,7 +189,9 @@ def results(data: StudyData, asked: Sequence[str] = ()) -> Results:
         for j, pair in enumerate(one.pairs)
         if one.what.name in planned and not (pair.factor == SESSION and data.by_session)
     ]
-    adjusted = holm([compared[i].pairs[j].p for i, j in tested])
+    pairs = [compared[i].pairs[j] for i, j in tested]
+    untested = sum(not pair.why and not isfinite(pair.p) for pair in pairs)
+    adjusted = holm([pair.p for pair in pairs], untested)
     by_pair = dict(zip(tested, adjusted, strict=True))
     compared = [
         replace(
@@ -459,12 +462,17 @@ def _interactions(
     return found
 
 
-def holm(p: Sequence[float]) -> list[float]:
-    """P values adjusted by Holm's method for all of them that are known; nan stays nan."""
+def holm(p: Sequence[float], untested: int = 0) -> list[float]:
+    """P values adjusted by Holm's method; nan stays nan.
+
+    Args:
+        p: P values; nan for a test that was not made.
+        untested: How many tests of the family were not made, each of which counts as p = 1.
+    """
     known = sorted((value, i) for i, value in enumerate(p) if isfinite(value))
     adjusted = [nan] * len(p)
     largest = 0.0
     for rank, (value, i) in enumerate(known):
-        largest = max(largest, min(1.0, (len(known) - rank) * value))
+        largest = max(largest, min(1.0, (len(known) + untested - rank) * value))
         adjusted[i] = largest
     return adjusted

@@ -807,6 +807,8 @@ def _in_r(found: Results, rows: Sequence[dict[str, str]]) -> Table:
         if one is None or pair is None:
             continue
         theirs = Estimate(*(_number(row.get(name, "")) for name in ("estimate", "low", "high")))
+        if pair.people < FEWEST:
+            theirs = Estimate(theirs.value)
         if row.get("kind") == pair.kind:
             shown = _difference_text(one.what, theirs)
         else:

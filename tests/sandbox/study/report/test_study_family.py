@@ -94,9 +94,24 @@ def test_all_that_is_tested_is_one_family(tmp_path: Path) -> None:
         "effort": 3,
     }
     pairs = [pair for some in found.values() for pair in some]
-    assert [p.p_holm for p in pairs] == holm([p.p for p in pairs])
     known = sum(p.p == p.p for p in pairs)
+    untested = sum(p.p != p.p and not p.why for p in pairs)
+    assert [p.p_holm for p in pairs] == holm([p.p for p in pairs], untested)
     assert f"{known} tests" in report(tmp_path).text
+
+
+def test_scores_that_are_lost_make_no_other_difference_more_certain(tmp_path: Path) -> None:
+    answered(tmp_path)
+    before = confirmed(tmp_path)
+    path = tmp_path / "tables/scores.csv"
+    # Five people are left with a score, too few for its test.
+    rows = [row for row in rows_of(path) if row["ppid"] != "P001"]
+    path.write_bytes(csv_bytes(rows, tuple(rows[0])))
+    after = confirmed(tmp_path)
+    assert all(p.p != p.p for p in after["effort"])
+    for old, new in zip(before["time_s"], after["time_s"], strict=True):
+        assert new.p == old.p
+        assert new.p_holm >= old.p_holm
 
 
 def test_of_a_questionnaire_its_score_is_tested_and_neither_other_scales_nor_questions(
