@@ -192,7 +192,7 @@ BORDER = 0.050
 
 @dataclass(frozen=True)
 class Dial(TaskDefaults):
-    """Turn the knob by three quarters of a turn, to the blue mark.
+    """Turn the knob along its scale, three quarters of a turn, to the blue mark.
 
     Scene: a knob of 40 mm diameter and 20 mm height on a plate with a scale, which turns by 300
     degrees from end stop to end stop with a dry friction of 0.05 to 0.15 N m, as one of a cooker.

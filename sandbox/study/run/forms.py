@@ -27,12 +27,13 @@ experimenter; an exception that it raises ends the form."""
 
 @dataclass(frozen=True)
 class NewTask:
-    """What a participant reads before a task that is another one than that of the trial before.
+    """What a participant reads before a new task, and where practice of a task ends.
 
     Attributes:
         number: Number of the next trial among those of the session, from 1.
         count: Number of trials of the session.
         title, goal: Name of the task, and what to do; empty if the design does not show it.
+        practice: True if the next trial is practice.
         picture: Data URL of a picture of it; empty without one.
     """
 
@@ -40,6 +41,7 @@ class NewTask:
     count: int
     title: str
     goal: str
+    practice: bool = False
     picture: str = ""
 
 
@@ -97,7 +99,8 @@ class TerminalForms:
         self._line(poll)
 
     def introduce(self, task: NewTask, poll: Poll) -> None:
-        parts = (f"{task.number} / {task.count}", task.title, task.goal)
+        kind = "practice, " if task.practice else ""
+        parts = (f"{kind}{task.number} / {task.count}", task.title, task.goal)
         self.instruct("\n".join(part for part in parts if part), poll)
 
     def ask(self, form: Form, language: str, poll: Poll, draft: Draft) -> Answers:

@@ -34,7 +34,10 @@ class PageForms:
         self._show_until_left(poll, ("done",), lambda: self._page.show_sheet("text", text=text))
 
     def introduce(self, task: NewTask, poll: Poll) -> None:
-        place = self._page.texts["trial_of"].format(number=task.number, count=task.count)
+        words = self._page.texts
+        place = words["trial_of"].format(number=task.number, count=task.count)
+        if task.practice:
+            place = f"{words['practice']} · {place}"
         self._show_until_left(
             poll,
             ("done",),

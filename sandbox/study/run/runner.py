@@ -100,7 +100,7 @@ class SessionRunner:
     def __post_init__(self) -> None:
         self._leave_key = self._leave_reason = ""
         self._step: Step | None = None
-        self._task = ""
+        self._introduced = "", False
         # A session that goes on after a crash may begin with a trial to exclude.
         self._last = self.session.state.last_finished(self.session.steps)
         self._frames = FrameWriter()
@@ -219,7 +219,7 @@ class SessionRunner:
         )
         settings = _calibrated(settings, person.hand, session.state.calibration)
         try:
-            self._introduce(settings.task)
+            self._introduce(settings.task, trial.practice)
             settings = self.fit(trial, settings, self._poll_form)
         except _StepLeft:
             self._say_left(trial)
@@ -277,9 +277,9 @@ class SessionRunner:
             if other.number != trial.number
         )
 
-    def _introduce(self, task: str) -> None:
-        """Shows what to do, if the last trial had another task."""
-        if task == self._task:
+    def _introduce(self, task: str, practice: bool) -> None:
+        """Shows what to do, if the last trial had another task or was practice for this one."""
+        if (task, practice) == self._introduced:
             return
         session = self.session
         page, language = session.study.design.page, session.person.language
@@ -287,9 +287,11 @@ class SessionRunner:
         title, goal = texts_by_design(page, task, language, words)
         if title or goal:
             done, of = session.state.done(session.steps)
-            new = NewTask(done + 1, of, title, goal, self.picture_of(task, self._poll_form))
-            self.forms.introduce(new, self._poll_form)
-        self._task = task
+            picture = self.picture_of(task, self._poll_form)
+            self.forms.introduce(
+                NewTask(done + 1, of, title, goal, practice, picture), self._poll_form
+            )
+        self._introduced = task, practice
 
     def _learning_hands(self, trial: TrialStep, settings: Settings) -> tuple[str, ...]:
         """Names of the participant's hands if the design lets a session learn their layouts."""

@@ -219,7 +219,7 @@ def test_a_session_in_the_terminal_asks_plays_and_hears_the_experimenter(
     file = tmp_path / "design.toml"
     file.write_text(DESIGN)
     command = pilot(file)
-    monkeypatch.setattr("sys.stdin", Patient("maybe\n/n hello\nyes\n17\n33\n\n25\n101\n95\n"))
+    monkeypatch.setattr("sys.stdin", Patient("maybe\n/n hello\nyes\n17\n33\n\n\n25\n\n\n101\n95\n"))
     assert main([*command, "--participant", "new"]) == 0
     told = capsys.readouterr().out
     assert "Do you agree?" in told and "the number is not allowed" in told and "complete" in told
@@ -265,7 +265,7 @@ def test_a_question_that_nobody_can_answer_is_an_error_with_a_way_out_and_loses_
     assert main([*command, ppid]) == 0
     assert "nothing was played" in capsys.readouterr().out
     assert [r for r in read_journal(journal) if r["kind"] == "trial_end"] == before
-    monkeypatch.setattr("sys.stdin", Patient("25\n\n95\n"))
+    monkeypatch.setattr("sys.stdin", Patient("\n25\n\n\n95\n"))
     assert main([*command, ppid, "--resume"]) == 0
     told = capsys.readouterr().out
     assert "complete" in told and "How old" not in told
@@ -371,7 +371,7 @@ def test_the_next_session_is_not_begun_where_nobody_can_answer(
     file = tmp_path / "design.toml"
     file.write_text(DESIGN.replace("seed = 3", "seed = 3\nsessions = 2"))
     command = [*pilot(file), "--participant"]
-    monkeypatch.setattr("sys.stdin", Patient("yes\n33\n\n25\n95\n"))
+    monkeypatch.setattr("sys.stdin", Patient("yes\n33\n\n\n25\n\n\n95\n"))
     assert main([*command, "new"]) == 0
     ppid = StudyFolder.at(tmp_path / "quick-pilot").participants()[0].ppid
     monkeypatch.setattr("sys.stdin", io.StringIO(""))

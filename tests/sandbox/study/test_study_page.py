@@ -107,11 +107,14 @@ def test_a_whole_session_is_asked_and_played_on_the_page(running: OnPage) -> Non
         leave(page, text)
         new = page.until("sheet", kind="task")
         assert (new["title"], new["text"]) == ("Quick", "Every third seed fails.")
-        assert new["note"] == "1 von 2"
+        assert new["note"] == "Übung · 1 von 2"
         leave(page, new)
         scene = page.until("scene")
         assert (scene["task"], scene["goal"]) == ("Quick", "Every third seed fails.")
         trial(page)
+        counted = page.until("sheet", kind="task")
+        assert counted["note"] == "2 von 2"
+        leave(page, counted)
         trial(page)
         last = page.until("sheet", kind="form")
         assert last["title"] == "Zu dem, was Sie gerade getan haben"
@@ -232,6 +235,7 @@ def test_the_experimenter_skips_pauses_and_repeats_while_forms_and_trials_are_on
         page.touch()
         running.type("r the phone rang")
         trial(page)
+        leave(page, page.until("sheet", kind="task"))
         trial(page)
         running.type("r once more")
         trial(page)
@@ -528,6 +532,10 @@ def test_with_trials_elsewhere_the_page_has_the_forms_and_says_where_to_look(
                 leave(seen, form)
                 leave(seen, seen.until("sheet", kind="task"))
                 seen.until("sheet", kind="wait", text=words_in("de")["elsewhere"])
+                # The first trial after practice has its sheet, too.
+                counted = seen.until("sheet", kind="task")
+                assert words_in("de")["practice"] not in counted["note"]
+                leave(seen, counted)
                 while not any(m.get("title") == TITLE for m in seen.told):
                     seen.say(type="beat", t=1.0)
                     seen.until("echo")

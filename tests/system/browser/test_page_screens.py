@@ -112,6 +112,11 @@ def test_a_screen_that_only_seems_small_is_played_in_true_size_once_it_is_measur
         tab.tap(ENGLISH["settings"])
         tab.tap(ENGLISH["measure_screen"])
         assert sheet(tab) == ENGLISH["card_title"]
+        # A guess that was not compared with a card is not taken for a measurement.
+        tab.tap(ENGLISH["card_fits"])
+        assert sheet(tab) == ENGLISH["card_title"]
+        assert server.screen is not None
+        assert not server.screen.calibrated
         tab.evaluate(
             "(() => { const slider = document.querySelector('.slider');"
             " slider.value = 70; slider.dispatchEvent(new Event('input')); })()"

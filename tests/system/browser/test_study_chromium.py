@@ -123,7 +123,12 @@ def test_a_participant_goes_through_a_study_with_two_pages_closed_in_it(
         assert tab.evaluate("document.querySelectorAll('.chosen, .mark:not([hidden])').length") == 0
         tab.tap(GERMAN["next"])
         tab.wait(f"document.body.innerText.includes({GERMAN['required']!r})")
+        # What complains leaves its place empty, so that nothing moves under the finger.
+        below = "document.querySelector('.study button.primary').getBoundingClientRect().top"
+        before = tab.evaluate(below)
         tab.tap("left")
+        tab.wait("document.querySelectorAll('.wrong.answered').length === 1")
+        assert tab.evaluate(below) == before
         go_on(tab)
         type_in(tab, ".entry", "7")
         tab.wait("document.body.innerText.includes('18 bis 100')")
@@ -156,6 +161,8 @@ def test_a_participant_goes_through_a_study_with_two_pages_closed_in_it(
         tab.wait(SCENE)
         seen.append(tab.text())
         play(running, tab)
+        sees(tab, "task")
+        tab.tap(GERMAN["next"])
         running.heard("trial 2")
         tab.wait(SCENE)
         play(running, tab)

@@ -75,11 +75,15 @@ def of_item(item: dict[str, Any]) -> list[str]:
     return [item["ask"]["en"], *(m["en"] for m in item.get("means", ())), *means]
 
 
-def introduced(tab: Tab) -> None:
-    """Through the sheet before a new task, which has its place among the trials."""
+def introduced(tab: Tab, place: str) -> None:
+    """Through the sheet before a new task, and after practice, with its place among the trials."""
     tab.wait("document.querySelector('.study').dataset.kind === 'task'")
-    assert " 1 of " in flat(tab.text())
+    assert f" {place} of " in flat(tab.text())
+    assert ENGLISH["practice"] not in flat(tab.text()).replace(place, "")
     tab.tap(ENGLISH["next"])
+
+
+FIRST = f"{ENGLISH['practice']} · 1"
 
 
 def test_the_example_study_shows_its_own_texts_and_nothing_else(
@@ -100,7 +104,7 @@ def test_the_example_study_shows_its_own_texts_and_nothing_else(
         tab.tap(ENGLISH["next"])
         sees(tab, at_encoder, ENGLISH["next"])
         tab.tap(ENGLISH["next"])
-        introduced(tab)
+        introduced(tab, FIRST)
         tab.wait(TRIAL)
         tab.wait(f"document.body.innerText.includes({ENGLISH['first_touch']!r})")
         task = next(goal for goal in goals if goal in flat(tab.text()))
@@ -113,6 +117,7 @@ def test_the_example_study_shows_its_own_texts_and_nothing_else(
         sees(tab, task)
         tab.call("Input.dispatchKeyEvent", type="keyDown", key="?", text="?")
         running.type("s")
+        introduced(tab, "2")
         tab.wait(f"document.body.innerText.includes({ENGLISH['first_touch']!r})")
         sees(tab, task, ENGLISH["first_touch"])
 
@@ -142,7 +147,7 @@ def test_a_design_that_shows_them_has_a_demonstration_a_hint_and_a_result(
         for instruction in tomllib.loads(text)["instructions"][:2]:
             sees(tab, instruction["text"]["en"], ENGLISH["next"])
             tab.tap(ENGLISH["next"])
-        introduced(tab)
+        introduced(tab, FIRST)
         tab.wait(TRIAL)
         tab.wait(PLAYS_ALONE)
         how = ENGLISH["how_box-to-goal"]
@@ -157,6 +162,7 @@ def test_a_design_that_shows_them_has_a_demonstration_a_hint_and_a_result(
         missing = left_over(shown, *task, ENGLISH["time_up"])
         assert missing.startswith("the box is ")
         tab.touch([])
+        introduced(tab, "2")
         # The second trial of the task has the words alone.
         tab.wait(f"document.body.innerText.includes({ENGLISH['first_touch']!r})")
         sees(tab, *task, ENGLISH["first_touch"], how)

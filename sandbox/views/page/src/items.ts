@@ -37,8 +37,12 @@ export function makeField(
   show(wrong, false);
   let value: Value = null;
   const complain = (text: string): void => {
-    write(wrong, text);
-    show(wrong, text !== "");
+    // The place of the words stays once they were there, so that nothing moves under the finger.
+    if (text !== "") {
+      write(wrong, text);
+      show(wrong, true);
+    }
+    wrong.classList.toggle("answered", text === "");
     root.classList.toggle("is-wrong", text !== "");
   };
   const give = (given: Value): void => {

@@ -76,6 +76,8 @@ class Page {
   private readonly hint = new Hint();
   private readonly lift: Lift;
   private readonly grip = new FailedGrip();
+  /** True while a touch lies that ended the demonstration after a trial: another trial begins once it lifts. */
+  private turnTaken = false;
   private readonly study = new Study((up) => this.connection.say(up));
   private readonly again = make("div", "lift-again", { text: say("lift_again") });
   private readonly trouble = make("div", "trouble");
@@ -139,6 +141,7 @@ class Page {
     this.presses = new Presses({
       palm: () => this.hud.say(say("use_fingertip")),
       short: () => this.hud.say(say("hold_button")),
+      needsHold: () => this.running,
     });
     this.hud = new Hud({
       again: () => this.anew.ask(this.running),
@@ -357,8 +360,12 @@ class Page {
     document.body.classList.toggle("touching", change.fingers.some(({ pinned }) => !pinned));
     if (change.fingers.length > 0) {
       this.anew.undo();
+      this.turnTaken ||= this.demonstration.shown && this.over;
       this.endHelp();
       this.presses.release();
+    } else if (this.turnTaken) {
+      this.turnTaken = false;
+      this.ask("retry");
     }
     this.sender.touch(change);
     if (change.stolen && !this.inStudy) this.hud.say(say(ipad ? "gestures_ipad" : "gestures"), ADVICE_MS);
@@ -428,7 +435,7 @@ class Page {
     const { state } = this.frame ?? {};
     // In a study one comes where the design shows it.
     const begins = state?.pause === "start" && (this.inStudy !== null || !this.hint.root.hidden);
-    const over = this.helped && state !== undefined && state.status !== "running";
+    const over = this.helped && this.over;
     if (this.fingers.length || this.sheets.isOpen || !(begins || this.paused || over)) return;
     // Its words have their place before things begin to move.
     this.standAside();
@@ -503,6 +510,12 @@ class Page {
   }
 
   // -- layout -----------------------------------------------------------------------------------
+
+  /** True once the trial has ended. */
+  private get over(): boolean {
+    const { state } = this.frame ?? {};
+    return state !== undefined && state.status !== "running";
+  }
 
   /** True while a trial runs that has begun. */
   private get running(): boolean {

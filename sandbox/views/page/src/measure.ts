@@ -2,7 +2,7 @@
 
 import { make, show, write } from "./dom";
 import { knownDevices } from "./devices";
-import { CARD_HEIGHT, CARD_WIDTH, FEWEST, MOST, calibrate, pxPerInch } from "./screen";
+import { CARD_HEIGHT, CARD_WIDTH, FEWEST, MOST, calibrate, calibrated, pxPerInch } from "./screen";
 import type { Sheets } from "./sheet";
 import { say } from "./words";
 
@@ -37,9 +37,14 @@ export function measureScreen(sheets: Sheets, done: () => void): void {
     const [w, h] = [window.innerWidth / value, window.innerHeight / value];
     write(size, say("card_page", { ...lengths("width", w), ...lengths("height", h) }));
   };
-  slider.addEventListener("input", () => fit(Number(slider.value)));
+  // A guess that has not been compared with a card is no measurement.
+  const adjust = (px: number): void => {
+    fit(px);
+    save.disabled = false;
+  };
+  slider.addEventListener("input", () => adjust(Number(slider.value)));
   const step = (text: string, label: string, by: number): HTMLElement =>
-    make("button", "button step", { text, label, onTap: () => fit(value + by) });
+    make("button", "button step", { text, label, onTap: () => adjust(value + by) });
   fit(value);
   const save = make("button", "button large primary", {
     text: say("card_fits"),
@@ -49,6 +54,7 @@ export function measureScreen(sheets: Sheets, done: () => void): void {
       done();
     },
   });
+  save.disabled = !calibrated();
   const devices = knownDevices();
   const choice = make("select", "devices", { label: say("device_is") });
   choice.append(make("option", "", { text: say("device_is") }));
@@ -59,7 +65,7 @@ export function measureScreen(sheets: Sheets, done: () => void): void {
   });
   choice.addEventListener("change", () => {
     const device = choice.value === "" ? undefined : devices[Number(choice.value)];
-    if (device) fit(device.pxPerInch);
+    if (device) adjust(device.pxPerInch);
   });
   choice.firstElementChild!.setAttribute("value", "");
   show(choice, devices.length > 0);

@@ -1,4 +1,5 @@
-// Buttons under a hand that plays: a palm presses none, and a button that lies on the table has to be held.
+// Buttons under a hand that plays: a palm presses none, and a button that lies on the table has to be held
+// while a trial runs.
 
 import { pxPerInch } from "./screen";
 
@@ -10,18 +11,22 @@ const PALM = 0.59;
 /** Class of what holds buttons that lie on the table. */
 export const ON_TABLE = "on-table";
 
-export interface Refused {
+export interface Host {
   /** A palm was on a button. */
   palm(): void;
   /** A button on the table was only tapped. */
   short(): void;
+  /** True if buttons on the table have to be held now. */
+  needsHold(): boolean;
 }
 
 interface Press {
   pointer: number;
   button: HTMLElement;
   palm: boolean;
+  /** True if it is pressed by holding it, and `tapped` if it is by a tap. */
   held: boolean;
+  tapped: boolean;
   /** True once a hold has pressed the button. */
   done: boolean;
 }
@@ -31,7 +36,7 @@ export class Presses {
   private press: Press | null = null;
   private timer = 0;
 
-  constructor(private readonly refused: Refused) {
+  constructor(private readonly host: Host) {
     const capture = { capture: true };
     document.addEventListener("pointerdown", (e) => this.begin(e), capture);
     document.addEventListener("pointermove", (e) => this.follow(e), capture);
@@ -52,7 +57,8 @@ export class Presses {
     this.press = null;
     if (!button || event.pointerType !== "touch") return;
     const held = button.closest(`.${ON_TABLE}`) !== null;
-    const press = { pointer: event.pointerId, button, palm: false, held, done: false };
+    const tapped = !held || !this.host.needsHold();
+    const press = { pointer: event.pointerId, button, palm: false, held, tapped, done: false };
     this.press = press;
     this.follow(event);
     if (!held) return;
@@ -77,15 +83,15 @@ export class Presses {
     if (press?.pointer !== event.pointerId) return;
     this.release();
     if (event.type !== "pointerup" || press.done) return;
-    if (press.palm) this.refused.palm();
-    else if (press.held) this.refused.short();
+    if (press.palm) this.host.palm();
+    else if (!press.tapped) this.host.short();
   }
 
   /** Stops the click that a browser makes of a touch. Clicks of a mouse, of keys, and of a hold go on. */
   private judge(event: MouseEvent): void {
     const { press } = this;
     const byTouch = event.isTrusted && event.detail !== 0 && press?.button.contains(event.target as Node);
-    if (!byTouch || !press || !(press.palm || press.held)) return;
+    if (!byTouch || !press || !(press.palm || press.done || !press.tapped)) return;
     event.stopPropagation();
     event.preventDefault();
   }
