@@ -148,6 +148,10 @@ class DifferentPlanError(StudyError):
     """A session, or a participant's earlier one, was run by another plan than the study has now."""
 
 
+class LaterLayoutError(StudyError):
+    """A record or note of a study is of a later version of the program."""
+
+
 class SceneError(HandSandboxError):
     """A scene cannot be built as described."""
 

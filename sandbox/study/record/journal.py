@@ -16,11 +16,18 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
-from models.errors import StudyError
+from models.errors import LaterLayoutError, StudyError
 from models.json_input import checked, decoded_record
 from sandbox.study.record.chain import HASH, Record, chained, chained_bytes, follows
 from sandbox.study.record.files import study_error, write_atomically
-from sandbox.study.record.records import CLOCK_STEP, REPAIRED, RUNS, AnyRecord, number_from_one
+from sandbox.study.record.records import (
+    CLOCK_STEP,
+    REPAIRED,
+    RUNS,
+    AnyRecord,
+    number_from_one,
+    refuse_later_layout,
+)
 from sandbox.system.files import OPEN, flush, sync_folder
 
 SYNC = 0.5
@@ -251,6 +258,9 @@ def sound_records(data: bytes, path: Path) -> tuple[list[Record], int, StudyErro
         where = f"{path}, line {number}"
         try:
             record = read_record(line, len(records), where)
+        except LaterLayoutError:
+            # It is whole, and nothing of it may be given up.
+            raise
         except StudyError as error:
             return records, sound, _damage(error.what, path, number, error.got, error.expected)
         if not follows(line, record[HASH], head):
@@ -304,9 +314,10 @@ def checked_record(line: bytes, where: str) -> Record:
     """Parses a record and checks its fields.
 
     Raises:
-        StudyError: The record is damaged.
+        StudyError: The record is damaged, or of a later version of the program.
     """
     record = decoded_record(line, StudyError, what=_DAMAGED, where=where, remedy=_REMEDY)
+    refuse_later_layout(record, where)
     checked(record, AnyRecord, StudyError, what=_DAMAGED, where=where, remedy=_REMEDY)
     if record["kind"] in RUNS:
         number_from_one(record)

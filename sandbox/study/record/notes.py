@@ -23,7 +23,7 @@ from models.json_input import checked, decoded_record
 from sandbox.study.record.chain import HASH, Record
 from sandbox.study.record.files import study_error, write_atomically
 from sandbox.study.record.journal import check_texts, now
-from sandbox.study.record.records import Shared, Words, number_from_one
+from sandbox.study.record.records import Shared, Words, number_from_one, refuse_later_layout
 from sandbox.system.files import OPEN, sync_folder
 
 NOTES = "notes"
@@ -154,6 +154,7 @@ def read_notes(path: Path) -> list[Record]:
     for number, line in enumerate(lines, start=1):
         where = f"{path}, line {number}"
         note = decoded_record(line, StudyError, what=what, where=where, remedy=remedy)
+        refuse_later_layout(note, where)
         head = checked(note, _Head, StudyError, what=what, where=where, remedy=remedy)
         form = FORMS.get(head.kind)
         if form is None:

@@ -14,6 +14,8 @@ from typing import Annotated, Any, TypeVar, get_args, get_type_hints
 
 from msgspec import Meta, Struct
 
+from models.errors import LaterLayoutError
+
 _T = TypeVar("_T")
 _SHARED, _WORDS = Meta(extra={"shared": True}), Meta(extra={"words": True})
 Shared = Annotated[_T, _SHARED]
@@ -36,6 +38,23 @@ def number_from_one(record: dict[str, Any]) -> None:
     """Brings the number of a participant in a record or note, if it has one, to today's layout."""
     if record.get("number") is not None and record.get("schema", 0) < SCHEMA:
         record |= {"number": record["number"] + 1, "schema": SCHEMA}
+
+
+def refuse_later_layout(record: dict[str, Any], where: str) -> None:
+    """Checks that this version of the program knows the layout of a record or note.
+
+    Raises:
+        LaterLayoutError: It is of a later version, whose fields may mean something else.
+    """
+    schema = record.get("schema")
+    if isinstance(schema, int) and schema > SCHEMA:
+        raise LaterLayoutError(
+            "a later version of the program has written this",
+            where=where,
+            got=f"layout {schema}",
+            expected=f"layout {SCHEMA} or earlier",
+            remedy="Use that version; nothing was changed",
+        )
 
 
 class _Line(Struct, tag_field="kind"):

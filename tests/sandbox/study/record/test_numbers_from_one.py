@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import pytest
+
 from sandbox.cli.main import main
 from sandbox.study.record.folder import SIMULATED, StudyFolder
 from sandbox.study.record.journal import journal_bytes, read_journal
 from sandbox.study.record.notes import INCLUDE, PARTICIPANT, read_notes, write_notes
-from sandbox.study.record.records import RUNS
+from sandbox.study.record.records import RUNS, SCHEMA
 from sandbox.study.run.simulate import run_simulated
 from sandbox.study.share.share import Masking, share_study
 from tests.support.study_driver import SHORT, run, tables
@@ -61,3 +63,17 @@ def test_numbers_of_before_count_from_1_and_the_study_goes_on_with_the_next_one(
     share_study(study, tmp_path / "copy", Masking(), quiet)
     copied = {p.number for p in StudyFolder.at(tmp_path / "copy").participants()}
     assert copied == {1, 2}
+
+
+def test_a_study_of_a_later_layout_is_refused_and_stays_as_it_is(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = run(tmp_path, people=1)
+    (journal,) = path.glob("*/S001/session.jsonl")
+    records = read_journal(journal)
+    records[0]["schema"] = SCHEMA + 1
+    written = journal_bytes(records)
+    journal.write_bytes(written)
+    assert main(["study", "tables", str(path)]) != 0
+    assert f"layout {SCHEMA + 1}" in capsys.readouterr().err
+    assert journal.read_bytes() == written
