@@ -268,3 +268,8 @@ def reaches_a_side(
     side = 0.0 if x < width / 2 else width
     points = np.column_stack([np.full(len(_SHARES), side), height * _SHARES])
     return bool(obj.clearance(surface.to_world(points, off), position, rotation).min() < 0.0)
+
+
+def summary(task: type[Task]) -> str:
+    """The first line of a task's docstring."""
+    return (task.__doc__ or task.name).strip().splitlines()[0]

@@ -16,7 +16,7 @@ from sandbox.devices.device import DeviceWrapper
 from sandbox.hand.profiles import default_path
 from sandbox.recording.versions import versions
 from sandbox.server.access import stored_token
-from sandbox.server.frames import describe_scene, pack_skin, summary
+from sandbox.server.frames import describe_scene, pack_skin
 from sandbox.server.page_options import LOOPBACK, PageOptions, code, hints
 from sandbox.server.page_server import PageServer, tls_context
 from sandbox.server.protocol import StudyView, TaskName
@@ -25,7 +25,7 @@ from sandbox.server.web import PageDevice
 from sandbox.session.session import Session
 from sandbox.trial.logs import EventLog
 from tasks.registry import TASKS, find_task, hands_of
-from tasks.task import Task
+from tasks.task import Task, summary
 
 SIMULATED_USER = Message("simulated_user", "simulated user")
 """Caption of pictures in which no person plays."""

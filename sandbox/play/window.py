@@ -25,7 +25,6 @@ from sandbox.play.pages import (
     touched_pages,
 )
 from sandbox.play.play import Play, address_line, judge_latency, print_latency, report_end
-from sandbox.server.frames import summary
 from sandbox.server.page_options import PageOptions
 from sandbox.server.protocol import Pause
 from sandbox.server.screen import CANNOT_BEGIN
@@ -49,7 +48,7 @@ from sandbox.trial.trial_options import TrialOptions, trial_settings
 from sandbox.views.window.window import SIZE, Window
 from sandbox.words.words import words_in
 from tasks.score import Status
-from tasks.task import Task
+from tasks.task import Task, summary
 
 WAITING = "time begins with your first touch"
 WITH_MOUSE = "press 3 for a hand, drag beside it to move it; "

@@ -67,7 +67,7 @@ from sandbox.server.protocol import (
     encode,
 )
 from sandbox.session.messages import NO_LOAD, HandLoad, HandView, Snapshot
-from tasks.task import Task
+from tasks.task import Task, summary
 
 _KINDS: dict[Any, Any] = {
     mujoco.mjtGeom.mjGEOM_PLANE: "plane",
@@ -170,11 +170,6 @@ def localised(text: str) -> Localised:
     if isinstance(text, Message):
         return Localised(text.key, dict(text.values), str(text))
     return Localised("", {}, text)
-
-
-def summary(task: type[Task]) -> str:
-    """The first line of a task's docstring."""
-    return (task.__doc__ or task.name).strip().splitlines()[0]
 
 
 def state_of(snapshot: Snapshot, pause: Pause, own: int | None = None) -> State:

@@ -7,9 +7,8 @@ from collections.abc import Callable
 from contextlib import AbstractContextManager
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, Protocol
+from typing import TYPE_CHECKING, Any, Protocol
 
-from sandbox.server.protocol import Pause
 from sandbox.session.messages import Snapshot
 from sandbox.session.own_layouts import learned_layouts
 from sandbox.session.session import Session
@@ -20,6 +19,9 @@ from sandbox.trial.driver import TICK, LiveRun, RealTime, Trial, View, ViewMaker
 from sandbox.trial.result import TrialResult
 from sandbox.trial.settings import Settings
 from tasks.score import Status
+
+if TYPE_CHECKING:
+    from sandbox.server.protocol import Pause
 
 Watch = Callable[[], str]
 """Executes the experimenter's commands; returns the reason to break the attempt off, or empty."""

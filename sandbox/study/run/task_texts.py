@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from sandbox.server.frames import summary
 from sandbox.study.design.design import PageSettings
+from tasks.task import summary
 
 
 def task_texts(
