@@ -18,7 +18,7 @@ from models.surface import Surface
 from tasks.score import Score
 from tasks.task import Goal, place
 
-MOVE_APART = "Move apart"
+MOVE_APART = "Spread your fingers"
 """What a person is told beside a finger that is inside an object."""
 
 TOLD, STRONGEST = 1.0, 70.0
