@@ -13,6 +13,7 @@ from rich.markup import escape
 
 from models.errors import InputError, StudyError
 from models.message import counted
+from sandbox.cli.study.printing import print_copies, print_losses, sayer
 
 if TYPE_CHECKING:
     from sandbox.study.record.folder import StudyFolder
@@ -68,7 +69,6 @@ DECISIONS = ("exclude", "include", "release", "remark", "withdraw", "accept_loss
 
 def note(options: NoteOptions, console: Console) -> int:
     """Runs `sandbox study note`."""
-    from sandbox.cli.study.run import sayer
     from sandbox.study.record.folder import StudyFolder
     from sandbox.study.record.pseudonym import read_pseudonym
     from sandbox.study.run.decisions import decide
@@ -178,7 +178,6 @@ def _by_folder(study: Path, files: Sequence[Path]) -> list[str]:
 
 
 def _accept_loss(study: StudyFolder, ppid: str, reason: str, console: Console) -> int:
-    from sandbox.cli.study.run import sayer
     from sandbox.study.run.decisions import accept_loss, losses
 
     say = sayer(console)
@@ -188,49 +187,3 @@ def _accept_loss(study: StudyFolder, ppid: str, reason: str, console: Console) -
     if not lost:
         say(f"nothing of {ppid} is other than it was sealed")
     return 0
-
-
-def print_copies(study: StudyFolder, console: Console) -> tuple[str, ...]:
-    """Names folders inside of a study that are copies, and no data.
-
-    Returns:
-        Their names in the study.
-    """
-    from sandbox.study.record.copies import copies
-
-    found = {copy.path.relative_to(study.path).as_posix(): copy for copy in copies(study.path)}
-    for name, copy in found.items():
-        line = f"{name} {copy}. Nothing of it counts"
-        console.print(f"[yellow]{escape(line)}[/]", highlight=False, soft_wrap=True)
-    return tuple(found)
-
-
-def print_losses(study: StudyFolder, console: Console) -> tuple[str, ...]:
-    """Says which sessions have lost something.
-
-    Returns:
-        Their participants, each once.
-    """
-    from sandbox.study.run.decisions import losses
-
-    lost: dict[str, None] = {}
-    for loss in losses(study):
-        ppid = loss.person.ppid
-        lost[ppid] = None
-        other = "; others than were sealed" if loss.unlike else ""
-        damaged = f"line {loss.damaged} of its record is damaged; " if loss.damaged else ""
-        lines = "line from there on" if loss.damaged else "sealed line"
-        more = "lines from there on" if loss.damaged else "sealed lines"
-        console.print(
-            f"[yellow]{ppid}, session {loss.session}: it is not what was written "
-            f"({damaged}{counted(loss.records, lines, more)} lost{other}; "
-            f"{counted(len(loss.found), 'whole recording')} without a record). Restore it from a "
-            f"backup, or accept it: `sandbox study note {escape(str(study.path))} --participant "
-            f'{ppid} --accept-loss "REASON"`[/]',
-            soft_wrap=True,
-            highlight=False,
-        )
-        for one in loss.found:
-            what = f"trial {one.trial.number}" if one.trial else f"cannot count: {one.why_not}"
-            console.print(f"[dim]  {one.file}: {what}[/]", highlight=False)
-    return tuple(lost)

@@ -12,7 +12,7 @@ from rich.markup import escape
 
 from models.errors import HandSandboxError, InputError, StudyError
 from models.message import counted
-from sandbox.cli.study.note import print_copies, print_losses
+from sandbox.cli.study.printing import print_copies, print_losses, sayer
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -60,7 +60,6 @@ class TablesOptions:
 
 def tables(options: TablesOptions, console: Console) -> int:
     """Runs `sandbox study tables`."""
-    from sandbox.cli.study.run import sayer
     from sandbox.study.record.folder import StudyFolder
     from sandbox.study.run.decisions import unsealed
     from sandbox.study.tables.tables import make_tables
@@ -116,7 +115,6 @@ def _bring_up_to_date(folder: Path, console: Console) -> str:
     Returns:
         What the tables lack, in sentences; empty if they are whole.
     """
-    from sandbox.cli.study.run import sayer
     from sandbox.study.record.folder import StudyFolder, is_study
     from sandbox.study.tables.tables import make_tables
 

@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import shlex
-import sys
 import time
 import webbrowser
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from contextlib import ExitStack
 from dataclasses import replace
 from functools import partial
@@ -14,11 +13,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from rich.console import Console
-from rich.markup import escape
 
 from models.errors import StudyError
 from models.message import counted
 from sandbox.cli.common.lsl_options import streaming
+from sandbox.cli.study.printing import say_findings, say_noted, sayer
 from sandbox.cli.study.run_options import (
     StudyRunOptions,
     again,
@@ -34,8 +33,6 @@ from sandbox.views.display import has_display
 
 if TYPE_CHECKING:
     from sandbox.server.page_options import PageOptions
-    from sandbox.study.design.checks import Finding
-    from sandbox.study.record.folder import StudyFolder
     from sandbox.study.record.session_folder import SessionFolder
     from sandbox.study.run.controls import Controls, Terminal
     from sandbox.study.run.forms import Forms, Poll
@@ -372,29 +369,3 @@ def _player(
     if options.view == "window":
         player = WindowPlayer("simulated user" if simulated else "")
     return player if page is None else OffPagePlayer(player, page)
-
-
-def say_findings(found: Iterable[Finding], console: Console) -> None:
-    """Prints what is right in form and misleads, one line a cause."""
-    for finding in found:
-        colour = "red" if finding.error else "yellow"
-        console.print(f"[{colour}]{escape(str(finding))}[/]", highlight=False)
-
-
-def say_noted(study: StudyFolder, say: Callable[[str], object]) -> None:
-    """Prints what has changed without a need to force an upgrade, if anything has."""
-    if study.anew:
-        changed = ", ".join(study.anew)
-        say(f"nobody has taken part yet, so the study is now locked to what has changed: {changed}")
-    if study.noted:
-        say(f"noted, and no state depends on it: {', '.join(study.noted)}")
-
-
-def sayer(console: Console) -> Callable[[str], object]:
-    """Returns a function that prints a message for the experimenter at once."""
-
-    def say(text: str) -> None:
-        console.print(f"[dim]{escape(text)}[/]", highlight=False)
-        sys.stdout.flush()
-
-    return say

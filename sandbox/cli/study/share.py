@@ -13,7 +13,7 @@ from rich.markup import escape
 
 from models.errors import InputError, StudyError
 from models.message import counted
-from sandbox.cli.study.note import print_copies, print_losses
+from sandbox.cli.study.printing import print_copies, print_losses
 
 if TYPE_CHECKING:
     from sandbox.study.record.folder import StudyFolder

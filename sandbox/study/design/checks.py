@@ -41,8 +41,7 @@ LONGEST_STRETCH = 1800.0
 MOST_PEOPLE = 12
 """People whose sessions are looked through, of a longer cycle."""
 FURTHEST = 12
-"""Largest change of a number of trials, between breaks or of practice, that is tried for a
-remedy."""
+"""Largest change of the number of trials between breaks that is tried for a remedy."""
 QUICK = 0.5
 """Share of the expected duration, below which a time may be an accident."""
 COPIED = 15
@@ -298,7 +297,7 @@ def _practice(design: Design) -> Iterator[Flaw]:
             ("trials", "practice"),
             f"{where}with {counted(design.practice, 'practice trial')}, {level} of {factor} is "
             "measured before anybody has practised it",
-            _practice_remedy(design, factor, session),
+            _practice_remedy(design),
         )
     parting = parting_breaks(design, people_of_cycle(design)) if design.practice_each else []
     if parting:
@@ -357,40 +356,14 @@ def _unpractised(design: Design) -> tuple[str, str, int] | None:
     return None
 
 
-def _practice_remedy(design: Design, factor: str, session: int) -> str:
-    """Changes after which every level is practised before it is measured; each one was tried.
+def _practice_remedy(design: Design) -> str:
+    """A change after which every level is practised before it is measured.
 
-    More trials alone may never reach a level: levels of all factors that practice has not chosen
-    change together.
+    Before each level of the innermost factor, all levels are chosen.
     """
-    for sessions in dict.fromkeys(
-        [
-            design.practice_sessions,
-            tuple(sorted({*design.practice_sessions, session})) if design.practice_sessions else (),
-            (),
-        ]
-    ):
-        changed = replace(design, practice_sessions=sessions)
-        found = []
-        # Before each level of the innermost factor, all levels are chosen.
-        for each in dict.fromkeys([factor, *(f.name for f in reversed(design.factors))]):
-            count = max(1, design.practice)
-            if not _unpractised(replace(changed, practice=count, practice_each=each)):
-                count_too = "" if count == design.practice else f"practice = {count} and "
-                found.append(f'{count_too}practice_each = "{each}"')
-                break
-        for count in range(design.practice + 1, design.practice + FURTHEST + 1):
-            if not _unpractised(replace(changed, practice=count)):
-                found.append(f"practice = {count}")
-                break
-        if not found:
-            continue
-        also = ""
-        if sessions != design.practice_sessions:
-            named = f"practice_sessions = {list(sessions)}"
-            also = f", and {named}" if sessions else ", and remove practice_sessions"
-        return f"Write {', or '.join(found)}{also}"
-    return "Write practice for all levels"
+    count = "" if design.practice else "practice = 1 and "
+    everywhere = ", and remove practice_sessions" if design.practice_sessions else ""
+    return f'Write {count}practice_each = "{design.factors[-1].name}"{everywhere}'
 
 
 def _limits(design: Design, lines: TomlLines) -> Iterator[Flaw]:

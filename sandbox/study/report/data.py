@@ -61,8 +61,6 @@ NUMBERS = (
 )
 RATIO_UNITS = ("s", "m", "mm", "m/s", "bit/s", "ms")
 """Units of measures that are compared by ratios, if all values are above 0."""
-SCALES = ("limit", "share", "count", "log", "plain", "score")
-"""Kinds of outcomes: a time with a limit, 0 or 1, a count, a logarithm, another number, a score."""
 LABEL_TRUTH, SIMULATED_USER = "label_truth", "simulated user"
 """Column with the source of the true fingers, and one of its values."""
 FRAMES = "frames"
@@ -110,11 +108,6 @@ class ObservedFactor:
         """Name of the column of `StudyData.used` with the round, whose order is its own."""
         return "round of " + self.name
 
-    @property
-    def count(self) -> str:
-        """Name of the column of `StudyData.used` with the number of the trial with its level."""
-        return "count of " + self.name
-
 
 @dataclass(frozen=True)
 class Measure:
@@ -127,7 +120,7 @@ class Measure:
         means: Definition in one line.
         better: high or low, the better direction; empty if neither is better.
         low, high: Smallest and largest possible value.
-        scale: One of `SCALES`.
+        scale: limit, a time with a limit; share, 0 or 1; count; log; plain, another number; score.
     """
 
     name: str
@@ -188,6 +181,12 @@ class Values:
         """Numbers of the conditions with a level."""
         return [i for i, of in enumerate(self.levels) if of.get(factor.name) == level]
 
+    def by_level(self, factor: ObservedFactor) -> Array:
+        """Means of every person under each level of a factor, (people, levels)."""
+        return np.column_stack(
+            [row_means(self.means[:, self.cells_of(factor, x)]) for x in factor.levels]
+        )
+
     def matched(self, factor: ObservedFactor, first: str, second: str) -> list[tuple[int, int]]:
         """Pairs of conditions that differ in these levels of one factor alone."""
 
@@ -204,6 +203,15 @@ class Values:
     def limit(self, cell: int) -> frozenset[float]:
         """Time limits of the trials of a condition, s."""
         return self.limits[cell] if self.limits else frozenset()
+
+
+def row_means(values: Array) -> Array:
+    """Mean of each row without the nan in it, (n,); nan where there is nothing else."""
+    known = np.isfinite(values)
+    count = known.sum(axis=1)
+    sums = np.where(known, values, 0.0).sum(axis=1)
+    means: Array = np.where(count > 0, sums / np.maximum(count, 1), nan)
+    return means
 
 
 @dataclass(frozen=True)
@@ -236,14 +244,13 @@ class StudyData:
         used: Counted attempts, without practice and excluded trials. Added columns: `condition`,
             `cell` (its number), `position` (number of the participant's trial, from 1, without
             practice; in its session, where `by_session`), `censored` (no success, so that it would
-            have taken longer), and for every factor the round, the place of its level in the order
-            of the round, and the number of the participant's trial with its level, all from 1.
-            Excluded trials count in them and in `position`, since they were practice as well.
+            have taken longer), and for every factor the round, and the place of its level in the
+            order of the round, both from 1. Excluded trials count in them and in `position`, since
+            they were practice as well.
         conditions: Names of all combinations of levels that were used, in the design's order.
         people: `participants.csv`, or participants derived from the trials.
         answers: `answers.csv`; may be empty.
         scores: `scores.csv`; may be empty.
-        codebook: Unit and meaning of columns of `trials.csv`.
         primary: Confirmatory outcomes of the design: measures, and questionnaires for their scores.
             Empty if it names none.
         by_session: True if the session was added as a factor.
@@ -253,7 +260,7 @@ class StudyData:
             codebook does not tell.
         upgrades: Sentences on every `--force-upgrade` after somebody had taken part.
         events: `events.csv`; may be empty.
-        columns: Rows of the codebook about measures and questions, by name.
+        columns: Rows of the codebook about factors, measures and questions, by name.
         has_records: True if the records from which the tables follow are in the folder.
         title: Title of the design; empty if it has none.
         unused: Combinations of the design of which no trial is used, a level for each of `factors`;
@@ -269,7 +276,6 @@ class StudyData:
     people: DataFrame
     answers: DataFrame
     scores: DataFrame
-    codebook: dict[str, tuple[str, str]] = field(default_factory=dict)
     primary: tuple[str, ...] = ()
     by_session: bool = False
     digest: str = ""
@@ -285,7 +291,7 @@ class StudyData:
     @property
     def orders(self) -> str:
         """How many participants a full cycle of orders takes, by the design; empty if unknown."""
-        return self.codebook.get(ORDERS, ("", ""))[1]
+        return self.columns.get(ORDERS, {}).get("meaning", "")
 
     @property
     def unused_conditions(self) -> tuple[str, ...]:
@@ -404,7 +410,7 @@ class StudyData:
             return None
         row = self.columns.get(name, {})
         unit = row.get("unit", "") or ("s" if name == "time_s" else "")
-        low, high = (_number(row.get(end, ""), nothing) for end, nothing in ENDS)
+        low, high = (number_in(row.get(end, ""), nothing) for end, nothing in ENDS)
         title = row.get("title") or name.replace("_", " ").capitalize()
         what = Measure(
             name, title, unit, row.get("meaning", ""), row.get("better", ""), low, high, "plain"
@@ -435,7 +441,7 @@ ENDS = (("low", -inf), ("high", inf))
 """Columns of the codebook with the smallest and the largest possible value."""
 
 
-def _number(text: str, nothing: float) -> float:
+def number_in(text: str, nothing: float = nan) -> float:
     """A number in a cell; `nothing` for an empty one."""
     try:
         return float(text)
@@ -443,19 +449,23 @@ def _number(text: str, nothing: float) -> float:
         return nothing
 
 
-def trial_values(data: StudyData, what: Measure) -> Values:
-    """Person means of a measure by condition.
-
-    A time with a limit is the limit in a trial without success: the mean is the restricted mean.
-    """
+def trial_numbers(data: StudyData, what: Measure) -> Array:
+    """A measure of the trials used, on the scale of the means; nan where there is none."""
     used = data.used
     numbers = to_numbers(used[what.name]).to_numpy(float)
     if what.scale == "limit":
         limits = used["limit_s"].to_numpy(float)
         shorter = np.where(np.isfinite(limits), np.minimum(numbers, limits), numbers)
-        numbers = np.where(used["censored"], limits, shorter)
-    elif what.scale == "log":
-        numbers = what.forward(np.where(numbers > 0.0, numbers, nan))
+        return np.where(used["censored"], limits, shorter)
+    return what.forward(np.where(numbers > 0.0, numbers, nan)) if what.scale == "log" else numbers
+
+
+def trial_values(data: StudyData, what: Measure) -> Values:
+    """Person means of a measure by condition.
+
+    A time with a limit is the limit in a trial without success: the mean is the restricted mean.
+    """
+    used, numbers = data.used, trial_numbers(data, what)
     factors = tuple(f for f in data.factors if len(f.levels) > 1)
     seen = used.drop_duplicates("cell").sort_values("cell")
     levels = tuple({f.name: row[f.column] for f in factors} for _, row in seen.iterrows())
@@ -493,7 +503,7 @@ def score_values(data: StudyData, main: bool = True) -> list[tuple[Measure, Valu
     found = []
     for (form, scale), rows in table.groupby(["instrument", "scale"], sort=False):
         ends = (rows[name].iloc[0] if name in rows else "" for name in ("score_low", "score_high"))
-        low, high = (_number(text, end) for text, end in zip(ends, (-inf, inf), strict=True))
+        low, high = (number_in(text, end) for text, end in zip(ends, (-inf, inf), strict=True))
         same = str(scale).lower() in (str(form).lower(), "score", "total", "")
         title = str(form) if same else f"{form}: {scale}"
         name = str(form) if firsts[form] == scale else title
@@ -619,16 +629,14 @@ def load_study(folder: Path) -> StudyData:
     for name in NUMBERS:
         if name in trials.columns:
             trials[name] = to_numbers(trials[name], path)
-    meanings, primary, described = _codebook(tables)
-    told = wordings(tables)
-    facts = _facts(tables)
+    book = _codebook(tables)
+    facts, described = _meanings(book[book["table"] == STUDY]), _described(book)
     answers, scores = (_optional(tables / name) for name in ("answers.csv", "scores.csv"))
     by_session = _did_the_same_again(trials)
     if by_session:
         for table in (trials, answers, scores):
             _name_sessions(table)
-        meanings[FACTOR + SESSION] = ("", "session number of this participant, from 1")
-    factors = _factors(trials, meanings)
+    factors = _factors(trials, described)
     used, conditions = _used(trials, factors, by_session)
     people = _optional(tables / "participants.csv")
     if "ppid" not in people.columns:
@@ -643,11 +651,10 @@ def load_study(folder: Path) -> StudyData:
         people=people,
         answers=answers,
         scores=scores,
-        codebook=meanings,
-        primary=primary,
+        primary=_primary(book),
         by_session=by_session,
         digest=sha256(path.read_bytes()).hexdigest(),
-        wordings=told,
+        wordings=_wordings(book),
         withdrawn=int(facts[WITHDRAWALS]) if WITHDRAWALS in facts else None,
         upgrades=tuple(text for name, text in facts.items() if name.startswith(CHANGE)),
         events=_optional(tables / "events.csv"),
@@ -728,44 +735,41 @@ def _only(trials: DataFrame, column: str, path: Path) -> str:
     return str(values[0]) if values else ""
 
 
-def _facts(tables: Path) -> dict[str, str]:
-    """Facts about the study in the codebook, by name."""
-    table = _optional(tables / "codebook.csv")
-    if not {"table", "column", "meaning"} <= set(table.columns):
-        return {}
-    rows = table[table["table"] == STUDY]
+def _codebook(tables: Path) -> DataFrame:
+    """The codebook, with the names of columns as in UXF; without rows if there is none."""
+    import pandas as pd
+
+    book = _optional(tables / "codebook.csv")
+    if not {"table", "column", "meaning"} <= set(book.columns):
+        return pd.DataFrame(columns=["table", "column", "meaning"])
+    book["column"] = [UXF_NAMES.get(name, name) for name in book["column"]]
+    return book
+
+
+def _meanings(rows: DataFrame) -> dict[str, str]:
+    """Meanings of some rows of the codebook, by name."""
     return dict(zip(rows["column"], rows["meaning"], strict=True))
 
 
-def _codebook(
-    tables: Path,
-) -> tuple[dict[str, tuple[str, str]], tuple[str, ...], dict[str, dict[str, str]]]:
-    """Unit and meaning of columns of `trials.csv`, the names of primary outcomes, and rows
-    of the codebook about measures and questions, by name."""
-    table = _optional(tables / "codebook.csv")
-    if not {"table", "column", "unit", "meaning"} <= set(table.columns):
-        return {}, (), {}
-    table["column"] = [UXF_NAMES.get(name, name) for name in table["column"]]
-    rows = table[table["table"] == "trials.csv"]
-    meanings = {row.column: (row.unit, row.meaning) for row in rows.itertuples(index=False)}
-    about = table["table"].isin(["trials.csv", "participants.csv", "answers.csv"])
-    described = {row["column"]: dict(row) for _, row in table[about][::-1].iterrows()}
-    described = dict(reversed(described.items()))
-    if "role" not in table.columns:
-        return meanings, (), described
-    named = table.loc[table["role"] == PRIMARY, "column"]
-    # A score is named `score QUESTIONNAIRE/SCALE`.
-    primary = (str(name).removeprefix("score ").partition("/")[0] for name in named)
-    return meanings, tuple(primary), described
+def _described(book: DataFrame) -> dict[str, dict[str, str]]:
+    """Rows about factors, measures and questions, by name; of several of a name, the first one."""
+    about = book["table"].isin(["trials.csv", "participants.csv", "answers.csv"])
+    found: dict[str, dict[str, str]] = {}
+    for _, row in book[about].iterrows():
+        found.setdefault(row["column"], dict(row))
+    return found
 
 
-def wordings(tables: Path) -> dict[str, str]:
+def _primary(book: DataFrame) -> tuple[str, ...]:
+    """Names of primary outcomes; a score is named `score QUESTIONNAIRE/SCALE`."""
+    named = book.loc[book["role"] == PRIMARY, "column"] if "role" in book else ()
+    return tuple(str(name).removeprefix("score ").partition("/")[0] for name in named)
+
+
+def _wordings(book: DataFrame) -> dict[str, str]:
     """What the codebook says of questionnaires whose wording is not the published one, by name."""
-    table = _optional(tables / "codebook.csv")
-    if not {"column", "meaning"} <= set(table.columns):
-        return {}
-    rows = table[table["column"].str.startswith(WORDING)]
-    return {r.column.removeprefix(WORDING): r.meaning for r in rows.itertuples(index=False)}
+    told = _meanings(book[book["column"].astype(str).str.startswith(WORDING)])
+    return {name.removeprefix(WORDING): meaning for name, meaning in told.items()}
 
 
 def _unused(
@@ -806,14 +810,14 @@ def _name_sessions(table: DataFrame) -> None:
         table.insert(0, FACTOR + SESSION, [f"session {n:g}" for n in numbers])
 
 
-def _factors(trials: DataFrame, meanings: dict[str, tuple[str, str]]) -> tuple[ObservedFactor, ...]:
+def _factors(trials: DataFrame, described: dict[str, dict[str, str]]) -> tuple[ObservedFactor, ...]:
     main = trials[(trials["counted"] == 1) & (trials["practice"] != 1)]
     factors = []
     for column in trials.columns:
         if not column.startswith(FACTOR):
             continue
         seen = [x for x in dict.fromkeys(main[column]) if x]
-        listed = _listed(meanings.get(column, ("", ""))[1].partition(": ")[2], seen)
+        listed = _listed(described.get(column, {}).get("meaning", "").partition(": ")[2], seen)
         # The codebook has the order of the design; levels that it lacks come last.
         levels = [x for x in listed if x in seen] + [x for x in seen if x not in listed]
         within = len(main) > 0 and bool((main.groupby("ppid")[column].nunique() > 1).any())
@@ -865,7 +869,6 @@ def _used(
         main[factor.round] = _rounds(main, within, factor)
         places = main.groupby([*within, factor.round], sort=False)[factor.column]
         main[factor.place] = places.transform(_first_places)
-        main[factor.count] = main.groupby(["ppid", factor.column], sort=False).cumcount() + 1
     used = main[(main["excluded"] != 1) & main["success"].isin([0, 1])].copy()
     used = used.sort_values("ppid", kind="stable").reset_index(drop=True)
     columns = [f.column for f in factors if len(f.levels) > 1]

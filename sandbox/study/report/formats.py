@@ -48,8 +48,3 @@ def estimate(e: Estimate, show: Callable[[float], str] = number, unit: str = "")
     value = show(e.value)
     told = value if value == UNKNOWN or not unit else f"{value} {unit}"
     return f"{told} ({show(e.low)} to {show(e.high)})" if e.is_known else told
-
-
-def count(n: int, one: str, many: str = "") -> str:
-    """A number with its noun, in singular or plural."""
-    return f"{n:,} {one if n == 1 else many or one + 's'}".replace(",", " ")

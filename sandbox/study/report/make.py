@@ -34,8 +34,7 @@ RESULTS = (
     (
         "row",
         "condition or level: a mean over people; pair: second level against first; interaction: "
-        "difference of two such differences; friedman: a test over all levels; further: a mean of "
-        "an outcome that is not compared",
+        "difference of two such differences; further: a mean of an outcome that is not compared",
     ),
     ("factor", "factor of the levels"),
     ("first", "condition, level, or the first level of a pair, which is the reference"),
@@ -173,7 +172,7 @@ def tables(found: Any) -> dict[str, bytes]:
 
 def _rows(found: Any) -> Iterator[Row]:
     """Rows of `results.csv`."""
-    from sandbox.study.report.numbers import interval, row_means
+    from sandbox.study.report.numbers import mean_of
     from sandbox.study.report.page import further
 
     for one in found.compared:
@@ -189,17 +188,12 @@ def _rows(found: Any) -> Iterator[Row]:
         for name, estimate, people in one.interactions:
             kind = {"row": "interaction", "first": name, "people": people, "role": "exploratory"}
             yield {**head, **kind, **_ends(estimate)}
-        for name, p in one.friedman.items():
-            kind = {"row": "friedman", "factor": name, "p": p, "role": "exploratory"}
-            yield {**head, **kind, "test": "Friedman"}
     for what, values in further(found):
         head = {"outcome": what.name, "scale": what.scale, "unit": what.unit, "row": "further"}
         for i, name in enumerate(values.names):
-            own = row_means(values.means[:, [i]])
-            own = own[own == own]
-            mean = what.in_unit(interval(own, *what.forward_limits))
-            trials = int(values.trials[:, i].sum())
-            yield {**head, "first": name, "people": len(own), "trials": trials, **_ends(mean)}
+            mean = mean_of(what, values, name, [i])
+            numbers = {"people": mean.people, "trials": mean.trials}
+            yield {**head, "first": name, **numbers, **_ends(mean.mean)}
 
 
 def _ends(estimate: Any) -> Row:

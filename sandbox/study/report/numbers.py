@@ -24,6 +24,7 @@ from sandbox.study.report.data import (
     ObservedFactor,
     StudyData,
     Values,
+    row_means,
     score_values,
     trial_values,
 )
@@ -127,8 +128,6 @@ class Compared:
         levels: Means by level of each factor with several levels.
         pairs: Comparisons of all pairs of levels.
         interactions: Differences of differences, of the first two factors: exploratory.
-        friedman: P value of Friedman's test over the levels of each factor with more than two, by
-            factor.
         role: `CONFIRMATORY` if its pairs are tested.
     """
 
@@ -138,7 +137,6 @@ class Compared:
     levels: dict[str, tuple[Mean, ...]]
     pairs: tuple[Pair, ...]
     interactions: tuple[tuple[str, Estimate, int], ...] = ()
-    friedman: dict[str, float] = field(default_factory=dict)
     role: str = EXPLORATORY
 
 
@@ -228,36 +226,26 @@ def _compare(data: StudyData, what: Measure, values: Values) -> Compared:
         for factor in factors
         for first, second in combinations(factor.levels, 2)
     ]
-    friedman = {f.name: _friedman(values, f) for f in factors if f.within and len(f.levels) > 2}
     return Compared(
         what,
         values,
-        tuple(_mean(what, values, name, [i]) for i, name in enumerate(values.names)),
+        tuple(mean_of(what, values, name, [i]) for i, name in enumerate(values.names)),
         {
-            f.name: tuple(_mean(what, values, x, values.cells_of(f, x)) for x in f.levels)
+            f.name: tuple(mean_of(what, values, x, values.cells_of(f, x)) for x in f.levels)
             for f in factors
         },
         tuple(pair for pair in pairs if pair.people or pair.why),
         tuple(_interactions(what, values, factors)),
-        {name: p for name, p in friedman.items() if isfinite(p)},
     )
 
 
-def _mean(what: Measure, values: Values, name: str, cells: Sequence[int]) -> Mean:
+def mean_of(what: Measure, values: Values, name: str, cells: Sequence[int]) -> Mean:
+    """The mean over people of an outcome under some conditions together, which have a name."""
     own = row_means(values.means[:, list(cells)])
     own = own[np.isfinite(own)]
     trials = int(values.trials[:, list(cells)].sum())
     estimate = interval(own, *what.forward_limits)
     return Mean(name, len(own), trials, what.in_unit(estimate))
-
-
-def row_means(values: Array) -> Array:
-    """Mean of each row without the nan in it, (n,); nan where there is nothing else."""
-    known = np.isfinite(values)
-    count = known.sum(axis=1)
-    sums = np.where(known, values, 0.0).sum(axis=1)
-    means: Array = np.where(count > 0, sums / np.maximum(count, 1), nan)
-    return means
 
 
 def interval(values: Array, low: float = -inf, high: float = inf) -> Estimate:
@@ -419,19 +407,6 @@ def wilcoxon(own: Array) -> float:
     if len(set(ranks.tolist())) == len(ranks):
         return float(stats.wilcoxon(own, method="exact" if len(own) <= 50 else "approx").pvalue)
     return sign_flips(np.sign(own) * ranks)
-
-
-def _friedman(values: Values, factor: ObservedFactor) -> float:
-    """P value of Friedman's test over the levels of a factor; nan for too few people."""
-    from scipy import stats
-
-    table = np.column_stack(
-        [row_means(values.means[:, values.cells_of(factor, x)]) for x in factor.levels]
-    )
-    table = table[np.isfinite(table).all(axis=1)]
-    if len(table) < FEWEST or _equal(table.ravel()):
-        return nan
-    return float(stats.friedmanchisquare(*table.T).pvalue)
 
 
 def _interactions(

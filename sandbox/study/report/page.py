@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from importlib.metadata import PackageNotFoundError, version
 from importlib.resources import files
-from math import inf, isfinite, nan
+from math import inf, isfinite
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -20,8 +20,10 @@ from sandbox.study.report.data import (
     StudyData,
     Values,
     item_values,
+    number_in,
     score_values,
     to_numbers,
+    trial_numbers,
     trial_values,
     words,
 )
@@ -34,9 +36,8 @@ from sandbox.study.report.numbers import (
     Mean,
     Pair,
     Results,
-    interval,
+    mean_of,
     paired_differences,
-    row_means,
     welch,
 )
 
@@ -421,10 +422,7 @@ def _people(one: Compared, factors: Sequence[ObservedFactor]) -> str:
     """The picture of every person's means."""
     what, values = one.what, one.values
     scale = _drawn(what)
-    tables = [
-        np.column_stack([row_means(values.means[:, values.cells_of(f, x)]) for x in f.levels])
-        for f in factors
-    ]
+    tables = [values.by_level(factor) for factor in factors]
     shown = [np.exp(t) if what.scale == "log" else t * scale for t in tables]
     means = [[_scaled(m, scale) for m in one.levels[f.name]] for f in factors]
     return plots.lines_by_person(
@@ -535,7 +533,8 @@ def _order(found: Results) -> Section:
     one = found.of("time_s")
     if one is None or not len(data.used):
         return section
-    used = data.used.assign(value=_trial_numbers(data, one.what))
+    used = data.used.assign(value=trial_numbers(data, one.what))
+    used["value"] = used["value"].where(np.isfinite(used["value"]))
     # Without the differences between conditions, so that practice is not what they are.
     used["value"] -= used.groupby("cell")["value"].transform("mean") - used["value"].mean()
     lines = [
@@ -595,16 +594,6 @@ def _carried_over(data: StudyData, one: Compared) -> Table | None:
         rows,
         "An effect that one level leaves for the next would make the two differ.",
     )
-
-
-def _trial_numbers(data: StudyData, what: Measure) -> np.ndarray:
-    """Restricted times of the trials used."""
-    limits = data.used["limit_s"].to_numpy(float)
-    times = data.used["time_s"].to_numpy(float)
-    shorter = np.where(np.isfinite(limits), np.minimum(times, limits), times)
-    numbers: np.ndarray = np.where(data.used["censored"], limits, shorter)
-    numbers[~np.isfinite(numbers)] = np.nan
-    return numbers
 
 
 def _places(used: DataFrame, factor: ObservedFactor) -> Table:
@@ -693,10 +682,7 @@ def _rest(found: Results) -> Section:
                     if by_level and factor and values.names == data.conditions
                     else [values.names.index(name)]
                 )
-                people = row_means(values.means[:, of])
-                people = people[np.isfinite(people)]
-                estimate = what.in_unit(interval(people, *what.forward_limits))
-                cells.append(formats.estimate(estimate, show))
+                cells.append(formats.estimate(mean_of(what, values, name, of).mean, show))
             rows.append(cells)
         caption = "Means over people" + (
             ", with 95 % intervals" if len(data.ppids) >= FEWEST else ""
@@ -783,7 +769,7 @@ def _methods(found: Results, in_r: Sequence[dict[str, str]]) -> Section:
     )
     software = ", ".join(f"{name} {_version(name)}" for name in LIBRARIES)
     section.say(
-        f"Computed from {formats.count(len(data.trials), 'row')} of trials.csv (SHA-256 "
+        f"Computed from {counted(len(data.trials), 'row')} of trials.csv (SHA-256 "
         f"{data.digest[:16]}…) with {software}."
     )
     return section
@@ -806,7 +792,7 @@ def _in_r(found: Results, rows: Sequence[dict[str, str]]) -> Table:
         )
         if one is None or pair is None:
             continue
-        theirs = Estimate(*(_number(row.get(name, "")) for name in ("estimate", "low", "high")))
+        theirs = Estimate(*(number_in(row.get(name, "")) for name in ("estimate", "low", "high")))
         if pair.people < FEWEST:
             theirs = Estimate(theirs.value)
         if row.get("kind") == pair.kind:
@@ -816,13 +802,6 @@ def _in_r(found: Results, rows: Sequence[dict[str, str]]) -> Table:
         ours = _difference_text(one.what, pair.estimate)
         cells.append([f"{one.what.title}, {pair.title}", ours, shown, row.get("model", "")])
     return Table("Beside the models of analysis.R", ["", "Here", "R", "Model"], cells)
-
-
-def _number(text: str) -> float:
-    try:
-        return float(text)
-    except ValueError:
-        return nan
 
 
 def _version(name: str) -> str:

@@ -189,7 +189,7 @@ def lines_by_person(
             axes.grid(axis="x", visible=False)
         # This must come last, since the panels share the axis.
         if ends is None:
-            _scale(all_axes[0].yaxis, log, np.concatenate([v.ravel() for v in values]))
+            _scale(all_axes[0], log, np.concatenate([v.ravel() for v in values]))
         else:
             margin = MARGIN * (ends[1] - ends[0])
             all_axes[0].set_ylim(ends[0] - margin, ends[1] + margin)
@@ -250,7 +250,7 @@ def along(
         axes.plot(*mean, "o-", color=SERIES[0], lw=2.0, ms=5.5, mec=PAPER)
         axes.set_xlabel(axis)
         axes.set_ylabel(label)
-        _scale(axes.yaxis, False, np.concatenate([y for _, y in people]))
+        _scale(axes, False, np.concatenate([y for _, y in people]))
         return svg_of(figure, name, title)
 
 
@@ -263,28 +263,27 @@ def _short(text: str, most: int = 18) -> str:
     return text if len(text) <= most else text[: most - 1] + "…"
 
 
-def _scale(axis: Any, log: bool, values: Sequence[float] | np.ndarray = ()) -> None:
-    """Sets limits of an axis around values, and plain numbers as ticks of a logarithmic one.
+def _scale(axes: Any, log: bool, values: np.ndarray) -> None:
+    """Sets limits of the vertical axis around values, and plain numbers as ticks of a logarithmic
+    one.
 
     Intervals can be so wide that nothing else would be visible. The axis therefore ends at
     `FARTHEST` times the span of the values beyond them.
     """
-    known = np.asarray(values, dtype=float)
-    known = known[np.isfinite(known) & ((known > 0.0) | (not log))]
-    if len(known):
-        change, back = (np.log, np.exp) if log else (np.asarray, np.asarray)
-        low, high = change(known.min()), change(known.max())
-        reach = FARTHEST * max(high - low, 0.5 if log else 0.2 * abs(high), 1e-9)
-        ends = sorted(axis.get_view_interval())
-        inside = (max(ends[0], back(low - reach)), min(ends[1], back(high + reach)))
-        axis.axes.set_xlim(*inside) if axis.axis_name == "x" else axis.axes.set_ylim(*inside)
+    known = values[np.isfinite(values) & ((values > 0.0) | (not log))]
+    if not len(known):
+        return
+    change, back = (np.log, np.exp) if log else (np.asarray, np.asarray)
+    low, high = change(known.min()), change(known.max())
+    reach = FARTHEST * max(high - low, 0.5 if log else 0.2 * abs(high), 1e-9)
+    axis = axes.yaxis
+    ends = sorted(axis.get_view_interval())
+    axes.set_ylim(max(ends[0], back(low - reach)), min(ends[1], back(high + reach)))
     if not log:
         return
     from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter, NullLocator
 
-    if not len(known):
-        return
-    axis.axes.set_xscale("log") if axis.axis_name == "x" else axis.axes.set_yscale("log")
+    axes.set_yscale("log")
     # Finer ticks where the axis is shorter.
     low, high = sorted(axis.get_view_interval())
     steps: tuple[float, ...] = (1.0,)

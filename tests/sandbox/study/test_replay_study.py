@@ -115,20 +115,6 @@ def test_verification_fails_where_a_recording_breaks_off(
     assert "breaks off" in capsys.readouterr().out
 
 
-def test_one_trial_is_shown_and_not_many(study: StudyFolder) -> None:
-    assert main(["replay", str(study.path), "--view", "web"]) == 2
-    assert main(["replay", str(study.path), "--speed", "0"]) == 2
-
-
-@pytest.mark.needs("opengl")
-def test_a_film_of_a_trial_has_its_name(
-    study: StudyFolder, session: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.chdir(tmp_path)
-    assert main(["replay", str(session / "T002"), "--view", "film"]) == 0
-    assert (tmp_path / "T002.webp").stat().st_size > 1000
-
-
 def test_a_compressed_recording_is_read_and_replayed_like_any_other(
     session: Path, tmp_path: Path
 ) -> None:
@@ -198,34 +184,6 @@ class Clock:
 
 def row(count: int) -> list[Snapshot]:
     return [Snapshot(PERIOD * i, i, np.empty(0)) for i in range(count)]
-
-
-def test_what_is_looked_at_goes_by_the_clock_and_stops_at_the_end() -> None:
-    clock = Clock()
-    playback = Playback(row(100), 1.0, clock)
-    assert playback.now.step == 0 and not playback.at_end
-    clock.time = 10 * PERIOD
-    assert playback.now.step == 10
-    clock.time = 1e9
-    assert playback.now.step == 99 and playback.at_end
-    playback.restart()
-    assert playback.now.step == 0
-
-
-def test_a_pause_costs_no_step_and_speed_counts_from_when_it_was_chosen() -> None:
-    clock = Clock()
-    playback = Playback(row(1000), 1.0, clock)
-    clock.time = 5 * PERIOD
-    playback.paused = True
-    clock.time = 500 * PERIOD
-    assert playback.now.step == 5
-    playback.move(-2)
-    assert playback.now.step == 3
-    playback.paused = False
-    clock.time += 10 * PERIOD
-    playback.speed = 0.5
-    clock.time += 10 * PERIOD
-    assert playback.now.step == 18
 
 
 @given(st.lists(st.tuples(st.floats(0.0, 3.0), st.integers(-200, 200), st.booleans()), max_size=20))

@@ -15,12 +15,9 @@ from hypothesis import strategies as st
 
 from models.errors import StudyError
 from sandbox.cli.main import main
-from sandbox.recording.recording import load_recording, read_stored
-from sandbox.study.record import build as build_module
+from sandbox.recording.recording import load_recording
 from sandbox.study.record.folder import PILOT, REAL, SIMULATED, StudyFolder
 from sandbox.study.record.journal import Journal, journal_bytes, now, parse_records, read_journal
-from sandbox.study.record.notes import write_notes
-from sandbox.study.record.session_folder import SessionFolder
 from sandbox.study.record.stored_sessions import session_path
 from sandbox.study.run.runner import SessionOutcome
 from sandbox.study.run.simulate import run_simulated, simulated_person
@@ -61,57 +58,10 @@ def test_every_column_of_the_frames_is_in_the_codebook(finished: StudyFolder) ->
         assert any(fnmatch(name, p.replace("OBJECT", "*")) for p in patterns), name
 
 
-def test_answers_are_there_once_each(finished: StudyFolder) -> None:
-    rows = rows_of(finished.path / "tables/answers.csv")
-    assert [r["instrument"] for r in rows] == ["demographics", "effort", "effort"]
-    assert {r["factor_contact"] for r in rows[1:]} == {"hard", "soft"}
-    person = rows_of(finished.path / "tables/participants.csv")[0]
-    assert person["age"] == rows[0]["answer"] and person["complete"] == "1"
-
-
-def test_a_journal_that_lost_the_end_of_a_trial_is_completed_from_the_recording(
-    tmp_path: Path,
-) -> None:
-    study = open_study(tmp_path)
-    run_simulated(study, 1, quiet)
-    path = next(study.path.glob("*/S001/session.jsonl"))
-    lines = path.read_bytes().splitlines(keepends=True)
-    last = max(i for i, line in enumerate(lines) if b'"kind":"trial_end"' in line)
-    # What a power cut may take; tables and the seal are written after that.
-    path.write_bytes(b"".join(lines[:last]))
-    write_notes(study.notes, [note for note in study.records() if note["kind"] != "sealed"])
-    recording = read_stored(path.parent / "trials/T006.jsonl").data
-    assert run_simulated(study, 1, quiet) is SessionOutcome.COMPLETE
-    rows = rows_of(study.path / "tables/trials.csv")
-    assert [r["trial"] for r in rows if r["counted"] == "1"] == list("123456")
-    assert rows[-1]["recording"].endswith("S001/trials/T006.jsonl.gz")
-    assert read_stored(path.parent / "trials/T006.jsonl").data == recording
-
-
 def contents(study: Path) -> dict[str, bytes]:
     """What is in the files of a study."""
     files = (path for path in study.rglob("*") if path.is_file())
     return {path.relative_to(study).as_posix(): path.read_bytes() for path in files}
-
-
-def test_to_resume_a_study_that_is_complete_adds_nothing_and_says_what_to_do_next(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    (tmp_path / "design.toml").write_text(DESIGN)
-    simulated = ["study", "simulate", str(tmp_path / "design.toml"), "--out", str(tmp_path)]
-    assert main([*simulated, "--participants", "1"]) == 0
-    folder = tmp_path / "quick-simulated"
-    first = contents(folder)
-    capsys.readouterr()
-    for _ in range(2):
-        assert main([*simulated, "--participants", "1", "--resume"]) == 0
-        (line,) = [x for x in capsys.readouterr().out.splitlines() if "nothing was played" in x]
-        assert f"sandbox study report {folder}" in line and "--participants 2 or more" in line
-        assert contents(folder) == first
-    assert main([*simulated, "--resume"]) == 0
-    said = capsys.readouterr().out
-    assert "participant 1 of 2: complete already" in said
-    assert "participant 2 of 2: complete\n" in said and "nothing was played" not in said
 
 
 def test_to_run_a_session_that_is_complete_adds_nothing_unless_files_of_it_are_missing(
@@ -165,20 +115,6 @@ def test_a_journal_cut_anywhere_keeps_every_whole_record(
     assert records[-1]["text"] == "after"
 
 
-def test_damage_in_the_middle_of_a_journal_is_refused_and_changes_nothing(tmp_path: Path) -> None:
-    path = tmp_path / "session.jsonl"
-    journal = Journal(path)
-    for i in range(3):
-        journal.append("command", command="note", text=str(i))
-    journal.close()
-    lines = path.read_bytes().split(b"\n")
-    path.write_bytes(b"\n".join([lines[0], b"{broken", *lines[2:]]))
-    before = path.read_bytes()
-    with pytest.raises(StudyError, match="line 2"):
-        Journal(path)
-    assert path.read_bytes() == before
-
-
 def test_a_last_block_of_zeros_as_a_power_cut_leaves_it_is_cut_off() -> None:
     line = journal_bytes([{"time": now(), "clock": 1.5, "kind": "command", "command": "note"}])
     assert parse_records(line + bytes(500) + b"\n", Path("x")) == ([json.loads(line)], len(line))
@@ -191,34 +127,6 @@ def test_real_pilot_and_simulated_data_never_share_a_folder(tmp_path: Path) -> N
     studies[0].path.rename(tmp_path / "quick-pilot")
     with pytest.raises(StudyError, match="holds real data"):
         open_study(tmp_path, mode=PILOT)
-
-
-def test_another_program_is_refused_unless_forced_and_that_is_logged(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    open_study(tmp_path).add()
-    # As if a line of the program had changed since.
-    monkeypatch.setattr(build_module, "code_digest", lambda: "another")
-    with pytest.raises(StudyError, match="force-upgrade"):
-        open_study(tmp_path)
-    study = StudyFolder(tmp_path, design(), SIMULATED, "a fix of the lamp")
-    record = study.records()[-1]
-    assert (record["kind"], record["reason"]) == ("upgrade", "a fix of the lamp")
-    assert record["before"]["program"] != record["after"]["program"] == "another"
-    open_study(tmp_path)
-
-
-def test_a_finished_trial_that_is_repeated_counts_in_its_last_attempt(tmp_path: Path) -> None:
-    study = open_study(tmp_path)
-    run_simulated(study, 1, quiet)
-    person = study.participants()[0]
-    with SessionFolder(study, person) as session:
-        session.command("repeat", step="trial:3", trial=3, reason="wrong chair")
-    assert run_simulated(study, 1, quiet) is SessionOutcome.COMPLETE
-    rows = rows_of(study.path / "tables/trials.csv")
-    third = [(r["attempt"], r["counted"]) for r in rows if r["trial"] == "3"]
-    assert third == [("1", "0"), ("2", "1")]
-    assert len(rows) == TRIALS + 1
 
 
 def test_the_time_limit_of_a_study_ends_a_trial_and_its_recording_replays(tmp_path: Path) -> None:

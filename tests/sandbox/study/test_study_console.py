@@ -24,7 +24,7 @@ from sandbox.study.record.folder import StudyFolder
 from sandbox.study.record.journal import read_journal
 from sandbox.study.record.session_folder import SessionFolder
 from sandbox.study.record.state import SessionState
-from sandbox.study.run.answers import Answers, Draft, hint, question, read_answer
+from sandbox.study.run.answers import Answers, Draft, question, read_answer
 from sandbox.study.run.controls import COMMANDS, Command, Controls, Terminal, parse_command
 from sandbox.study.run.forms import SimulatedForms, TerminalForms
 from sandbox.study.run.runner import SessionOutcome
@@ -101,14 +101,6 @@ def test_notes_exclusions_and_skips_are_written_down_and_delete_nothing(tmp_path
     assert len(rows) == TRIALS - 1
 
 
-def test_an_exclusion_ends_with_the_attempt_that_was_excluded(tmp_path: Path) -> None:
-    """The attempt after one that was excluded and then repeated was excluded, too, and lost."""
-    study, state, _, _ = run_with(tmp_path, {9: "x sneezed", 10: "r sneezed"})
-    assert [a.end is None for a in state.attempts[1]] == [True, False] and state.excluded == {}
-    rows = rows_of(study.path / "tables/trials.csv")
-    assert {row["excluded"] for row in rows} == {"0"} and "exclusion_reason" not in rows[0]
-
-
 def test_consent_cannot_be_skipped(tmp_path: Path) -> None:
     _, state, _, typist = run_with(tmp_path, {1: "s in a hurry", 20: "q"})
     assert not state.skipped and state.consent is True
@@ -148,18 +140,6 @@ def test_the_last_trial_can_be_excluded_after_the_program_was_started_again(
         last = last or max(state.attempts)
     assert outcomes == [SessionOutcome.STOPPED, SessionOutcome.COMPLETE]
     assert isinstance(step, FormStep) and state.excluded == {last: "the phone rang"}
-
-
-def test_a_stopped_session_goes_on_where_it_was(tmp_path: Path) -> None:
-    study, state, outcome, _ = run_with(tmp_path, {30: "q"})
-    done = [t for t in range(1, TRIALS + 1) if state.counted(t)]
-    assert outcome is SessionOutcome.STOPPED and len(done) < TRIALS
-    assert run_simulated(study, 1, quiet) is SessionOutcome.COMPLETE
-    journal = next(study.path.glob("*/S001/session.jsonl"))
-    state = SessionState.of(read_journal(journal))
-    assert all(state.counted(t) for t in range(1, TRIALS + 1))
-    ends = [r["trial"] for r in read_journal(journal) if r.get("result")]
-    assert sorted(ends) == list(range(1, TRIALS + 1))
 
 
 class Patient(io.StringIO):
@@ -356,15 +336,6 @@ def test_after_a_long_pause_a_block_begins_again_with_its_practice_if_the_experi
         assert session.state.block_under_way(session.steps) == []
 
 
-def test_a_question_that_may_be_left_out_says_that_enter_skips_it() -> None:
-    controls, shown = Controls(), list[str]()
-    forms = TerminalForms(Terminal(controls, Patient("\n33\n")), shown.append)
-    one = Item("glasses", "text", {"en": "Which glasses?"}, optional=True)
-    form = Form("f", {"en": ""}, (one, Item("effort", "scale", {"en": "Effort?"})), "end")
-    assert forms.ask(form, "en", lambda: None, Draft()) == {"glasses": None, "effort": 33}
-    assert shown == ["Which glasses? [optional: Enter alone skips it]", "Effort? (0 to 100)"]
-
-
 def test_the_next_session_is_not_begun_where_nobody_can_answer(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -408,29 +379,10 @@ def test_whatever_is_typed_is_a_command_or_is_answered(line: str) -> None:
     assert isinstance(found, Command) or "keys" in found or "needs a text" in found
 
 
-@given(value=st.integers(-50, 150))
-def test_an_answer_is_kept_as_given_or_refused(value: int) -> None:
-    item = Item("x", "scale", {"en": "?"}, low=0, high=100, step=5)
-    if 0 <= value <= 100 and value % 5 == 0:
-        assert read_answer(item, f" {value} ") == value
-    else:
-        with pytest.raises(StudyError):
-            read_answer(item, str(value))
-
-
 @pytest.mark.parametrize("text", ["", "nan", "inf", "five", "1e400"])
 def test_what_is_no_number_is_no_answer(text: str) -> None:
     with pytest.raises(StudyError):
         read_answer(Item("x", "number", {"en": "?"}), text)
-
-
-def test_a_scale_tells_its_steps_before_an_answer_is_refused() -> None:
-    item = Item("x", "scale", {"en": "?"}, step=5.0)
-    assert hint(item) == "(0 to 100 in steps of 5)"
-    with pytest.raises(StudyError, match="0 to 100 in steps of 5"):
-        read_answer(item, "13")
-    number = replace(item, kind="number")
-    assert hint(number) == "(0 to 100)" and read_answer(number, "13") == 13
 
 
 @pytest.mark.parametrize("asked", ["0", "-1"])

@@ -16,10 +16,8 @@ from sandbox.cli.study.people import find_participant
 from sandbox.cli.study.run_options import StudyRunOptions
 from sandbox.study.design.plan import session_plan, trials_of
 from sandbox.study.record.folder import StudyFolder
-from sandbox.study.record.journal import read_journal
 from sandbox.study.record.session_folder import SessionFolder
 from sandbox.study.share.verify import verify
-from tests.support.study_files import DESIGN
 
 
 @pytest.fixture
@@ -102,16 +100,6 @@ def test_a_table_changed_by_hand_is_named_and_the_records_decide(
         assert main(["study", "tables", str(folder), *more]) == 0
     said = capsys.readouterr().out
     assert said.count("was not what the records say") == 1
-
-
-def test_an_unknown_participant_cannot_be_withdrawn_and_is_not_called_new(
-    folder: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    for wrong in ("ZZZZZZ", "000000", "new"):
-        assert withdraw(folder, wrong, wrong) == 2
-        said = capsys.readouterr().err
-        assert "no such participant in this study" in said and "--participant new" not in said
-        assert ", ".join(people_of(folder)) in said and "expected new" not in said
 
 
 def test_nothing_is_deleted_unless_the_id_is_typed_again(
@@ -253,12 +241,3 @@ def test_a_mistake_costs_one_line_and_nothing_else(
     assert what in said and "Traceback" not in said
     assert {p: p.read_bytes() for p in folder.rglob("*") if p.is_file()} == before
     assert not (tmp_path / "x").exists()
-
-
-def test_consent_is_kept_with_version_language_and_the_text_that_was_read(folder: Path) -> None:
-    for ppid in people_of(folder):
-        records = read_journal(folder / ppid / "S001/session.jsonl")
-        (consent,) = [r for r in records if r["kind"] == "consent"]
-        assert "Do you agree?" in DESIGN
-        assert consent["agreed"] is True and consent["text"] == "Do you agree?"
-        assert (consent["version"], consent["language"]) == ("1", "en")

@@ -6,13 +6,12 @@ from collections import Counter
 from itertools import pairwise
 from pathlib import Path
 
-import numpy as np
 import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from models.errors import StudyError
-from sandbox.study.design.balance import balanced_latin_square, order_of
+from sandbox.study.design.balance import balanced_latin_square
 from sandbox.study.design.conditions import combinations, run_settings
 from sandbox.study.design.design import FILLED, JOINED, LISTED, Item
 from sandbox.study.design.design_file import load_design, parse_design
@@ -67,31 +66,6 @@ def test_a_balanced_latin_square_has_each_place_and_each_pair_equally_often(n: i
     pairs = Counter(pair for row in rows for pair in pairwise(row))
     assert set(pairs.values()) <= {1 if n % 2 == 0 else 2}
     assert len(pairs) == n * (n - 1)
-
-
-@given(
-    n=st.integers(1, 5),
-    row=st.integers(0, 10_000),
-    rule=st.sampled_from(["latin", "factorial", "random", "blocked"]),
-)
-def test_every_order_of_levels_is_a_permutation(n: int, row: int, rule: str) -> None:
-    assert sorted(order_of(rule, n, row, (row,))) == list(range(n))
-
-
-def test_every_combination_occurs_as_often_as_the_design_says() -> None:
-    crossed = design(CROSSED)
-    for number in range(1, 5):
-        trials = trials_of(session_plan(crossed, number))
-        seen = Counter(tuple(t.levels.values()) for t in trials)
-        assert set(seen.values()) == {2} and len(seen) == 6
-        assert [t.number for t in trials] == list(range(1, 13))
-
-
-def test_the_same_design_and_number_give_the_same_plan_and_others_another() -> None:
-    plans = [session_plan(design(CROSSED), n) for n in (1, 1, 2)]
-    assert plans[0] == plans[1]
-    seeds = [[t.seed for t in trials_of(plan)] for plan in plans]
-    assert seeds[0] != seeds[2]
 
 
 @given(number=st.integers(1, 100))
@@ -246,42 +220,10 @@ def test_questions_may_stand_in_a_file_of_their_own(tmp_path: Path) -> None:
         load_design(tmp_path / "design.toml")
 
 
-def test_a_design_that_begins_with_a_byte_order_mark_is_the_same_design(tmp_path: Path) -> None:
-    paths = [tmp_path / name for name in ("plain.toml", "marked.toml")]
-    for path, encoding in zip(paths, ("utf-8", "utf-8-sig"), strict=True):
-        path.write_text(CROSSED, encoding=encoding)
-    assert load_design(paths[0]).text == load_design(paths[1]).text
-
-
 def test_a_design_of_brackets_alone_is_a_mistake_of_one_line(tmp_path: Path) -> None:
     (tmp_path / "deep.toml").write_text("a = " + "[" * 20_000)
     with pytest.raises(DesignError):
         load_design(tmp_path / "deep.toml")
-
-
-def test_lines_of_a_file_are_found_past_texts_of_several_lines() -> None:
-    text = '# one\na = """\nb = 3\n[c]\n"""\n[[d]]\n  e = 1\n[d.f]\ng = 2\n[[d]]\n\'e\' = 4 # x\n'
-    lines = TomlLines(text)
-    wanted = {
-        ("a",): 2,
-        ("b",): 1,
-        ("d", 0): 6,
-        ("d", 0, "e"): 7,
-        ("d", 0, "f", "g"): 9,
-        ("d", 1, "e"): 11,
-        ("d", 1, "z"): 10,
-    }
-    assert {path: lines.of(path) for path in wanted} == wanted
-
-
-def test_power_agrees_with_a_simulated_experiment() -> None:
-    rng = np.random.default_rng(1)
-    found = detectable(20)
-    x = rng.normal(found, 1.0, (20_000, 20))
-    t = x.mean(1) / (x.std(1, ddof=1) / np.sqrt(20))
-    assert abs(np.mean(np.abs(t) > 2.0930) - 0.8) < 0.015
-    assert detectable(20, between=True) > detectable(20) > detectable(40)
-    assert detectable(2) > detectable(3) and detectable(1) == float("inf")
 
 
 @example(n=3, tests=300, between=False)
@@ -306,35 +248,6 @@ def test_a_slip_in_a_pseudonym_is_seen(place: int, sign: str) -> None:
             read_pseudonym(wrong)
 
 
-@pytest.mark.parametrize(
-    ("sound", "wrong", "told"),
-    [
-        ("seed = 5", "seed = 5\nsessions = 0", "Write a whole number from 1 to 99"),
-        ("seed = 5", 'seed = 5\nsessions = "2"', "from 1 to 99, without quotation marks"),
-        ("seed = 5", 'seed = 5\n[consent]\ntext = " "', "consent.text: the text is empty"),
-        ("seed = 5", 'seed = 5\n[consent]\nfile = "c.txt"', "Keys here are: text, version"),
-        (
-            "seed = 5",
-            'seed = 5\nlanguages = ["en", "de"]\n[consent]\ntext = "?"',
-            "only one text for 2 languages",
-        ),
-        (
-            "[[factors]]",
-            '[settings]\none_surface = true\ntask = "carry-together"\n[[factors]]',
-            "too small for this task",
-        ),
-    ],
-)
-def test_what_a_study_cannot_be_is_said_before_anybody_comes(
-    sound: str, wrong: str, told: str
-) -> None:
-    text = DESIGN.split("[consent]")[0].replace("seed = 3", "seed = 5")
-    text = text.replace('[settings]\ntask = "tests/support/regress_tasks.py:Quick"\n', "")
-    text = text.replace('encoder = "linear"\n', "")
-    with pytest.raises(DesignError, match=told):
-        design(text.replace(sound, wrong, 1))
-
-
 def test_two_tasks_of_one_name_are_refused_as_tables_could_not_tell_them_apart() -> None:
     quick, worse = (f"tests/support/regress_tasks.py:{kind}" for kind in ("Quick", "Worse"))
     text = CROSSED.replace('"wrench-turn"', f'"{quick}"')
@@ -342,12 +255,6 @@ def test_two_tasks_of_one_name_are_refused_as_tables_could_not_tell_them_apart()
     design(text.replace('"box-to-goal"', f'"./{quick}"'))
     with pytest.raises(DesignError, match=rf"factors\[2\].levels: .*{quick}: another of the tasks"):
         design(text.replace('"box-to-goal"', f'"{worse}"'))
-
-
-def test_that_levels_were_not_tried_is_said_where_something_else_is_wrong() -> None:
-    text = CROSSED.replace("repetitions = 2", "repetitions = 0").replace("linear", "papr")
-    with pytest.raises(DesignError, match="levels are checked afterwards"):
-        design(text)
 
 
 @pytest.mark.parametrize("name", ["quick\\n", "qui\\nck", "\\nquick"])

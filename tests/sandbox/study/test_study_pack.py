@@ -11,17 +11,7 @@ from sandbox.recording.recording import packed, read_stored
 from sandbox.study.record.stored_sessions import session_path
 from sandbox.study.record.trial_files import pack
 from sandbox.study.run.simulate import run_simulated
-from tests.support.study_files import TRIALS, open_study, quiet, recordings
-
-
-def test_every_finished_trial_is_compressed_and_its_row_says_where(tmp_path: Path) -> None:
-    study = open_study(tmp_path)
-    run_simulated(study, 1, quiet)
-    folder = session_path(study.path, study.participants()[0].ppid)
-    files = sorted(p.name for p in (folder / "trials").glob("*.jsonl*"))
-    assert files == [f"T{n:03d}.jsonl.gz" for n in range(1, TRIALS + 1)]
-    told = (study.path / "tables/trials.csv").read_text()
-    assert all(f"trials/{name}" in told for name in files)
+from tests.support.study_files import open_study, quiet, recordings
 
 
 def test_a_session_that_an_older_version_left_uncompressed_is_compressed_when_it_is_opened(
@@ -57,9 +47,3 @@ def test_two_that_are_the_same_become_one_and_packing_twice_is_no_error(tmp_path
     assert pack(path) == small == pack(path)
     assert list(tmp_path.iterdir()) == [small]
     assert read_stored(path) == (data, True)
-
-
-def test_a_file_that_cannot_be_read_is_refused(tmp_path: Path) -> None:
-    (tmp_path / "T001.jsonl").mkdir()
-    with pytest.raises(StudyError, match="cannot be read"):
-        pack(tmp_path / "T001.jsonl")

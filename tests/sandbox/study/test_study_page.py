@@ -204,13 +204,6 @@ def test_a_participants_page_cannot_ask_for_other_tasks_or_stop_time(running: On
     assert running.server.take_requests() == []
 
 
-def test_without_consent_nothing_is_asked(running: OnPage) -> None:
-    with opened(running) as page:
-        leave(page, page.until("sheet", kind="consent"), "no")
-        page.until("sheet", kind="end")
-    assert running.ended() is SessionOutcome.NO_CONSENT
-
-
 @pytest.mark.slow
 def test_the_experimenter_skips_pauses_and_repeats_while_forms_and_trials_are_on_the_page(
     running: OnPage,
@@ -412,22 +405,6 @@ def test_a_screen_without_room_for_the_designs_rectangle_is_refused(
             with pytest.raises(StudyError, match="too small"):
                 running.ended(10.0)
     assert not SessionState.of(read_journal(running.folder / "session.jsonl")).attempts
-
-
-def test_a_guessed_size_is_no_reason_to_warn_before_it_could_be_measured(
-    study: StudyFolder, person: Participant
-) -> None:
-    with on_page(study, person) as running:
-        running.page.needed_in = 9.0, 6.0  # as in the design
-        guessed = {**SCREEN, "width_px": 800.0, "calibrated": False}
-        with Page(running.server.url, screen=guessed) as page:
-            measure = page.until("sheet", kind="measure")
-            running.heard("page is open")
-            assert not any("too small" in line for line in running.said)
-            leave(page, measure)
-            running.heard("8.00 x 7.00 in (a guess, since it was not measured)")
-            page.say(type="resized", screen={**SCREEN, "px_per_in": 80.0, "width_px": 800.0})
-            running.heard("large enough for the trials now")
 
 
 def test_the_experimenter_measures_a_screen_before_the_consent_form_and_never_over_one(

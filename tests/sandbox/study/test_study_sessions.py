@@ -18,11 +18,10 @@ from sandbox.study.design.reading import DesignError
 from sandbox.study.record.folder import SIMULATED, StudyFolder
 from sandbox.study.record.journal import read_journal
 from sandbox.study.record.session_folder import SessionFolder
-from sandbox.study.record.stored_sessions import has_finished, session_path, sessions_of
+from sandbox.study.record.stored_sessions import has_finished, session_path
 from sandbox.study.record.trial_files import find_recordings
 from sandbox.study.report.data import load_study
 from sandbox.study.run.simulate import run_simulated, simulate
-from sandbox.study.share.share import Masking, share_study
 from sandbox.study.tables.tables import make_tables
 from tests.support.study_files import FIRST, SECOND, TWICE, design, pilot, quiet, rows_of
 
@@ -224,21 +223,6 @@ def test_a_rule_about_people_waits_for_their_last_session(tmp_path: Path) -> Non
     assert {r["excluded"] for r in rows_of(study.path / "tables/trials.csv")} == {"0"}
 
 
-def test_copies_hold_both_sessions_and_count_everybody_once(
-    study: StudyFolder, tmp_path: Path
-) -> None:
-    assert share_study(study, tmp_path / "anonymous", Masking(), quiet).people == 2
-    copy = StudyFolder.at(tmp_path / "anonymous")
-    for person in copy.participants():
-        sessions = sessions_of(copy, person)
-        assert [s.number for s in sessions] == [1, 2] and all(s.state.complete for s in sessions)
-    hashes = [
-        sorted(r["state_hash"] for r in rows_of(s.path / "tables/trials.csv"))
-        for s in (study, copy)
-    ]
-    assert hashes[0] == hashes[1]
-
-
 def test_places_of_a_questionnaire_count_on_over_all_sessions(tmp_path: Path) -> None:
     asked = (f'[[questionnaires]]\nuse = "{use}"\nat = "contact"\n' for use in USED)
     text = "\n".join((TWICE, *asked))
@@ -262,7 +246,6 @@ def test_a_report_compares_sessions_where_people_did_the_same_in_both(made: Path
     assert [f.name for f in data.factors] == ["session", "contact"]
     assert data.factor("session").levels == ("session 1", "session 2")
     assert data.factor("session").within and len(data.conditions) == 4
-    assert data.codebook["factor_session"][1]
     # What was learned from the first session to the second is the difference between them.
     assert list(data.used.groupby("ppid")["position"].max()) == [2, 2]
 

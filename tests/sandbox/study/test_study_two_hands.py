@@ -15,20 +15,17 @@ from sandbox.cli.study.run_options import StudyRunOptions, check_second_device
 from sandbox.devices.registry import DeviceSettings
 from sandbox.recording.recording import load_recording
 from sandbox.study.design.conditions import run_settings
-from sandbox.study.design.plan import TrialStep, in_the_air
-from sandbox.study.design.reading import DesignError
+from sandbox.study.design.plan import TrialStep
 from sandbox.study.measures.arrays import NO_CONTACT
-from sandbox.study.measures.handling import grasps
 from sandbox.study.record.folder import Participant, StudyFolder
 from sandbox.study.record.session_folder import SessionFolder
-from sandbox.study.record.trial_files import frames_of
 from sandbox.study.run.controls import Controls
 from sandbox.study.run.forms import SimulatedForms
 from sandbox.study.run.players import HeadlessPlayer
 from sandbox.study.run.run_device import needs_second_device, person_devices, settings_fitter
 from sandbox.study.run.runner import SessionOutcome, SessionRunner
 from sandbox.study.run.simulate import run_simulated
-from sandbox.study.tables.frames import make_frames, read_frames
+from sandbox.study.tables.frames import read_frames
 from sandbox.study.tables.tables import make_tables
 from sandbox.trial.settings import HandSettings, Settings, recorded_settings
 from tasks.user import UserConfiguration
@@ -86,13 +83,6 @@ def test_the_recording_tells_both_hands_and_their_users(session: Path) -> None:
     assert len({hand.size for hand in settings.hands}) == 1
     assert settings.second_device == settings.device and settings.device.user is not None
     assert recording.end is not None and recording.end["result"]["second_fingers"]
-
-
-def test_frames_made_again_from_the_recording_are_the_same(session: Path) -> None:
-    recording = session / "trials" / "T001.jsonl"
-    before = frames_of(recording).read_bytes()
-    frames_of(recording).unlink()
-    assert make_frames(recording) == "" and frames_of(recording).read_bytes() == before
 
 
 def test_a_pilot_is_run_with_a_device_for_each_hand(tmp_path: Path) -> None:
@@ -154,12 +144,6 @@ def test_a_design_decides_whether_a_second_touch_device_is_needed(
         assert len(devices(trial, settings)) == len(settings.hands)
 
 
-def test_a_second_hand_over_a_leap_is_a_hand_in_the_air_for_privacy() -> None:
-    trial, settings = step(second_device="leap")
-    assert in_the_air(trial.values)
-    assert [hand.in_air is None for hand in settings.hands] == [True, False]
-
-
 @pytest.mark.parametrize(
     ("options", "what"),
     [
@@ -176,26 +160,3 @@ def test_a_session_without_a_fitting_second_device_is_refused_before_it_begins(
         check_second_device(asked, design(PAIRS))
     check_second_device(replace(asked, second_device="simulated"), design(PAIRS))
     check_second_device(replace(asked, device="simulated", second_device=None), design(PAIRS))
-
-
-def test_a_second_device_that_no_trial_needs_is_refused() -> None:
-    one = PAIRS.replace(TASK, "box-to-goal")
-    with pytest.raises(InputError, match="no trial of the design"):
-        check_second_device(
-            StudyRunOptions(Path("design.toml"), second_device="simulated"), design(one)
-        )
-
-
-def test_a_design_whose_task_has_no_room_on_one_surface_is_refused() -> None:
-    with pytest.raises(DesignError, match="too small"):
-        design(PAIRS.replace("[settings]", "[settings]\none_surface = true"))
-
-
-def test_two_digits_grasp_only_where_they_are_of_one_hand() -> None:
-    assert [grasps([digits], [(0, 0)]) for digits in ("ti", "tT", "tTI", "tpP", "TM")] == [
-        1,
-        0,
-        1,
-        0,
-        1,
-    ]

@@ -82,23 +82,12 @@ def test_r_finds_in_every_column_the_type_that_the_codebook_says(study: Path) ->
     assert [line for line in differ if not line.startswith("answers.csv answer ")] == []
 
 
-def test_participants_count_from_1_in_every_table(study: Path) -> None:
-    trials = rows_of(study / "tables/trials.csv")
-    assert list(dict.fromkeys(r["number"] for r in trials)) == ["1", "2"]
-    assert [r["number"] for r in rows_of(study / "tables/participants.csv")] == ["1", "2"]
-
-
 def test_a_row_has_its_place_in_the_order_and_its_time_limit(study: Path) -> None:
     for row in rows_of(study / "tables/trials.csv"):
         order = ["hard", "soft"] if row["number"] == "1" else ["soft", "hard"]
         assert row["place_contact"] == str(order.index(row["factor_contact"]) + 1)
         assert row["position"] == row["place_contact"]
         assert float(row["limit_s"]) > float(row["time_s"])
-
-
-def test_notes_and_exclusions_are_events(study: Path) -> None:
-    events = rows_of(study / "tables/events.csv")
-    assert [r["event"] for r in events] == ["session_end", "session_end"]
 
 
 def test_what_was_answered_in_a_form_that_was_left_is_in_the_table_and_stays_in_the_form(
@@ -170,12 +159,6 @@ def test_tables_are_the_same_whatever_the_order_of_folders(
 def test_with_frames_nothing_is_replayed(study: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("sandbox.trial.replay.replay", lambda *_: pytest.fail("it is replayed"))
     make_tables(StudyFolder.at(study))
-
-
-def test_participants_have_group_day_device_surface_and_program(study: Path) -> None:
-    for row in rows_of(study / "tables/participants.csv"):
-        assert (row["device"], row["screen_measured"]) == ("simulated", "1")
-        assert "x" in row["surface_in"] and len(row["date"]) == 10 and row["software"]
 
 
 def test_answers_have_the_time_that_each_took(tmp_path: Path) -> None:

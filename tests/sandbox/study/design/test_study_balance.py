@@ -16,9 +16,7 @@ from hypothesis import strategies as st
 
 from sandbox.study.design.balance import (
     confounded,
-    cycle_line,
     cycle_of,
-    nearest_cycles,
     rows_of,
     whole_cycle,
 )
@@ -152,26 +150,6 @@ def test_over_a_full_cycle_each_level_is_equally_often_at_each_place_and_after_e
             assert even(place, count**2) and even(follow, count * (count - 1))
 
 
-def test_groups_of_two_factors_are_crossed() -> None:
-    design = crossed(("between", 2), ("between", 2))
-    groups = Counter(
-        (trials[0].levels["contact"], trials[0].levels["servo"])
-        for trials in (trials_of(session_plan(design, n)) for n in range(1, 5))
-    )
-    assert set(groups.values()) == {1} and len(groups) == 4
-
-
-def test_two_by_two_take_4_people_and_three_by_three_36() -> None:
-    assert whole_cycle(crossed(("latin", 2), ("latin", 2))) == 4
-    assert whole_cycle(crossed(("latin", 3), ("latin", 3))) == 36
-    assert whole_cycle(crossed(("latin", 3), ("random", 3))) == 6
-    said = cycle_line(crossed(("latin", 3), ("latin", 2)))
-    assert said == (
-        "a full cycle of orders takes 12 participants: 6 orders of contact x 2 orders of servo"
-    )
-    assert "no order has a cycle" in cycle_line(crossed(("random", 3)))
-
-
 def test_orders_of_nested_factors_of_several_lengths_are_balanced_in_each_of_them() -> None:
     text = (
         "name = 'n'\n[[factors]]\nname = 'contact'\norder = 'latin'\nlevels = ['hard', 'soft']\n"
@@ -215,8 +193,3 @@ def test_what_a_shorter_cycle_confounds_is_told(
     assert len(found) == len(told), found
     for line, start in zip(found, told, strict=True):
         assert line.startswith(start)
-
-
-def test_the_numbers_of_participants_next_to_a_wrong_one_are_named() -> None:
-    design = crossed(("latin", 3), ("latin", 2))
-    assert nearest_cycles(design, 5) == "12" and nearest_cycles(design, 20) == "12 or 24"

@@ -11,10 +11,11 @@ import pytest
 from sandbox.study.design.checks import findings
 from sandbox.study.design.design_file import parse_design
 from sandbox.study.design.reading import DesignError
-from sandbox.study.report.data import wordings
+from sandbox.study.report.data import load_study
 from sandbox.study.run.study_page import study_view
 from sandbox.study.tables.codebook import codebook, columns_by_table
 from sandbox.words.words import words_of_studies
+from tests.sandbox.study.report.study_reports import planted
 from tests.support.study_files import DESIGN, SOUND, design
 
 CONSENT = "Your touches are recorded. You may stop at any time."
@@ -78,11 +79,11 @@ def test_a_wording_that_is_not_the_published_one_is_told_in_codebook_and_report(
         "published",
     ]
     rows = csv.DictReader(io.StringIO(codebook(some, columns_by_table(some)).decode()))
+    planted(tmp_path)
     told = {row["column"]: row["meaning"] for row in rows if "wording" in row["column"]}
     assert list(told) == ["wording of nasa-tlx-raw"] and "a paraphrase in en" in str(told)
-    (tmp_path / "tables").mkdir()
     (tmp_path / "tables/codebook.csv").write_bytes(codebook(some, columns_by_table(some)))
-    assert list(wordings(tmp_path / "tables")) == ["nasa-tlx-raw"]
+    assert list(load_study(tmp_path).wordings) == ["nasa-tlx-raw"]
 
 
 def test_a_questionnaire_of_ones_own_says_where_its_wording_comes_from(tmp_path: Path) -> None:

@@ -79,11 +79,6 @@ def test_lengths_and_speeds_do_not_depend_on_where_or_how_one_stands(seed: int) 
     assert end_distance(points) <= path_length(points)
 
 
-def test_a_movement_at_constant_speed_has_that_speed() -> None:
-    points = np.arange(30)[:, None] * [0.003, 0.0, 0.004]
-    assert speeds(points, PERIOD) == pytest.approx(0.005 / PERIOD)
-
-
 @pytest.mark.parametrize("duration", [0.6, 1.0, 2.5])
 def test_the_smoothness_of_a_minimum_jerk_movement_is_the_arc_length_of_its_fourier_integral(
     duration: float,
@@ -151,21 +146,6 @@ def test_pushes_of_any_force_keep_a_stretch_going(pushes: list[tuple[str, float]
     assert all((b[0] - a[1]) * PERIOD >= 0.1 for a, b in pairwise(runs))
 
 
-def test_a_light_touch_between_two_pushes_is_not_letting_go() -> None:
-    digits = [*["ti"] * 10, *[""] * 3, *["t"] * 7, *[""] * 3, *["ti"] * 10]
-    grip = [1.0 if d == "ti" else 0.02 if d else 0.0 for d in digits]
-    assert push_intervals(digits, grip, PERIOD) == [(0, 32)]
-
-
-@given(st.lists(st.sampled_from(["", "t", "ti"]), max_size=60))
-def test_stretches_of_handling_are_apart_and_begin_and_end_with_a_push(digits: list[str]) -> None:
-    runs = push_intervals(digits, [1.0 if d else 0.0 for d in digits], PERIOD)
-    assert all(digits[first] and digits[last] for first, last in runs)
-    assert all((b[0] - a[1]) * PERIOD >= 0.1 for a, b in pairwise(runs))
-    pushed = {i for i, d in enumerate(digits) if d}
-    assert pushed <= {i for first, last in runs for i in range(first, last + 1)}
-
-
 @pytest.mark.parametrize(
     ("height", "number"), [(0.05, 1), (FALL * 1.2, 1), (FALL * 0.8, 0), (0, 0)]
 )
@@ -183,12 +163,6 @@ def test_a_fall_begins_where_the_thing_was_touched_last() -> None:
     assert drops([False, True, True], [0.02, 0.009, 0.009]) == 1
     assert drops([True, True], [0.02, 0.009]) == 1
     assert drops([False, True, False], [0.02, 0.015, 0.009]) == 1
-
-
-def test_a_thing_that_is_thrown_up_and_caught_is_not_dropped() -> None:
-    t = np.arange(0.0, 0.2, PERIOD)
-    up = np.concatenate([np.zeros(5), t - 4.905 * t**2, np.full(5, 0.01)])
-    assert drops([False] * 5 + [True] * len(t) + [False] * 5, up) == 0
 
 
 def test_switches_count_other_fingers_and_neither_first_names_nor_returns_of_the_same() -> None:
@@ -224,10 +198,6 @@ def test_the_throughput_of_a_made_up_set() -> None:
     assert found == pytest.approx(1.0)
     assert throughput(amplitudes[:2], errors[:2], [2.0] * 2) is None
     assert throughput(amplitudes, [0.001] * 3, [2.0] * 3) is None
-
-
-def test_effective_width_leaves_four_percent_of_a_normal_distribution_outside() -> None:
-    assert pytest.approx(np.sqrt(2 * np.pi * np.e), abs=3e-4) == WIDTH
 
 
 def test_a_movement_is_seen_along_the_way_to_its_goal() -> None:

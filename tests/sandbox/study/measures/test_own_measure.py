@@ -12,7 +12,7 @@ from models.errors import StudyError
 from sandbox.study.design.design import Design
 from sandbox.study.design.design_file import load_design
 from sandbox.study.design.reading import DesignError
-from sandbox.study.measures.measures import MEASURES, REMOVED, rule_measures
+from sandbox.study.measures.measures import MEASURES, REMOVED
 from sandbox.study.record.folder import SIMULATED, StudyFolder
 from sandbox.study.report.make import make_report
 from sandbox.study.run.simulate import run_simulated
@@ -93,12 +93,6 @@ def test_one_that_fails_costs_no_trial_and_its_reason_is_said(
         line.startswith("empty in 6 trials: measure palm_height_m: ") and reason in line
         for line in said
     )
-
-
-def test_rules_may_look_at_it_but_not_at_words_or_at_several_trials(tmp_path: Path) -> None:
-    own = own_design(tmp_path).own_measure
-    assert "palm_height_m" in rule_measures(own) and rule_measures(own)[0] == "time_s"
-    assert not {"label_truth", "throughput_bit_s"} & set(rule_measures(own))
 
 
 def test_a_study_whose_measure_has_changed_is_not_continued_in_silence(tmp_path: Path) -> None:

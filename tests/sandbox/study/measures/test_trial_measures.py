@@ -22,7 +22,6 @@ from sandbox.study.measures.arrays import Cells, TrialArrays
 from sandbox.study.measures.measures import (
     MEASURES,
     REMOVED,
-    SIMULATED_USER,
     find_measure,
     measure_trial,
 )
@@ -40,7 +39,7 @@ from sandbox.trial.settings import Settings
 from tasks.sensing import Sensing
 from tasks.task import Goal, Task
 from tasks.user import UserConfiguration
-from tests.support.study_files import DESIGN, design, open_study, quiet, trial_result
+from tests.support.study_files import design, open_study, quiet, trial_result
 
 PERIOD = 0.016
 DOCS = Path(__file__).resolve().parents[4] / "docs" / "measures.md"
@@ -270,16 +269,6 @@ def test_the_table_tells_where_every_joint_is_as_tasks_sense_it(
     assert found[travel] > 0.0 and 0.0 < found[f"{column.partition('_')[0]}_efficiency"] <= 1.0
 
 
-def test_measures_of_the_file_are_plausible(tmp_path: Path) -> None:
-    session, frames = played("box-to-goal", 3, lambda session: None)
-    result = TrialResult.of(session, {"fingers_by": SIMULATED_USER})
-    found = measure_trial(TrialArrays.read(frames.data()), result).values
-    assert found["first_attempt_success"] and found["grasps"] == 1
-    assert found["placement_error_m"] < 0.01 and found["placement_error_deg"] < 10
-    assert 0 < found["object_efficiency"] <= 1 and found["label_accuracy"] is not None
-    assert found["label_truth"] == SIMULATED_USER
-
-
 def test_no_label_of_a_device_is_wrong_and_those_of_a_simulated_user_are_what_it_means() -> None:
     def device(drawn: Task, surface: Surface) -> SimulatedDevice:
         return SimulatedDevice(drawn, UserConfiguration(), surface, 3, True)
@@ -344,14 +333,6 @@ def test_frames_that_are_missing_are_made_again_with_the_measures_of_before(
     assert path.read_bytes() == before and row_of(study, "2") == row
     path.unlink()
     assert make_frames(recording) == "" and path.read_bytes() == before
-
-
-def test_a_rule_may_look_at_any_measure(tmp_path: Path) -> None:
-    rule = '[[exclusions]]\nname = "none"\nmeasure = "object_path_m"\nbelow = 1e9\n'
-    made = open_study(tmp_path, DESIGN + rule)
-    run_simulated(made, 1, quiet)
-    rows = list(csv.DictReader((made.path / "tables/trials.csv").open()))
-    assert {row["exclusion_reason"] for row in rows} == {"rule none"}
 
 
 NAMES = st.text(st.characters(exclude_categories=["Cc", "Cs"]), min_size=1, max_size=8)

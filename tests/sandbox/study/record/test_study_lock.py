@@ -172,21 +172,6 @@ def test_a_study_in_which_nobody_has_taken_part_is_locked_anew_and_says_so(
         open_study(tmp_path)
 
 
-def test_a_reason_to_upgrade_is_kept_though_nobody_has_taken_part(tmp_path: Path) -> None:
-    open_study(tmp_path)
-    other = design(DESIGN.replace("repetitions = 2", "repetitions = 3"))
-    study = StudyFolder(tmp_path, other, SIMULATED, "more trials")
-    record = study.records()[-1]
-    assert (record["kind"], record["reason"]) == ("upgrade", "more trials")
-
-
-def test_a_changed_design_is_refused_with_the_place_of_the_locked_one(tmp_path: Path) -> None:
-    study = open_study(tmp_path)
-    study.add()
-    with pytest.raises(StudyError, match=r"The locked design is .*design\.toml: `diff` shows"):
-        open_study(tmp_path, DESIGN.replace("seed = 3", "seed = 4"))
-
-
 def test_nobody_is_added_by_a_design_to_which_the_study_is_no_longer_locked(tmp_path: Path) -> None:
     first = open_study(tmp_path)
     second = open_study(tmp_path, DESIGN.replace("repetitions = 2", "repetitions = 3"))
@@ -200,13 +185,6 @@ def test_another_version_of_libm_with_equal_values_is_equal() -> None:
     assert changes(before, {"libm": "glibc 2.41, 0123456789ab"}) == []
     assert changes(before, {"libm": "glibc 2.36, ba9876543210"}) != []
     assert noted_changes(before, {"libm": "glibc 2.41, 0123456789ab"}) == []
-
-
-def test_the_build_has_every_version_that_decides_and_every_one_that_is_noted() -> None:
-    here = build_module.build_of(design())
-    always = {*DECISIVE, *NOTED, "hand-sandbox", "program", "encoders", "design"}
-    # The design of these tests has a task of its own.
-    assert always | {OWN_TASKS} == set(here)
 
 
 def test_a_task_of_ones_own_that_has_changed_is_refused_unless_forced(

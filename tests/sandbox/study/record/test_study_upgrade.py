@@ -13,7 +13,6 @@ from sandbox.study.record.journal import read_journal
 from sandbox.study.record.session_folder import SessionFolder
 from sandbox.study.report.data import load_study
 from sandbox.study.report.make import make_report
-from sandbox.study.run.answers import still_allowed
 from sandbox.study.run.forms import SimulatedForms
 from sandbox.study.run.runner import SessionOutcome
 from sandbox.study.run.simulate import (
@@ -106,12 +105,6 @@ def test_answers_are_scored_by_the_form_as_it_was_asked(tmp_path: Path) -> None:
     after = [(r["score"], float(r["score_high"])) for r in rows_of(table)]
     assert after[: len(before)] == [(s, float(h)) for s, h in before]
     assert {high for _, high in after[len(before) :]} == {5.0}
-
-
-def test_a_half_filled_form_keeps_what_the_new_design_still_allows() -> None:
-    items = design(DESIGN.replace("step = 5", "high = 5")).questionnaires[0].items
-    assert still_allowed(items, {"effort": 7, "gone": "text"}) == {}
-    assert still_allowed(items, {"effort": 4, "gone": "text"}) == {"effort": 4}
 
 
 def test_the_report_says_what_was_changed_by_force_and_what_it_means_for_results(

@@ -31,7 +31,7 @@ def test_every_open_answer_and_every_note_stands_there_as_it_was_written(tmp_pat
     ]
     notes = ["phone rang", "sat down again", "wiped the screen"]
     events = [
-        {"ppid": "P001", "session_num": 1, "event": event, "trial_num": "", "text": text}
+        {"ppid": "P001", "session_num": 1, "event": event, "text": text}
         for event, text in zip(("note", "exclude", "remark"), notes, strict=True)
     ]
     write(tmp_path, "answers.csv", answers)

@@ -189,14 +189,6 @@ def test_a_questionnaire_of_one_question_that_is_primary_has_its_answer_as_its_s
     assert not next(form for form in plain.questionnaires if form.name == "calm").scales
 
 
-def test_primary_outcomes_are_part_of_the_lock() -> None:
-    digests = {
-        parse_design(text, Path("design.toml"), try_out=False).digest
-        for text in (SCALED, with_primary("time_s"), with_primary("effort"))
-    }
-    assert len(digests) == 3
-
-
 def test_scores_about_a_factor_that_was_renamed_in_the_middle_are_compared_by_either_name(
     tmp_path: Path,
 ) -> None:

@@ -42,10 +42,6 @@ def one_person(rows: Rows) -> Rows:
     return [r for r in rows if r["ppid"] == "P001"]
 
 
-def two_people(rows: Rows) -> Rows:
-    return [r for r in rows if r["ppid"] in ("P001", "P002")]
-
-
 def one_trial(rows: Rows) -> Rows:
     return rows[:1]
 
@@ -93,21 +89,6 @@ def a_person_without_success(rows: Rows) -> Rows:
     ]
 
 
-def one_success_of_a_level(rows: Rows) -> Rows:
-    kept = next(i for i, r in enumerate(rows) if r["factor_encoder"] == "b" and r["success"] == "1")
-    return [
-        {
-            **r,
-            **(
-                {"success": 0, "status": "timeout", "time_s": 20.0}
-                if r["factor_encoder"] == "b" and i != kept
-                else {}
-            ),
-        }
-        for i, r in enumerate(rows)
-    ]
-
-
 def between_people(rows: Rows) -> Rows:
     return [{**r, "factor_encoder": "abc"[int(r["ppid"][1:]) % 3]} for r in rows]
 
@@ -135,7 +116,6 @@ def a_later_attempt(rows: Rows) -> Rows:
         everybody_succeeds,
         all_excluded,
         one_person,
-        two_people,
         one_trial,
         half_finished_with_a_person_without_success,
         only_practice,
@@ -144,7 +124,6 @@ def a_later_attempt(rows: Rows) -> Rows:
         time_zero,
         times_missing,
         a_level_nobody_succeeds_with,
-        one_success_of_a_level,
         between_people,
         one_level_only,
         one_trial_of_each,

@@ -15,7 +15,7 @@ from sandbox.study.record.journal import read_journal
 from sandbox.study.record.stored_sessions import session_path
 from sandbox.study.share.share import Masking, share_study
 from sandbox.study.share.verify import FOLDERS, Finding, Verified, verify
-from tests.support.study_files import TRIALS, quiet, rows_of
+from tests.support.study_files import quiet, rows_of
 
 
 @pytest.fixture
@@ -63,18 +63,6 @@ def test_a_damaged_line_is_a_loss_that_can_be_accepted(
     assert verify(damaged.path, replays=False).sound, capsys.readouterr().out
 
 
-def test_trials_behind_a_damaged_line_count_by_their_recordings(damaged: StudyFolder) -> None:
-    before = rows_of(damaged.path / "tables/trials.csv")
-    assert note(damaged, 0, "--accept-loss", "a flipped bit") == 0
-    assert main(["study", "tables", str(damaged.path)]) == 0
-    after = rows_of(damaged.path / "tables/trials.csv")
-    counts = [[r for r in rows if r["counted"] == "1"] for rows in (before, after)]
-    assert len(counts[0]) == len(counts[1]) == 2 * TRIALS
-    other = people(damaged)[1]
-    theirs = [[r for r in rows if other in r.values()] for rows in (before, after)]
-    assert theirs[0] == theirs[1] != []
-
-
 def test_a_loss_can_be_accepted_while_another_record_is_damaged(
     damaged: StudyFolder, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -119,16 +107,6 @@ def test_a_copy_that_stays_after_a_withdrawal_is_one_line(
     assert f"{copy.name} holds the data of {ppid}, who has withdrawn; delete it" in "\n".join(lines)
 
 
-def test_a_report_of_a_damaged_study_without_tables_names_the_cause(
-    damaged: StudyFolder, capsys: pytest.CaptureFixture[str]
-) -> None:
-    shutil.rmtree(damaged.path / "tables")
-    assert main(["study", "report", str(damaged.path)]) == 2
-    printed = " ".join("".join(capsys.readouterr()).split())
-    assert people(damaged)[0] in printed and "--accept-loss" in printed
-    assert "makes them" not in printed
-
-
 def test_a_folder_for_others_that_fails_its_verification_is_not_made(
     study: StudyFolder, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -141,13 +119,3 @@ def test_a_folder_for_others_that_fails_its_verification_is_not_made(
     with pytest.raises(StudyError, match="A folder: is a copy"):
         share_study(study, tmp_path / "shared", Masking(), quiet)
     assert not (tmp_path / "shared").exists()
-
-
-def test_a_folder_for_others_without_recordings_offers_no_replay(
-    study: StudyFolder, tmp_path: Path
-) -> None:
-    out = tmp_path / "shared"
-    share_study(study, out, Masking(recordings=False), quiet)
-    assert "replay" not in (out / "README.md").read_text().replace("sandbox replay", "")
-    assert not any(row.get("recording") for row in rows_of(out / "tables/trials.csv"))
-    assert "frames: not compared" in (out / "verify.txt").read_text()

@@ -139,22 +139,6 @@ def test_a_sheet_has_the_steps_and_texts_of_the_session_that_is_run(
         assert sum("break of 7 s" in line for line in sheet_lines(sheet)) == len(breaks) > 0
 
 
-def test_a_sheet_names_conditions_practice_questions_and_what_may_be_left_out() -> None:
-    plain = "\n".join(line for line in TEXTS.splitlines() if not line.startswith("text.de"))
-    lines = list(sheet_lines(session_sheet(design(DESIGN + plain), 1)))
-    text = "\n".join(lines)
-    assert lines[0].startswith("quick: participant number 1, language en, about ")
-    for line in (
-        "1. consent\n   Do you agree?\n   [I agree]  [I do not agree]\n",
-        "   - How old are you? (18 to 100)",
-        "practice, trial 1: contact = ",
-        "effort, 1 question, about contact = hard\n   About what you have just done\n",
-        "   - How much effort was it? (0 to 100 in steps of 5)",
-        "[may be left out]",
-    ):
-        assert line in text
-
-
 def test_scales_of_a_sheet_are_in_the_language_of_the_participant() -> None:
     assert set(RANGES) == set(LANGUAGES)
     tlx = '\n[[questionnaires]]\nuse = "nasa-tlx"\nat = "end"\n'
@@ -202,21 +186,3 @@ def test_the_page_to_print_has_all_that_the_terminal_shows(
         assert line.strip().removeprefix("- ") in page.words
     assert main([*command, "--out", str(out)]) == 2
     assert "exists already" in capsys.readouterr().err
-
-
-@pytest.mark.parametrize(
-    ("words", "told"),
-    [
-        (["--participant-number", "0"], "1 for the first who comes"),
-        (["--language", "fr"], "no texts in this language (got 'fr', expected en)"),
-        (["--out", "sheet.pdf"], "expected FILE.html"),
-    ],
-)
-def test_a_mistake_is_one_line_that_says_what_to_write(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str], words: list[str], told: str
-) -> None:
-    file = tmp_path / "design.toml"
-    file.write_text(DESIGN)
-    assert main(["study", "sheet", str(file), *words]) == 2
-    error = capsys.readouterr().err
-    assert told in error and len(error.splitlines()) == 1

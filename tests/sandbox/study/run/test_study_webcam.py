@@ -19,15 +19,14 @@ from models.frames import LandmarkFrame
 from sandbox.devices.webcam.landmarks import message_of
 from sandbox.devices.webcam.webcam import CLOSED, WAITING
 from sandbox.recording.recording import load_recording
-from sandbox.study.design.conditions import consent_text, run_settings
-from sandbox.study.design.plan import CalibrationStep, session_plan
+from sandbox.study.design.conditions import consent_text
 from sandbox.study.record.folder import SIMULATED, StudyFolder
 from sandbox.study.run.runner import SessionOutcome
 from sandbox.study.run.session_camera import SessionCamera
 from sandbox.study.run.simulate import simulate
 from sandbox.study.share.share import Masking, share_study
 from sandbox.trial.replay import replay
-from sandbox.words.words import LANGUAGES, words_in
+from sandbox.words.words import words_in
 from tests.encoders.webcam.seen_hands import SIZE, held_up, seen
 from tests.sandbox.study.run.study_before_camera import (
     BEFORE_A_CAMERA,
@@ -101,12 +100,6 @@ def test_the_consent_form_says_that_the_camera_is_on_and_that_pictures_stay(
     assert consent_text(design(SHORT), "en") == "Do you agree?"
 
 
-@pytest.mark.parametrize("code", LANGUAGES)
-def test_every_language_tells_of_the_camera(code: str) -> None:
-    words = words_in(code)
-    assert "21" in words["camera_consent"] and words["camera_open"]
-
-
 def test_recordings_hold_landmarks_and_no_pictures_and_replay_to_the_bit(
     session: OnPage,
 ) -> None:
@@ -128,20 +121,6 @@ def test_recordings_of_landmarks_tell_how_a_hand_is_made_and_are_left_out_of_sha
     done = share_study(session.study, tmp_path / "copy", Masking(), quiet)
     assert done.hands == 2
     assert not list((tmp_path / "copy").rglob("trials/*.jsonl*"))
-
-
-def test_nobody_is_measured_before_a_camera() -> None:
-    steps = session_plan(design(BEFORE_A_CAMERA), 1)
-    assert not any(isinstance(step, CalibrationStep) for step in steps)
-
-
-def test_two_hands_may_be_before_one_camera_or_one_of_them() -> None:
-    task = {"task": "carry-together", "device": "webcam"}
-    both = run_settings(task, 0)
-    assert all(h.in_air and h.in_air.camera for h in both.hands)
-    assert [h.side for h in both.hands] == ["right", "left"]
-    one = run_settings({**task, "second_device": "simulated"}, 0)
-    assert one.hands[0].in_air and one.hands[1].in_air is None
 
 
 def test_a_camera_that_cannot_be_is_found_when_the_design_is_read() -> None:

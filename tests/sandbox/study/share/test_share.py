@@ -13,12 +13,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from models.errors import StudyError
-from sandbox.recording.recording import load_recording
 from sandbox.study.record.folder import SIMULATED, StudyFolder
-from sandbox.study.record.journal import read_journal
 from sandbox.study.record.session_folder import SessionFolder
-from sandbox.study.record.state import SessionState
-from sandbox.study.record.stored_sessions import session_path
 from sandbox.study.run.simulate import run_simulated
 from sandbox.study.share.groups import binned, groups
 from sandbox.study.share.masking import (
@@ -29,9 +25,7 @@ from sandbox.study.share.masking import (
     without_folders,
 )
 from sandbox.study.share.share import Masking, Shared, _rare, share_study
-from sandbox.study.share.verify import verify
 from sandbox.study.tables.tables import make_tables
-from sandbox.trial.replay import replay
 from tests.support.study_files import DESIGN, TRIALS, design, quiet, rows_of
 
 SECRET = "Anna Kowalczyk in room 412"
@@ -97,30 +91,6 @@ def contents(folder: Path) -> dict[str, bytes]:
     }
 
 
-def test_nothing_in_the_copy_names_anybody_or_says_when_or_what_they_wrote(
-    study: StudyFolder, copy: StudyFolder, laboratory: Path
-) -> None:
-    old = [p.ppid for p in study.participants()]
-    day = study.records()[0]["time"][:10]
-    found = contents(copy.path)
-    assert len(found) > 30
-    forbidden = [*old, day, SECRET, "Kowalczyk", str(study.path), str(laboratory)]
-    for name, data in found.items():
-        assert not any(ppid in name for ppid in old)
-        for what in forbidden:
-            assert what.encode() not in data, (name, what)
-
-
-def test_every_journal_of_the_original_holds_what_the_copy_must_not(
-    study: StudyFolder, laboratory: Path
-) -> None:
-    # Otherwise the test above could not fail.
-    found = contents(study.path)
-    journal = found[f"{study.participants()[0].ppid}/S001/session.jsonl"]
-    assert journal.count(SECRET.encode()) == 5
-    assert any(str(laboratory).encode() in data for data in found.values())
-
-
 def test_results_are_the_same_but_for_names_and_dates(
     study: StudyFolder, copy: StudyFolder
 ) -> None:
@@ -141,19 +111,6 @@ def test_results_are_the_same_but_for_names_and_dates(
     assert {r["exclusion_reason"] for r in excluded} == {WITHHELD}
 
 
-def test_files_that_tables_name_are_there_and_recordings_replay_to_the_bit(
-    copy: StudyFolder,
-) -> None:
-    rows = rows_of(copy.path / "tables/trials.csv")
-    for row in rows:
-        for column in ("recording", "frames"):
-            assert (copy.path / row[column]).is_file()
-    recording = load_recording(copy.path / rows[0]["recording"])
-    assert recording.header["study"]["ppid"] == rows[0]["participant"]
-    _, found = replay(recording)
-    assert found.exact and found.complete
-
-
 def test_numbers_are_rounded_and_words_are_gone_unless_asked_for(
     study: StudyFolder, copy: StudyFolder, tmp_path: Path
 ) -> None:
@@ -162,18 +119,6 @@ def test_numbers_are_rounded_and_words_are_gone_unless_asked_for(
     share_study(study, tmp_path / "more", Masking(words=True, drop=("age",)), quiet)
     people = rows_of(tmp_path / "more/tables/participants.csv")
     assert [p["remarks"] for p in people] == [SECRET] * 2 and "age" not in people[0]
-
-
-def test_the_copy_opens_like_any_study_and_has_nothing_left_to_do(
-    copy: StudyFolder, tmp_path: Path
-) -> None:
-    # Opening a session writes into it.
-    shutil.copytree(copy.path, tmp_path / copy.path.name)
-    opened = StudyFolder(tmp_path, design(TEXT), SIMULATED)
-    assert {p.number for p in opened.participants()} == {1, 2}
-    for person in opened.participants():
-        with SessionFolder(opened, person) as session:
-            assert session.state.complete and session.state.next_step(session.steps) is None
 
 
 def test_who_did_not_agree_is_not_in_the_copy(tmp_path: Path) -> None:
@@ -215,23 +160,6 @@ def test_the_size_of_a_hand_is_coarse_and_recordings_that_tell_it_are_left_out(
         share_study(study, tmp_path / "none", Masking(drop=("hand_size",)), quiet)
 
 
-def test_a_copy_without_the_sizes_of_hands_is_sound_and_has_the_same_measures(
-    study: StudyFolder, copy: StudyFolder, tmp_path: Path
-) -> None:
-    share_study(study, tmp_path / "coarse", Masking(), quiet)
-    coarse = StudyFolder.at(tmp_path / "coarse")
-    assert verify(coarse.path, replays=False).sound
-    measured = [
-        sorted(
-            row[name]
-            for name in ("time_s", "success", "drops", "first_contact_s")
-            for row in rows_of(path)
-        )
-        for path in (folder.path / "tables/trials.csv" for folder in (coarse, copy))
-    ]
-    assert measured[0] == measured[1]
-
-
 @pytest.mark.parametrize(("people", "left_out"), [([1.0] * 3, 0), ([1.0] * 5 + [0.9], 1)])
 def test_a_size_that_enough_people_share_tells_nobody(people: list[float], left_out: int) -> None:
     sizes = {str(i): size for i, size in enumerate(people)}
@@ -265,11 +193,6 @@ def test_the_file_of_a_divergence_keeps_its_name_and_loses_the_folder_of_the_per
         assert masked == {"dump": "T001-diverged.jsonl", "success": False}
 
 
-def test_what_is_played_is_not_touched() -> None:
-    line = b'{"kind":"input","step":8,"hand":0,"time":0.016,"contacts":[],"hash":"00"}'
-    assert shared_line(line, PersonMasking("NEW")) is line
-
-
 @given(st.lists(st.tuples(st.integers(0, 2), st.integers(0, 2)), min_size=1, max_size=30))
 def test_the_smallest_group_is_found_by_comparing_everybody_with_everybody(
     people: list[tuple[int, int]],
@@ -282,15 +205,3 @@ def test_the_smallest_group_is_found_by_comparing_everybody_with_everybody(
 @given(st.integers(-1000, 1000), st.sampled_from([1, 5, 10]))
 def test_a_rounded_number_is_the_low_end_of_its_bin(value: int, width: int) -> None:
     assert binned(value, width) % width == 0 and 0 <= value - binned(value, width) < width
-
-
-def test_a_session_state_says_the_same_of_the_disguised_journal(
-    study: StudyFolder, copy: StudyFolder
-) -> None:
-    def told(folder: StudyFolder, number: int) -> object:
-        person = next(p for p in folder.participants() if p.number == number)
-        path = session_path(folder.path, person.ppid) / "session.jsonl"
-        state = SessionState.of(read_journal(path))
-        return state.finished, set(state.excluded), state.complete, sorted(state.attempts)
-
-    assert all(told(study, number) == told(copy, number) for number in (1, 2))

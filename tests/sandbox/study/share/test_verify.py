@@ -15,12 +15,11 @@ from sandbox.cli.main import main
 from sandbox.recording.recording import read_stored
 from sandbox.study.record.chain import HASH, chained_bytes
 from sandbox.study.record.folder import SIMULATED, StudyFolder
-from sandbox.study.record.journal import Journal, read_journal
+from sandbox.study.record.journal import read_journal
 from sandbox.study.record.notes import SEALED, read_notes, write_notes
 from sandbox.study.record.session_folder import SessionFolder
 from sandbox.study.record.stored_sessions import session_path
 from sandbox.study.run.simulate import run_simulated, simulated_person
-from sandbox.study.share.share import Masking, share_study
 from sandbox.study.share.verify import (
     CHAINS,
     FRAMES,
@@ -35,7 +34,7 @@ from sandbox.study.share.verify import (
 )
 from sandbox.study.share.withdraw import withdraw
 from sandbox.study.tables.tables import make_tables
-from tests.support.study_files import DESIGN, TRIALS, design, quiet
+from tests.support.study_files import TRIALS, design, quiet
 
 
 def first(study: StudyFolder) -> Path:
@@ -132,23 +131,6 @@ def test_lines_that_are_gone_moved_or_written_twice_are_named(
     path.write_bytes(b"".join(change(path.read_bytes().splitlines(keepends=True))))
     lines = [str(finding) for finding in quick(study.path).found[point]]
     assert any("S001/session.jsonl" in line and what in line for line in lines), lines
-
-
-def test_a_result_that_was_changed_is_named_and_nothing_goes_on_with_it(
-    study: StudyFolder, capsys: pytest.CaptureFixture[str]
-) -> None:
-    path = next(
-        p for p in study.path.glob("*/S001/session.jsonl") if b'"success":false' in p.read_bytes()
-    )
-    lines = path.read_bytes().splitlines(keepends=True)
-    number = next(i for i, line in enumerate(lines, start=1) if b'"success":false' in line)
-    path.write_bytes(b"".join(flipped(lines)))
-    assert main(["replay", str(study.path), "--verify"]) == 1
-    assert f"S001/session.jsonl, line {number}: changed" in capsys.readouterr().out
-    with pytest.raises(StudyError, match="changed after it was written"):
-        read_journal(path)
-    with pytest.raises(StudyError, match="changed after it was written"):
-        Journal(path)
 
 
 def test_a_recording_of_another_trial_and_one_too_many_are_named(study: StudyFolder) -> None:
@@ -269,16 +251,6 @@ def test_a_withdrawal_leaves_a_study_that_passes_and_their_folder_may_not_come_b
     assert gone not in {person.ppid for person in study.participants()}
 
 
-def test_an_anonymous_copy_passes_with_and_without_recordings(
-    study: StudyFolder, tmp_path: Path
-) -> None:
-    for name, recordings in (("with", True), ("without", False)):
-        share_study(study, tmp_path / name, Masking(recordings=recordings, hands=True), quiet)
-        done = quick(tmp_path / name)
-        assert found(done) == [] and done.notes == []
-        assert done.compared[RECORDINGS] == f"{2 * TRIALS if recordings else 0} recordings"
-
-
 def test_two_sites_are_merged_by_copying_and_copying_twice_changes_nothing(
     study: StudyFolder, tmp_path: Path
 ) -> None:
@@ -311,17 +283,3 @@ def forge(study: StudyFolder) -> None:
         [{**n, HASH: heads[n["ppid"]]} if n["kind"] == SEALED else n for n in notes],
     )
     make_tables(study)
-
-
-def test_a_session_prints_the_last_hash_of_its_record(tmp_path: Path) -> None:
-    study, lines = StudyFolder(tmp_path, design(), SIMULATED), list[str]()
-    run_simulated(study, 1, lines.append)
-    sealed = [n[HASH] for n in study.records() if n["kind"] == SEALED]
-    last = read_journal(first(study) / "session.jsonl")[-1][HASH]
-    assert sealed == [last] and any(line.endswith(f"digest {last}") for line in lines)
-
-
-def test_a_design_with_another_comment_is_another_design(study: StudyFolder) -> None:
-    path = study.path / "design.toml"
-    path.write_text(DESIGN + "# nothing\n")
-    assert any("design.toml: changed" in line for line in found(quick(study.path)))

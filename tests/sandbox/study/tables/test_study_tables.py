@@ -8,19 +8,15 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-import pytest
 from hypothesis import HealthCheck, example, given, settings
 from hypothesis import strategies as st
-from rich.console import Console
 
-from sandbox.cli.study.report import ReportOptions, report
 from sandbox.study.design.design import DEMOGRAPHICS
 from sandbox.study.design.plan import FormStep, TrialStep
 from sandbox.study.record.folder import SIMULATED, StudyFolder
 from sandbox.study.record.session_folder import SessionFolder
 from sandbox.study.record.stored_sessions import sessions_of
 from sandbox.study.report.data import load_study
-from sandbox.study.run.simulate import run_simulated
 from sandbox.study.share.share import Masking, share_study
 from sandbox.study.share.verify import verify
 from sandbox.study.share.withdraw import withdraw
@@ -201,23 +197,6 @@ def test_no_column_is_empty_in_all_rows_and_the_codebook_has_those_that_are_ther
         assert described[: len(rows[0])] == list(rows[0])
 
 
-def test_a_report_has_the_trials_of_a_session_whose_program_was_killed(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr("sandbox.study.report.make.make_report", lambda folder, *more: folder)
-    sessions = Sessions(open_study(tmp_path, TWO_SESSIONS))
-    sessions.do("new", 0, 1.5)
-    sessions.do("finish", 0, 1.5)
-    make_tables(sessions.study)
-    before = rows_of(sessions.study.path / "tables/trials.csv")
-    person = sessions.study.participants()[0]
-    with SessionFolder(sessions.study, person, 2) as session:
-        sessions.trial(session, 2.5)
-    report(ReportOptions(sessions.study.path), Console())
-    after = rows_of(sessions.study.path / "tables/trials.csv")
-    assert after[: len(before)] == before and len(after) == len(before) + 1
-
-
 def people_of(study: StudyFolder) -> list[dict[str, str]]:
     """Rows of `participants.csv`."""
     make_tables(study)
@@ -313,16 +292,3 @@ def test_answers_to_a_question_about_the_person_that_was_renamed_stay(tmp_path: 
     assert {"age", "years"} <= {*compared} and "age" not in fewer and "years" in fewer
     assert [row["age"] for row in both if row["age"]] == [str(int(old["age"]) // 5 * 5)]
     assert not any(row.get("age") for row in one) and sum(bool(row["years"]) for row in one) == 1
-
-
-def test_scores_of_a_questionnaire_that_is_asked_no_longer_stay(tmp_path: Path) -> None:
-    """Answers stayed, and their scores were gone."""
-    asked = DESIGN + '[[questionnaires]]\nuse = "sus"\nat = "end"\n'
-    run_simulated(StudyFolder(tmp_path, design(asked), SIMULATED), 1, print)
-    study = StudyFolder(tmp_path, design(DESIGN), SIMULATED, "too long")
-    run_simulated(study, 2, print)
-    old = study.participants()[0].ppid
-    scores = rows_of(study.path / "tables/scores.csv")
-    assert [row["participant"] for row in scores if row["instrument"] == "sus"] == [old]
-    make_tables(StudyFolder.at(study.path))
-    assert rows_of(study.path / "tables/scores.csv") == scores
