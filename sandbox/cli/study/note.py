@@ -118,9 +118,10 @@ def note(options: NoteOptions, console: Console) -> int:
 
 
 def _withdraw(study: StudyFolder, ppid: str, console: Console) -> int:
-    from sandbox.study.share.withdraw import withdraw, withdrawn
+    from sandbox.study.record.notes import withdrawn
+    from sandbox.study.share.withdraw import withdraw
 
-    if ppid not in withdrawn(study):
+    if ppid not in withdrawn(study.records()):
         study.find(ppid)
     console.print(
         f"Everything of {ppid} in {escape(str(study.path))} will be deleted; this cannot be "

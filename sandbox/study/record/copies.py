@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Any
 
 from sandbox.study.record.chain import HASH, follows
-from sandbox.study.record.notes import PERSON_NOTES, WITHDRAWN, site_notes
+from sandbox.study.record.notes import PERSON_NOTES, site_notes, withdrawn
 from sandbox.study.record.records import RUNS
 
 JOURNAL = "session.jsonl"
@@ -74,7 +74,7 @@ def copies(study: Path) -> list[Copy]:
         StudyError: Notes of a site are damaged.
     """
     people = sorted(path.parent for path in study.glob(f"*/{PERSON_NOTES}"))
-    gone = {note["ppid"] for note in site_notes(study) if note["kind"] == WITHDRAWN}
+    gone = withdrawn(site_notes(study))
     found = []
     for path in people:
         ppid = _person_in(path)

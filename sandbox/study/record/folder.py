@@ -45,12 +45,14 @@ from sandbox.study.record.notes import (
     add_note,
     read_notes,
     site_notes,
+    withdrawn,
 )
 from sandbox.study.record.pseudonym import new_pseudonym
 from sandbox.study.record.records import RUNS, SCHEMA
 
 if TYPE_CHECKING:
     from sandbox.trial.settings import Settings
+    from tasks.user import UserConfiguration
 
 REAL, PILOT, SIMULATED = "real", "pilot", "simulated"
 """Kinds of data. Each kind has its own folder and is named in every row of the tables; a folder is
@@ -79,6 +81,19 @@ class Participant:
     language: str = "en"
     user: dict[str, Any] | None = None
     site: str = SITE
+
+    @property
+    def simulated_user(self) -> UserConfiguration:
+        """The simulated user who plays for a simulated participant.
+
+        Besides its configuration, `user` has the skill, and of an earlier version perhaps settings
+        that are no more.
+        """
+        from tasks.user import UserConfiguration
+
+        known = {each.name for each in fields(UserConfiguration)}
+        values = {name: v for name, v in (self.user or {}).items() if name in known}
+        return UserConfiguration(**{**values, "reaction": tuple(values["reaction"])})
 
 
 DESIGN_FILE = "design.toml"
@@ -199,8 +214,7 @@ class StudyFolder:
     def _files(self) -> Iterator[tuple[str, dict[str, str]]]:
         """Digests and texts of the designs by which sessions were run."""
         for session in (s for p in person_folders(self.path) for s in session_folders(p)):
-            records = read_journal(session / JOURNAL) if (session / JOURNAL).exists() else []
-            for record in records:
+            for record in read_journal(session / JOURNAL):
                 if record["kind"] in RUNS and FILES in record:
                     yield record["design"], record[FILES]
 
@@ -265,7 +279,7 @@ class StudyFolder:
                 return taken[number]
             if number is None:
                 number = _first_free(taken)
-            gone = {n["ppid"] for n in site_notes(self.path) if n["kind"] == WITHDRAWN}
+            gone = withdrawn(self.records())
             ppid = new_pseudonym()
             while ppid in gone or (self.path / ppid / PERSON_NOTES).exists():
                 ppid = new_pseudonym()
@@ -332,7 +346,7 @@ class StudyFolder:
     def _people(self) -> list[tuple[Participant, bool]]:
         """Participants in order of arrival, and whether their number was freed."""
         found = []
-        gone = {n["ppid"] for n in self.records() if n["kind"] == WITHDRAWN}
+        gone = withdrawn(self.records())
         for folder in person_folders(self.path):
             path = folder / PERSON_NOTES
             notes = read_notes(path) if folder.name not in gone else []
@@ -488,6 +502,5 @@ def folder_of(out: Path, name: str, mode: str) -> Path:
 
 def withdrawals_of(notes: list[Record]) -> int:
     """Number of participants who withdrew, by a study's notes or those of an anonymous copy."""
-    gone = {note["ppid"] for note in notes if note["kind"] == WITHDRAWN}
     before = [n["about"].get(WITHDRAWN, 0) for n in notes if n["kind"] == ANONYMISED]
-    return len(gone) + sum(before)  # any order: whole numbers
+    return len(withdrawn(notes)) + sum(before)  # any order: whole numbers

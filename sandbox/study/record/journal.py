@@ -324,19 +324,29 @@ def checked_record(line: bytes, where: str) -> Record:
     return record
 
 
+def _content(path: Path) -> bytes:
+    """Content of a journal; empty if there is none.
+
+    Raises:
+        StudyError: The journal cannot be read.
+    """
+    try:
+        return path.read_bytes()
+    except FileNotFoundError:
+        return b""
+    except OSError as error:
+        raise study_error(error, path, "the journal cannot be read") from None
+
+
 def read_journal(path: Path) -> list[Record]:
-    """Reads a journal, which another program may be writing; ignores a half-written last line.
+    """Reads a journal, which another program may be writing; without one there are no records.
+
+    A half-written last line is ignored.
 
     Raises:
         StudyError: The journal cannot be read, or is damaged.
     """
-    try:
-        data = path.read_bytes()
-    except OSError as error:
-        raise StudyError(
-            "the journal cannot be read", where=str(path), got=error.strerror
-        ) from None
-    return parse_records(data, path)[0]
+    return parse_records(_content(path), path)[0]
 
 
 def readable_records(path: Path) -> tuple[list[Record], int]:
@@ -348,12 +358,7 @@ def readable_records(path: Path) -> tuple[list[Record], int]:
     Raises:
         StudyError: The journal cannot be read.
     """
-    try:
-        data = path.read_bytes()
-    except FileNotFoundError:
-        return [], 0
-    except OSError as error:
-        raise study_error(error, path, "the journal cannot be read") from None
+    data = _content(path)
     records, sound, damage = sound_records(data, path)
     return records, 0 if damage is None else len(data[sound:].splitlines())
 
@@ -367,12 +372,7 @@ def cut_damage(path: Path) -> Path | None:
     Raises:
         StudyError: The journal cannot be read, or the copy or the journal cannot be written.
     """
-    try:
-        data = path.read_bytes()
-    except FileNotFoundError:
-        return None
-    except OSError as error:
-        raise study_error(error, path, "the journal cannot be read") from None
+    data = _content(path)
     _, sound, damage = sound_records(data, path)
     if damage is None:
         return None

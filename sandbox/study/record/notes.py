@@ -214,6 +214,11 @@ def site_notes(study: Path) -> list[Record]:
     return [note for path in sorted((study / NOTES).glob("*.jsonl")) for note in read_notes(path)]
 
 
+def withdrawn(notes: Iterable[Record]) -> set[str]:
+    """Pseudonyms of participants who withdrew, by the notes of all sites."""
+    return {note["ppid"] for note in notes if note["kind"] == WITHDRAWN}
+
+
 def person_notes(study: Path, ppid: str) -> list[Record]:
     """Notes about a person.
 

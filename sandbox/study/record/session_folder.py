@@ -434,8 +434,7 @@ class SessionFolder(Closeable):
 
     def _check_losses(self) -> None:
         """Raises an error if the journal has lost records: nothing may go on without a decision."""
-        journal = self.path / JOURNAL
-        records = read_journal(journal) if journal.exists() else []
+        records = read_journal(self.path / JOURNAL)
         self.state = SessionState.of(records)
         if self.state.start:
             # What is of another session has lost nothing of this one.

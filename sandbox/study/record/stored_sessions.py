@@ -63,8 +63,7 @@ def sessions_of(study: StudyFolder, person: Participant) -> list[StoredSession]:
     sessions = []
     notes = person_notes(study.path, person.ppid)
     for path in session_folders(study.path / person.ppid):
-        journal, number = path / JOURNAL, int(path.name[1:])
-        records = read_journal(journal) if journal.exists() else []
+        records, number = read_journal(path / JOURNAL), int(path.name[1:])
         state = SessionState.of(records, decisions_on(notes, number))
         if state.start:
             about = tuple(n for n in notes if n.get("session") in (None, number))

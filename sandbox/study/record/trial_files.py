@@ -109,8 +109,7 @@ def finished_only(files: list[Path]) -> tuple[list[Path], int]:
     """
     ended: dict[Path, set[str]] = {}
     for session in {file.parent.parent for file in files}:
-        journal = session / JOURNAL
-        records = read_journal(journal) if journal.exists() else []
+        records = read_journal(session / JOURNAL)
         ended[session] = {
             Path(r["file"]).name for r in records if r["kind"] == "trial_end" and not is_broken(r)
         }
@@ -137,9 +136,8 @@ def _sessions(path: Path) -> list[Path]:
 def _trial(session: Path, name: str) -> list[Path]:
     """Recording of a named attempt; for a name without attempt, the counted one."""
     exact = session / TRIALS / f"{name}.jsonl"
-    journal = session / JOURNAL
-    if "." not in name and journal.exists():
-        counted = SessionState.of(read_journal(journal)).counted(int(name[1:]))
+    if "." not in name:
+        counted = SessionState.of(read_journal(session / JOURNAL)).counted(int(name[1:]))
         if counted is not None:
             exact = session / counted.start["file"]
     return [exact] if stored(exact).is_file() else []

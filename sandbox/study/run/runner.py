@@ -29,7 +29,6 @@ from sandbox.study.run.controls import Command, Controls
 from sandbox.study.run.finished_trials import bring_up_to_date
 from sandbox.study.run.forms import Forms, NewTask, Poll
 from sandbox.study.run.players import PlayedAttempt, TrialPlayer, TrialRequest
-from sandbox.study.run.simulated_user import simulated_user
 from sandbox.study.run.task_texts import texts_by_design
 from sandbox.study.tables.frames import FrameWriter
 from sandbox.trial.assembly import DeviceMakers
@@ -311,7 +310,7 @@ class SessionRunner:
         person = self.session.person
         device, second = self.device, self.second_device
         if person.user is not None:
-            device = second = DeviceSettings(PARTNER, SimulatedOptions(simulated_user(person)))
+            device = second = DeviceSettings(PARTNER, SimulatedOptions(person.simulated_user))
         elif self._has_partner(trial):
             second = DeviceSettings()
         both = len(settings.hands) > 1

@@ -26,7 +26,6 @@ from sandbox.study.run.finished_trials import bring_up_to_date
 from sandbox.study.run.forms import SimulatedForms
 from sandbox.study.run.players import HeadlessPlayer
 from sandbox.study.run.runner import OpenDevices, SessionOutcome, SessionRunner
-from sandbox.study.run.simulated_user import simulated_user
 from sandbox.study.tables.tables import make_tables
 from sandbox.trial.assembly import DeviceMaker, DeviceMakers, home, shared_by_users
 from sandbox.trial.settings import Settings
@@ -79,7 +78,7 @@ def simulated_person(design: Design, number: int) -> dict[str, Any]:
 
 def simulated_devices(person: Participant) -> OpenDevices:
     """Returns a function that opens the devices of a simulated participant."""
-    user = simulated_user(person)
+    user = person.simulated_user
 
     def of_trial(trial: TrialStep, settings: Settings) -> DeviceMakers:
         # The seed differs from the task's own, between participants, and between sessions.

@@ -26,7 +26,14 @@ from sandbox.study.record.folder import (
     readable_design,
 )
 from sandbox.study.record.journal import checked_record
-from sandbox.study.record.notes import SEALED, WITHDRAWN, Seal, broken_seals, read_notes, seals_of
+from sandbox.study.record.notes import (
+    SEALED,
+    Seal,
+    broken_seals,
+    read_notes,
+    seals_of,
+    withdrawn,
+)
 from sandbox.study.record.records import END, RUNS, TRIAL, TRIAL_END
 from sandbox.study.record.state import SessionState, is_broken
 from sandbox.study.record.stored_sessions import session_path
@@ -241,10 +248,10 @@ def _check_seals(
     done: Verified, study: StudyFolder, sessions: Sequence[_Read], copy: Sequence[Record]
 ) -> None:
     known = {(s.path.parents[1].name, s.number): s for s in sessions}
-    withdrawn = {note["ppid"] for note in study.records() if note["kind"] == WITHDRAWN}
+    gone = withdrawn(study.records())
     kept = [note for note in [*study.records(), *copy] if note["kind"] == SEALED]
     for ppid, number in dict.fromkeys((n["ppid"], n["session"]) for n in kept):
-        if (ppid, number) not in known and ppid not in withdrawn:
+        if (ppid, number) not in known and ppid not in gone:
             path = session_path(done.root, ppid, number) / JOURNAL
             done.add(SEALS, path, "missing: a session that was sealed")
     count = 0
@@ -432,7 +439,7 @@ def _check_design(done: Verified, study: StudyFolder) -> None:
 
 
 def _check_withdrawals(done: Verified, study: StudyFolder) -> None:
-    gone = {note["ppid"] for note in study.records() if note["kind"] == WITHDRAWN}
+    gone = withdrawn(study.records())
     for ppid in sorted(gone):
         if (study.path / ppid).exists():
             done.add(GONE, study.path / ppid, "a person who has withdrawn is still there")

@@ -19,7 +19,15 @@ from sandbox.study.record.copies import session_folders
 from sandbox.study.record.files import LOCK_FILES, locked, study_error, write_atomically
 from sandbox.study.record.folder import REPORT, StudyFolder
 from sandbox.study.record.journal import now
-from sandbox.study.record.notes import COPIED, NOTES, WITHDRAWN, add_note, read_notes, write_notes
+from sandbox.study.record.notes import (
+    COPIED,
+    NOTES,
+    WITHDRAWN,
+    add_note,
+    read_notes,
+    withdrawn,
+    write_notes,
+)
 from sandbox.study.tables.column import TABLES, csv_bytes
 from sandbox.study.tables.tables import BEFORE, make_tables
 from sandbox.system.files import sync_folder
@@ -53,7 +61,7 @@ def withdraw(study: StudyFolder, ppid: str) -> Withdrawal:
         StudyError: The participant does not exist, a session is open, or a file cannot be deleted;
             in the last case the note has been written, and another call continues.
     """
-    before = ppid in withdrawn(study)
+    before = ppid in withdrawn(study.records())
     if not before:
         study.find(ppid)
     with ExitStack() as stack:
@@ -75,11 +83,6 @@ def withdraw(study: StudyFolder, ppid: str) -> Withdrawal:
         for path in sorted((study.path / NOTES).glob("*.jsonl")):
             _remove_from_notes(path, ppid)
     return Withdrawal(files, before, tuple(map(Path, copied)), tuple(_traces(study, ppid)), unmade)
-
-
-def withdrawn(study: StudyFolder) -> set[str]:
-    """Pseudonyms of withdrawn participants."""
-    return {note["ppid"] for note in study.records() if note["kind"] == WITHDRAWN}
 
 
 def _remove_from_notes(path: Path, ppid: str) -> None:

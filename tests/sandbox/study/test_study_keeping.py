@@ -11,8 +11,9 @@ import pytest
 from models.errors import StudyError
 from sandbox.recording.recording import read_stored
 from sandbox.study.record.folder import SIMULATED, StudyFolder
+from sandbox.study.record.notes import withdrawn
 from sandbox.study.record.session_folder import SessionFolder
-from sandbox.study.share.withdraw import withdraw, withdrawn
+from sandbox.study.share.withdraw import withdraw
 from tests.support.study_files import design, rows_of
 
 
@@ -42,7 +43,7 @@ def test_who_withdraws_is_gone_but_for_a_tombstone_and_others_are_untouched(
     ):
         assert {r["participant"] for r in rows_of(study.path / "tables" / table)} <= {stays}
     assert {p: p.read_bytes() for p in before} == before
-    assert withdrawn(study) == {gone}
+    assert withdrawn(study.records()) == {gone}
 
 
 def test_a_withdrawal_that_was_cut_short_is_ended_by_another_call(study: StudyFolder) -> None:
