@@ -26,16 +26,6 @@ from sandbox.trial.result import TrialResult, fields
 Value = bool | int | float | str | None
 """Value of a measure; None if it does not apply to the trial."""
 
-ALL = "all"
-HANDLING = "tasks with objects to handle"
-GOALS = "tasks with goals"
-HINGES = "tasks with goals of parts on hinges"
-SLIDES = "tasks with goals of parts on slides"
-PLACES = "tasks with one goal that does not move"
-LABELS = "trials in which the true fingers are known, from a simulated user or from the device"
-LIVE = "trials with a live device"
-PAGE = "trials on the page"
-
 HIGH, LOW = "high", "low"
 """Values of `Measure.better`."""
 LIMIT, SHARE, COUNT, LOG, PLAIN = "limit", "share", "count", "log", "plain"
@@ -63,7 +53,6 @@ class Measure:
             several trials.
         better: `HIGH` or `LOW`, the better direction; empty if neither is better.
         scale: How a report averages and compares it.
-        tasks: Description of the trials that it applies to.
         source: Publication that defines it; empty if it was defined for this program.
         low: Smallest possible value.
         words: True if the values are words; exclusion rules and reports cannot use them.
@@ -78,7 +67,6 @@ class Measure:
     of: Callable[[TrialArrays, TrialResult], Value] | None = None
     better: str = ""
     scale: str = PLAIN
-    tasks: str = ALL
     source: str = ""
     low: float = 0.0
     words: bool = False
@@ -119,7 +107,7 @@ def _of_result(name: str, title: str, better: str, scale: str) -> Measure:
     )
 
 
-def _live(name: str, unit: str, title: str, means: str, tasks: str = ALL) -> Measure:
+def _live(name: str, unit: str, title: str, means: str) -> Measure:
     """A measure that is known only while the trial runs, such as a latency."""
     return Measure(
         name,
@@ -129,7 +117,6 @@ def _live(name: str, unit: str, title: str, means: str, tasks: str = ALL) -> Mea
         lambda trial, result: (result.measures or {}).get(name),
         LOW,
         LOG,
-        tasks,
         by_frames=False,
     )
 
@@ -172,7 +159,6 @@ MEASURES: tuple[Measure, ...] = (
         _first_attempt,
         HIGH,
         SHARE,
-        HANDLING,
     ),
     _live("first_contact_s", "s", "Time to first touch", "simulated time of the first touch"),
     Measure(
@@ -183,7 +169,6 @@ MEASURES: tuple[Measure, ...] = (
         _group(handling, "first_push_s"),
         LOW,
         LOG,
-        HANDLING,
     ),
     Measure(
         "grasps",
@@ -193,7 +178,6 @@ MEASURES: tuple[Measure, ...] = (
         _group(handling, "grasps"),
         LOW,
         COUNT,
-        HANDLING,
     ),
     Measure(
         "regrasps",
@@ -204,7 +188,6 @@ MEASURES: tuple[Measure, ...] = (
         _group(handling, "regrasps"),
         LOW,
         COUNT,
-        HANDLING,
     ),
     Measure(
         "drops",
@@ -214,7 +197,6 @@ MEASURES: tuple[Measure, ...] = (
         _group(handling, "drops"),
         LOW,
         COUNT,
-        HANDLING,
     ),
     Measure(
         "palm_path_m",
@@ -252,7 +234,6 @@ MEASURES: tuple[Measure, ...] = (
         _group(objects, "object_path_m"),
         LOW,
         LOG,
-        GOALS,
     ),
     Measure(
         "object_efficiency",
@@ -261,7 +242,6 @@ MEASURES: tuple[Measure, ...] = (
         "sum of the distances from start to end of the objects' paths, divided by object_path_m",
         _group(objects, "object_efficiency"),
         HIGH,
-        tasks=GOALS,
     ),
     Measure(
         "object_sparc",
@@ -271,7 +251,6 @@ MEASURES: tuple[Measure, ...] = (
         "first_push_s to time_s",
         _group(objects, "object_sparc"),
         HIGH,
-        tasks=GOALS,
         source=BALASUBRAMANIAN,
         low=-inf,
     ),
@@ -283,7 +262,6 @@ MEASURES: tuple[Measure, ...] = (
         _group(objects, "placement_error_m"),
         LOW,
         LOG,
-        GOALS,
     ),
     Measure(
         "placement_error_deg",
@@ -293,7 +271,6 @@ MEASURES: tuple[Measure, ...] = (
         "object to the nearest equivalent angle; mean over goals",
         _group(objects, "placement_error_deg"),
         LOW,
-        tasks=GOALS,
     ),
     Measure(
         "hinge_travel_deg",
@@ -302,7 +279,6 @@ MEASURES: tuple[Measure, ...] = (
         "total angle by which the hinges of all parts with a goal were turned, there and back",
         _group(joints, "hinge_travel_deg"),
         LOW,
-        tasks=HINGES,
     ),
     Measure(
         "hinge_efficiency",
@@ -311,7 +287,6 @@ MEASURES: tuple[Measure, ...] = (
         "sum of the changes of these hinges from start to end, divided by hinge_travel_deg",
         _group(joints, "hinge_efficiency"),
         HIGH,
-        tasks=HINGES,
     ),
     Measure(
         "slide_travel_m",
@@ -321,7 +296,6 @@ MEASURES: tuple[Measure, ...] = (
         _group(joints, "slide_travel_m"),
         LOW,
         LOG,
-        SLIDES,
     ),
     Measure(
         "slide_efficiency",
@@ -330,7 +304,6 @@ MEASURES: tuple[Measure, ...] = (
         "sum of the changes of these slides from start to end, divided by slide_travel_m",
         _group(joints, "slide_efficiency"),
         HIGH,
-        tasks=SLIDES,
     ),
     Measure(
         "label_switches",
@@ -347,7 +320,6 @@ MEASURES: tuple[Measure, ...] = (
         "Source of the true fingers",
         "source of the true fingers: `simulated user` or `device`; empty if they are unknown",
         _label_truth,
-        tasks=LABELS,
         words=True,
     ),
     Measure(
@@ -357,7 +329,6 @@ MEASURES: tuple[Measure, ...] = (
         "share of the time of labelled touches in which the label was right",
         _group(labels, "label_accuracy"),
         HIGH,
-        tasks=LABELS,
     ),
     Measure(
         "label_errors",
@@ -367,7 +338,6 @@ MEASURES: tuple[Measure, ...] = (
         _group(labels, "label_errors"),
         LOW,
         COUNT,
-        LABELS,
     ),
     Measure(
         "label_recovery_s",
@@ -378,7 +348,6 @@ MEASURES: tuple[Measure, ...] = (
         _group(labels, "label_recovery_s"),
         LOW,
         LOG,
-        LABELS,
     ),
     _live(
         "lost_s",
@@ -392,7 +361,6 @@ MEASURES: tuple[Measure, ...] = (
         "Time before the first touch",
         "real time for which the scene is seen until the first touch, which starts simulated time; "
         "pauses and time without the page are left out; 0 if simulated time starts at once",
-        PAGE,
     ),
     _live(
         "away_s",
@@ -400,14 +368,12 @@ MEASURES: tuple[Measure, ...] = (
         "Time without the page",
         "total real time for which the page was closed, hidden, or silent for more than 1.5 s "
         "(1 s with a finger down)",
-        PAGE,
     ),
     _live(
         "latency_p95_ms",
         "ms",
         "Latency (95th percentile)",
         "95th percentile of the time from receiving a touch to the step in which it took effect",
-        LIVE,
     ),
     Measure(
         "throughput_bit_s",
@@ -417,7 +383,6 @@ MEASURES: tuple[Measure, ...] = (
         "least 3, without practice and excluded trials); equal in all rows with these levels",
         better=HIGH,
         scale=LOG,
-        tasks=PLACES,
         source=ISO,
     ),
 )
