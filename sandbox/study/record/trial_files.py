@@ -8,15 +8,18 @@ kill meanwhile loses no data. One that has its end without a record is what a po
 
 from __future__ import annotations
 
-import os
 import re
 from pathlib import Path
 
-from msgspec import Struct
-
 from models.errors import RecordingError, StudyError
-from models.json_input import decoded
-from sandbox.recording.recording import SUFFIX, load_recording, packed, read_stored, stored
+from sandbox.recording.recording import (
+    SUFFIX,
+    Recording,
+    load_recording,
+    packed,
+    read_stored,
+    stored,
+)
 from sandbox.study.record.chain import digest_of
 from sandbox.study.record.copies import JOURNAL, person_folders, session_folders
 from sandbox.study.record.files import study_error, write_atomically
@@ -188,17 +191,22 @@ def pack(recording: Path) -> Path:
     return target
 
 
-def finished_result(path: Path) -> TrialResult | None:
-    """Result at the end of a recording; None if it is incomplete or was broken off."""
-    file = stored(path)
-    if not file.exists() or (file == path and not _may_be_complete(path)):
+def _ended(path: Path) -> Recording | None:
+    """A recording that has its end, whether the attempt was broken off or not; else None."""
+    if not stored(path).exists():
         return None
     try:
         recording = load_recording(path)
     except RecordingError:
         # The program was killed before the first line was complete.
         return None
-    if recording.damage or recording.end is None or recording.end["result"].get("broken_off"):
+    return None if recording.damage or recording.end is None else recording
+
+
+def finished_result(path: Path) -> TrialResult | None:
+    """Result at the end of a recording; None if it is incomplete or was broken off."""
+    recording = _ended(path)
+    if recording is None or recording.end is None or recording.end["result"].get("broken_off"):
         return None
     return TrialResult.from_json(recording.end["result"], str(path))
 
@@ -217,33 +225,6 @@ STOOD_STILL = ("waited_s", "away_s", "lost_s")
 """Measures of real time in which no simulated time passes."""
 
 
-class _LastLine(Struct):
-    """Field that only the last line of a recording has."""
-
-    kind: str = ""
-
-
-def _may_be_complete(path: Path) -> bool:
-    """Returns False if the last line is half written or not an end line; reads 64 KiB at most."""
-    with path.open("rb") as file:
-        file.seek(max(0, os.fstat(file.fileno()).st_size - 65_536))
-        tail = file.read()
-    if not tail.endswith(b"\n"):
-        return False
-    try:
-        line = decoded(
-            tail.split(b"\n")[-2],
-            _LastLine,
-            RecordingError,
-            what="the last line is damaged",
-            where=str(path),
-        )
-    except RecordingError:
-        # The last line may be longer than the part that was read.
-        return True
-    return line.kind == "end"
-
-
 def unknown_recordings(session: Path, state: SessionState) -> list[str]:
     """Recordings that no record names, without `.gz`, in order.
 
@@ -259,13 +240,7 @@ def unknown_recordings(session: Path, state: SessionState) -> list[str]:
 
 def is_whole(path: Path) -> bool:
     """True if a recording has its end, whether the attempt was broken off or not."""
-    if finished_result(path) is not None:
-        return True
-    try:
-        recording = load_recording(path) if stored(path).exists() else None
-    except RecordingError:
-        return False
-    return recording is not None and recording.end is not None and not recording.damage
+    return _ended(path) is not None
 
 
 def whole_leftovers(session: Path, state: SessionState) -> list[str]:

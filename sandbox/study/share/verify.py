@@ -17,7 +17,7 @@ from sandbox.recording.recording import SUFFIX, load_recording, read_stored, sto
 from sandbox.recording.versions import states_difference
 from sandbox.study.design.plan import session_plan, trials_of
 from sandbox.study.record.build import code_digest
-from sandbox.study.record.chain import HASH, Record, digest_of, follows
+from sandbox.study.record.chain import HASH, Record, digest_of
 from sandbox.study.record.copies import JOURNAL, SESSIONS, copies
 from sandbox.study.record.folder import (
     FILES,
@@ -25,7 +25,7 @@ from sandbox.study.record.folder import (
     StudyFolder,
     readable_design,
 )
-from sandbox.study.record.journal import checked_record
+from sandbox.study.record.journal import sound_records
 from sandbox.study.record.notes import (
     SEALED,
     Seal,
@@ -135,7 +135,6 @@ class _Read:
         person: Whose it is; None if nobody's notes are there.
         number: Number of the session.
         records: The records.
-        lines: Numbers of their lines.
         sound: True if nothing was wrong.
     """
 
@@ -143,7 +142,6 @@ class _Read:
     person: Participant | None
     number: int
     records: list[Record]
-    lines: list[int]
     sound: bool
 
 
@@ -168,7 +166,6 @@ def verify(path: Path, seals: Path | None = None, replays: bool = True) -> Verif
         )
     people = {person.ppid: person for person in study.participants()}
     known = _check_folders(done)
-    # A damaged record is read as far as it goes, so that every fault is named.
     sessions = [_read(done, file, people.get(file.parents[1].name)) for file in known]
     lines = sum(len(session.records) for session in sessions)
     done.compared[CHAINS] = f"{counted(lines, 'line')} of {counted(len(sessions), 'session')}"
@@ -202,46 +199,19 @@ def _check_folders(done: Verified) -> list[Path]:
 
 
 def _read(done: Verified, path: Path, person: Participant | None) -> _Read:
-    """Reads the record of a session to its end, whatever is wrong with it."""
-    *lines, rest = path.read_bytes().split(b"\n")
-    before = len(done.found[CHAINS])
-    kept: list[tuple[int, Record]] = []
-    head: str | None = ""
-    for number, line in enumerate(lines, start=1):
-        try:
-            record = checked_record(line, f"line {number}")
-        except StudyError as error:
-            if number == len(lines) and line.endswith(b"\0"):
-                done.note(path, "ends in zeros, after a power cut")
-                break
-            got = "" if error.got is None else f" (got {error.got})"
-            done.add(CHAINS, path, f"{error.what}{got}", number)
-            head = None
-            continue
-        if head is not None and not follows(line, record[HASH], head):
-            _name_break(done, path, record, kept[-1][1] if kept else None, number)
-        kept.append((number, record))
-        head = record[HASH]
-    if rest:
-        done.note(path, f"line {len(lines) + 1} is half written, as when a program was killed")
-    sound = len(done.found[CHAINS]) == before
-    number = int(path.parent.name[1:])
-    return _Read(path, person, number, [r for _, r in kept], [n for n, _ in kept], sound)
-
-
-def _name_break(
-    done: Verified, path: Path, record: Record, last: Record | None, number: int
-) -> None:
-    """Names what is wrong with a line that has not the hash of itself and of the line before."""
-    expected = 0 if last is None else last["n"] + 1
-    n = record["n"]
-    if n > expected:
-        gone = f"record {expected}" if n == expected + 1 else f"records {expected} to {n - 1}"
-        done.add(CHAINS, path, f"missing before this line: {gone}", number)
-    elif n < expected:
-        done.add(CHAINS, path, f"out of order: record {n} after record {expected - 1}", number)
-    else:
-        done.add(CHAINS, path, "changed: its hash is not that of it and the line before", number)
+    """Reads the record of a session up to its first damaged line, which is named."""
+    data = path.read_bytes()
+    records, sound, damage = sound_records(data, path)
+    rest, number = data[sound:], len(records) + 1
+    if damage is not None:
+        found = (("got", damage.got), ("expected", damage.expected))
+        told = ", ".join(f"{name} {what}" for name, what in found if what is not None)
+        done.add(CHAINS, path, f"{damage.what} ({told})" if told else damage.what, number)
+    elif rest.endswith(b"\0\n"):
+        done.note(path, "ends in zeros, after a power cut")
+    elif rest:
+        done.note(path, f"line {number} is half written, as when a program was killed")
+    return _Read(path, person, int(path.parent.name[1:]), records, damage is None)
 
 
 def _check_seals(
@@ -413,7 +383,7 @@ def _check_plan(done: Verified, session: _Read) -> None:
         done.add(PLANS, session.path.parents[1], what)
         return
     planned: dict[int, tuple[object, object]] = {}
-    for line, record in zip(session.lines, session.records, strict=True):
+    for line, record in enumerate(session.records, start=1):
         if record["kind"] in RUNS and FILES in record:
             design = readable_design(record[FILES])
             if design is None:
