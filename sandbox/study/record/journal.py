@@ -257,7 +257,7 @@ def sound_records(data: bytes, path: Path) -> tuple[list[Record], int, StudyErro
             break
         where = f"{path}, line {number}"
         try:
-            record = read_record(line, len(records), where)
+            record = _read_record(line, len(records), where)
         except LaterLayoutError:
             # It is whole, and nothing of it may be given up.
             raise
@@ -289,36 +289,24 @@ def _damage(
 
 
 _DAMAGED = "the journal is damaged"
-_REMEDY = "Restore it from a backup; nothing was changed"
 
 
-def read_record(line: bytes, n: int, where: str) -> Record:
+def _read_record(line: bytes, n: int, where: str) -> Record:
     """Parses and checks the record number `n`, counted from 0.
 
     Raises:
-        StudyError: The record is damaged, or has another number.
+        StudyError: The record is damaged, of a later version of the program, or has another number.
     """
-    record = checked_record(line, where)
+    record = decoded_record(line, StudyError, what=_DAMAGED, where=where)
+    refuse_later_layout(record, where)
+    checked(record, AnyRecord, StudyError, what=_DAMAGED, where=where)
     if record["n"] != n:
         raise StudyError(
             f"{_DAMAGED}: its records are not in order",
             where=where,
             got=f"record {record['n']}",
             expected=f"record {n}",
-            remedy=_REMEDY,
         )
-    return record
-
-
-def checked_record(line: bytes, where: str) -> Record:
-    """Parses a record and checks its fields.
-
-    Raises:
-        StudyError: The record is damaged, or of a later version of the program.
-    """
-    record = decoded_record(line, StudyError, what=_DAMAGED, where=where, remedy=_REMEDY)
-    refuse_later_layout(record, where)
-    checked(record, AnyRecord, StudyError, what=_DAMAGED, where=where, remedy=_REMEDY)
     if record["kind"] in RUNS:
         number_from_one(record)
     return record

@@ -557,21 +557,7 @@ def _answered(data: StudyData, rows: DataFrame, numbers: Array) -> Values:
     means, trials = _by_person(data, rows["ppid"], at, numbers, len(cells))
     levels = tuple({f.name: x for f, x in zip(factors, c, strict=True)} for c in cells)
     names = tuple(JOINED.join(c) or "all" for c in cells)
-    within = tuple(
-        replace(
-            f,
-            within=bool(
-                (
-                    trials[
-                        :, Values((f,), names, levels, means, trials).cells_of(f, f.levels[0])
-                    ].sum(axis=1)
-                    < trials.sum(axis=1)
-                ).any()
-            ),
-        )
-        for f in factors
-    )
-    return Values(within, names, levels, means, trials)
+    return Values(factors, names, levels, means, trials)
 
 
 def words(data: StudyData) -> list[Words]:

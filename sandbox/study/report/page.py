@@ -44,18 +44,22 @@ from sandbox.study.report.numbers import (
 if TYPE_CHECKING:
     from pandas import DataFrame
 
-KINDS = {"real": "Study", "pilot": "Pilot", "simulated": "Simulated"}
-TITLES = {"real": "{}", "pilot": "Pilot of {}", "simulated": "{}, simulated"}
-WARNINGS = {
-    "simulated": "No person took part. Simulated users did these trials, which show that the study "
-    "runs but nothing about people.",
-    "pilot": "Data of a pilot. They are not part of the study.",
+MODES = {
+    "real": ("Study", "{}", ""),
+    "pilot": ("Pilot", "Pilot of {}", "Data of a pilot. They are not part of the study."),
+    "simulated": (
+        "Simulated",
+        "{}, simulated",
+        "No person took part. Simulated users did these trials, which show that the study runs but "
+        "nothing about people.",
+    ),
+    "unknown": (
+        "Unknown kind",
+        "{}, data of unknown kind",
+        "These tables do not show whether people took part.",
+    ),
 }
-UNKNOWN_KIND = (
-    "Unknown kind",
-    "{}, data of unknown kind",
-    "These tables do not show whether people took part.",
-)
+"""Kinds of data: name, title and warning of their pages."""
 ALONE = (
     "There are no records in this folder: these are its tables as they are, and nothing here shows "
     "whether somebody has changed them."
@@ -172,10 +176,8 @@ class _Safe(str):
 def head(found: Results) -> dict[str, Any]:
     """Values of the head of the page: title, warning, facts and findings."""
     data = found.data
-    mode = data.mode if data.mode in KINDS else "unknown"
-    kind, title, warning = UNKNOWN_KIND
-    if mode != "unknown":
-        kind, title, warning = KINDS[mode], TITLES[mode], WARNINGS.get(mode, "")
+    mode = data.mode if data.mode in MODES else "unknown"
+    kind, title, warning = MODES[mode]
     upgraded = (
         "The study was changed after people had begun; the last section says what and why."
         if data.upgrades
