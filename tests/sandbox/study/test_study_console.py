@@ -383,16 +383,3 @@ def test_whatever_is_typed_is_a_command_or_is_answered(line: str) -> None:
 def test_what_is_no_number_is_no_answer(text: str) -> None:
     with pytest.raises(StudyError):
         read_answer(Item("x", "number", {"en": "?"}), text)
-
-
-@pytest.mark.parametrize("asked", ["0", "-1"])
-def test_a_study_without_people_is_refused(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str], asked: str
-) -> None:
-    file = tmp_path / "my.toml"
-    file.write_text(DESIGN)
-    for words in (["plan", str(file)], ["simulate", str(file), "--out", str(tmp_path / "out")]):
-        assert main(["study", *words, "--participants", asked]) == 2
-        (line,) = capsys.readouterr().err.strip().splitlines()
-        assert f"--participants: not a number of participants (got {asked}" in line
-    assert not (tmp_path / "out").exists()

@@ -199,7 +199,6 @@ def test_who_takes_part_after_all_before_any_trial_gets_the_next_free_number(
 @pytest.mark.parametrize(
     ("words", "what"),
     [
-        (["export", "{}", "--anonymise", "--out", "x"], "`sandbox study share STUDY --out FOLDER`"),
         (["share", "{}", "--out", "{}/inside"], "inside its study"),
         (["share", "{}", "--bin", "age", "--out", "x"], "not an item and width"),
         (["share", "{}", "--bin", "age:inf", "--out", "x"], "from 1e-06 to 1e+06"),
@@ -208,9 +207,7 @@ def test_who_takes_part_after_all_before_any_trial_gets_the_next_free_number(
             ["share", "{}", "--drop", "wage", "--out", "x"],
             "no such demographic item",
         ),
-        (["export", "{}", "--bids", "--out", "x"], "this was removed"),
         (["share", "{}/..", "--out", "x"], "not a study folder"),
-        (["backup", "{}"], "STUDY --verify` verifies what was unpacked"),
         (["note", "{}", "--participant", "ABCDEF", "--withdraw"], "no such participant in this"),
         (
             ["note", "{}", "--participant", "ZZZZZZ", "--release", "r"],
@@ -221,9 +218,6 @@ def test_who_takes_part_after_all_before_any_trial_gets_the_next_free_number(
             ["note", "{}", "--participant", "Z", "--trial", "1", "--release", "r"],
             "not a trial",
         ),
-        (["withdraw", "{}", "--participant", "ABCDEF"], "--withdraw` deletes their data"),
-        (["recover", "{}"], "--accept-loss REASON` accepts"),
-        (["merge", "{}", "{}", "--out", "x"], "cp -r siteB/NAME/* siteA/NAME/"),
     ],
 )
 def test_a_mistake_costs_one_line_and_nothing_else(

@@ -207,19 +207,6 @@ def test_what_is_no_design_is_refused(text: str) -> None:
         parse_design(text, Path("x.toml"))
 
 
-def test_questions_may_stand_in_a_file_of_their_own(tmp_path: Path) -> None:
-    (tmp_path / "own.toml").write_text(
-        'title = "T"\n[[items]]\nname = "a"\nkind = "scale"\nask = "A?"\n'
-    )
-    text = CROSSED + '[[questionnaires]]\nname = "own"\nat = "task"\nfile = "own.toml"\n'
-    (tmp_path / "design.toml").write_text(text)
-    form = load_design(tmp_path / "design.toml").questionnaires[0]
-    assert (form.title["en"], form.items[0].name) == ("T", "a")
-    (tmp_path / "own.toml").write_text('title = "T"\n[[items]]\nname = "a"\nkind = "sacle"\n')
-    with pytest.raises(DesignError, match=r"own\.toml, line 4.*Did you mean scale"):
-        load_design(tmp_path / "design.toml")
-
-
 def test_a_design_of_brackets_alone_is_a_mistake_of_one_line(tmp_path: Path) -> None:
     (tmp_path / "deep.toml").write_text("a = " + "[" * 20_000)
     with pytest.raises(DesignError):

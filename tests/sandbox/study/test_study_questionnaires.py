@@ -11,7 +11,6 @@ from hypothesis import strategies as st
 
 from sandbox.study.design.design import Form
 from sandbox.study.design.design_file import parse_design
-from sandbox.study.design.plan import FormStep, session_plan
 from sandbox.study.design.questionnaires import arranged, instruments
 from sandbox.study.design.reading import DesignError
 from sandbox.study.design.scoring import score, scores, tally
@@ -104,23 +103,6 @@ def test_an_answer_that_is_missing_gives_no_score_and_says_so(use: str) -> None:
         used = (*scale.items, *scale.pairs)
         assert score(scale, {**whole, used[-1]: None}).value is None
         assert score(scale, {k: v for k, v in whole.items() if k not in used}).missing == len(used)
-
-
-def test_pairs_are_asked_in_another_order_by_everybody_and_ratings_are_not() -> None:
-    text = DESIGN + '\n[[questionnaires]]\nuse = "nasa-tlx"\nat = "end"\n'
-    plan = [session_plan(design(text), number) for number in range(1, 9)]
-    forms = [
-        s.form
-        for steps in plan
-        for s in steps
-        if isinstance(s, FormStep) and s.form.name == "nasa-tlx"
-    ]
-    assert len(forms) == 8
-    assert all(tuple(i.name for i in f.items[:6]) == TLX for f in forms)
-    orders = {tuple((i.name, i.choices) for i in f.items[6:]) for f in forms}
-    assert len(orders) == 8
-    again = [s.form for s in session_plan(design(text), 4) if isinstance(s, FormStep)]
-    assert forms[3] in again
 
 
 @given(st.integers(0, 2**32))

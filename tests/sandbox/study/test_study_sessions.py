@@ -14,7 +14,6 @@ from sandbox.cli.main import main
 from sandbox.study.design.balance import balanced_latin_square
 from sandbox.study.design.design import Design
 from sandbox.study.design.plan import ConsentStep, FormStep, TrialStep, session_plan, trials_of
-from sandbox.study.design.reading import DesignError
 from sandbox.study.record.folder import SIMULATED, StudyFolder
 from sandbox.study.record.journal import read_journal
 from sandbox.study.record.session_folder import SessionFolder
@@ -130,31 +129,6 @@ def test_consent_and_questions_about_the_person_come_once_and_the_rest_where_it_
     assert asked == [["demographics"], ["effort", "effort"]]
     assert [any(isinstance(s, ConsentStep) for s in plan) for plan in plans] == [True, False]
     assert [sum(t.practice for t in trials_of(plan)) for plan in plans] == [2, 0]
-
-
-@pytest.mark.parametrize(
-    ("sound", "wrong", "told"),
-    [
-        ("practice_sessions = [1]", "practice_sessions = [3]", "numbers from 1 to 2 .*such as .1."),
-        ("practice_sessions = [1]", "practice_sessions = [true]", "got .True."),
-        ("practice_sessions = [1]", "practice_sessions = 1", "got 1"),
-        ('order = "latin"', 'order = "between"\none_a_session = true', "Choose another order"),
-        (
-            '["hard", "soft"]',
-            '["hard", "soft", "none"]\none_a_session = true',
-            "3 levels do not match sessions = 2. Write sessions = 3",
-        ),
-        (
-            "[trials]",
-            '[[factors]]\nname = "servo"\nlevels = ["orientation", "position"]\n'
-            "one_a_session = true\n[trials]",
-            "only the outermost factor",
-        ),
-    ],
-)
-def test_a_mistake_about_sessions_is_told(sound: str, wrong: str, told: str) -> None:
-    with pytest.raises(DesignError, match=told):
-        design(TWICE.replace(sound, wrong, 1))
 
 
 def test_both_sessions_have_folders_and_rows_of_their_own(study: StudyFolder) -> None:

@@ -162,28 +162,6 @@ def test_a_part_that_is_put_back_makes_no_travel_by_that_and_a_still_one_has_no_
     assert found.values["slide_travel_m"] is None
 
 
-def test_a_hand_that_rises_and_comes_down_elsewhere_goes_straight_there() -> None:
-    palm = np.zeros((30, 3))
-    palm[10:20, 2] = 0.09
-    palm[20:, 0] = 0.04
-    phases = ["down"] * 10 + ["above"] * 10 + ["down"] * 10
-    found = measure_trial(
-        table(palm, np.zeros((30, 3)), np.zeros(3), phase=phases),
-        trial_result(1.0, success=False),
-    ).values
-    assert found["palm_path_m"] == pytest.approx(0.04)
-    assert found["palm_efficiency"] == pytest.approx(1.0) and found["completion_s"] is None
-
-
-def test_without_frames_only_what_the_result_says_is_measured() -> None:
-    none = np.zeros((0, 3))
-    by_result = {"success": False, "progress": 0.0, "time_s": 0.0}
-    for trial in (table(none, none, np.zeros(3)), None):
-        found = measure_trial(trial, trial_result(0.0, success=False))
-        assert not found.failed and found.moved is None
-        assert {n: v for n, v in found.values.items() if v is not None} == by_result
-
-
 @pytest.mark.parametrize(
     ("alike", "turn", "off"),
     [(1, 3.0, 3.0), (2, 3.0, 3.0 - np.pi), (4, 1.4, 1.4 - np.pi / 2), (0, 1.0, 0.0)],

@@ -187,21 +187,6 @@ def test_another_version_of_libm_with_equal_values_is_equal() -> None:
     assert noted_changes(before, {"libm": "glibc 2.41, 0123456789ab"}) == []
 
 
-def test_a_task_of_ones_own_that_has_changed_is_refused_unless_forced(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """Data of two tasks were mixed without a word."""
-    first = open_study(tmp_path)
-    first.add()
-    (name,) = first.build[OWN_TASKS]
-    other = {**first.build, OWN_TASKS: {name: "0123456789abcdef"}}
-    monkeypatch.setattr("sandbox.study.record.folder.build_of", lambda _: other)
-    with pytest.raises(StudyError, match=rf"the things of {name} have changed.*force-upgrade"):
-        open_study(tmp_path)
-    study = StudyFolder(tmp_path, design(), SIMULATED, "a typing error in its reason")
-    assert study.records()[-1]["kind"] == "upgrade"
-
-
 def test_a_study_from_before_tasks_of_ones_own_were_locked_goes_on() -> None:
     here = build_module.build_of(design())
     before = {name: value for name, value in here.items() if name != OWN_TASKS}

@@ -5,10 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
-import pytest
 
 from sandbox.study.design.design_file import parse_design
-from sandbox.study.design.reading import DesignError
 from sandbox.study.design.scoring import scores
 from sandbox.study.report.data import load_study
 from sandbox.study.report.numbers import CONFIRMATORY, EXPLORATORY, Pair, holm, results
@@ -157,28 +155,6 @@ def test_with_primary_outcomes_only_these_are_tested(tmp_path: Path) -> None:
     assert "Effort, b against a" in page.text or "effort, b against a" in page.text
     assert "Time to success, b against a:" not in page.text
     assert "The design names effort as primary; only these are tested: 3 tests" in page.text
-
-
-def test_a_primary_outcome_without_data_is_named(tmp_path: Path) -> None:
-    answered(tmp_path, design=with_primary("time_s", "regrasps"))
-    assert "Without data to compare: regrasps." in report(tmp_path).text
-
-
-@pytest.mark.parametrize(
-    ("name", "said"),
-    [
-        ("beauty", "unknown outcome 'beauty'"),
-        ("time", "Did you mean time_s?"),
-        ("sus", "sus is asked once"),
-        ("sus", "Ask sus at a factor, after each of its levels"),
-        ("mood", "mood has several questions and no score"),
-        ("mood", "Give mood a scale, [[questionnaires.scales]] (docs/studies.md)"),
-    ],
-)
-def test_the_check_refuses_outcomes_that_cannot_be_compared(name: str, said: str) -> None:
-    with pytest.raises(DesignError) as error:
-        parse_design(with_primary("success", name), Path("design.toml"), try_out=False)
-    assert said in str(error.value) and "analysis.primary" in str(error.value)
 
 
 def test_a_questionnaire_of_one_question_that_is_primary_has_its_answer_as_its_score() -> None:

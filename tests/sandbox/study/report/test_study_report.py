@@ -30,7 +30,6 @@ from tests.sandbox.study.report.study_reports import (
     report,
     rows_of,
 )
-from tests.support.planted_study import Truth
 from tests.support.study_files import DESIGN, design
 
 
@@ -168,22 +167,6 @@ def test_a_word_in_the_place_of_a_number_is_named_with_its_row(tmp_path: Path) -
     put(tmp_path, rows)
     with pytest.raises(StudyError, match=r"time_s, row 6.*soon"):
         make_report(tmp_path, tmp_path / "report")
-
-
-@pytest.mark.parametrize("people", [1, 4])
-def test_trials_that_were_skipped_are_told_with_whose_they_were(
-    tmp_path: Path, people: int
-) -> None:
-    planted(tmp_path, Truth(people=people, repetitions=2))
-    names = sorted({row["ppid"] for row in rows_of(tmp_path / "tables/trials.csv")})
-    counts = [
-        {"ppid": name, "complete": "1", "trials_done": str(9 - 3 * (not i)), "trials_planned": "9"}
-        for i, name in enumerate(names)
-    ]
-    columns = ("ppid", "complete", "trials_done", "trials_planned")
-    (tmp_path / "tables/participants.csv").write_bytes(csv_bytes(counts, columns))
-    told = f"Trials that were skipped, practice included: {names[0]} 3. They have no row"
-    assert told in report(tmp_path).text
 
 
 def test_every_exclusion_is_stated_and_sums_agree(tmp_path: Path) -> None:
