@@ -135,7 +135,7 @@ def power(effect: float, n: int, alpha: float = ALPHA, between: bool = False) ->
     return 1.0 - missed
 
 
-def detectable(n: int, tests: int = 1, between: bool = False, wanted: float = WANTED) -> float:
+def detectable(n: int, tests: int = 1, between: bool = False) -> float:
     """The smallest difference that n people find, in standard deviations; infinite if none up to
     `MOST` is.
 
@@ -143,37 +143,34 @@ def detectable(n: int, tests: int = 1, between: bool = False, wanted: float = WA
         n: Number of people.
         tests: Number of tests of the study.
         between: True for two groups instead of pairs.
-        wanted: Probability of finding it.
     """
     low, high = 0.0, 1.0
-    while power(high, n, ALPHA / tests, between) < wanted:
+    while power(high, n, ALPHA / tests, between) < WANTED:
         if high >= MOST:
             return inf
         low, high = high, min(2.0 * high, MOST)
     while high - low > PRECISION:
         middle = (low + high) / 2.0
-        if power(middle, n, ALPHA / tests, between) < wanted:
+        if power(middle, n, ALPHA / tests, between) < WANTED:
             low = middle
         else:
             high = middle
     return high
 
 
-def people_needed(
-    effect: float, tests: int = 1, between: bool = False, wanted: float = WANTED
-) -> int | None:
+def people_needed(effect: float, tests: int = 1, between: bool = False) -> int | None:
     """The smallest number of people who find a difference; even for two groups, and None if it is
     above `MOST_PEOPLE`.
 
     Args:
         effect: The difference, in standard deviations.
-        tests, between, wanted: As for `detectable`.
+        tests, between: As for `detectable`.
     """
     step = 2 if between else 1
     low, high = 2 // step, MOST_PEOPLE // step + 1
     while high - low > 1:
         middle = (low + high) // 2
-        enough = power(effect, middle * step, ALPHA / tests, between) >= wanted
+        enough = power(effect, middle * step, ALPHA / tests, between) >= WANTED
         low, high = (low, middle) if enough else (middle, high)
     return high * step if high * step <= MOST_PEOPLE else None
 

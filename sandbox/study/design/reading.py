@@ -166,22 +166,19 @@ class TomlTable:
             self.add_mistake(key, f"got {value!r}", "Write true or false")
         return value is True
 
-    def choice(self, key: str, options: Sequence[str] = (), else_: str = "") -> str:
+    def choice(self, key: str, options: Sequence[str] = ()) -> str:
         """Takes one of several words.
 
         Args:
             key: Key of the table.
             options: The words, if they are not declared.
-            else_: What else to do about another word, for the message.
         """
         known = self.field(key)
         options, value = options or tuple(known.options), self.string(key)
         if value not in options and (value or known.default is not None):
             near = get_close_matches(value, options, 1)
             hint = f"Did you mean {near[0]}? " if near else ""
-            self.add_mistake(
-                key, f"got {value!r}", f"{hint}Write one of {', '.join(options)}{else_}"
-            )
+            self.add_mistake(key, f"got {value!r}", f"{hint}Write one of {', '.join(options)}")
             return str(known.default or "")
         return value
 

@@ -25,8 +25,8 @@ FARTHEST = 2.0
 """Farthest end of a drawn interval, in multiples of the span of values; see `_scale`."""
 MARGIN = 0.03
 """Space beyond fixed ends of an axis, in multiples of their distance: markers are whole there."""
-WIDTH = 7.2
-"""Width of a plot, in; the page scales it."""
+WIDTH, LEFT = 7.2, 0.75
+"""Width of a plot, and of its left margin, in; the page scales it."""
 _STYLE: Any = {
     "svg.fonttype": "none",
     # A dollar sign in the name of a level must not start a formula.
@@ -59,7 +59,6 @@ _STYLE: Any = {
 @contextmanager
 def _figure(
     body: float,
-    left: float = 0.75,
     above: float = 0.1,
     below: float = 0.55,
     columns: int = 1,
@@ -76,7 +75,7 @@ def _figure(
         FigureCanvasSVG(figure)
         axes = figure.subplots(1, columns, squeeze=False, **how)
         figure.subplots_adjust(
-            left / WIDTH, below / height, 1.0 - 0.15 / WIDTH, 1.0 - above / height, wspace=0.08
+            LEFT / WIDTH, below / height, 1.0 - 0.15 / WIDTH, 1.0 - above / height, wspace=0.08
         )
         yield figure, list(axes[0])
 
@@ -259,8 +258,8 @@ def _label(name: str) -> str:
     return "\u200b" + name if name.startswith("_") else name
 
 
-def _short(text: str, most: int = 18) -> str:
-    return text if len(text) <= most else text[: most - 1] + "…"
+def _short(text: str) -> str:
+    return text if len(text) <= 18 else text[:17] + "…"
 
 
 def _scale(axes: Any, log: bool, values: np.ndarray) -> None:

@@ -130,13 +130,13 @@ def _difference(path: Path, data: bytes) -> str:
     return rows if len(there) != len(here) else ""
 
 
-def table_files(study: StudyFolder, say: Say = _silent) -> dict[str, bytes]:
+def table_files(study: StudyFolder) -> dict[str, bytes]:
     """The tables of a study by name, as they follow from the records and frames that are there.
 
     Raises:
         StudyError: A record is damaged.
     """
-    return _files(study, _rows(study, _people(study), say), {})
+    return _files(study, _rows(study, _people(study), _silent), {})
 
 
 def keep_tables(study: StudyFolder) -> Path:
