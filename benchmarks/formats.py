@@ -23,17 +23,14 @@ import pytest
 from benchmarks.machine import describe_machine
 from models.arithmetic import Array
 from models.motion.armature import ORDERS, Y_UP, Z_UP, Armature, chunks
+from models.motion.asf import AmcWriter, read_amc, read_asf
+from models.motion.bvh import BvhWriter, read_bvh
+from models.motion.c3d import C3dWriter
+from models.motion.gltf import GltfWriter
 from models.motion.output import MotionWriter
 from models.motion.points import HandPoints
-from models.motion.read.asf import read_amc, read_asf
-from models.motion.read.bvh import read_bvh
-from models.motion.read.vicon_v import motion_of, read_v
-from models.motion.read.vsk import read_vsk
-from models.motion.write.asf import AmcWriter
-from models.motion.write.bvh import BvhWriter
-from models.motion.write.c3d import C3dWriter
-from models.motion.write.gltf import GltfWriter
-from models.motion.write.vicon_v import VWriter
+from models.motion.vicon_v import VWriter, motion_of, read_v
+from models.motion.vsk import read_vsk
 from models.skeleton import ADULT
 
 COUNT, RATE = 240, 60.0

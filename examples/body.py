@@ -34,8 +34,8 @@ from PIL import Image, ImageDraw
 from encoders import LinearEncoder, QuadraticEncoder
 from encoders.regression.train import RIDGES
 from models.errors import InputError
+from models.motion.asf import read_amc, read_asf
 from models.motion.motion import Motion
-from models.motion.read.asf import read_amc, read_asf
 from models.rotations import exp, geodesic_angle, log
 
 Array = NDArray[np.float64]

@@ -32,7 +32,7 @@ for module in pkgutil.walk_packages(package.__path__, package.__name__ + "."):
 for name in package.__all__:
     getattr(package, name)
 if package.__name__ == "models":
-    from models.robot.known import ROBOTS, find_robot
+    from models.robot.mapping import ROBOTS, find_robot
     for name in ROBOTS:
         find_robot(name)
 elif package.__name__ == "encoders":

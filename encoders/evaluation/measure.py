@@ -12,10 +12,17 @@ from numpy.typing import NDArray
 
 from encoders.capture import Capture
 from encoders.evaluation.copas import FOLDS, Copas, copas
-from encoders.evaluation.errors import PoseErrors, limit_share, pose_errors, tip_errors
+from encoders.evaluation.errors import (
+    PoseErrors,
+    Smoothness,
+    joined,
+    limit_share,
+    pose_errors,
+    smoothness,
+    tip_errors,
+)
 from encoders.evaluation.labels import COUNTS, OwnLabels, Verdicts, own_labels, takes
 from encoders.evaluation.methods import Method
-from encoders.evaluation.smoothness import Smoothness, joined, smoothness
 from models.arithmetic import Array
 from models.errors import EncoderError
 

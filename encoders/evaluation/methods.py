@@ -1,19 +1,34 @@
-"""Methods under evaluation: a pose estimate from labelled touches, and a labeller."""
+"""Methods under evaluation, by name: a labeller, and a pose from touches, trained on a capture."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Protocol
+from functools import cached_property
+from pathlib import Path
+from typing import Protocol, Self
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
+from encoders.capture import Capture
 from encoders.encoder import Encoder
+from encoders.evaluation.person_model import CANDIDATES, PersonEstimate, person_model
 from encoders.input_vector import contact_vectors
+from encoders.labels.belief import builtin_population_belief
 from encoders.labels.labelling import Labeller
+from encoders.labels.paper import PaperLabels
+from encoders.regression.registry import (
+    ENCODER_PLUGINS,
+    ENCODERS,
+    find_encoder,
+    is_external,
+)
+from encoders.regression.train import predicted
+from encoders.regression.trained import TrainedModel, load_model
 from models.arithmetic import Array
-from models.pose import absolute_pose
+from models.errors import EncoderError, InputError, unknown_name
+from models.pose import POSE_SIZE, absolute_pose
 
 
 class Method(Protocol):
@@ -68,3 +83,155 @@ class EncoderMethod:
     def labeller(self) -> Labeller:
         """See `Method.labeller`."""
         return self.make_labeller()
+
+
+Progress = Callable[[float], None]
+
+LEAST_SQUARES = {
+    "linear": "linear",
+    "quadratic": "quadratic",
+    "cubic": "cubic",
+    "paper": "quadratic",
+}
+"""The paper's encoders by plain least squares, as there. `paper` is its method: the quadratic."""
+
+TRAINED = "trained"
+"""The model that `sandbox train` makes of the training data, with the labels that ship."""
+
+NAMES = (*LEAST_SQUARES, "pca-ik", "mean", TRAINED)
+"""Methods that can be trained by name."""
+
+
+def _unknown(name: str) -> InputError:
+    """The error of an encoder that there is not."""
+    others = "a FILE.npz made by `sandbox train`, or FILE.py:CLASS"
+    what, where = "no such encoder", "--encoders"
+    return unknown_name(what, name, NAMES, where=where, others=others, kind=EncoderError)
+
+
+@dataclass(frozen=True)
+class Training:
+    """Training data of methods.
+
+    Attributes:
+        capture: Labelled contacts and poses.
+    """
+
+    capture: Capture
+
+    def method(self, name: str, progress: Progress | None = None) -> Method:
+        """A method of `NAMES`, a model's file or an encoder that is not ours, ready for use.
+
+        Raises:
+            EncoderError: The method or file does not exist, or cannot be trained on this capture.
+        """
+        if name in LEAST_SQUARES:
+            return self._fitted(name, ENCODERS[LEAST_SQUARES[name]])
+        if name == "pca-ik":
+            return self._fitted(name, ENCODERS[name], metric="touches")
+        if name == "mean":
+            return self._fitted(name, MeanEncoder, metric="touches")
+        if is_external(name):
+            return self._fitted(_table_name(name), find_encoder(name))
+        if name == TRAINED:
+            model = person_model(self.capture, progress)
+            fresh = CANDIDATES[model.meta["winner"]]
+            return PersonMethod(name, model, builtin_population_belief, history=True, fresh=fresh)
+        if Path(name).suffix == ".npz":
+            model = load_model(Path(name))
+            paper = PaperLabels(model)
+            if model.correction is not None:
+                return PersonMethod(Path(name).stem, model, lambda: paper)
+            return EncoderMethod(Path(name).stem, model.encoder, lambda: paper)
+        raise _unknown(name)
+
+    def _fitted(self, name: str, fresh: type[Encoder], metric: str = "joints") -> EncoderMethod:
+        """An encoder with the paper's labelling rule, which has no history and so is shared."""
+        model = self._model(fresh())
+        paper = PaperLabels(model, metric)
+        return EncoderMethod(name, model.encoder, lambda: paper, fresh=fresh)
+
+    def _model(self, encoder: Encoder) -> TrainedModel:
+        U, Q = self._inputs
+        with ENCODER_PLUGINS.guarded(type(encoder).__qualname__, "the encoder cannot learn"):
+            # Copies: other encoders learn from the same frames afterwards.
+            encoder.fit(U.copy("K"), Q.copy("K"))
+        predicted(encoder, U[:1])
+        return TrainedModel("", encoder, np.eye(POSE_SIZE), U, Q)
+
+    @cached_property
+    def _inputs(self) -> tuple[np.ndarray, np.ndarray]:
+        return self.capture.u, self.capture.relative
+
+
+class PersonMethod(EncoderMethod):
+    """A model of one person, whose poses are corrected by the person's bones and smoothed; its
+    encoder alone is tested for overfitting."""
+
+    def __init__(
+        self,
+        name: str,
+        model: TrainedModel,
+        make_labeller: Callable[[], Labeller],
+        history: bool = False,
+        fresh: Callable[[], Encoder] | None = None,
+    ) -> None:
+        super().__init__(name, model.encoder, make_labeller, history, fresh)
+        self._estimate = PersonEstimate(model)
+
+    def estimate(self, time: Array, trial: NDArray[np.int64], xy: Array) -> Array:
+        """See `Method.estimate`."""
+        return self._estimate.estimate(time, trial, xy)
+
+
+def _table_name(name: str) -> str:
+    """Name of a method in tables: a file's stem, or the class of an encoder at a place."""
+    if ENCODER_PLUGINS.place_in(name) is not None:
+        return find_encoder(name).__qualname__
+    return Path(name).stem if Path(name).suffix == ".npz" else name
+
+
+def check_names(names: tuple[str, ...]) -> None:
+    """Checks a list of methods before the evaluation starts.
+
+    Raises:
+        EncoderError: One is unknown, or occurs twice.
+    """
+    for name in names:
+        path = Path(name)
+        if name in NAMES:
+            continue
+        if is_external(name):
+            find_encoder(name)
+            continue
+        if path.suffix != ".npz":
+            raise _unknown(name)
+        if not path.is_file():
+            raise EncoderError("no such file", where="--encoders", got=name)
+    shown = [_table_name(name) for name in names]
+    twice = sorted({n for n in shown if shown.count(n) > 1})
+    if twice or not names:
+        raise EncoderError(
+            "every encoder is evaluated once" if twice else "no encoder to evaluate",
+            where="--encoders",
+            got=", ".join(twice) or None,
+        )
+
+
+class MeanEncoder(Encoder):
+    """Predicts the mean training pose for any touches.
+
+    Attributes:
+        mean_: (n,) mean of the outputs.
+    """
+
+    mean_: Array
+
+    def fit(self, U: ArrayLike, Q: ArrayLike) -> Self:
+        """Learns the mean of outputs (T, n)."""
+        self.mean_ = np.asarray(Q, float).mean(axis=0)
+        return self
+
+    def predict(self, U: ArrayLike) -> Array:
+        """The mean (T, n) for inputs (T, width), or (n,) for one input."""
+        return np.broadcast_to(self.mean_, (*np.shape(U)[:-1], len(self.mean_))).copy()

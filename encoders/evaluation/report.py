@@ -19,10 +19,9 @@ from numpy.typing import NDArray
 from encoders.capture import Capture
 from encoders.evaluation import paper
 from encoders.evaluation.copas import RULES, Copas
-from encoders.evaluation.errors import limit_share, tip_errors, variance_shares
+from encoders.evaluation.errors import Smoothness, limit_share, tip_errors, variance_shares
 from encoders.evaluation.labels import COUNTS, SEVERAL, Verdicts
 from encoders.evaluation.measure import LABELS, TRUE, MethodResult, Tests, counts_of
-from encoders.evaluation.smoothness import Smoothness
 from models.arithmetic import Array
 from models.pose import JOINTS
 

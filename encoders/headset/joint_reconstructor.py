@@ -11,8 +11,7 @@ from collections import Counter
 
 import numpy as np
 
-from encoders.headset.joint_fit import JointFit, JointFitSettings
-from encoders.headset.joint_points import seen_points
+from encoders.headset.joint_fit import JointFit, JointFitSettings, seen_points
 from encoders.reconstruction.followed_hand import FollowedHand, FollowingSettings
 from encoders.reconstruction.hand_motion import RateLimit
 from encoders.reconstruction.reconstructor import Reconstruction

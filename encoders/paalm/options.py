@@ -37,13 +37,13 @@ class PaalmOptions:
             (`calibration.longest_calibration`), or `lengths` and directions, as printed.
         learns: Learns the coupling of each hand while its device reports joints, unless a coupling
             is chosen (`encoders.paalm.coupling`); of a hand without joints that was not
-            measured, where the device sees its palm (`encoders.paalm.seen_palm`).
+            measured, where the device sees its palm (`encoders.paalm.average`).
         hold: Frame in which a vanished finger stays: the `palm`'s or the `device`'s.
         vanished: Treatment of a vanished finger: `held` in its place, as in the paper, or `folded`,
             because fingers mostly vanish by folding: it closes within `fold_seconds`.
         smoothing: s, time constant of lengths and directions; 0 switches it off.
         longest: s, upper limit of that constant, which grows with the device's noise, finger by
-            finger (`encoders.paalm.fingertip_noise`).
+            finger (`encoders.paalm.paalm`).
         fold_seconds: s in which a vanished finger folds.
     """
 

@@ -15,7 +15,7 @@ bend the thumb alone, which a pinch takes far from its middle.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from math import radians, sqrt
 from typing import NamedTuple
@@ -25,10 +25,10 @@ import numpy as np
 
 from encoders.paalm.coupling import TWO_THIRDS, Coupling
 from encoders.webcam.bounded_step import bounded_step, stepped
-from encoders.webcam.first_guess import first_guess
-from encoders.webcam.landmarks import OF_POINTS, PALM, HandPoints
 from models.arithmetic import (
     Array,
+    eigen,
+    length,
     small_product,
     solve_positive,
     squared_lengths,
@@ -36,8 +36,125 @@ from models.arithmetic import (
     transposed_times,
 )
 from models.pose import JOINTS, POSE_SIZE, ROOT_POSITION, ROOT_ROTATION
-from models.rotations import log, quaternion_exp, quaternion_log
+from models.rotations import exp, log, quaternion_exp, quaternion_log
+from models.single_pose import SinglePose
 from models.skeleton import Skeleton
+
+WRIST = 0
+KNUCKLES = (5, 9, 13, 17)
+PALM = (WRIST, *KNUCKLES)
+"""Landmarks that keep their distances whatever the fingers do."""
+OF_POINTS = (WRIST, 1, 2, *(k + i for k in KNUCKLES for i in range(3)), 4, 8, 12, 16, 20)
+"""Landmark of each point of `HandPoints`: wrist, 14 joints, 5 tips."""
+
+_KNUCKLE_POINTS = (3, 6, 9, 12)
+
+TIP_BEYOND = 0.5
+"""Share of a fingertip's radius by which the engine's landmark of a tip lies beyond the centre of
+our tip's sphere, along the bone."""
+
+
+class HandPoints:
+    """The points of one right hand that have a landmark, and their derivative.
+
+    Args:
+        skeleton: A right hand.
+    """
+
+    def __init__(self, skeleton: Skeleton) -> None:
+        last = {id(bone) for bone in skeleton.last_bones.values()}
+        longer = tuple(
+            replace(b, length=b.length + TIP_BEYOND * b.radius) if id(b) in last else b
+            for b in skeleton.bones
+        )
+        self._pose = SinglePose(replace(skeleton, bones=longer))
+        self._wrist = np.zeros((1, 3, POSE_SIZE))
+        self._wrist[0, :, ROOT_POSITION] = np.eye(3)
+        self.count = len(OF_POINTS)
+
+    def points(self, q: Array) -> Array:
+        """Points (20, 3) m of a pose (48,)."""
+        joints, tips = self._pose.joints_and_tips(q)
+        return np.concatenate([q[None, ROOT_POSITION], joints, tips])
+
+    def points_and_jacobian(self, q: Array) -> tuple[Array, Array]:
+        """Points (20, 3), and their derivative (20, 3, 48).
+
+        By the root's rotation it is as in `SinglePose.joints_and_jacobian`, and by its position
+        along the axes of the pose's frame.
+        """
+        points, jacobian = self._pose.joints_and_jacobian(q)
+        whole = np.concatenate([q[None, ROOT_POSITION], points])
+        return whole, np.concatenate([self._wrist, jacobian])
+
+    def palm(self) -> Array:
+        """Points (5, 3) m of the palm's landmarks in the hand's own frame."""
+        points = self.points(np.zeros(POSE_SIZE))
+        return points[[0, *_KNUCKLE_POINTS]]
+
+
+_PALM = list(PALM)
+NEAREST = 0.05
+"""m, least distance of a guessed hand from the lens."""
+
+
+def first_guess(palm: Array, rays: Array, world: Array) -> Array:
+    """A pose (48,) in the camera's frame with all joints at rest.
+
+    Args:
+        palm: (5, 3) m, the palm's points in the hand's own frame.
+        rays: (21, 2) x/z and y/z of the landmarks in the picture.
+        world: (21, 3) landmarks in space in the camera's axes; only their turn is used.
+    """
+    q = np.zeros(POSE_SIZE)
+    q[ROOT_ROTATION] = turn_between(palm, world[_PALM])
+    turned = stacked_applied(exp(q[ROOT_ROTATION]), palm)
+    q[ROOT_POSITION] = place_of(turned, rays[_PALM])
+    return q
+
+
+def turn_between(a: Array, b: Array) -> Array:
+    """The rotation vector (3,) that turns points a (n, 3) most nearly into points b (n, 3).
+
+    Horn, Closed-form solution of absolute orientation using unit quaternions (1987).
+    """
+    a, b = a - a.mean(axis=0), b - b.mean(axis=0)
+    s = transposed_times(np.ascontiguousarray(a), np.ascontiguousarray(b))
+    (xx, xy, xz), (yx, yy, yz), (zx, zy, zz) = s.tolist()
+    n = np.array(
+        [
+            [xx + yy + zz, yz - zy, zx - xz, xy - yx],
+            [yz - zy, xx - yy - zz, xy + yx, zx + xz],
+            [zx - xz, xy + yx, yy - xx - zz, yz + zy],
+            [xy - yx, zx + xz, yz + zy, zz - xx - yy],
+        ]
+    )
+    _, vectors = eigen(n)
+    quaternion = vectors[:, 0]
+    return quaternion_log(quaternion / length(quaternion))
+
+
+def place_of(points: Array, rays: Array) -> Array:
+    """The translation (3,) m after which points (n, 3) m are seen along rays (n, 2), as nearly as
+    possible: x + tx = u (z + tz), linear in the translation."""
+    n = len(points)
+    rows = np.zeros((2 * n, 3))
+    rows[:n, 0] = rows[n:, 1] = 1.0
+    rows[:n, 2], rows[n:, 2] = -rays[:, 0], -rays[:, 1]
+    wanted = np.concatenate(
+        [rays[:, 0] * points[:, 2] - points[:, 0], rays[:, 1] * points[:, 2] - points[:, 1]]
+    )
+    square = transposed_times(rows, rows)
+    square[np.diag_indices(3)] += _LEAST
+    right = transposed_times(rows, wanted[:, None])[:, 0]
+    place = solve_positive(square, np.ascontiguousarray(right))
+    place[2] = max(place[2], NEAREST)
+    return place
+
+
+_LEAST = 1e-9
+"""Keeps the equations solvable where all landmarks are one point; moves a real hand by nothing."""
+
 
 _POINTS = list(OF_POINTS)
 _DEGREE = radians(1.0)

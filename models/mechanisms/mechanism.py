@@ -23,8 +23,7 @@ from models.arithmetic import Array, matrix_product, stacked_applied
 from models.errors import InputError
 from models.hand import CONTACT_HAND, CONTACT_OBJECT, CONTACT_TABLE
 from models.mechanisms.description import PROBE, PROBE_RADIUS, Compiled, compile_mechanism
-from models.mechanisms.distances import PLAIN
-from models.mechanisms.extents import REACHES, mesh
+from models.mechanisms.shapes import DISTANCES, REACHES, mesh_reach
 from models.mjcf_object import (
     GEOM_KINDS,
     check_object_name,
@@ -282,7 +281,9 @@ class Part(MechanismPart):
         for kind, place, turn, dimensions, geom in self._solid:
             down = -matrix_product(rotation, turn)[2]
             if kind == "mesh":
-                reach = mesh(down, mesh_points(self._model, int(self._model.geom_dataid[geom])))
+                reach = mesh_reach(
+                    down, mesh_points(self._model, int(self._model.geom_dataid[geom]))
+                )
             else:
                 reach = REACHES[kind](down, dimensions)
             reach += float(self._model.geom_margin[geom])
@@ -366,7 +367,7 @@ class Part(MechanismPart):
         local = matrix_product(away, np.ascontiguousarray(rotation)) / size
         distances = np.full(len(local), np.inf)
         for kind, place, turn, dimensions, geom in self._solid:
-            distance = PLAIN.get(kind)
+            distance = DISTANCES.get(kind)
             own = (
                 self._measured(local, geom)
                 if distance is None

@@ -1,9 +1,10 @@
-"""Named points of moving hands: fingertips and joints."""
+"""Named points of moving hands, fingertips and joints, and CSV tables of them."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 
@@ -11,6 +12,7 @@ from models.arithmetic import Array
 from models.errors import MotionError
 from models.frames import FINGERS
 from models.motion.armature import WRIST, Armature, Keys
+from models.motion.output import MotionWriter, checked_rate, rows
 
 
 @dataclass(frozen=True)
@@ -58,3 +60,32 @@ class HandPoints:
         bones = enumerate(armature.skeleton.bones, start=1)
         own = [j for j, bone in bones if bone.finger in self.fingers]
         return [armature.names.index(WRIST), *own]
+
+
+DECIMALS = 9
+"""Decimals: nanometres and nanoseconds."""
+
+
+class PointsCsvWriter(MotionWriter):
+    """Points of any number of hands as CSV.
+
+    Args:
+        path: Path of the file.
+        points: The points to write.
+        rate: Hz of the keys.
+    """
+
+    def __init__(self, path: Path, points: HandPoints, rate: float) -> None:
+        self._points, self._rate = points, checked_rate(rate)
+        super().__init__(path)
+        columns = ["time", *(f"{name}_{axis}" for name in points.labels for axis in "xyz")]
+        self._outputs[0].write((",".join(columns) + "\n").encode("ascii"))
+        self._line = ",".join([f"%.{DECIMALS}f"] * len(columns)) + "\n"
+
+    def write(self, *hands: Keys) -> None:
+        """Appends keys of all hands at the same moments."""
+        places = self._points.place(hands)
+        time = np.arange(self.frames, self.frames + len(places)) / self._rate
+        values = np.concatenate([time[:, None], places.reshape(len(places), -1)], axis=1)
+        self._outputs[0].write(rows(values, self._line, DECIMALS))
+        self.frames += len(places)

@@ -7,8 +7,10 @@ meet the person's fingertips in many poses with their joints near the middle of 
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+import math
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from itertools import combinations
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -16,19 +18,161 @@ import mujoco
 import numpy as np
 from numpy.polynomial import Polynomial
 
-from models.arithmetic import Array
+from models.arithmetic import Array, length
 from models.errors import InputError
+from models.frames import FINGERS
 from models.pose import JOINTS, POSE_SIZE
 from models.robot.constraints import Law, coupling_laws, not_followed
-from models.robot.handedness import flexed, order_of, person_volume, robot_volume
 from models.robot.mapping import RobotMapping, check_tips
 from models.robot.retargeting import Retargeter
 from models.robot.robot_hand import RobotHand
 from models.robot.robot_model import RobotModel, compiled
-from models.robot.tip_ends import tip_ends
 from models.rotations import matrix_to_quaternion, quaternion_to_matrix
 from models.single_pose import SinglePose
 from models.skeleton import ADULT, Skeleton
+
+SLICE = 0.006
+"""m, length of the part of a link that counts as its end."""
+
+
+class TipEnd(NamedTuple):
+    """The round end of a link.
+
+    Attributes:
+        place: (3,) m, its middle in the frame of the link's body.
+        radius: m, half of its least width.
+    """
+
+    place: tuple[float, float, float]
+    radius: float
+
+
+def tip_ends(model: Any, bodies: Iterable[str]) -> list[TipEnd]:
+    """Ends of links, as far from the origins of their bodies as their meshes go.
+
+    Args:
+        model: MuJoCo's model of the robot.
+        bodies: Names of the bodies of the last links.
+
+    Raises:
+        InputError: There is no such body, or it has no mesh.
+    """
+    return [_end(model, name) for name in bodies]
+
+
+def _end(model: Any, name: str) -> TipEnd:
+    body = int(mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_BODY, name))
+    points = _points(model, body) if body >= 0 else np.zeros((0, 3))
+    if not len(points):
+        raise InputError(
+            "this robot has no body of this name with a mesh, whose end would be a fingertip",
+            where="--tips",
+            got=name,
+            remedy="Name sites at the fingertips, and leave --ends out",
+        )
+    far = points[np.argmax(np.sum(points * points, axis=1))]
+    # The end may be cut off askew: its direction is that of all points near it.
+    along = np.mean(_last(points, far), axis=0)
+    along /= np.sqrt(np.sum(along * along))
+    last = _last(points, along)
+    height = last @ along
+    across = last - height[:, None] * along
+    middle = 0.5 * (across.min(axis=0) + across.max(axis=0))
+    ways = np.linalg.svd(across - middle, full_matrices=False)[2][:2]
+    radius = 0.5 * min(float(np.ptp(across @ way)) for way in ways)
+    x, y, z = (round(float(v), 5) for v in middle + (height.max() - radius) * along)
+    return TipEnd((x, y, z), round(radius, 5))
+
+
+def _last(points: Array, along: Array) -> Array:
+    """Points within the last part of a link in a direction."""
+    height = points @ (along / np.sqrt(np.sum(along * along)))
+    return points[height > height.max() - SLICE]
+
+
+def _points(model: Any, body: int) -> Array:
+    """(n, 3) m, points of a body's meshes in its frame."""
+    out = [np.zeros((0, 3))]
+    for geom in np.flatnonzero(model.geom_bodyid == body):
+        mesh = int(model.geom_dataid[geom])
+        if int(model.geom_type[geom]) == int(mujoco.mjtGeom.mjGEOM_MESH):
+            start = int(model.mesh_vertadr[mesh])
+            points = model.mesh_vert[start : start + int(model.mesh_vertnum[mesh])]
+            turn = quaternion_to_matrix(model.geom_quat[geom])
+            out.append(points @ turn.T + model.geom_pos[geom])
+    return np.concatenate(out)
+
+
+STRAIGHT, BENT = 0.1, 0.7
+"""Shares of the range of flexion."""
+NEARER = 0.03
+"""Share of its distance by which a thumb's tip must be nearer to a finger's to lie on its side."""
+LEAST_WAY = 1e-6
+"""m, below which a direction has none."""
+
+
+def volume(knuckles: Array, straight: Array, bent: Array) -> float:
+    """The volume with its sign, -1 to 1; NaN for fingers that do not bend, as without ranges.
+
+    Args:
+        knuckles: (n, 3) m, where the fingers begin, from the index finger on.
+        straight: (n, 3) m, their tips when they are straight.
+        bent: (n, 3) m, their tips when they are bent.
+    """
+    across = knuckles[0] - knuckles[-1]
+    along = np.mean(straight - knuckles, axis=0)
+    closing = np.mean(bent - straight, axis=0)
+    sides = (across, along, closing)
+    if min(length(side) for side in sides) < LEAST_WAY:
+        return math.nan
+    (a, b, c), (d, e, f), (g, h, i) = (side / np.sqrt(np.sum(side * side)) for side in sides)
+    return float(a * (e * i - f * h) + b * (f * g - d * i) + c * (d * h - e * g))
+
+
+def robot_volume(robot: RobotModel) -> float:
+    """The volume of a robot's hand."""
+    knuckles, straight = robot.bent(STRAIGHT)
+    return volume(knuckles[1:], straight[1:], robot.bent(BENT)[1][1:])
+
+
+def order_of(robot: RobotModel) -> list[int]:
+    """The numbers of the fingers without the thumb, 1 to n - 1, as they lie in the hand.
+
+    The first is the one beside the thumb. If the thumb is about as far from both outer fingers, it
+    is that with the smaller number.
+    """
+    knuckles, tips = robot.bent(STRAIGHT)
+    fingers = range(1, len(knuckles))
+    ends = max(
+        combinations(fingers, 2), key=lambda pair: length(knuckles[pair[1]] - knuckles[pair[0]])
+    )
+    across = knuckles[ends[1]] - knuckles[ends[0]]
+    order = sorted(fingers, key=lambda finger: float(np.sum(knuckles[finger] * across)))
+    near, far = (length(tips[0] - tips[order[end]]) for end in (0, -1))
+    beside = near > far if abs(near - far) > NEARER * max(near, far) else order[0] > order[-1]
+    return order[::-1] if beside else order
+
+
+def person_volume(person: Skeleton, fingers: int = len(FINGERS)) -> float:
+    """The volume of a person's hand, by the first of its fingers, the thumb among them."""
+    knuckles = np.array([person.bones[bone].anchor for bone in person.first_bone])
+    straight, bent = (SinglePose(person).tips(flexed(person, share)) for share in (STRAIGHT, BENT))
+    own = slice(1, fingers)
+    return volume(knuckles[own], straight[own], bent[own])
+
+
+def flexed(person: Skeleton, share: float) -> Array:
+    """The pose (48,) of a hand at the origin with all fingers bent alike.
+
+    Args:
+        person: The hand.
+        share: How far, of the range of flexion.
+    """
+    q = np.zeros(POSE_SIZE)
+    # Flexion of a bone is a negative turn about its x axis.
+    q[JOINTS][::3] = (person.upper + share * (person.lower - person.upper))[::3]
+    return q
+
 
 _GEOM = mujoco.mjtGeom
 
@@ -82,7 +226,7 @@ class MappingFit:
         shape: m, root mean square distance of knuckles and fingertips of the hands, laid over each
             other and bent alike.
         mirrored: m, the same for the person's other hand.
-        side: Difference between the volumes of both hands (`models.robot.handedness`); NaN without
+        side: Difference between the volumes of both hands (`models.robot.mapping_fit`); NaN without
             ranges of joints.
         other_side: The same for the person's other hand.
         not_followed: Parts of the model that the hand in a scene does not have or has otherwise.

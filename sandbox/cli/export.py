@@ -15,8 +15,8 @@ from rich.progress import Progress
 from models.errors import InputError
 from models.frames import FINGERS
 from models.message import counted
+from models.motion.bvh import BvhWriter
 from models.motion.sampling import Poses
-from models.motion.write.bvh import BvhWriter
 from sandbox.cli.common.command_line import SEVERAL, parse
 from sandbox.datasets.kind import NAMED, is_data_set
 from sandbox.export.leap_source import Hand

@@ -14,8 +14,8 @@ from numpy.typing import NDArray
 from rich.progress import Progress
 
 from encoders.capture import Capture
+from encoders.evaluation.methods import Training
 from encoders.evaluation.subjects import TRAINING_DAY, Subject
-from encoders.evaluation.training import Training
 from encoders.regression.trained import builtin_capture, load_model
 from encoders.store import load_capture
 from encoders.validation import trial_folds

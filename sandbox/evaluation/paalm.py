@@ -11,14 +11,21 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
-from encoders.evaluation.paalm_judge import Judgement, judge_recording, summary, test_seeds
-from encoders.evaluation.paalm_pair import two_hand_milliseconds
-from encoders.evaluation.paalm_plausible import Plausibility, plausibility
-from encoders.evaluation.paalm_recorded import as_first_software, independent, take_of_recording
+from encoders.evaluation.paalm import (
+    Judgement,
+    Plausibility,
+    as_first_software,
+    independent,
+    judge_recording,
+    plausibility,
+    summary,
+    take_of_recording,
+    test_seeds,
+    two_hand_milliseconds,
+)
 from encoders.paalm import EQUAL, PAPER, TWO_THIRDS, Coupling, PaalmOptions
 from encoders.paalm.simulated.air import simulate_air
-from encoders.paalm.simulated.forward import LeapTake, leap_take
-from encoders.paalm.simulated.leap_configuration import FROZEN_LEAP, PRINTED_LEAP
+from encoders.paalm.simulated.forward import FROZEN_LEAP, PRINTED_LEAP, LeapTake, leap_take
 from models.errors import EncoderError, InputError, RecordingError
 from models.frames import SIDES
 from sandbox.devices.leap.leap_file import LeapRecording, read_leap

@@ -8,8 +8,8 @@ from typing import Any
 from rich.console import Console
 from rich.table import Table
 
+from encoders.evaluation.methods import TRAINED
 from encoders.evaluation.paper import row
-from encoders.evaluation.training import TRAINED
 from sandbox.evaluation.data import BUILTIN, SPLIT
 
 Report = dict[str, Any]

@@ -11,16 +11,15 @@ from typing import Self
 
 from models.errors import InputError
 from models.motion.armature import Armature, Keys
+from models.motion.asf import AmcWriter
+from models.motion.bvh import BvhWriter
+from models.motion.c3d import C3dWriter
+from models.motion.gltf import GltfWriter
 from models.motion.output import MotionWriter
-from models.motion.points import HandPoints
+from models.motion.points import HandPoints, PointsCsvWriter
 from models.motion.sampling import Poses, Sampler
-from models.motion.write.asf import AmcWriter
-from models.motion.write.bvh import BvhWriter
-from models.motion.write.c3d import C3dWriter
-from models.motion.write.gltf import GltfWriter
-from models.motion.write.points_csv import PointsCsvWriter
-from models.motion.write.vicon_v import VWriter
-from models.motion.write.vsk import VskWriter
+from models.motion.vicon_v import VWriter
+from models.motion.vsk import VskWriter
 
 
 @dataclass(frozen=True)

@@ -367,7 +367,7 @@ def digests(settings: Settings) -> dict[str, str]:
     learned = {"encoder": load_encoder(settings.pipeline.encoder).digest, "labels": labels}
     if not settings.physics.robot:
         return learned
-    from models.robot.known import find_robot
+    from models.robot.mapping import find_robot
     from models.robot.robot_hand import RobotHand
 
     return {**learned, "robot": RobotHand("", find_robot(settings.physics.robot)).digest}
@@ -434,7 +434,7 @@ def _belief(settings: Settings, hand: HandSettings | None = None) -> BeliefLabel
         return None
     fingers = len(FINGERS)
     if settings.physics.robot:
-        from models.robot.known import find_robot
+        from models.robot.mapping import find_robot
 
         fingers = len(find_robot(settings.physics.robot).tips)
         belief.odds = odds_of_first(fingers)
@@ -628,7 +628,7 @@ def _hand(settings: Settings, name: str, hand: HandSettings, task_type: type[Tas
             solid_end=solid_end,
             solid_palm=settings.physics.solid == SOLID[1],
         )
-    from models.robot.known import find_robot
+    from models.robot.mapping import find_robot
     from models.robot.robot_hand import RobotHand
 
     mapping = find_robot(settings.physics.robot)

@@ -805,7 +805,7 @@ def check_names(options: TrialOptions) -> None:
     check_model_name(options.encoder)
     if options.robot:
         # This import reads mappings, which hands of people do without.
-        from models.robot.known import find_robot
+        from models.robot.mapping import find_robot
 
         find_robot(options.robot)
 

@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike
 
 from encoders.capture import Capture
 from encoders.encoder import Encoder
-from encoders.evaluation.training import Training
+from encoders.evaluation.methods import Training
 from encoders.regression.model_registry import cache_folder, find_model, pca_ik_model
 from encoders.regression.pca_ik import PcaIkEncoder
 from encoders.regression.registry import (

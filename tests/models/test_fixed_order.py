@@ -57,7 +57,6 @@ APART = {
     "encoders/validation.py": "training",
     "sandbox/session/contact_forces.py": "what views say about a grip",
     "models/robot/mapping_fit.py": "a mapping's file holds the result",
-    "models/robot/tip_ends.py": "a mapping's file holds the result",
     "models/person.py": "turns by quarters, whose products are exact in any order",
     "tasks/checks.py": "checks of a draw",
     "tasks/guarded.py": "checks of a draw",

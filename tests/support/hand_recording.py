@@ -22,11 +22,11 @@ from encoders.captures.conversion import (
     TouchLog,
     capture_from_touches,
 )
-from encoders.captures.conversion.convert import Sync
+from encoders.captures.conversion.assemble import Sync
 from encoders.captures.conversion.sites import PALM, sites_of
 from encoders.correction import CorrectionSettings, FingertipCorrection
 from models.kinematics import Kinematics
-from models.motion.read.pose_table import COLUMNS
+from models.motion.pose_table import COLUMNS
 from models.pose import joint_vectors
 from models.rotations import exp
 from models.skeleton import ADULT, Skeleton

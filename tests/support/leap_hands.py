@@ -5,11 +5,10 @@ from __future__ import annotations
 from dataclasses import replace
 from functools import cache
 
-from encoders.evaluation.paalm_judge import calibrated_on
+from encoders.evaluation.paalm import calibrated_on
 from encoders.paalm import Paalm, PaalmOptions
 from encoders.paalm.simulated.air import FROZEN_AIR, simulate_air
-from encoders.paalm.simulated.forward import LeapTake, leap_take
-from encoders.paalm.simulated.leap_configuration import PRINTED_LEAP
+from encoders.paalm.simulated.forward import PRINTED_LEAP, LeapTake, leap_take
 
 SHORT = replace(FROZEN_AIR, open_seconds=1.5, seconds=5.0)
 

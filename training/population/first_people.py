@@ -9,8 +9,7 @@ import numpy as np
 
 from encoders.capture import Capture
 from encoders.captures.subject.configuration import FROZEN, SubjectConfiguration
-from encoders.captures.subject.posture import FREEDOMS
-from encoders.captures.subject.subject import simulate
+from encoders.captures.subject.subject import FREEDOMS, simulate
 from training.population.hands import drawn_size, drawn_skeleton
 from training.population.spreads import around, between
 

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from encoders.capture import Capture
-from encoders.captures.subject.script import SETS
+from encoders.captures.subject.gestures import SETS
 from models.arithmetic import Array
 from models.frames import FINGERS
 from models.kinematics import Kinematics

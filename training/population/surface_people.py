@@ -15,7 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from encoders.captures.subject.script import SETS
+from encoders.captures.subject.gestures import SETS
 from models.arithmetic import Array
 from models.frames import FINGERS
 from training.population.hands import drawn_size

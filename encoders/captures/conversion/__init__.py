@@ -4,8 +4,8 @@ The inputs are touches as a `TouchLog`, and poses as a `JointTrack` or as points
 which a skeleton is fitted. All functions work on arrays; `sandbox capture` reads the files.
 """
 
-from encoders.captures.conversion.convert import capture_from_poses as capture_from_poses
-from encoders.captures.conversion.convert import capture_from_touches as capture_from_touches
+from encoders.captures.conversion.assemble import capture_from_poses as capture_from_poses
+from encoders.captures.conversion.assemble import capture_from_touches as capture_from_touches
 from encoders.captures.conversion.hand_points import joints_from_points as joints_from_points
 from encoders.captures.conversion.joint_track import JointTrack as JointTrack
 from encoders.captures.conversion.report import ConversionReport as ConversionReport

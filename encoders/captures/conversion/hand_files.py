@@ -25,14 +25,14 @@ from models.arithmetic import Array
 from models.errors import CaptureError, InputError, MotionError
 from models.frames import FINGERS
 from models.json_input import checked, decoded, read_bytes
+from models.motion.asf import read_amc, read_asf
+from models.motion.bvh import CENTIMETRE, read_bvh
+from models.motion.markers import MILLIMETRE, read_markers
 from models.motion.motion import Motion
-from models.motion.read.asf import read_amc, read_asf
-from models.motion.read.bvh import CENTIMETRE, read_bvh
-from models.motion.read.markers import MILLIMETRE, read_markers
-from models.motion.read.pose_table import read_pose_table
-from models.motion.read.vicon_v import motion_of, read_v
-from models.motion.read.vsk import MILLIMETRE as VSK_MILLIMETRE
-from models.motion.read.vsk import read_vsk
+from models.motion.pose_table import read_pose_table
+from models.motion.vicon_v import motion_of, read_v
+from models.motion.vsk import MILLIMETRE as VSK_MILLIMETRE
+from models.motion.vsk import read_vsk
 from models.plausible import (
     ANGLE,
     HAND,

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,13 +12,267 @@ from encoders.captures.conversion.fingers import LabelledTrack
 from encoders.captures.conversion.joint_track import JointTrack
 from encoders.captures.conversion.report import ConversionReport, ConversionRules
 from encoders.captures.conversion.sites import PALM, Site
-from encoders.captures.conversion.skeleton_fit import fit_skeleton
 from encoders.captures.conversion.surface_frame import ON_PLANE, SurfaceFrame, frame_from_fingertips
 from encoders.captures.conversion.touch_log import ContactTrack
 from models.arithmetic import Array
 from models.errors import CaptureError
 from models.frames import FINGERS
+from models.kinematics import Kinematics
+from models.pose import JOINTS, POSE_SIZE, ROOT_POSITION, ROOT_ROTATION, joint_vectors
+from models.rotations import exp, exp_and_left_jacobian, log, skew
 from models.skeleton import Skeleton
+
+ACCURACY = 0.0015
+"""m, accuracy of an observed point, which sets the weight of the pull to mid-range."""
+
+_ROUNDS, _STEPS = 25, 2
+"""Rounds of estimating size and places alternating with poses; Gauss-Newton steps within one."""
+
+_FINAL_STEPS = 8
+"""Gauss-Newton steps from the nearest key frame."""
+
+_KEYS = 150
+"""Number of frames from which size and places are estimated."""
+
+_CHUNK = 500
+"""Number of frames solved at once, limited by memory."""
+
+_LONGEST_STEP = 0.4
+"""rad, largest rotation of a joint in one step."""
+
+_TRUST = 0.005
+"""m; a point's mean error on its bone counts as one observation of this accuracy."""
+
+_SIZES = (0.6, 1.5)
+"""Least and greatest size of a hand relative to the skeleton's."""
+
+
+@dataclass(frozen=True)
+class FittedHand:
+    """A skeleton of the fitted size with its poses.
+
+    Attributes:
+        skeleton: Skeleton scaled to the person's hand.
+        scale: Its size relative to the given skeleton.
+        surprise: (M,) deviation of the points on their bones from their expected places, in
+            standard deviations.
+        q: (T, 48) poses in the frame of the points; NaN where the hand could not be seen.
+        residual: (T, M) m, distance between observed and modelled points; NaN where not seen.
+    """
+
+    skeleton: Skeleton
+    scale: float
+    surprise: Array
+    q: Array
+    residual: Array
+
+
+def fit_skeleton(
+    points: Array,
+    sites: Sequence[Site],
+    skeleton: Skeleton,
+    progress: Callable[[float], None] | None = None,
+) -> FittedHand:
+    """Fits a right hand to points.
+
+    Args:
+        points: (T, M, 3) m, NaN where a point was not seen.
+        sites: M places of the points on the hand.
+        skeleton: Skeleton to be scaled.
+        progress: Called with the share done, 0 to 1.
+
+    Raises:
+        CaptureError: The hand is hardly ever seen, or its size is impossible.
+    """
+    usable = _whole_enough(points, sites, skeleton)
+    frames = np.flatnonzero(usable)
+    if not len(frames):
+        raise CaptureError(
+            "the hand is never seen whole",
+            where="points",
+            expected="three points of the palm and one of every finger in a frame",
+        )
+    keys = frames[np.unique(np.linspace(0, len(frames) - 1, _KEYS).round().astype(int))]
+    model = _Model(sites, skeleton)
+    q = model.start(points[keys])
+    for i in range(_ROUNDS):
+        for _ in range(_STEPS):
+            q = model.step(q, points[keys])
+        model.adapt(q, points[keys])
+        if progress:
+            progress(0.4 * (i + 1) / _ROUNDS)
+    if not _SIZES[0] < model.scale < _SIZES[1]:
+        raise CaptureError(
+            "the hand has an impossible size",
+            got=f"{model.scale:.2f} of an adult's",
+            expected=f"{_SIZES[0]} to {_SIZES[1]}",
+            remedy="Check the unit of length, the side and the mapping",
+        )
+    out = np.full((len(points), POSE_SIZE), np.nan)
+    residual = np.full(points.shape[:2], np.nan)
+    for a in range(0, len(frames), _CHUNK):
+        chunk = frames[a : a + _CHUNK]
+        nearest = np.abs(keys[None, :] - chunk[:, None]).argmin(axis=1)
+        poses, seen = q[nearest], points[chunk]
+        # The hand may have moved since: its root is estimated again, its joints are kept.
+        poses = model.placed_root(poses, seen)
+        for _ in range(_FINAL_STEPS):
+            poses = model.step(poses, seen)
+        out[chunk] = poses
+        residual[chunk] = np.linalg.norm(seen - model.place(poses), axis=2)
+        if progress:
+            progress(0.4 + 0.6 * min(1.0, (a + _CHUNK) / len(frames)))
+    return FittedHand(model.kinematics.skeleton, model.scale, model.surprise, out, residual)
+
+
+def _whole_enough(points: Array, sites: Sequence[Site], skeleton: Skeleton) -> NDArray[np.bool_]:
+    """Booleans (T,): frames with three points on the palm and one on every finger."""
+    seen = np.asarray(np.isfinite(points).all(axis=2))
+    owner = np.array([-1 if s.bone == PALM else skeleton.bones[s.bone].finger for s in sites])
+    enough = seen[:, owner < 0].sum(axis=1) >= 3
+    for finger in range(5):
+        enough &= seen[:, owner == finger].any(axis=1)
+    return np.asarray(enough)
+
+
+class _Model:
+    """Model of points on a skeleton of variable size, from which poses are estimated."""
+
+    def __init__(self, sites: Sequence[Site], skeleton: Skeleton) -> None:
+        self._adult = skeleton
+        self._bone = np.array([site.bone for site in sites])
+        self._guess = np.array([site.at for site in sites])
+        self._spread = np.array([site.spread for site in sites])
+        self._shrink = self._spread**2 / (self._spread**2 + _TRUST**2)
+        self._moved = np.zeros((len(sites), 3))
+        self.scale = 1.0
+        self.kinematics = Kinematics(skeleton)
+        parent = _parents(skeleton)
+        self._moves = np.zeros((len(sites), len(skeleton.bones)), bool)
+        for m, bone in enumerate(self._bone):
+            while bone != PALM:
+                self._moves[m, bone] = True
+                bone = parent[bone]
+        self._middle = np.concatenate([np.zeros(6), (skeleton.lower + skeleton.upper) / 2])
+        # The root has no pull; the range of a joint is taken as four standard deviations.
+        self._pull = np.concatenate([np.zeros(6), 16 / (skeleton.upper - skeleton.lower) ** 2])
+
+    @property
+    def places(self) -> Array:
+        """Points (M, 3) m in the frames of their bones."""
+        return self.scale * self._guess + self._moved
+
+    @property
+    def surprise(self) -> Array:
+        """Distances (M,) of the points from their expected places, in standard deviations."""
+        return np.asarray(np.linalg.norm(self._moved, axis=1) / self._spread)
+
+    def place(self, q: Array) -> Array:
+        """Points (n, M, 3) m at poses (n, 48)."""
+        origin, rotation, _, _ = self._frames(q)
+        return origin + (rotation @ self.places[:, :, None])[..., 0]
+
+    def start(self, points: Array) -> Array:
+        """Poses (n, 48) with joints in mid-range whose points are nearest to the observed ones."""
+        return self.placed_root(np.tile(self._middle, (len(points), 1)), points)
+
+    def placed_root(self, q: Array, points: Array) -> Array:
+        """The poses with their roots moved to bring the points nearest to the observed ones."""
+        q = q.copy()
+        q[:, :6] = 0.0
+        ours = self.place(q)
+        weight = (~np.isnan(points).any(axis=2)).astype(float)
+        weight *= np.where(self._bone == PALM, 4.0, 1.0)
+        weight /= weight.sum(axis=1, keepdims=True)
+        seen = np.nan_to_num(points)
+        a = (weight[..., None] * ours).sum(axis=1)
+        b = (weight[..., None] * seen).sum(axis=1)
+        spread = np.einsum("tm,tmi,tmj->tij", weight, seen - b[:, None], ours - a[:, None])
+        u, _, vt = np.linalg.svd(spread)
+        flip = np.sign(np.linalg.det(u @ vt))
+        u[:, :, 2] *= flip[:, None]
+        turn = u @ vt
+        q[:, ROOT_ROTATION] = log(turn)
+        q[:, ROOT_POSITION] = b - (turn @ a[..., None])[..., 0]
+        return q
+
+    def step(self, q: Array, points: Array) -> Array:
+        """Makes one Gauss-Newton step of the poses, within the joints' ranges."""
+        off, J = self._off_and_jacobian(q, points)
+        weighted = np.swapaxes(J, -1, -2) / ACCURACY**2
+        H = weighted @ J + np.diag(self._pull + 1e-9)
+        g = (weighted @ off[..., None])[..., 0] + self._pull * (self._middle - q)
+        step = np.linalg.solve(H, g[..., None])[..., 0]
+        longest = np.abs(step[:, 3:]).max(axis=1, keepdims=True)
+        q = q + step * np.minimum(1.0, _LONGEST_STEP / np.maximum(longest, _LONGEST_STEP))
+        q[:, JOINTS] = np.clip(q[:, JOINTS], self._adult.lower, self._adult.upper)
+        q[:, ROOT_ROTATION] = log(exp(q[:, ROOT_ROTATION]))
+        return q
+
+    def adapt(self, q: Array, points: Array) -> None:
+        """Estimates size and places on the bones for given poses."""
+        origin, rotation, _, _ = self._frames(q)
+        seen = np.asarray(np.isfinite(points).all(axis=2))
+        root = q[:, None, ROOT_POSITION]
+        body = origin + self.scale * (rotation @ self._guess[:, :, None])[..., 0] - root
+        unit = body / self.scale
+        rest = points - root - (rotation @ self._moved[:, :, None])[..., 0]
+        count = np.maximum(seen.sum(axis=1), 1)[:, None, None]
+        mask = seen[..., None]
+        # Without each frame's mean, so that the root's position does not affect the size.
+        unit_off = np.where(mask, unit - np.where(mask, unit, 0).sum(1, keepdims=True) / count, 0)
+        rest_off = np.where(mask, rest - np.where(mask, rest, 0).sum(1, keepdims=True) / count, 0)
+        self.scale = float((unit_off * rest_off).sum() / (unit_off**2).sum())
+        self.scale = float(np.clip(self.scale, *_SIZES))
+        self.kinematics = Kinematics(self._adult.scaled(self.scale))
+        origin, rotation, _, _ = self._frames(q)
+        local = np.swapaxes(rotation, -1, -2) @ (points - origin)[..., None]
+        error = local[..., 0] - self.scale * self._guess
+        mean = np.where(mask, error, 0).sum(axis=0) / np.maximum(mask.sum(axis=0), 1)
+        self._moved = self._shrink[:, None] * mean
+
+    def _frames(self, q: Array) -> tuple[Array, Array, Array, Array]:
+        """Origins (n, M, 3) and rotations (n, M, 3, 3) of the points' bones; joints; rotations."""
+        placement = self.kinematics.place(q)
+        palm = exp(q[:, ROOT_ROTATION])[:, None]
+        # The palm is stored behind the last bone, at index -1.
+        origins = np.concatenate([placement.joints, q[:, None, ROOT_POSITION]], axis=1)
+        rotations = np.concatenate([placement.rotations, palm], axis=1)
+        return (
+            origins[:, self._bone],
+            rotations[:, self._bone],
+            placement.joints,
+            placement.rotations,
+        )
+
+    def _off_and_jacobian(self, q: Array, points: Array) -> tuple[Array, Array]:
+        """Errors (n, 3 M) m of the points, and their derivative (n, 3 M, 48); 0 if not seen."""
+        origin, rotation, joints, bones = self._frames(q)
+        placed = origin + (rotation @ self.places[:, :, None])[..., 0]
+        n, m = placed.shape[:2]
+        J = np.zeros((n, m, 3, POSE_SIZE))
+        J[..., ROOT_POSITION] = np.eye(3)
+        _, left = exp_and_left_jacobian(q[:, ROOT_ROTATION])
+        J[..., ROOT_ROTATION] = -skew(placed - q[:, None, ROOT_POSITION]) @ left[:, None]
+        # exp(w + d) = exp(w) exp(R d), R the left Jacobian at -w: the turn R d is in the bone.
+        _, right = exp_and_left_jacobian(-joint_vectors(q))
+        axes = bones @ right
+        for j in range(joints.shape[1]):
+            moved = np.flatnonzero(self._moves[:, j])
+            arm = placed[:, moved] - joints[:, None, j]
+            J[:, moved, :, 6 + 3 * j : 9 + 3 * j] = -skew(arm) @ axes[:, None, j]
+        off = points - placed
+        unseen = np.isnan(off)
+        off[unseen] = 0.0
+        J[unseen.any(axis=2)] = 0.0
+        return off.reshape(n, 3 * m), J.reshape(n, 3 * m, POSE_SIZE)
+
+
+def _parents(skeleton: Skeleton) -> list[int]:
+    """Index of every bone's parent, `PALM` for a finger's first."""
+    fingers = [bone.finger for bone in skeleton.bones]
+    return [i - 1 if i and fingers[i - 1] == f else PALM for i, f in enumerate(fingers)]
+
 
 _KEPT = 2e-6
 """s by which a touch lasts longer than its last pose, so that this one is within it; times are

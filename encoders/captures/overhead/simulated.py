@@ -14,7 +14,7 @@ import numpy as np
 
 from encoders.captures.paired.simulated import PairedSession
 from encoders.webcam.camera import Camera
-from encoders.webcam.landmarks import OF_POINTS, HandPoints
+from encoders.webcam.landmark_fit import OF_POINTS, HandPoints
 from models.arithmetic import Array
 from models.frames import LANDMARKS, LandmarkFrame, SeenHand
 from models.rotations import exp as turned

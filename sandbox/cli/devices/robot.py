@@ -9,8 +9,7 @@ import numpy as np
 from cyclopts import Parameter
 
 from models.errors import InputError
-from models.robot.known import ROBOTS, find_robot
-from models.robot.mapping import located
+from models.robot.mapping import ROBOTS, find_robot, located
 from models.robot.mapping_fit import fit_mapping
 from models.robot.retargeting import REACHED
 from models.robot.robot_hand import RobotHand

@@ -121,8 +121,8 @@ def measure(options: EvaluateOptions, person: Subject) -> int:
     """
     _check(options)
     from encoders.evaluation.measure import MethodResult, Tests, evaluate_method
+    from encoders.evaluation.methods import check_names
     from encoders.evaluation.report import report
-    from encoders.evaluation.training import check_names
     from encoders.regression.registry import ENCODER_PLUGINS, is_external
     from sandbox.evaluation.data import gather, refuse_learned
     from sandbox.evaluation.tables import show

@@ -9,8 +9,7 @@ from math import isfinite
 import numpy as np
 
 from encoders.paalm.hand_pose import PALM_CENTRE
-from encoders.paalm.simulated.forward import DIALECTS, ForwardLeap
-from encoders.paalm.simulated.leap_configuration import FROZEN_LEAP, LeapConfiguration
+from encoders.paalm.simulated.forward import DIALECTS, FROZEN_LEAP, ForwardLeap, LeapConfiguration
 from models.arithmetic import Array, small_product
 from models.errors import InputError
 from models.frames import HandFrame

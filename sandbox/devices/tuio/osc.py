@@ -12,7 +12,7 @@ from struct import Struct
 from typing import NamedTuple
 
 from models.errors import DeviceError
-from models.motion.read.text import decoded
+from models.motion.text import decoded
 from models.reader_report import ReaderReport
 
 MAX_PACKET_BYTES = 65_507

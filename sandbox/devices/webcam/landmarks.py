@@ -16,7 +16,7 @@ import msgspec
 import numpy as np
 
 from encoders.webcam.camera import Camera
-from encoders.webcam.landmarks import KNUCKLES
+from encoders.webcam.landmark_fit import KNUCKLES
 from models.errors import DeviceError, FrameError, InputError, RecordingError
 from models.frames import LANDMARKS, LandmarkFrame, SeenHand
 from models.json_input import (

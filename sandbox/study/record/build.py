@@ -59,7 +59,7 @@ COMPUTES = (
 """Folders whose own files take part in a trial or make measures of it."""
 LEFT_OUT = {
     "encoders/captures/conversion": "it makes captures of recordings, which no trial does",
-    "models/motion/read": "it reads files of motion capture, which no trial does",
+    "models/motion": "it reads and writes files of motion capture, which no trial does",
     "models/skin": "it is drawn, and no state depends on it",
     "sandbox": "lsl.py sends copies of what happens to other instruments",
     "sandbox/server": "it carries the page; the touches that come of it are recorded",

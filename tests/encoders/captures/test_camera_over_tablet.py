@@ -14,7 +14,6 @@ from encoders.captures.overhead.capture_from_camera import (
     capture_from_camera,
     name_touches,
 )
-from encoders.captures.overhead.live_names import ArrivalClock, LiveNames
 from encoders.captures.overhead.names import Belief, NamingRules, chosen, names_of
 from encoders.captures.overhead.simulated import (
     FROZEN_OVERHEAD,
@@ -33,6 +32,7 @@ from encoders.captures.paired.simulated import FROZEN_PAIRED, PairedSession, sim
 from encoders.webcam.camera import Camera
 from models.errors import CaptureError, InputError
 from models.frames import LandmarkFrame
+from sandbox.captures.live_naming import ArrivalClock, LiveNames
 
 SHORT = replace(FROZEN_PAIRED, play=9.0, open_seconds=1.5)
 

@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 
 from encoders.store import load_capture
-from models.motion.write.asf import AmcWriter
-from models.motion.write.bvh import BvhWriter
-from models.motion.write.vicon_v import VWriter
+from models.motion.asf import AmcWriter
+from models.motion.bvh import BvhWriter
+from models.motion.vicon_v import VWriter
 from models.pose import joint_vectors
 from models.rotations import geodesic_angle
 from sandbox.cli.main import main

@@ -18,9 +18,9 @@ from encoders.captures.conversion import ConversionReport
 from encoders.captures.conversion.hand_files import Mapping, read_hand, read_points, read_poses
 from models.arithmetic import Array
 from models.errors import InputError
-from models.motion.write.asf import AmcWriter
-from models.motion.write.bvh import BvhWriter
-from models.motion.write.vicon_v import VWriter
+from models.motion.asf import AmcWriter
+from models.motion.bvh import BvhWriter
+from models.motion.vicon_v import VWriter
 from models.plausible import JUMPED, POINT_JUMPED
 from models.pose import mirrored
 from models.reader_report import ReaderReport

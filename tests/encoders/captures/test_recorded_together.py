@@ -14,7 +14,6 @@ import pytest
 from encoders.capture import Capture
 from encoders.captures.conversion import ConversionReport, ConversionRules, TouchLog
 from encoders.captures.paired.capture_from_hands import capture_from_hands
-from encoders.captures.paired.clocks import host_clock
 from encoders.captures.paired.guide import SETS, Guide
 from encoders.captures.paired.hand_track import _smooth, skeleton_of
 from encoders.captures.paired.open_hand import OPEN_FRAMES, open_hand
@@ -28,6 +27,7 @@ from models.kinematics import Kinematics
 from models.pose import joint_vectors
 from models.rotations import exp, geodesic_angle
 from models.surface import Surface
+from sandbox.captures.recorded import host_clock
 from sandbox.captures.simulated import write_simulated
 from sandbox.cli.main import main
 from sandbox.devices.files.frame_file import read_frame_file

@@ -11,10 +11,8 @@ import pytest
 from encoders.capture import Capture
 from encoders.captures.subject import FROZEN, SEED, simulate
 from encoders.captures.subject.configuration import SubjectConfiguration
-from encoders.captures.subject.gestures import smooth_noise, strokes
-from encoders.captures.subject.posture import FREEDOMS, anatomy
-from encoders.captures.subject.script import SETS
-from encoders.captures.subject.subject import PostureSolver
+from encoders.captures.subject.gestures import SETS, smooth_noise, strokes
+from encoders.captures.subject.subject import FREEDOMS, PostureSolver, anatomy
 from encoders.regression.polynomial import CubicEncoder
 from encoders.regression.trained import builtin_capture
 from encoders.store import load_capture

@@ -15,13 +15,18 @@ from numpy.typing import NDArray
 from encoders.capture import Capture
 from encoders.correction import PAD_HEIGHT
 from encoders.evaluation import EncoderMethod, evaluate_method
-from encoders.evaluation.errors import limit_share, pose_errors, tip_errors, variance_shares
+from encoders.evaluation.errors import (
+    limit_share,
+    pose_errors,
+    smoothness,
+    tip_errors,
+    variance_shares,
+)
 from encoders.evaluation.labels import own_labels
 from encoders.evaluation.measure import OWN, TRUE, Tests
+from encoders.evaluation.methods import NAMES, TRAINED, Training, check_names
 from encoders.evaluation.report import block_interval, plain, report
-from encoders.evaluation.smoothness import smoothness
 from encoders.evaluation.subjects import first_subject
-from encoders.evaluation.training import NAMES, TRAINED, Training, check_names
 from encoders.labels.belief import builtin_population_belief
 from encoders.labels.labelling import Labelling
 from encoders.labels.paper import PaperLabels

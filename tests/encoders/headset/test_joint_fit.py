@@ -7,8 +7,15 @@ from functools import cache
 import numpy as np
 import pytest
 
-from encoders.headset.joint_fit import JointFit, JointsFitted
-from encoders.headset.joint_points import KNUCKLES, PALM, TIPS, seen_points, seen_size
+from encoders.headset.joint_fit import (
+    KNUCKLES,
+    PALM,
+    TIPS,
+    JointFit,
+    JointsFitted,
+    seen_points,
+    seen_size,
+)
 from models.arithmetic import Array
 from models.pose import JOINTS, ROOT_POSITION, ROOT_ROTATION, violations
 from models.rotations import geodesic_angle

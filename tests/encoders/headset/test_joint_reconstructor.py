@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from encoders.headset.controller import controller_points
-from encoders.headset.joint_points import TIPS
+from encoders.headset.joint_fit import TIPS
 from encoders.headset.joint_reconstructor import JointReconstructor
 from encoders.reconstruction.followed_hand import UNSEEN_NOTICE
 from encoders.reconstruction.hand_motion import Phase

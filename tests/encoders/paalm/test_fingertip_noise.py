@@ -8,12 +8,11 @@ import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from encoders.evaluation.paalm_judge import judge_recording
+from encoders.evaluation.paalm import judge_recording
 from encoders.paalm import PaalmOptions
 from encoders.paalm.fingertip_noise import STEADY, FingertipNoise
 from encoders.paalm.simulated.air import simulate_air
-from encoders.paalm.simulated.forward import leap_take
-from encoders.paalm.simulated.leap_configuration import FROZEN_LEAP
+from encoders.paalm.simulated.forward import FROZEN_LEAP, leap_take
 from tests.support.leap_hands import SHORT, calibrated, take
 
 DT = 1.0 / 60.0

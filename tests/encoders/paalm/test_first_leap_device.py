@@ -12,8 +12,14 @@ import pytest
 
 from encoders.paalm.palm import palm_of
 from encoders.paalm.simulated.air import AirTake, simulate_air
-from encoders.paalm.simulated.forward import FirstSoftware, SeenHand, leap_take
-from encoders.paalm.simulated.leap_configuration import FROZEN_LEAP, QUANTILES, LeapConfiguration
+from encoders.paalm.simulated.forward import (
+    FROZEN_LEAP,
+    QUANTILES,
+    FirstSoftware,
+    LeapConfiguration,
+    SeenHand,
+    leap_take,
+)
 from tests.support.leap_hands import SHORT, real_take
 
 STILL = replace(SHORT, open_seconds=1.0, seconds=0.1)

@@ -10,9 +10,13 @@ import numpy as np
 import pytest
 
 from encoders import Paalm
-from encoders.evaluation.paalm_judge import judge_recording, test_seeds
-from encoders.evaluation.paalm_pair import moved, side_by_side
-from encoders.evaluation.paalm_recorded import take_of_recording
+from encoders.evaluation.paalm import (
+    judge_recording,
+    moved,
+    side_by_side,
+    take_of_recording,
+    test_seeds,
+)
 from encoders.paalm import PAPER, Coupling, PaalmOptions
 from encoders.paalm.angles import angles_of_joints, joints_of_angles
 from encoders.paalm.average import average_calibration, calibrate_on_recording
@@ -21,8 +25,7 @@ from encoders.paalm.calibration_file import read_calibration, write_calibration
 from encoders.paalm.palm import palm_of, vector_of
 from encoders.paalm.simulated import air
 from encoders.paalm.simulated.air import simulate_air
-from encoders.paalm.simulated.forward import LeapTake, leap_take
-from encoders.paalm.simulated.leap_configuration import PRINTED_LEAP
+from encoders.paalm.simulated.forward import PRINTED_LEAP, LeapTake, leap_take
 from models.errors import EncoderError
 from models.frames import FINGERS, HandFrame, TrackedHand
 from models.rotations import exp

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from numpy.typing import ArrayLike
 from scipy.linalg import lstsq
 
-from encoders.captures.subject.script import SETS
+from encoders.captures.subject.gestures import SETS
 from encoders.input_vector import contact_vectors
 from encoders.regression.least_squares import ridge_path
 from encoders.regression.polynomial import (

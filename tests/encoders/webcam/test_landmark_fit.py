@@ -11,8 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from encoders.webcam.camera import Camera
-from encoders.webcam.landmark_fit import FitSettings, LandmarkFit
-from encoders.webcam.landmarks import HandPoints
+from encoders.webcam.landmark_fit import FitSettings, HandPoints, LandmarkFit
 from models.arithmetic import Array
 from models.pose import JOINTS, ROOT_POSITION, ROOT_ROTATION, violations
 from models.rotations import exp, log

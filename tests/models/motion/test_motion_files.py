@@ -14,10 +14,10 @@ from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
 from models.errors import MotionError
+from models.motion.asf import AcclaimSkeleton, read_amc, read_asf
+from models.motion.bvh import read_bvh
+from models.motion.markers import MarkerTracks, read_markers
 from models.motion.motion import Motion
-from models.motion.read.asf import AcclaimSkeleton, read_amc, read_asf
-from models.motion.read.bvh import read_bvh
-from models.motion.read.markers import MarkerTracks, read_markers
 
 BVH = """HIERARCHY
 ROOT hips

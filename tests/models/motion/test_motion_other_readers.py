@@ -15,11 +15,11 @@ from scipy.spatial.transform import Rotation
 
 from models.arithmetic import Array
 from models.motion.armature import ORDERS, Y_UP, Armature
+from models.motion.asf import AmcWriter
+from models.motion.bvh import BvhWriter
+from models.motion.c3d import MOST, C3dWriter
+from models.motion.gltf import GltfWriter
 from models.motion.points import HandPoints
-from models.motion.write.asf import AmcWriter
-from models.motion.write.bvh import BvhWriter
-from models.motion.write.c3d import MOST, C3dWriter
-from models.motion.write.gltf import GltfWriter
 from models.skeleton import ADULT, Skeleton
 from models.skin.skin import Skin
 from tests.support.motion_poses import HANDS, last_joints, legal, moving, points_of, written

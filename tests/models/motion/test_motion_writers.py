@@ -26,21 +26,17 @@ from models.motion.armature import (
     chunks,
     zero_frame,
 )
+from models.motion.asf import AmcWriter, read_amc, read_asf
+from models.motion.bvh import BvhWriter, read_bvh
+from models.motion.c3d import C3dWriter
 from models.motion.euler import ContinuousEuler, angles_of
+from models.motion.gltf import GltfWriter
 from models.motion.motion import Motion, rotations_of_angles
 from models.motion.output import AtomicFile
-from models.motion.points import HandPoints
-from models.motion.read.asf import read_amc, read_asf
-from models.motion.read.bvh import read_bvh
-from models.motion.read.vicon_v import motion_of, read_v
-from models.motion.read.vsk import read_vsk
+from models.motion.points import HandPoints, PointsCsvWriter
 from models.motion.sampling import Poses, Sampler, slerp
-from models.motion.write.asf import AmcWriter
-from models.motion.write.bvh import BvhWriter
-from models.motion.write.c3d import C3dWriter
-from models.motion.write.gltf import GltfWriter
-from models.motion.write.points_csv import PointsCsvWriter
-from models.motion.write.vicon_v import VWriter
+from models.motion.vicon_v import VWriter, motion_of, read_v
+from models.motion.vsk import read_vsk
 from models.rotations import quaternion_to_matrix
 from models.skeleton import ADULT, Skeleton
 from tests.support.motion_poses import (

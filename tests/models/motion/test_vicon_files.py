@@ -13,9 +13,8 @@ from scipy.spatial.transform import Rotation
 
 from models.errors import MotionError
 from models.motion.armature import Armature
-from models.motion.read.vicon_v import motion_of, read_v
-from models.motion.read.vsk import JOINTS, ViconSkeleton, read_vsk
-from models.motion.write.vicon_v import VWriter
+from models.motion.vicon_v import VWriter, motion_of, read_v
+from models.motion.vsk import JOINTS, ViconSkeleton, read_vsk
 from models.skeleton import ADULT
 from tests.support.motion_poses import moving, written
 

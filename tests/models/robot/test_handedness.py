@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from models.robot.handedness import person_volume, volume
+from models.robot.mapping_fit import person_volume, volume
 from models.rotations import exp
 from models.skeleton import ADULT
 

@@ -13,8 +13,7 @@ from hypothesis import strategies as st
 from models.errors import InputError
 from models.frames import FINGERS
 from models.robot.constraints import coupling_laws, not_followed
-from models.robot.known import find_robot
-from models.robot.mapping import load_mapping
+from models.robot.mapping import find_robot, load_mapping
 from models.robot.mapping_fit import MappingFit, fit_mapping
 from models.robot.robot_hand import RobotHand
 from models.robot.robot_model import RobotModel

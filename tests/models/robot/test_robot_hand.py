@@ -18,8 +18,7 @@ from models.errors import InputError
 from models.frames import FINGERS
 from models.hand import Hand, SceneHand
 from models.pose import POSE_SIZE
-from models.robot.known import find_robot
-from models.robot.mapping import RobotMapping, load_mapping
+from models.robot.mapping import RobotMapping, find_robot, load_mapping
 from models.robot.mapping_fit import fit_mapping
 from models.robot.robot_hand import RobotHand
 from models.robot.robot_model import RobotModel

@@ -11,9 +11,8 @@ import pytest
 from models.arithmetic import Array
 from models.errors import InputError
 from models.robot.mapping import load_mapping
-from models.robot.mapping_fit import fit_mapping
+from models.robot.mapping_fit import fit_mapping, tip_ends
 from models.robot.robot_model import RobotModel
-from models.robot.tip_ends import tip_ends
 from tests.models.robot.hinge_hand import TIPS, hinge_hand
 
 LENGTH, RADIUS = 0.04, 0.006

@@ -13,7 +13,7 @@ from encoders.capture import Capture
 from encoders.store import load_capture
 from models.errors import InputError, MotionError
 from models.frames import Contact, TouchFrame
-from models.motion.read.pose_table import COLUMNS, read_pose_table
+from models.motion.pose_table import COLUMNS, read_pose_table
 from models.pose import joint_vectors
 from models.reader_report import ReaderReport
 from models.rotations import geodesic_angle

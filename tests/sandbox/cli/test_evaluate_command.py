@@ -13,7 +13,7 @@ import pytest
 from PIL import Image
 
 from encoders.capture import Capture
-from encoders.evaluation import training
+from encoders.evaluation import methods
 from encoders.regression.train import save_model, train
 from encoders.regression.trained import TrainedModel, builtin_capture
 from encoders.store import load_capture, save_capture
@@ -67,7 +67,7 @@ def quickly_trained(capture: Capture, progress: object = None) -> TrainedModel:
 def test_what_is_trained_on_the_person_who_is_tested_has_a_row_of_that_name(
     folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    monkeypatch.setattr(training, "person_model", quickly_trained)
+    monkeypatch.setattr(methods, "person_model", quickly_trained)
     learned, other = str(folder / "training.npz"), str(folder / "tests" / "one.npz")
     line = ["evaluate", "--encoders", "linear", "trained", "--no-copas"]
     path = folder / "own.json"
@@ -318,8 +318,8 @@ def test_hands_are_drawn_as_bones_where_there_is_no_opengl(
 ) -> None:
     from encoders.evaluation import evaluate_method
     from encoders.evaluation.measure import Tests
+    from encoders.evaluation.methods import Training
     from encoders.evaluation.report import report
-    from encoders.evaluation.training import Training
     from encoders.store import load_capture
     from sandbox.figures import hands
     from sandbox.views.errors import GraphicsError
@@ -340,7 +340,7 @@ def test_hands_are_drawn_as_bones_where_there_is_no_opengl(
 def test_the_drawn_frames_are_of_median_error(folder: Path) -> None:
     from encoders.evaluation import evaluate_method
     from encoders.evaluation.measure import TRUE, Tests
-    from encoders.evaluation.training import Training
+    from encoders.evaluation.methods import Training
     from encoders.store import load_capture
     from sandbox.figures.hands import typical_frames
 

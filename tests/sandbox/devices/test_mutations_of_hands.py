@@ -25,9 +25,8 @@ from hypothesis import strategies as st
 
 from encoders.captures.conversion.hand_files import Mapping, read_points, read_poses
 from models.errors import InputError
-from models.motion.read.vicon_v import RECORD, read_v
-from models.motion.write.asf import AmcWriter
-from models.motion.write.vicon_v import VWriter
+from models.motion.asf import AmcWriter
+from models.motion.vicon_v import RECORD, VWriter, read_v
 from models.reader_report import ReaderReport
 from sandbox.devices.leap.leap_file import LeapRecording, read_leap
 from sandbox.devices.webcam.landmarks import LandmarkRecording, read_landmarks

@@ -19,7 +19,7 @@ import pytest
 from encoders.webcam.camera import Camera
 from models.errors import InputError
 from models.frames import HandFrame, LandmarkFrame, SeenHand
-from models.motion.read.bvh import read_bvh
+from models.motion.bvh import read_bvh
 from models.plausible import FINGER, JUMPED, LiveUnits
 from models.surface import Surface
 from sandbox.cli.main import main

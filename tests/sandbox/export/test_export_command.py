@@ -16,9 +16,8 @@ from encoders.store import save_capture
 from models.arithmetic import Array
 from models.errors import InputError
 from models.motion.armature import Y_UP, Armature, Keys
-from models.motion.read.bvh import read_bvh
+from models.motion.bvh import BvhWriter, read_bvh
 from models.motion.sampling import Sampler
-from models.motion.write.bvh import BvhWriter
 from models.rotations import quaternion_exp
 from models.skeleton import ADULT
 from sandbox.cli.main import main

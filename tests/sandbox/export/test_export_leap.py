@@ -19,7 +19,7 @@ from encoders.paalm.hand_pose import PALM_CENTRE
 from encoders.paalm.rig import bone_lengths
 from models.frames import HandFrame
 from models.motion.armature import Y_UP
-from models.motion.read.bvh import read_bvh
+from models.motion.bvh import read_bvh
 from models.skeleton import ADULT
 from sandbox.cli.main import main
 from sandbox.devices.leap.leap_file import read_leap

@@ -16,7 +16,7 @@ from hypothesis import strategies as st
 
 from models.errors import InputError
 from models.motion.armature import Y_UP, Armature, Keys
-from models.motion.read.bvh import read_bvh
+from models.motion.bvh import read_bvh
 from models.motion.sampling import Poses
 from models.rotations import quaternion_to_matrix
 from models.skeleton import ADULT

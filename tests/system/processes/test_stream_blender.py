@@ -20,8 +20,7 @@ import numpy as np
 import pytest
 
 from models.motion.armature import Y_UP, Armature, Keys
-from models.motion.read.bvh import read_bvh
-from models.motion.write.bvh import BvhWriter
+from models.motion.bvh import BvhWriter, read_bvh
 from models.person import Person
 from models.skeleton import ADULT
 from sandbox.stream.lines import BLENDER, HandLines

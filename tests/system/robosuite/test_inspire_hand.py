@@ -11,8 +11,7 @@ import numpy as np
 import pytest
 
 from models.errors import InputError
-from models.robot.known import find_robot
-from models.robot.mapping import REMEDIES
+from models.robot.mapping import REMEDIES, find_robot
 from models.robot.mapping_fit import fit_mapping
 from sandbox import replay_recording, run_trial
 

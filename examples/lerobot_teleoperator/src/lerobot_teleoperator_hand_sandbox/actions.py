@@ -2,7 +2,7 @@
 
 from models.arithmetic import Array
 from models.pose import JOINTS, ROOT_POSITION, ROOT_ROTATION
-from models.robot.known import find_robot
+from models.robot.mapping import find_robot
 from models.robot.robot_hand import RobotHand
 from models.rotations import quaternion_exp
 from models.skeleton import ADULT

@@ -6,7 +6,7 @@ from typing import Any
 
 import pytest
 
-from encoders.evaluation.paalm_pair import moved, side_by_side
+from encoders.evaluation.paalm import moved, side_by_side
 from encoders.paalm.hand_reconstructor import NOTICE_LASTS
 from models.frames import HandFrame
 from sandbox.cli.run import main

@@ -15,8 +15,7 @@ from hypothesis import strategies as st
 from encoders.paalm.calibration_file import read_calibration, write_calibration
 from encoders.paalm.hand_reconstructor import HandReconstructor, HandReconstructorSettings
 from encoders.paalm.paalm import Paalm
-from encoders.paalm.simulated.forward import ForwardLeap
-from encoders.paalm.simulated.leap_configuration import FROZEN_LEAP
+from encoders.paalm.simulated.forward import FROZEN_LEAP, ForwardLeap
 from encoders.reconstruction.hand_motion import Phase, RateLimit
 from encoders.reconstruction.reconstructor import Reconstruction
 from models.errors import InputError, RecordingError

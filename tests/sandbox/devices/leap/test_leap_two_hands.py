@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from encoders.evaluation.paalm_pair import side_by_side
-from encoders.paalm.simulated.leap_configuration import FROZEN_LEAP
+from encoders.evaluation.paalm import side_by_side
+from encoders.paalm.simulated.forward import FROZEN_LEAP
 from models.errors import InputError
 from sandbox.cli.main import main as command
 from sandbox.cli.run import main

@@ -13,7 +13,7 @@ import numpy as np
 
 from models.arithmetic import Array
 from models.errors import MotionError
-from models.motion.read.text import numbers, read_lines
+from models.motion.text import numbers, read_lines
 from models.reader_report import ReaderReport
 
 MILLIMETRE = 0.001

@@ -15,7 +15,7 @@ import numpy as np
 
 from models.arithmetic import Array
 from models.errors import MotionError
-from models.motion.read.text import numbers, read_lines
+from models.motion.text import numbers, read_lines
 from models.pose import POSE_SIZE
 from models.reader_report import ReaderReport
 from models.skeleton import ADULT

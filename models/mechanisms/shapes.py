@@ -1,0 +1,91 @@
+"""The plain shapes of MJCF, each in its own frame: signed distances of points, and reaches."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from math import sqrt
+
+import numpy as np
+
+from models.arithmetic import Array, length, squared_lengths, stacked_applied
+
+
+def sphere(points: Array, size: Array) -> Array:
+    """Distances (n,) m of points (n, 3) to a sphere: its radius."""
+    return np.asarray(np.sqrt(squared_lengths(points)) - size[0])
+
+
+def capsule(points: Array, size: Array) -> Array:
+    """Distances (n,) m of points (n, 3) to a capsule along z: its radius and half its length."""
+    along = np.clip(points[:, 2], -size[1], size[1])
+    beside = points.copy()
+    beside[:, 2] -= along
+    return sphere(beside, size)
+
+
+def cylinder(points: Array, size: Array) -> Array:
+    """Distances (n,) m of points (n, 3) to a cylinder along z: its radius and half its height."""
+    out = np.sqrt(squared_lengths(points[:, :2])) - size[0]
+    return _outside(np.column_stack([out, np.abs(points[:, 2]) - size[1]]))
+
+
+def box(points: Array, size: Array) -> Array:
+    """Distances (n,) m of points (n, 3) to a box: half its edges."""
+    return _outside(np.abs(points) - size)
+
+
+DISTANCES: dict[str, Callable[[Array, Array], Array]] = {
+    "sphere": sphere,
+    "capsule": capsule,
+    "cylinder": cylinder,
+    "box": box,
+}
+"""Kind of a geom -> its distance function."""
+
+
+def _outside(beyond: Array) -> Array:
+    """Distances (n,) from how far points are beyond each pair of faces (n, k)."""
+    out = np.sqrt(squared_lengths(np.maximum(beyond, 0.0)))
+    return np.asarray(out + np.minimum(beyond.max(axis=1), 0.0))
+
+
+def sphere_reach(way: Array, size: Array) -> float:
+    """Reach in m along a unit vector (3,) of a sphere: its radius."""
+    return float(size[0])
+
+
+def capsule_reach(way: Array, size: Array) -> float:
+    """Reach in m along a unit vector (3,) of a capsule along z: its radius and half its length."""
+    return float(size[0] + abs(way[2]) * size[1])
+
+
+def cylinder_reach(way: Array, size: Array) -> float:
+    """Reach in m along a unit vector (3,) of a cylinder along z: its radius and half its height."""
+    return float(length(way[:2]) * size[0] + abs(way[2]) * size[1])
+
+
+def box_reach(way: Array, size: Array) -> float:
+    """Reach in m along a unit vector (3,) of a box: half its edges."""
+    x, y, z = np.abs(way * size).tolist()
+    return float(x + y + z)
+
+
+def ellipsoid_reach(way: Array, size: Array) -> float:
+    """Reach in m along a unit vector (3,) of an ellipsoid: half its axes."""
+    x, y, z = ((way * size) ** 2).tolist()
+    return sqrt(x + y + z)
+
+
+def mesh_reach(way: Array, points: Array) -> float:
+    """Reach in m along a unit vector (3,) of the hull of points (n, 3) m."""
+    return float(np.max(stacked_applied(points, way)))
+
+
+REACHES: dict[str, Callable[[Array, Array], float]] = {
+    "sphere": sphere_reach,
+    "capsule": capsule_reach,
+    "cylinder": cylinder_reach,
+    "box": box_reach,
+    "ellipsoid": ellipsoid_reach,
+}
+"""Kind of a geom -> its reach; a mesh is given by its points."""
