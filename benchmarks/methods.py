@@ -41,7 +41,7 @@ from benchmarks.kept_trials import KeptTrials
 from benchmarks.machine import describe_machine
 from benchmarks.one_line import run
 from benchmarks.success import wilson
-from sandbox.figures.canvas import COLOURS, FAINT, STYLE, figure, need_matplotlib
+from sandbox.figures.charts import COLOURS, FAINT, STYLE, figure, need_matplotlib
 from sandbox.regress.plan import parse_seeds
 from sandbox.regress.statistics import holm
 from sandbox.session.session import Session

@@ -39,12 +39,11 @@ from rich.console import Console
 from rich.table import Table
 
 from sandbox.regress import statistics
-from sandbox.regress.arms import ARMS, arm_of
 from sandbox.regress.baseline import load_baseline
 from sandbox.regress.comparison import level_of
 from sandbox.regress.execute import Trial
 from sandbox.regress.measures import DECIDING
-from sandbox.regress.plan import RegressionPlan, find_tasks
+from sandbox.regress.plan import ARMS, RegressionPlan, arm_of, find_tasks
 from sandbox.regress.report import Report, make_report
 
 ROOT = Path(__file__).parents[1]

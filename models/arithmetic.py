@@ -172,11 +172,6 @@ def cos(x: ArrayLike) -> Array:
     return _each(math.cos, x)
 
 
-def asin(x: ArrayLike) -> Array:
-    """Angles (...) in rad, -pi/2 to pi/2, of sines."""
-    return _each(math.asin, x)
-
-
 def exp(x: ArrayLike) -> Array:
     """Exponentials of numbers (...); infinite where they are too large."""
     return _each(_exp, x)

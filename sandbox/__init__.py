@@ -137,9 +137,8 @@ from models import lazy_names  # noqa: E402
 if TYPE_CHECKING:
     from sandbox.devices.check_device import check_device
     from sandbox.devices.device import Device, DeviceEntry, HandDevice, TouchDevice
-    from sandbox.library.motion import export_motion
     from sandbox.library.trajectories import Trajectories
-    from sandbox.library.trial_run import TrialRun, replay_recording, run_trial
+    from sandbox.library.trial_run import TrialRun, export_motion, replay_recording, run_trial
     from sandbox.recording.recording import Recording, load_recording
     from sandbox.session.messages import Snapshot
     from sandbox.session.session import Session
@@ -159,7 +158,7 @@ else:
             "Trajectories": "sandbox.library.trajectories",
             "TrialRun": "sandbox.library.trial_run",
             "check_device": "sandbox.devices.check_device",
-            "export_motion": "sandbox.library.motion",
+            "export_motion": "sandbox.library.trial_run",
             "load_recording": "sandbox.recording.recording",
             "replay_recording": "sandbox.library.trial_run",
             "run_trial": "sandbox.library.trial_run",

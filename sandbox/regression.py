@@ -22,11 +22,10 @@ from encoders.regression.trained import TrainedModel
 from models.errors import InputError
 from models.message import counted
 from sandbox.regress import statistics
-from sandbox.regress.arms import ARMS
 from sandbox.regress.baseline import Baseline, load_baseline, replaceable, update
 from sandbox.regress.comparison import level_of
 from sandbox.regress.execute import CRASHED, Processes, Serial
-from sandbox.regress.plan import RegressionPlan, find_tasks, parse_seeds
+from sandbox.regress.plan import ARMS, RegressionPlan, find_tasks, parse_seeds
 from sandbox.regress.report import Report, make_report, without_baseline
 from sandbox.system.files import check_whole
 from tasks.task import Task

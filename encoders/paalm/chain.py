@@ -8,7 +8,6 @@ the limit, and PIP is chosen again for the least error of the tip.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from math import asin, atan2, cos, degrees, pi, radians, sin, sqrt
 from typing import NamedTuple
@@ -17,9 +16,8 @@ import numpy as np
 
 from encoders.paalm.coupling import Coupling
 from models import arithmetic
-from models.arithmetic import Array
 from models.errors import EncoderError
-from models.frames import FINGERS, Vector
+from models.frames import Vector
 
 _ENTRIES = 512
 _STEPS = 4
@@ -213,118 +211,3 @@ class FingerChain:
         dy = y * cos(flexion) - self._below * sin(flexion) - target[1]
         dz = -y * sin(flexion) - self._below * cos(flexion) - target[2]
         return float(self._pip[np.argmin(dx * dx + dy * dy + dz * dz)])
-
-    def solve_together(self, targets: Array) -> Array:
-        """Angles of many targets (n, 3), m: (n, 4) degrees, each row as `solve` gives it, to the
-        bit."""
-        x, y, z = targets.T
-        chord = np.sqrt(x * x + y * y + z * z)
-        reached = np.minimum(np.maximum(chord, self.shortest), self.longest)
-        scale = reached / np.where(chord < _AT_KNUCKLE, 1.0, chord)
-        x, y, z = x * scale, y * scale, z * scale
-        pip = self._bends(reached)
-        degrees_pip = pip * _DEGREES
-        dip = self._dips(degrees_pip)
-        bend = pip + dip * _RADIANS
-        _, second, third = self.lengths
-        along = self._seen + second * arithmetic.cos(pip) + third * arithmetic.cos(bend)
-        below = second * arithmetic.sin(pip) + third * arithmetic.sin(bend)
-        forward = np.abs(along) > _NOTHING
-        aside = -x / np.where(forward, along, 1.0)
-        spread = arithmetic.asin(np.minimum(np.maximum(aside, -1.0), 1.0))
-        flexion = arithmetic.atan2(-z, y) - arithmetic.atan2(below, along * arithmetic.cos(spread))
-        rows = np.stack([flexion * _DEGREES, spread * _DEGREES, degrees_pip, dip], axis=1)
-        low, high, left, right = self._first_limits
-        free = (low <= rows[:, 0]) & (rows[:, 0] <= high) & (left <= rows[:, 1])
-        free &= (rows[:, 1] <= right) & forward & (chord >= _AT_KNUCKLE)
-        for i in np.nonzero(~free)[0].tolist():
-            rows[i] = self.solve(tuple(targets[i].tolist()))[:4]
-        return rows
-
-    def _dips(self, pip: Array) -> Array:
-        slope, offset, low, high = self._bending
-        return np.minimum(np.maximum(slope * pip + offset, low), high)
-
-    def _bends(self, chord: Array) -> Array:
-        """`_bend` of many lengths (n,)."""
-        at = np.sqrt(np.maximum(self.longest - chord, 0.0)) * self._per_root
-        index = np.minimum(at.astype(np.intp), _ENTRIES - 2)
-        inverse = np.array(self._inverse)
-        before, behind = inverse[index], inverse[index + 1]
-        bends = before + (behind - before) * np.minimum(at - index, 1.0)
-        _, second, third = self.lengths
-        slope, offset, low, high = self._bending
-        left = np.arange(len(chord))
-        for _ in range(_STEPS):
-            pip, reach = bends[left], chord[left]
-            free = slope * (pip * _DEGREES) + offset
-            bend = pip + np.minimum(np.maximum(free, low), high) * _RADIANS
-            cos_pip, sin_pip = arithmetic.cos(pip), arithmetic.sin(pip)
-            cos_bend, sin_bend = arithmetic.cos(bend), arithmetic.sin(bend)
-            along = self._seen + second * cos_pip + third * cos_bend
-            below = second * sin_pip + third * sin_bend
-            turning = third * np.where((low < free) & (free < high), 1.0 + slope, 1.0)
-            falls = below * (second * cos_pip + turning * cos_bend)
-            falls -= along * (second * sin_pip + turning * sin_bend)
-            goes = falls <= -_NOTHING
-            left, pip, falls = left[goes], pip[goes], falls[goes]
-            off = (reach * reach - along * along - below * below)[goes]
-            step = 0.5 * off / falls
-            bends[left] = np.minimum(np.maximum(pip + step, self._least), self._most)
-            left = left[np.abs(step) >= _NOTHING]
-            if not len(left):
-                break
-        return bends
-
-
-class DeferredBend:
-    """The bend of a finger, solved when it is first asked for.
-
-    Most of a recording is never looked at alone: `tables_of` solves many bends at once.
-
-    Args:
-        bend: The bend, if it is known; else the other two are given.
-        chain: The finger.
-        target: m, from the base in the finger's zero frame.
-    """
-
-    __slots__ = ("_bend", "chain", "target")
-
-    def __init__(
-        self, bend: Bend | None, chain: FingerChain | None = None, target: Vector = (0.0, 0.0, 0.0)
-    ) -> None:
-        self._bend, self.chain, self.target = bend, chain, target
-
-    @property
-    def bend(self) -> Bend:
-        """The finger's angles."""
-        if self._bend is None:
-            if self.chain is None:
-                raise EncoderError("a bend needs a chain and a target")
-            self._bend = self.chain.solve(self.target)
-        return self._bend
-
-    @property
-    def waits_for(self) -> FingerChain | None:
-        """The chain that has yet to solve this bend; None if it is solved."""
-        return self.chain if self._bend is None else None
-
-
-def tables_of(hands: Sequence[Sequence[DeferredBend]]) -> Array:
-    """Angles (n, 5, 4) in degrees of n hands with five bends each, to the bit those of
-    `DeferredBend.bend`."""
-    flat = [asked for hand in hands for asked in hand]
-    # A finger that is held has the same bend in many frames.
-    place = {asked: i for i, asked in enumerate(dict.fromkeys(flat))}
-    rows = np.empty((len(place), 4))
-    waiting: dict[FingerChain, list[DeferredBend]] = {}
-    for asked, i in place.items():
-        if asked.waits_for is None:
-            rows[i] = asked.bend[:4]
-        else:
-            waiting.setdefault(asked.waits_for, []).append(asked)
-    for chain, some in waiting.items():
-        rows[[place[asked] for asked in some]] = chain.solve_together(
-            np.array([asked.target for asked in some])
-        )
-    return rows[[place[asked] for asked in flat]].reshape(len(hands), len(FINGERS), 4)

@@ -127,17 +127,5 @@ def hand_pose(
         skeleton: A right hand.
         size: Length of the posed hand relative to the skeleton.
     """
-    return hand_poses(np.asarray(table, float)[None], [palm], side, device, skeleton, size)[0]
-
-
-def hand_poses(
-    tables: ArrayLike,
-    palms: Sequence[Palm],
-    side: str = "right",
-    device: Vector = (0.0, 0.0, 0.0),
-    skeleton: Skeleton = ADULT,
-    size: float = 1.0,
-) -> Array:
-    """Poses (n, 48) of tables (n, 5, 4) and n palms, each as `hand_pose` makes it, to the bit."""
     make = _ADULT if skeleton is ADULT else HandPoser(skeleton)
-    return make(tables, palms, side, device, size)
+    return make(np.asarray(table, float)[None], [palm], side, device, size)[0]

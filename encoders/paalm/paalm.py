@@ -27,7 +27,7 @@ from encoders.paalm.calibration import (
     measure,
     pointing,
 )
-from encoders.paalm.chain import Bend, DeferredBend
+from encoders.paalm.chain import Bend
 from encoders.paalm.coupling import LearnedCoupling
 from encoders.paalm.fingertip_noise import STEADY, TIP_STEADY, FingertipNoise
 from encoders.paalm.identity import HandSides, TrackedIdentity, paper_order
@@ -60,7 +60,7 @@ class PaalmHand:
 
     Attributes:
         side: `right` or `left`.
-        bends: 5 bends of fingers, solved when they are asked for.
+        bends: 5 bends of fingers.
         ratios: Length divided by standard length, by finger; the last ratio for held fingers.
         ids: The device's id by finger; None for a held finger.
         held: Fingers that are not seen now.
@@ -72,7 +72,7 @@ class PaalmHand:
     """
 
     side: str
-    bends: tuple[DeferredBend, ...]
+    bends: tuple[Bend, ...]
     ratios: dict[str, float]
     ids: dict[str, int | None]
     held: frozenset[str]
@@ -84,7 +84,7 @@ class PaalmHand:
     @cached_property
     def table(self) -> Array:
         """(5, 4) degrees: flexion and spread of the first joint, second joint, third joint."""
-        return np.array([asked.bend[:4] for asked in self.bends])
+        return np.array([bend[:4] for bend in self.bends])
 
     @cached_property
     def targets(self) -> Array:
@@ -95,7 +95,7 @@ class PaalmHand:
     def miss(self) -> Array:
         """(5,) m in the rig's scale, distances of tips from their targets because of joint
         limits."""
-        return np.array([asked.bend.miss for asked in self.bends])
+        return np.array([bend.miss for bend in self.bends])
 
     @property
     def angles(self) -> dict[str, float]:
@@ -276,7 +276,7 @@ class _Hand:
             x, y, z = (c * rigged.open_length for c in along)
             self._targets.append((x, y, z))
         self._latest = list(self._targets)
-        self._bends = [DeferredBend(Bend(0.0, 0.0, 0.0, 0.0, 0.0))] * len(FINGERS)
+        self._bends = [Bend(0.0, 0.0, 0.0, 0.0, 0.0)] * len(FINGERS)
         self._ratios = [1.0] * len(FINGERS)
         self._unseen = [0.0] * len(FINGERS)
         # What a tip says is quieter than what a length says. Older sessions knew no difference.
@@ -374,7 +374,7 @@ class _Hand:
         rigged = self._rig[name]
         x, y, z = target
         y += 0.0 if held else self._slip
-        self._bends[name] = rigged.ask((x, y, z), self._options.first_joint)
+        self._bends[name] = rigged.bend((x, y, z), self._options.first_joint)
 
     def _hold(self, name: int, palm: Palm, dt: float, slip: float) -> None:
         """Holds a finger that is not seen; in the paper it stays in the same position.
@@ -395,10 +395,10 @@ class _Hand:
             self._solve(name, held)
         if self._options.vanished == "folded" and self._ratios[name] < _FOLDING:
             share = 1.0 - exp(-dt / self._options.fold_seconds)
-            flexion, spread, pip, _, miss = self._bends[name].bend
+            flexion, spread, pip, _, miss = self._bends[name]
             pip += share * max(_FIST - pip, 0.0)
             dip = self._rig[name].chain.dip(pip)
-            self._bends[name] = DeferredBend(Bend(flexion, spread, pip, dip, miss))
+            self._bends[name] = Bend(flexion, spread, pip, dip, miss)
 
     def _result(self, palm: Palm, ids: dict[str, int | None], seen: bool) -> PaalmHand:
         shift, m = self._calibration.palm_shift, self._moved

@@ -8,7 +8,7 @@ import numpy as np
 
 from encoders.paalm.angles import FRAMES
 from encoders.paalm.calibration import HandCalibration
-from encoders.paalm.chain import FINGER_LIMITS, THUMB_LIMITS, DeferredBend, FingerChain
+from encoders.paalm.chain import FINGER_LIMITS, THUMB_LIMITS, Bend, FingerChain
 from encoders.paalm.coupling import Coupling
 from encoders.paalm.hand_pose import PALM_CENTRE
 from encoders.paalm.options import PaalmOptions
@@ -58,14 +58,14 @@ class RiggedFinger:
         x, y, z = v
         return x * a + y * d + z * g, x * b + y * e + z * h, x * c + y * f + z * i
 
-    def ask(self, target: Vector, first_joint: str) -> DeferredBend:
+    def bend(self, target: Vector, first_joint: str) -> Bend:
         """Angles for a target in palm axes, from the base, m in the rig's scale."""
         local = self.local(target)
         if first_joint == "ik":
-            return DeferredBend(None, self.chain, local)
+            return self.chain.solve(local)
         length = float(np.sqrt(local[0] ** 2 + local[1] ** 2 + local[2] ** 2))
         x, y, z = (c / length for c in local)
-        return DeferredBend(self.chain.with_first_joint((x, y, z), length))
+        return self.chain.with_first_joint((x, y, z), length)
 
 
 def assumed_coupling(calibration: HandCalibration, options: PaalmOptions) -> Coupling:

@@ -1,4 +1,4 @@
-"""Captures from recorded sessions: touches, and what a Leap or a camera above saw of the hand."""
+"""Captures from recorded sessions: touches, and what a Leap or camera saw of the hand."""
 
 from __future__ import annotations
 

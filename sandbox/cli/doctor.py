@@ -15,8 +15,7 @@ from sandbox.doctor.check import Check
 from sandbox.doctor.devices import device_checks
 from sandbox.doctor.graphics import graphics_checks
 from sandbox.doctor.packages import package_checks
-from sandbox.doctor.speed import speed_check
-from sandbox.doctor.system import system_checks
+from sandbox.doctor.system import speed_check, system_checks
 from sandbox.recording.versions import versions
 
 SCHEMA = 1

@@ -18,7 +18,7 @@ from models.message import counted
 from models.motion.bvh import BvhWriter
 from models.motion.sampling import Poses
 from sandbox.cli.common.command_line import SEVERAL, parse
-from sandbox.datasets.kind import NAMED, is_data_set
+from sandbox.datasets.data_set import NAMED, is_data_set
 from sandbox.export.leap_source import Hand
 from sandbox.export.sources import Of, open_source
 from sandbox.export.targets import FORMATS, Exporter, ExportSettings, format_of

@@ -19,8 +19,7 @@ from rich.markup import escape
 from models.errors import InputError, unknown_name
 from models.message import counted
 from sandbox.cli.common.command_line import parse, picked
-from sandbox.cli.common.json_out import TERMINAL, check_output, refuse_same, write_json
-from sandbox.cli.common.printing import printing
+from sandbox.cli.common.json_out import TERMINAL, check_output, printing, refuse_same, write_json
 from sandbox.trial.trial_options import (
     KINDS,
     ConditionOptions,
@@ -154,9 +153,8 @@ def main(argv: list[str]) -> int:
     """Runs `sandbox regress ...`."""
     options = _parsed(argv)
     _check(options)
-    from sandbox.regress.arms import ARMS, PLAIN
     from sandbox.regress.execute import Interrupt
-    from sandbox.regress.plan import RegressionPlan, find_tasks, parse_seeds
+    from sandbox.regress.plan import ARMS, PLAIN, RegressionPlan, find_tasks, parse_seeds
     from sandbox.regress.report import make_report, markdown, save_junit
     from sandbox.regress.show import show
     from sandbox.system.files import write_whole
@@ -219,7 +217,7 @@ def main(argv: list[str]) -> int:
             if options.markdown is not None:
                 write_whole(options.markdown, markdown(report), "--markdown")
             if options.film_lost is not None and old is not None:
-                from sandbox.regress.films import film_lost
+                from sandbox.regress.show import film_lost
 
                 film_lost(report, old, options.film_lost)
             passed = report.passed if report.complete else None

@@ -14,9 +14,8 @@ from rich.markup import escape
 from models.errors import InputError
 from models.surface import Surface
 from sandbox.cli.common.command_line import parse
-from sandbox.cli.common.json_out import TERMINAL, check_output, refuse_same, write_json
+from sandbox.cli.common.json_out import TERMINAL, check_output, printing, refuse_same, write_json
 from sandbox.cli.common.lsl_options import LslOptions, streaming
-from sandbox.cli.common.printing import printing
 from sandbox.devices.device import Device
 from sandbox.play.play import NoticePrinter, address_line, report_end
 from sandbox.session.messages import Snapshot

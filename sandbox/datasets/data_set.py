@@ -1,11 +1,13 @@
-"""A data set that was read from files, in whichever form it was kept."""
+"""A data set that was read from files, its kinds, and playing its demonstrations back."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from models.arithmetic import Array
 from models.errors import InputError
 from sandbox.datasets.demonstration import Demonstration
 
@@ -45,3 +47,42 @@ def check_schema(path: Path, schema: Any, expected: int, to: str) -> None:
             expected=f"schema {expected}",
             remedy=f"Export its recordings again: `sandbox export RECORDING --to {to}`",
         )
+
+
+MINARI, LEROBOT, NPZ = "minari", "lerobot", ".npz"
+"""Words after --to that stand for data sets, and the ending of a file that is one."""
+NAMED = {MINARI: "hand_sandbox/box-to-goal/mine-v0", LEROBOT: "me/box-to-goal"}
+"""Word of a kind whose data sets have names -> such a name."""
+
+
+def is_data_set(to: Path) -> bool:
+    """True if a word after --to stands for a data set.
+
+    Raises:
+        InputError: It is that of a data set, and lacks a part.
+    """
+    if str(to) == "npz":
+        raise InputError("name the file", where=f"--to {to}", expected="FILE.npz")
+    return str(to) in NAMED or to.suffix.lower() == NPZ
+
+
+def first_difference(env: Any, seed: int, actions: Array, hashes: Sequence[str]) -> int | None:
+    """Plays an episode's actions and compares every state.
+
+    Args:
+        env: The data set's environment.
+        seed: Seed of the episode.
+        actions: (T, n) actions.
+        hashes: (T + 1) hashes of the states.
+
+    Returns:
+        Number of steps before the first state that differs; None if all are equal.
+    """
+    _, info = env.reset(seed=seed)
+    if info["state_hash"] != hashes[0]:
+        return 0
+    for step, (action, expected) in enumerate(zip(actions, hashes[1:], strict=True), start=1):
+        *_, info = env.step(action)
+        if info["state_hash"] != expected:
+            return step
+    return None

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from models.errors import InputError
+from sandbox.datasets.data_set import LEROBOT, MINARI
 from sandbox.datasets.demonstration import (
     Demonstration,
     broken_off,
@@ -17,7 +18,6 @@ from sandbox.datasets.demonstration import (
     environment_of,
     open_demonstration,
 )
-from sandbox.datasets.kind import LEROBOT, MINARI
 from sandbox.datasets.npz_file import check_npz, write_npz
 from tasks.registry import find_task
 

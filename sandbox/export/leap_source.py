@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from collections import Counter, deque
-from collections.abc import Iterable, Iterator, Sequence
+from collections import Counter
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from itertools import islice
 from pathlib import Path
 from typing import Any, Literal
 
@@ -19,6 +18,7 @@ from encoders.paalm.average import (
 )
 from encoders.paalm.calibration import HandCalibration
 from encoders.paalm.calibration_file import read_hand
+from encoders.paalm.hand_reconstructor import HandReconstructor
 from encoders.paalm.paalm import Paalm
 from encoders.reconstruction.hand_motion import Phase
 from models.arithmetic import Array
@@ -26,10 +26,11 @@ from models.errors import EncoderError, InputError, RecordingError
 from models.frames import SIDES, HandFrame
 from models.message import counted
 from models.motion.armature import CHUNK
+from models.plausible import unit_size
+from models.pose import POSE_SIZE
 from models.reader_report import ReaderReport
-from sandbox.devices.leap.leap_file import no_finger, no_frame
+from sandbox.devices.leap.leap_file import no_finger, read_leap
 from sandbox.devices.leap.leap_json import canonical, side_named
-from sandbox.export.leap_frames import LeapFrames, Outline
 from sandbox.export.leap_hands import (
     HandSplitter,
     described,
@@ -37,7 +38,6 @@ from sandbox.export.leap_hands import (
     straight_reconstructors,
 )
 from sandbox.export.motion_source import MotionSource, PoseCallback, poses_of, together
-from sandbox.export.recorded_hand import RecordedHand
 
 FEW = 0.01
 """Share of the frames with a hand below which a hand of another side is the device's mistake."""
@@ -74,7 +74,7 @@ class LeapSurvey:
 
     @classmethod
     def of(cls, messages: Iterable[Any], second: float = 1e-6) -> LeapSurvey:
-        """Looks through the messages of a recording, which may hold anything, or their outlines.
+        """Looks through the messages of a recording, which may hold anything.
 
         Args:
             messages: The messages.
@@ -85,18 +85,12 @@ class LeapSurvey:
         begin = end = None
         pairs = both = hands = frames = 0
         for message in messages:
-            time: Any
-            if isinstance(message, Outline):
-                if message.hands is None:
-                    continue
-                time, kinds = message.timestamp, [hand.type for hand in message.hands]
-            else:
-                message = canonical(message) if isinstance(message, dict) else {}
-                records = message.get("hands")
-                if not isinstance(records, list):
-                    continue
-                time = message.get("timestamp")
-                kinds = [r.get("type") for r in records if isinstance(r, dict)]
+            message = canonical(message) if isinstance(message, dict) else {}
+            records = message.get("hands")
+            if not isinstance(records, list):
+                continue
+            time = message.get("timestamp")
+            kinds = [r.get("type") for r in records if isinstance(r, dict)]
             frames += 1
             if isinstance(time, (int, float)):
                 begin, end = time if begin is None else begin, time
@@ -130,95 +124,40 @@ def open_leap(
         InputError: That hand is not in the recording.
         EncoderError: The calibration is damaged, or of the other hand.
     """
-    frames = LeapFrames(path, unit)
-    survey = LeapSurvey.of(frames.messages(outlines=True), frames.second)
-    if not survey.frames:
-        deque(frames, maxlen=0)
-        raise no_frame(str(path), frames.report)
-    sides, remarks = _sides(survey, frames.metadata, hand, str(path))
-    recording = _SplitRecording(frames, sides, survey.pairs > FEW * survey.hands)
-    usable = False
-    for parts in recording.beginning():
-        usable = True
-        if any(hand.fingers for part in parts for hand in part.hands):
-            break
-    else:
-        raise (no_finger if usable else no_frame)(str(path), frames.report)
+    recording = read_leap(path, unit)
+    survey = LeapSurvey.of(recording.messages, unit_size(recording.units, "time"))
+    sides, remarks = _sides(survey, recording.metadata, hand, str(path))
+    splitter = HandSplitter(sides, survey.pairs > FEW * survey.hands)
+    frames = [splitter(frame) for frame in recording.frames]
+    if not any(hand.fingers for parts in frames for part in parts for hand in part.hands):
+        raise no_finger(str(path), recording.report)
     calibrations = {}
     for i, side in enumerate(sides):
         if calibration is not None:
             calibrations[side] = read_hand(calibration, side)
             continue
-        calibrations[side], remark = _calibration(recording, i)
+        calibrations[side], remark = _calibration([parts[i] for parts in frames], side)
         remarks += [remark] if remark else []
 
     report = ReaderReport()
 
     def run(take: PoseCallback) -> str:
-        first = _first_poses(recording, calibrations, str(path))
-        hands = [
-            RecordedHand(side, calibrations[side], q) for side, q in zip(sides, first, strict=True)
-        ]
-        for time, q in _poses(recording, hands):
-            take(together([poses_of(time, q[:, i]) for i in range(len(sides))]))
-        report.add(frames.report)
-        for counts in (recording.counts, *(hand.counts for hand in hands)):
-            report.add_counts(counts)
-        return "" if frames.damage is None else str(frames.damage)
+        hands = straight_reconstructors(sides, calibrations)
+        q = _poses(frames, hands, sides, str(path))
+        time = np.array([parts[0].time for parts in frames])
+        time -= time[0]
+        for i in range(0, len(frames), CHUNK):
+            some = slice(i, i + CHUNK)
+            take(together([poses_of(time[some], q[some, j]) for j in range(len(sides))]))
+        report.add(recording.report)
+        report.add_counts(splitter.counts)
+        for hand in hands:
+            report.add_counts({why: n for why, n in hand.counts.items() if why != "frames"})
+        return "" if recording.damage is None else str(recording.damage)
 
     return MotionSource(
         leap_armatures(sides), sides, survey.duration, described(sides), run, tuple(remarks), report
     )
-
-
-class _SplitRecording:
-    """Frames of a recording, split by side.
-
-    Args:
-        frames: All frames.
-        sides: Sides of the wanted hands.
-        pairs: True if frames show two hands.
-
-    Attributes:
-        counts: Numbers of hands that the latest iteration left out or mended, by reason.
-    """
-
-    def __init__(self, frames: LeapFrames, sides: tuple[str, ...], pairs: bool) -> None:
-        self.sides = sides
-        self._frames, self._pairs = frames, pairs
-        self._kept: list[tuple[HandFrame, ...]] = []
-        self._rest: Iterator[tuple[HandFrame, ...]] = iter(())
-        self._begun = False
-        self.counts: Counter[str] = Counter()
-
-    def __iter__(self) -> Iterator[tuple[HandFrame, ...]]:
-        kept = deque(self._kept)
-        rest = self._rest if self._begun else self._anew()
-        self._kept, self._begun = [], False
-        while kept:
-            yield kept.popleft()
-        yield from rest
-
-    def beginning(self) -> Iterator[tuple[HandFrame, ...]]:
-        """Yields the frames; the first `_MEASURED_FRAMES` are kept for whoever reads them next."""
-        if not self._begun:
-            self._kept, self._rest, self._begun = [], self._anew(), True
-        for number in range(_MEASURED_FRAMES):
-            if number == len(self._kept):
-                self._kept += islice(self._rest, 1)
-            if number == len(self._kept):
-                return
-            yield self._kept[number]
-        yield from islice(self._anew(), _MEASURED_FRAMES, None)
-
-    def of_hand(self, index: int) -> Iterator[HandFrame]:
-        """The frames of one hand."""
-        return (parts[index] for parts in self.beginning())
-
-    def _anew(self) -> Iterator[tuple[HandFrame, ...]]:
-        splitter = HandSplitter(self.sides, self._pairs)
-        self.counts = splitter.counts
-        return map(splitter, self._frames)
 
 
 def _sides(
@@ -278,16 +217,14 @@ def _sides(
     return sides, remarks
 
 
-def _calibration(recording: _SplitRecording, index: int) -> tuple[HandCalibration, str]:
-    """Calibration of a hand in a recording, and a remark if it was not measured."""
-    side, paalm = recording.sides[index], Paalm()
-    shown = (frame for frame in recording.of_hand(index) if frame.hands)
-    some = list(islice(shown, _BONES_FRAMES))
+def _calibration(frames: Sequence[HandFrame], side: str) -> tuple[HandCalibration, str]:
+    """Calibration of a recorded hand, and a remark if it was not measured."""
+    paalm = Paalm()
+    some = [frame for frame in frames if frame.hands][:_BONES_FRAMES]
     if knows_bones(some, side):
         return with_reported_coupling(average_calibration(some, side, paalm.options), some), ""
     try:
-        own = islice(recording.of_hand(index), _MEASURED_FRAMES)
-        samples = [(f.time, f.hands[0] if f.hands else None) for f in own]
+        samples = [(f.time, f.hands[0] if f.hands else None) for f in frames[:_MEASURED_FRAMES]]
         return measured_in(samples, side, paalm.options), ""
     except EncoderError as error:
         return average_calibration(some, side, paalm.options), (
@@ -296,41 +233,32 @@ def _calibration(recording: _SplitRecording, index: int) -> tuple[HandCalibratio
         )
 
 
-def _first_poses(
-    recording: _SplitRecording, calibrations: dict[str, HandCalibration], where: str
-) -> list[Array]:
-    """The pose (48,) of each hand when it is first seen."""
-    hands = straight_reconstructors(recording.sides, calibrations)
-    first: list[Array | None] = [None] * len(hands)
-    for parts in recording.beginning():
-        for i, part in enumerate(parts):
-            if first[i] is None:
-                step = hands[i].step(part)
-                first[i] = step.q if step.phase is Phase.DOWN else None
-        poses = [q for q in first if q is not None]
-        if len(poses) == len(hands):
-            return poses
-    unseen = [side for side, q in zip(recording.sides, first, strict=True) if q is None]
-    raise RecordingError(
-        f"no frame can be used of the {' and '.join(unseen)} hand",
-        where=where,
-        expected="hands apart, with five fingers at most",
-    )
-
-
 def _poses(
-    recording: _SplitRecording, hands: Sequence[RecordedHand]
-) -> Iterator[tuple[Array, Array]]:
-    """Times (n,) s from the first frame, and poses (n, H, 48), in batches."""
-    times: list[float] = []
-    begin: float | None = None
-    for parts in recording:
-        begin = parts[0].time if begin is None else begin
-        for hand, part in zip(hands, parts, strict=True):
-            hand.add(part)
-        times.append(parts[0].time - begin)
-        if len(times) == CHUNK:
-            yield np.array(times), np.stack([hand.poses() for hand in hands], axis=1)
-            times = []
-    if times:
-        yield np.array(times), np.stack([hand.poses() for hand in hands], axis=1)
+    frames: Sequence[tuple[HandFrame, ...]],
+    hands: Sequence[HandReconstructor],
+    sides: Sequence[str],
+    where: str,
+) -> Array:
+    """Poses (n, H, 48) of the hands in the device's frame; before a hand is seen, its first one.
+
+    Raises:
+        RecordingError: One of the hands can be reconstructed in no frame.
+    """
+    poses = np.empty((len(frames), len(hands), POSE_SIZE))
+    first: list[int | None] = [None] * len(hands)
+    for i, parts in enumerate(frames):
+        for j, (hand, part) in enumerate(zip(hands, parts, strict=True)):
+            step = hand.step(part)
+            poses[i, j] = step.q
+            if first[j] is None and step.phase is Phase.DOWN:
+                first[j] = i
+    unseen = [side for side, i in zip(sides, first, strict=True) if i is None]
+    if unseen:
+        raise RecordingError(
+            f"no frame can be used of the {' and '.join(unseen)} hand",
+            where=where,
+            expected="hands apart, with five fingers at most",
+        )
+    for j, i in enumerate(first):
+        poses[:i, j] = poses[i, j]
+    return poses

@@ -9,8 +9,8 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from sandbox.figures.canvas import need_matplotlib as need_matplotlib
-from sandbox.figures.canvas import save
+from sandbox.figures.charts import need_matplotlib as need_matplotlib
+from sandbox.figures.charts import save
 
 if TYPE_CHECKING:
     from encoders.evaluation.measure import MethodResult, Tests

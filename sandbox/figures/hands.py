@@ -20,7 +20,7 @@ from models.kinematics import Kinematics
 from models.pose import ROOT_ROTATION
 from models.rotations import exp
 from models.skeleton import ADULT
-from sandbox.figures.canvas import FAINT, PAPER_COLOUR, STYLE, figure, source
+from sandbox.figures.charts import FAINT, PAPER_COLOUR, STYLE, figure, source
 from sandbox.views.errors import GraphicsError
 
 if TYPE_CHECKING:

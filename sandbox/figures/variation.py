@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from models.errors import InputError
-from sandbox.figures.canvas import COLOURS, DPI, FAINT, STYLE, figure
+from sandbox.figures.charts import COLOURS, DPI, FAINT, STYLE, figure
 from sandbox.regress import statistics
 from sandbox.regress.sweep import Curve, Sweep
 

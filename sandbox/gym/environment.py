@@ -18,20 +18,18 @@ from models.scene import CONTROL_PERIOD
 from models.skeleton import ADULT
 from models.surface import Surface
 from sandbox.gym.actions import Hands, PoseHands, TouchHands
-from sandbox.gym.curriculum import Curriculum
-from sandbox.gym.goals import goal_observation, goal_reward, goal_space
-from sandbox.gym.observation import Moment, Observing, check_counts, slot_labels
+from sandbox.gym.observation import Moment, Observing, Pictures, check_counts, slot_labels
 from sandbox.gym.options import (
     LABELS,
     STEP,
     TRUE_LABELS,
+    Curriculum,
     EnvOptions,
     check_choice,
     observed_parts,
     run_settings,
 )
-from sandbox.gym.pictures import Pictures
-from sandbox.gym.rewards import Reward
+from sandbox.gym.rewards import Reward, goal_observation, goal_reward, goal_space
 from sandbox.session.messages import Snapshot
 from sandbox.session.session import Session
 from sandbox.trial.assembly import DeviceMaker, build, place_all
@@ -191,7 +189,7 @@ class HandSandboxEnv(gymnasium.Env[Observation, Array]):
         Args:
             seed: Seed of the trial; None draws one.
             options: Of this trial only: `near`, `size`, `mass`, `friction`, `start` (see
-                `sandbox.gym.curriculum.Curriculum`).
+                `sandbox.gym.options.Curriculum`).
 
         Raises:
             InputError: An option is unknown or not allowed, or the trial has another number of

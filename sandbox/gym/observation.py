@@ -1,10 +1,11 @@
-"""Parts of an agent's observation, each with its bounds and the way it is read."""
+"""Parts of an agent's observation, each with its bounds and how it is read, and pictures."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from typing import TYPE_CHECKING, Any
 
 import mujoco
 import numpy as np
@@ -15,10 +16,81 @@ from encoders.reconstruction.hand_motion import Phase
 from models.arithmetic import Array
 from models.errors import InputError
 from models.pose import POSE_SIZE
+from models.scene import Scene
+from models.surface import Surface
 from sandbox.gym.actions import SLOTS, Hands
 from sandbox.session.messages import Snapshot
 from sandbox.session.session import Session
 from tasks.task import Task
+
+if TYPE_CHECKING:
+    from sandbox.views.renderer import Renderer
+
+
+class Pictures:
+    """Draws moments of one scene after another.
+
+    A renderer takes most of a second to make. It is kept while scenes look alike: objects may start
+    elsewhere, but shapes and colours are the same.
+
+    Args:
+        surface: The touch surface.
+        size: px, width and height.
+    """
+
+    def __init__(self, surface: Surface, size: tuple[int, int]) -> None:
+        self._surface, self._size = surface, size
+        self._renderer: Renderer | None = None
+        self._scene: Scene | None = None
+        self.made = 0
+
+    def draw(self, scene: Scene, snapshot: Snapshot) -> NDArray[np.uint8]:
+        """The picture (height, width, 3) of a moment.
+
+        Raises:
+            GraphicsError: There is no OpenGL on this machine.
+        """
+        if self._renderer is None or self._scene is None or not _alike(scene, self._scene):
+            # Drawing loads OpenGL, which training mostly does without.
+            from sandbox.views.renderer import Renderer
+
+            self.close()
+            self._renderer = Renderer(scene, self._surface, self._size)
+            self._scene, self.made = scene, self.made + 1
+        return np.asarray(self._renderer.frame(snapshot))
+
+    def close(self) -> None:
+        """Gives the renderer back."""
+        if self._renderer is not None:
+            self._renderer.close()
+            self._renderer = None
+
+
+def _alike(scene: Scene, other: Scene) -> bool:
+    """True if two scenes differ only in where objects are."""
+    return scene is other or all(
+        np.array_equal(one, two)
+        for one, two in zip(_appearance(scene), _appearance(other), strict=True)
+    )
+
+
+def _appearance(scene: Scene) -> tuple[NDArray[Any], ...]:
+    """Looks of a scene in a picture, besides where objects are."""
+    m = scene.model
+    return (
+        m.geom_type,
+        m.geom_size,
+        m.geom_pos,
+        m.geom_quat,
+        m.geom_rgba,
+        m.geom_dataid,
+        m.geom_bodyid,
+        m.geom_matid,
+        m.body_parentid,
+        m.jnt_bodyid,
+        m.mesh_vert,
+    )
+
 
 FAR, FAST, SPINNING = 10.0, 100.0, 1000.0
 """m, m/s and rad/s: bounds of what is seen. Nothing sound comes near them; what is beyond is shown

@@ -1,4 +1,4 @@
-"""Trials from Python: play a task or a recording, and get score, film and trajectories."""
+"""Trials from Python: play a task or a recording; get score, film, trajectories and motion."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from dataclasses import dataclass, field, fields, replace
 from difflib import get_close_matches
 from inspect import signature
 from pathlib import Path
-from typing import Any, cast, get_type_hints
+from typing import Any, Literal, cast, get_type_hints
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from models.errors import InputError
 from models.json_input import checked
 from models.surface import Surface
-from sandbox.devices.device import Device, PlayedOptions
+from sandbox.devices.device import Closeable, Device, PlayedOptions
 from sandbox.devices.own_device import adapted
 from sandbox.devices.registry import (
     DeviceSettings,
@@ -25,6 +25,8 @@ from sandbox.devices.registry import (
     find_device,
     unavailable_option,
 )
+from sandbox.export.sources import open_source
+from sandbox.export.targets import Exporter, ExportSettings
 from sandbox.library.trajectories import Trajectories, TrajectoryView
 from sandbox.recording.recording import load_recording
 from sandbox.session.messages import Snapshot
@@ -34,9 +36,49 @@ from sandbox.trial.driver import RealTime, View, play_trial
 from sandbox.trial.replay import Verification, replay
 from sandbox.trial.settings import recorded_users
 from sandbox.trial.trial_options import TrialOptions, trial_settings
+from sandbox.views.overlay import OverlayTexts
+from sandbox.views.renderer import Renderer
 from tasks.registry import TASKS
 from tasks.score import Score
 from tasks.task import Task
+
+PICTURE_RATE = 15.0
+"""Pictures per second of simulated time, as in a film."""
+
+
+class PictureView(Closeable):
+    """A view of a session that draws pictures at an even rate and keeps them.
+
+    Args:
+        session: Session to draw.
+        size: Width and height, px.
+        caption: Name of the player, written on every picture.
+
+    Raises:
+        GraphicsError: OpenGL is missing on this machine.
+        InputError: The size is invalid.
+    """
+
+    def __init__(self, session: Session, size: tuple[int, int], caption: str) -> None:
+        words = OverlayTexts(caption)
+        self._renderer = Renderer(session.scene, session.whole_surface, size, words)
+        self._pictures: list[NDArray[np.uint8]] = []
+        self._size = size
+
+    def show(self, snapshot: Snapshot) -> None:
+        """Draws a snapshot if the next picture is due."""
+        if snapshot.time * PICTURE_RATE >= len(self._pictures):
+            self._pictures.append(np.asarray(self._renderer.frame(snapshot)))
+
+    def pictures(self) -> NDArray[np.uint8]:
+        """(n, height, width, 3) RGB, 0 to 255."""
+        width, height = self._size
+        return np.array(self._pictures, np.uint8).reshape(-1, height, width, 3)
+
+    def close(self) -> None:
+        """Frees the OpenGL context; may be called twice."""
+        self._renderer.close()
+
 
 FROM_PYTHON = "from Python"
 """Name of a device that a function opens."""
@@ -205,7 +247,6 @@ class _Views:
             views.append(kept.show)
         if self._pictures:
             # Drawing loads OpenGL, which a trial without pictures does not need.
-            from sandbox.library.pictures import PictureView
 
             drawn = PictureView(session, self._pictures, self._caption)
             self._closing.callback(drawn.close)
@@ -288,3 +329,43 @@ def _place(task: str | type[Task]) -> str:
     if isinstance(task, str):
         return task
     return task.name if TASKS.get(task.name) is task else f"{task.__module__}:{task.__qualname__}"
+
+
+def export_motion(
+    source: Path | str,
+    to: Path | str,
+    *,
+    rate: float = 60.0,
+    of: Literal["simulated", "commanded"] | None = None,
+    settings: ExportSettings | None = None,
+) -> tuple[Path, ...]:
+    """Writes the hands' motion of a recording, a capture or a Leap for another program.
+
+    Args:
+        source: A recording, a capture (.npz), or a recording of a Leap, whose hands PAALM makes.
+        to: File to write; its ending chooses the format: .bvh, .glb, .amc, .v, .vsk, .c3d or .csv.
+            A file that exists is replaced.
+        rate: Hz of the keys.
+        of: For recordings of sessions. `simulated`, the default: the hand as it moved.
+            `commanded`: the pose that the touches asked for.
+        settings: More choices, such as the Euler order; its rate replaces `rate`.
+
+    Returns:
+        The files that were written; two hands in a format for one make two files.
+
+    Warns:
+        UserWarning: The source is damaged, or its replay differs; what could be read is written. Or
+            a hand over a Leap was not measured.
+
+    Raises:
+        InputError: The source cannot be read, or the file cannot be written.
+    """
+    opened = open_source(Path(source), of)
+    for remark in opened.remarks:
+        warnings.warn(f"{source}: {remark}", stacklevel=2)
+    chosen = settings or ExportSettings(rate)
+    with Exporter(Path(to), opened.armatures, opened.names, chosen) as exporter:
+        damage = opened.play(exporter.take)
+    for text in filter(None, (damage, opened.report.line())):
+        warnings.warn(f"{source}: {text}", stacklevel=2)
+    return tuple(exporter.paths)

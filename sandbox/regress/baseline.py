@@ -14,9 +14,8 @@ from msgspec import Struct, structs, to_builtins
 
 from models.errors import InputError
 from models.json_input import check_layout, decoded, read_bytes
-from sandbox.regress.arms import setting_of
 from sandbox.regress.execute import CRASHED, Trial
-from sandbox.regress.plan import ENCODER, Origin, flat
+from sandbox.regress.plan import ENCODER, Origin, flat, setting_of
 from sandbox.system.files import OPEN, Release, lock, resolved, write_whole
 from sandbox.trial.result import ResultRecord, record_fields
 
@@ -61,7 +60,7 @@ class BaselineTask:
         depends_on: The parts of it, by the names of `versions.DECISIVE`; empty if unknown.
         trials: Results by seed.
         repeats: Results of some seeds with a change that makes nothing harder
-            (`sandbox.regress.power`).
+            (`sandbox.regress.statistics`).
         vary: What was varied; empty in the plain arm.
     """
 

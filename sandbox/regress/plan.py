@@ -18,12 +18,52 @@ from encoders.regression.model_registry import MODELS
 from models.errors import InputError
 from models.plugins import failure
 from sandbox.recording.versions import STATES, versions
-from sandbox.regress.arms import HARD, PLAIN, row_name, setting_of
 from sandbox.trial.assembly import digests, drawn
 from sandbox.trial.settings import Settings, encoded
 from sandbox.trial.trial_options import SecondOptions, TrialOptions, trial_settings
 from tasks.registry import TASKS, claim_name, find_task, is_built_in, task_names
 from tasks.task import Task
+
+PLAIN, HARD = "plain", "hard"
+ARMS = {PLAIN: (PLAIN,), HARD: (HARD,), "both": (PLAIN, HARD)}
+"""Arms by the word that chooses them."""
+
+HARD_SETTINGS: dict[str, str] = {
+    "box-to-goal": "size=0.51",
+    "wrench-turn": "size=0.7",
+    "wrench-slide": "size=0.44",
+    "stack": "size=0.6",
+    "stack-three": "size=0.63",
+    "stack-vertical": "size=0.27",
+    "carry-together": "size=0.675",
+    "slalom": "size=0.64",
+    "chords": "size=0.7",
+    "dial": "size=0.71",
+    "gather": "room=0.73",
+    "books": "size=0.655",
+    "insert": "room=0.15",
+    "close-case": "friction=0.37",
+    "single-keys": "size=0.5",
+}
+"""What the hard arm varies (`--vary`), by task."""
+
+_HARD_MARK = f" ({HARD})"
+
+
+def row_name(task: str, arm: str) -> str:
+    """Name of a task in an arm, in reports and baselines: `stack`, `stack (hard)`."""
+    return task + _HARD_MARK if arm == HARD else task
+
+
+def arm_of(row: str) -> str:
+    """Arm of a row by its name."""
+    return HARD if row.endswith(_HARD_MARK) else PLAIN
+
+
+def setting_of(row: str) -> str:
+    """What is varied in a row's trials; empty in the plain arm."""
+    return HARD_SETTINGS.get(row.removesuffix(_HARD_MARK), "") if arm_of(row) == HARD else ""
+
 
 ALL = "all"
 """Stands for every task of the registry."""

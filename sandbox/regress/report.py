@@ -14,7 +14,6 @@ from xml.etree import ElementTree
 
 from models.message import counted
 from sandbox.regress import statistics
-from sandbox.regress.arms import HARD, arm_of, setting_of
 from sandbox.regress.comparison import (
     Change,
     Comparison,
@@ -25,7 +24,7 @@ from sandbox.regress.comparison import (
 )
 from sandbox.regress.execute import CRASHED, Trial
 from sandbox.regress.measures import MEASURES, SUCCESS, TIME
-from sandbox.regress.plan import RegressionPlan
+from sandbox.regress.plan import HARD, RegressionPlan, arm_of, setting_of
 from sandbox.system.files import write_whole
 
 if TYPE_CHECKING:

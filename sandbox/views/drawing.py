@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from models.arithmetic import Array
 from models.frames import Contact
 from models.objects import MechanismPart
-from models.scene import Scene
+from models.scene import TABLE, Scene
 from models.skin.colours import PALE
 from models.surface import Surface
 from sandbox.session.messages import STRONGEST, HandView, Snapshot
@@ -27,8 +27,29 @@ from sandbox.views import palette
 from sandbox.views.hand_appearance import HIDDEN_GROUP, part_colour, skinned_model
 from sandbox.views.marks import Marks
 from sandbox.views.palette import Colour
-from sandbox.views.shelf import PANE, SHELF, hide_table, shelf
 from tasks.task import Goal
+
+FRONT, BACK, HALF_WIDTH, THICKNESS = -0.034, 0.16, 0.30, 0.014
+"""m: world y of its front and back edge, x of its sides, and its thickness. The front edge is just
+in front of the largest object's."""
+PANE = 0.040
+"""m in front of the touch surface, distance at which touches are marked, so that objects do not
+hide the marks."""
+
+SHELF = (0.31, 0.37, 0.41)
+
+
+def hide_table(model: mujoco.MjModel, group: int) -> None:
+    """Hides the endless table, and the mat on it, by moving them into a group that is not drawn."""
+    for name in (TABLE, "mat"):
+        model.geom_group[model.geom(name).id] = group
+
+
+def shelf() -> tuple[Array, Array]:
+    """Half size (3,) and centre (3,) of the shelf that is drawn instead, m."""
+    half = np.array([HALF_WIDTH, (BACK - FRONT) / 2, THICKNESS / 2])
+    return half, np.array([0.0, (BACK + FRONT) / 2, -THICKNESS / 2])
+
 
 Hidden = Literal["ghosts", "hands"]
 """Choices of hands that are left out of a picture."""

@@ -15,7 +15,7 @@ from PIL import Image, ImageDraw, ImageFont
 from models.surface import Surface
 from sandbox.session.messages import MOVE_APART, Snapshot
 from sandbox.views import palette
-from sandbox.views.lens import Lens
+from sandbox.views.cameras import Lens
 from sandbox.views.palette import Colour
 from tasks.score import Score, Status
 

@@ -13,12 +13,11 @@ from models.scene import Scene
 from models.surface import Surface
 from sandbox.devices.device import Closeable
 from sandbox.session.messages import Snapshot
-from sandbox.views.cameras import film_camera
+from sandbox.views.cameras import Lens, film_camera
 from sandbox.views.drawing import Drawing, Hidden
 from sandbox.views.graphics import GLContext, offscreen_context, render_context
-from sandbox.views.lens import Lens
+from sandbox.views.marks import draw_outline
 from sandbox.views.overlay import OverlayTexts, paste, stickers
-from sandbox.views.target_outline import draw_outline
 
 GHOST_OPACITY = 0.5
 """Opacity of a ghost hand, which cannot touch objects yet."""

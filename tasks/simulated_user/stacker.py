@@ -20,11 +20,10 @@ from models.arithmetic import Array, length
 from models.frames import TouchFrame
 from models.objects import Box
 from models.surface import Surface
-from tasks.simulated_user.control_users import Slider
 from tasks.simulated_user.grasp import Grasp, Surroundings, grasp_across, roomiest_grasp
 from tasks.simulated_user.hand import Hand
 from tasks.simulated_user.handling import BoxHandling
-from tasks.simulated_user.user import SkilledUser
+from tasks.simulated_user.user import SkilledUser, Slider
 from tasks.task import Goal, flat_yaw
 from tasks.user import SeenObject, Sight, UserConfiguration
 

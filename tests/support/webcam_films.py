@@ -33,8 +33,8 @@ from models.hand import Hand
 from models.scene import Scene, SceneSpec
 from models.skeleton import ADULT
 from sandbox.devices.device import Closeable
-from sandbox.devices.webcam.landmark_server import LandmarkServer
 from sandbox.devices.webcam.landmarks import PictureMessage, frame_of, picture_message
+from sandbox.devices.webcam.webcam import LandmarkServer
 from sandbox.views.graphics import offscreen_context, render_context
 from sandbox.views.hand_appearance import HIDDEN_GROUP, skinned_model
 from tests.support.chromium import Browser

@@ -32,7 +32,7 @@ from tasks.carry_together import BORDER, SEAM, SLOPE_TOLERANCE, CarryTogether
 from tasks.guarded import draw_task
 from tasks.sensing import Sensing
 from tasks.simulated_user.carrier import Carrier
-from tasks.simulated_user.control_users import IdleUser
+from tasks.simulated_user.user import IdleUser
 from tasks.user import UserConfiguration
 
 TASK = "carry-together"

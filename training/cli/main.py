@@ -7,7 +7,7 @@ import sys
 from collections.abc import Sequence
 
 from models.errors import HandSandboxError, InputError, unknown_name
-from sandbox.cli.common.printing import prepare
+from sandbox.cli.common.json_out import prepare
 from training.shipped import FILES
 
 COMMANDS: dict[str, str] = {

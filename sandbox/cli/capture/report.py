@@ -2,20 +2,163 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass, field
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
+import numpy as np
 from cyclopts import Parameter
 from rich.console import Console
 
 from encoders.captures.conversion import ConversionReport, ConversionRules
+from encoders.captures.overhead.capture_from_camera import NamedTouches
+from encoders.captures.overhead.naming import NamedContact
+from models.frames import FINGERS
 from models.surface import parse_surface
-from sandbox.captures.camera_report import lines_of, report_of
 from sandbox.captures.recorded import read_session
 from sandbox.cli.common.command_line import parse
 from sandbox.cli.common.json_out import check_output, write_json
-from sandbox.devices.files.paired_capture import read_requests
+from sandbox.devices.files.paired_capture import RequestedFingers, read_requests
+
+SETTLED = 0.3
+"""s with as many fingers down as the guide asked for, before they count as those."""
+SCHEMA = 1
+
+
+@dataclass(frozen=True)
+class RequestAgreement:
+    """Contacts that were down when as many fingers touched as the guide asked for.
+
+    Attributes:
+        contacts: Their number.
+        named: Those with a name.
+        as_asked: Those whose name is one of the asked fingers.
+    """
+
+    contacts: int
+    named: int
+    as_asked: int
+
+
+def report_of(
+    named: NamedTouches, asked: Sequence[RequestedFingers], simulated: bool
+) -> dict[str, Any]:
+    """The report as JSON values.
+
+    Args:
+        named: What the camera says.
+        asked: What the guide asked for, on the touches' clock.
+        simulated: True if nobody was seen.
+    """
+    contacts = named.contacts
+    with_name = [c for c in contacts if c.finger is not None]
+    why: dict[str, int] = {}
+    for one in contacts:
+        if one.finger is None:
+            why[one.why] = why.get(one.why, 0) + 1
+    agreement = agreement_of(contacts, asked)
+    distances = [1000.0 * c.distance for c in with_name]
+    return {
+        "schema": SCHEMA,
+        "simulated": simulated,
+        "touches": len(contacts),
+        "named": len(with_name),
+        "unnamed": why,
+        "by_finger": {n: sum(c.finger == f for c in contacts) for f, n in enumerate(FINGERS)},
+        "doubt_percent": {
+            "mean": round(100.0 * float(np.mean([1.0 - c.share.max() for c in with_name])), 3),
+            "worst": round(100.0 * max(1.0 - float(c.share.max()) for c in with_name), 2),
+        },
+        "touch_to_pad_mm": {
+            "median": round(float(np.median(distances)), 1),
+            "95_percent": round(float(np.percentile(distances, 95)), 1),
+        },
+        "clocks_offset_s": round(named.clock.offset, 4),
+        "hand_seen_percent": round(100.0 * named.seen, 1),
+        "pictures_per_s": round(float(1.0 / np.median(np.diff(named.pictures.time))), 1),
+        "asked": None if agreement is None else asdict(agreement),
+    }
+
+
+def agreement_of(
+    contacts: Sequence[NamedContact], asked: Sequence[RequestedFingers]
+) -> RequestAgreement | None:
+    """Share of names that are those of the fingers asked for; None where nobody asked."""
+    if not asked:
+        return None
+    counted = named = right = 0
+    for one in contacts:
+        time = _when_as_many(one, contacts, asked)
+        if time is None:
+            continue
+        counted += 1
+        named += one.finger is not None
+        right += one.finger in _requested_at(asked, time)
+    return RequestAgreement(counted, named, right)
+
+
+def _requested_at(asked: Sequence[RequestedFingers], time: float) -> list[int]:
+    before = [a for a in asked if a.host <= time]
+    return before[-1].asked if before else []
+
+
+def _when_as_many(
+    one: NamedContact, contacts: Sequence[NamedContact], asked: Sequence[RequestedFingers]
+) -> float | None:
+    """A time, s, at which the asked number of fingers, this one among them, has been down for a
+    while; None if there is none."""
+    track = one.track
+    time = track.start + SETTLED
+    while time < track.end:
+        begin = time - SETTLED
+        wanted = _requested_at(asked, time)
+        down = [c for c in contacts if c.track.start <= time < c.track.end]
+        whole = [c for c in down if c.track.start <= begin]
+        if (
+            wanted
+            and wanted == _requested_at(asked, begin)
+            and len(down) == len(whole) == len(wanted)
+        ):
+            return time
+        time += SETTLED / 3.0
+    return None
+
+
+def lines_of(report: dict[str, Any]) -> list[str]:
+    """The report as sentences."""
+    share = 100.0 * report["named"] / max(report["touches"], 1)
+    out = []
+    if report["simulated"]:
+        out.append("SIMULATED: no person and no camera took part.")
+    out.append(
+        f"{report['touches']} touches, {report['named']} named by the camera ({share:.1f} %): "
+        + ", ".join(f"{n} {k}" for k, n in report["by_finger"].items())
+    )
+    out += [f"unnamed, {why}: {n}" for why, n in report["unnamed"].items()]
+    doubt, miss = report["doubt_percent"], report["touch_to_pad_mm"]
+    out.append(f"doubt of a name: {doubt['mean']:g} % on average, {doubt['worst']:g} % at worst")
+    out.append(
+        f"a touch is {miss['median']:g} mm from its fingertip in the picture (median; 95 % within "
+        f"{miss['95_percent']:g})"
+    )
+    out.append(
+        f"the hand was seen in {report['hand_seen_percent']:g} % of pictures, "
+        f"{report['pictures_per_s']:g} a second; pictures are "
+        f"{1000 * report['clocks_offset_s']:.0f} ms later than touches"
+    )
+    asked = report["asked"]
+    if asked is None:
+        out.append("nobody was asked for certain fingers, so that names have nothing to agree with")
+    elif asked["named"]:
+        out.append(
+            f"while as many fingers were down as the guide asked for: {asked['as_asked']} of "
+            f"{asked['named']} names are of an asked finger "
+            f"({100.0 * asked['as_asked'] / asked['named']:.1f} %), "
+            f"{asked['contacts'] - asked['named']} touches unnamed"
+        )
+    out.append("right are names that somebody knows to be right: this compares, it does not prove")
+    return out
 
 
 @dataclass(frozen=True, kw_only=True)

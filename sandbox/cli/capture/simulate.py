@@ -2,21 +2,94 @@
 
 from __future__ import annotations
 
+import json
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
 from cyclopts import Parameter
 from rich.console import Console
 from rich.progress import Progress
 from rich.text import Text
 
-from encoders.captures.overhead.simulated import simulate_overhead
-from encoders.captures.paired.simulated import simulate_paired
+from encoders.captures.overhead.simulated import OverheadPictures, simulate_overhead
+from encoders.captures.paired.simulated import PairedSession, simulate_paired
+from encoders.store import save_capture
 from models.errors import InputError
-from sandbox.captures.simulated import write_simulated, write_simulated_camera
 from sandbox.cli.common.command_line import parse
-from sandbox.devices.files.paired_capture import check_new
+from sandbox.devices.files.paired_capture import PairedCaptureWriter, check_new
+from sandbox.devices.webcam.landmarks import header_record, message_of
+
+TRUTH, DEVICES = "truth.npz", "truth.json"
+
+
+def write_simulated(session: PairedSession, folder: Path, subject: str) -> None:
+    """Writes a session and its ground truth."""
+    about = {
+        "side": session.side,
+        "subject": subject,
+        "simulated": True,
+        "touches": "simulated tablet",
+        "hands": f"simulated Leap, {session.leap.dialect}",
+    }
+    with PairedCaptureWriter(folder, session.surface, about) as writer:
+        for frame, host in zip(session.touches, session.touch_arrived.tolist(), strict=True):
+            writer.touch(frame, round(host, 6))
+        for seen, host in zip(session.leap.frames, session.leap_arrived.tolist(), strict=True):
+            writer.hand(seen, round(host, 6))
+    truth = {
+        "simulated": True,
+        "offset_s": session.offset,
+        "touch_delay_s": session.touch_delay,
+        "device_axes": session.rotation.tolist(),
+        "device_at_m": session.shift.tolist(),
+    }
+    save_capture(session.truth, folder / TRUTH)
+    (folder / DEVICES).write_text(json.dumps(truth, indent=1) + "\n", encoding="utf-8")
+
+
+def write_simulated_camera(
+    session: PairedSession,
+    pictures: OverheadPictures,
+    folder: Path,
+    subject: str,
+    corners: bool = False,
+) -> None:
+    """Writes a session under a camera and its ground truth.
+
+    Args:
+        session: The person.
+        pictures: What the camera's page said.
+        folder: Folder to create.
+        subject: Pseudonym.
+        corners: True if the tablet's corners were marked.
+    """
+    camera = pictures.configuration.camera
+    about: dict[str, Any] = {
+        "side": session.side,
+        "subject": subject,
+        "simulated": True,
+        "touches": "simulated tablet",
+        "hands": "simulated camera",
+        "fov": camera.view,
+    }
+    marked = pictures.corners.round(2).tolist()
+    if corners:
+        about["corners"] = marked
+    with PairedCaptureWriter(folder, session.surface, about, header_record(camera)) as writer:
+        for frame, host in zip(session.touches, session.touch_arrived.tolist(), strict=True):
+            writer.touch(frame, round(host, 6))
+        for seen, host in zip(pictures.frames, pictures.arrived.tolist(), strict=True):
+            writer.picture(message_of(seen), round(host, 6))
+    truth = {
+        "simulated": True,
+        "offset_s": pictures.configuration.latency - session.touch_delay,
+        "touch_delay_s": session.touch_delay,
+        "corners_px": marked,
+        "fingers": {str(id_): finger for id_, finger in session.labels.items()},
+    }
+    save_capture(session.truth, folder / TRUTH)
+    (folder / DEVICES).write_text(json.dumps(truth, indent=1) + "\n", encoding="utf-8")
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -15,18 +16,153 @@ from rich.progress import Progress
 
 from models.errors import InputError
 from sandbox.cli.common.command_line import FLAT, parse
-from sandbox.cli.replay.study import elsewhere, study_folder, verdict, verify_study
+from sandbox.play.pages import in_air, open_page, show_address, show_session
 from sandbox.recording.recording import Recording, load_recording
 from sandbox.server.page_options import PageOptions
 from sandbox.session.messages import Snapshot
 from sandbox.session.session import Session
+from sandbox.study.record.folder import is_study
 from sandbox.study.record.trial_files import find_recordings, finished_only
-from sandbox.study.share.verify import verified
+from sandbox.study.share.verify import verified, verify
 from sandbox.trial.driver import View
-from sandbox.trial.replay import BOUND_DEGREES, BOUND_MM, Agreement, Verification, replay
+from sandbox.trial.logs import EventLog
+from sandbox.trial.replay import BOUND_DEGREES, BOUND_MM, Agreement, Playback, Verification, replay
 from sandbox.trial.result import TrialResult
 from sandbox.trial.settings import recorded_users
 from tasks.score import Status, ending
+
+RATE = 60.0
+"""Snapshots per second that are sent to the page."""
+
+
+def show_in_window(
+    session: Session, snapshots: Sequence[Snapshot], speed: float, caption: str
+) -> None:
+    """Shows the trial until the window is closed.
+
+    Raises:
+        GraphicsError: No window can be opened here.
+    """
+    # glfw looks for a screen as soon as it is imported.
+    from sandbox.views.window.window import REPLAY_HELP, Window
+
+    with Window(
+        session.scene,
+        session.whole_surface,
+        title=f"replay: {session.task.name}",
+        caption=caption,
+        in_air=in_air(session),
+    ) as window:
+        window.help = REPLAY_HELP
+        playback = Playback(snapshots, speed)
+        whole = snapshots[-1].time
+        while window.pump(playback.now):
+            moves = window.take_moves()
+            if abs(moves) == 1:
+                # Single steps pause the playback.
+                window.paused = True
+            if playback.paused != window.paused:
+                playback.paused = window.paused
+            playback.speed = speed * window.speed
+            playback.move(moves)
+            if window.take_reset():
+                window.paused = False
+                playback.restart()
+            window.footer = (f"{playback.now.time:.2f} of {whole:.2f} s",)
+
+
+def show_on_page(
+    session: Session,
+    snapshots: Sequence[Snapshot],
+    speed: float,
+    caption: str,
+    hand: str,
+    page: PageOptions,
+    console: Console,
+) -> None:
+    """Shows the trial until the program is interrupted; the page can pause and restart it.
+
+    Raises:
+        DeviceError: The page cannot be served.
+    """
+    server = open_page(page, touch=False)
+    try:
+        show_address(server, page, EventLog(None), console)
+        console.print("Ctrl-C ends it")
+        show_session(server, session, hand, caption)
+        while not server.wait_for_player(1.0):
+            pass
+        playback = Playback(snapshots, speed)
+        while True:
+            for ask in server.take_requests():
+                if ask.what in ("pause", "resume"):
+                    playback.paused = ask.what == "pause"
+                elif ask.what == "retry":
+                    playback.restart()
+            server.publish(playback.now, "menu" if playback.paused else "")
+            time.sleep(1.0 / RATE)
+    except KeyboardInterrupt:
+        console.print("stopped")
+    finally:
+        server.close()
+
+
+def study_folder(name: str, out: Path) -> Path | None:
+    """The folder of a study with this name, here or in the folder of studies; None for others."""
+    return next((path for path in (Path(name), out / name) if is_study(path)), None)
+
+
+def verify_study(study: Path, console: Console, seals: Path | None = None) -> int:
+    """Verifies a study, prints a line for each point and for all that is wrong.
+
+    Args:
+        study: Folder of the study.
+        console: Where it is printed.
+        seals: A copy of `notes/SITE.jsonl` that was kept elsewhere.
+
+    Returns:
+        The exit status.
+    """
+    done = verify(study, seals)
+    for found in done.found.values():
+        for finding in found:
+            console.print(f"[red]{escape(str(finding))}[/]", highlight=False, soft_wrap=True)
+    for note in done.notes:
+        console.print(f"[dim]{escape(note)}[/]", highlight=False, soft_wrap=True)
+    for line in done.lines():
+        console.print(escape(line), highlight=False, soft_wrap=True)
+    console.print(
+        "[green]all is as it was written[/]" if done.sound else "[red]verification failed[/]"
+    )
+    return int(not done.sound)
+
+
+def verdict(verification: Verification) -> str:
+    """Returns the result of a replay in one line, with what has changed in the task since."""
+    changed = escape(verification.task_change)
+    if not changed:
+        return _compared(verification)
+    if verification.exact:
+        return f"{_compared(verification)}; [yellow]yet {changed}[/]"
+    return f"{_compared(verification)}[red]: {changed}[/]"
+
+
+def _compared(verification: Verification) -> str:
+    if verification.exact:
+        whole = "" if verification.complete else ", up to where it breaks off"
+        return f"[green]exact[/]: {verification.compared} states equal to the bit{whole}"
+    if verification.compared == 0:
+        return "[yellow]nothing to compare: the recording holds no input[/]"
+    differs = f"differs[/] from physics step {verification.first_difference} on"
+    if verification.same_machine:
+        return f"[red]{differs}"
+    return f"[yellow]{differs}, as it may: {elsewhere(verification)}"
+
+
+def elsewhere(verification: Verification) -> str:
+    """Differences between this machine and the recording's."""
+    return f"it was recorded elsewhere; what differs is {' and '.join(verification.differs_in)}"
+
 
 SELDOM = 64
 """Control periods between two updates of the progress bar, which take longer than one period."""
@@ -187,7 +323,6 @@ def _show(
     caption: str,
     console: Console,
 ) -> None:
-    from sandbox.cli.replay.views import show_in_window, show_on_page
 
     if options.view == "window":
         show_in_window(session, snapshots, options.speed, caption)

@@ -30,10 +30,10 @@ _USERS: Registry[Callable[..., User]] = Registry(
         "skilled, upright": "tasks.simulated_user.stacker:FrontStacker",
         "skilled, lifting": "tasks.simulated_user.stacker:Stacker",
         "skilled, two hands": "tasks.simulated_user.carrier:Carrier",
-        "idle": "tasks.simulated_user.control_users:IdleUser",
-        "idle, lifting": "tasks.simulated_user.control_users:IdleLiftUser",
-        "random": "tasks.simulated_user.control_users:RandomUser",
-        "random, lifting": "tasks.simulated_user.control_users:RandomLiftUser",
+        "idle": "tasks.simulated_user.user:IdleUser",
+        "idle, lifting": "tasks.simulated_user.user:IdleLiftUser",
+        "random": "tasks.simulated_user.user:RandomUser",
+        "random, lifting": "tasks.simulated_user.user:RandomLiftUser",
     }
 )
 """Simulated users by kind, and by what a task asks of them."""

@@ -1,7 +1,7 @@
 """One device for two hands: its frames are divided, and each hand becomes a device.
 
 `Split` says how frames are divided: a screen by the places of the hands (`SplitByPlace`), a Leap by
-their sides (`sandbox.devices.leap.two_hands`); a camera and a headset give every frame to both
+their sides (`sandbox.devices.leap.leap`); a camera and a headset give every frame to both
 hands, which look for their own sides. `MergedUsers` is the opposite: two simulated users with one
 device.
 """

@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 
 import mujoco
 import numpy as np
+from numpy.typing import ArrayLike
 from PIL import Image, ImageDraw, ImageFont
 
+from encoders.paalm.calibration import measure, pointing
 from encoders.paalm.hand_pose import hand_pose
 from encoders.paalm.paalm import PaalmFrame, PaalmHand
 from models.arithmetic import Array
-from models.frames import FINGERS, HandFrame
+from models.frames import FINGERS, HandFrame, TrackedHand
 from models.hand import Hand
 from models.kinematics import Kinematics
 from models.person import Person
@@ -21,10 +24,247 @@ from models.surface import Surface
 from sandbox.devices.device import Closeable
 from sandbox.session.messages import HandView, Snapshot
 from sandbox.views import palette
+from sandbox.views.cameras import Lens
 from sandbox.views.graphics import GLContext
-from sandbox.views.lens import Lens
-from sandbox.views.paalm.diagram import GROUND, HandMemory, HandPicture, diagram
+from sandbox.views.palette import Colour
 from sandbox.views.renderer import Renderer
+
+GROUND: Colour = (0.125, 0.145, 0.165)
+_FINE = 2
+"""Factor of oversampling, as Pillow draws lines without smooth edges."""
+_DIM = 0.5
+"""Opacity of a finger that the device does not see."""
+_NORMAL_LENGTH = 0.06
+"""m, length of the arrow along the palm's normal."""
+_SPHERES = (0.02, 0.08)
+"""m, smallest and largest drawn radius; that of a flat hand would be infinite."""
+_VIEW_HEIGHT = 0.30
+"""m, height of the visible part of the scene."""
+
+
+@dataclass(frozen=True)
+class FingerVector:
+    """A finger as the device reports it.
+
+    Attributes:
+        base: (3,) m, base of the finger.
+        tip: (3,) m, tip of the finger.
+        seen: True if the device sees the finger now.
+    """
+
+    base: Array
+    tip: Array
+    seen: bool
+
+
+@dataclass(frozen=True)
+class HandPicture:
+    """The drawn parts of a hand, in the device's frame.
+
+    Attributes:
+        side: `right` or `left`.
+        palm: (3,) m, centre of the palm.
+        normal: (3,) unit vector out of the palm.
+        fingers: Fingers by label.
+        sphere: Radius in m; None if the fingers do not determine it.
+        told: True if the device reported the radius itself.
+    """
+
+    side: str
+    palm: Array
+    normal: Array
+    fingers: dict[int, FingerVector]
+    sphere: float | None
+    told: bool
+
+
+class HandMemory:
+    """Collects the drawn parts of hands, and keeps lost fingers at their last place in the palm."""
+
+    def __init__(self) -> None:
+        self._last: dict[tuple[str, int], tuple[Array, Array]] = {}
+
+    def update(self, frame: HandFrame, hands: Mapping[str, PaalmHand]) -> list[HandPicture]:
+        """The drawn parts of a frame's hands, from PAALM's result."""
+        return [self._hand(frame, side, hand) for side, hand in hands.items()]
+
+    def _hand(self, frame: HandFrame, side: str, hand: PaalmHand) -> HandPicture:
+        own = _same(frame, hand)
+        origin, turn = np.array(hand.palm.origin), hand.palm.rotation
+        seen: set[int] = set()
+        if own is not None and hand.seen:
+            of = {id_: FINGERS.index(f) for f, id_ in hand.ids.items() if id_ is not None}
+            for finger in own.fingers:
+                if finger.id in of:
+                    tip = np.array(finger.end)
+                    base = tip - measure(finger) * np.array(pointing(finger))
+                    label = of[finger.id]
+                    self._last[side, label] = ((base - origin) @ turn, (tip - origin) @ turn)
+                    seen.add(label)
+        fingers = {
+            f: FingerVector(origin + turn @ base, origin + turn @ tip, f in seen)
+            for (s, f), (base, tip) in self._last.items()
+            if s == side
+        }
+        normal = -np.array(hand.palm.dorsal)
+        told = own.sphere_radius if own is not None else None
+        radius = told or ball_radius(origin, normal, [v.tip for v in fingers.values()])
+        return HandPicture(side, origin, normal, fingers, radius, told is not None)
+
+
+def ball_radius(palm: Array, normal: Array, tips: list[Array]) -> float | None:
+    """m, radius of the ball on the palm's centre that the fingertips touch; None if undetermined.
+
+    A ball with its centre a radius r along the normal passes through a tip p if
+    r = |p - palm|^2 / (2 (p - palm) . normal); the median over fingertips is taken.
+    """
+    radii = []
+    for tip in tips:
+        way = tip - palm
+        along = float(way @ normal)
+        if along > 1e-3:
+            radii.append(float(way @ way) / (2.0 * along))
+    if len(radii) < 3:
+        return None
+    return float(np.clip(np.median(radii), *_SPHERES))
+
+
+def diagram(
+    hands: list[HandPicture], size: tuple[int, int], azimuth: float, elevation: float
+) -> Image.Image:
+    """The RGB line drawing, from the same side as the hand beside it, without perspective.
+
+    Args:
+        hands: The hands to draw.
+        size: px, width and height.
+        azimuth: deg, as for MuJoCo's cameras.
+        elevation: deg, below 0 from above.
+    """
+    width, height = size[0] * _FINE, size[1] * _FINE
+    image = Image.new("RGB", (width, height), palette.bytes_of(GROUND)[:3])
+    if hands:
+        # The ball below the palm belongs to the picture as the fingers before it do.
+        middle = np.mean([h.palm + 0.03 * h.normal for h in hands], axis=0)
+        pen = _Pen(image, middle, azimuth, elevation, len(hands))
+        for hand in hands:
+            _sphere(pen, hand)
+        for hand in hands:
+            _vectors(pen, hand)
+        pen.write()
+    return image.resize(size, Image.Resampling.LANCZOS)
+
+
+class _Pen:
+    """Draws in metres."""
+
+    def __init__(
+        self, image: Image.Image, middle: Array, azimuth: float, elevation: float, hands: int
+    ) -> None:
+        a, e = np.deg2rad([azimuth, elevation])
+        forward = np.array([np.cos(e) * np.cos(a), np.cos(e) * np.sin(a), np.sin(e)])
+        right = np.array([np.sin(a), -np.cos(a), 0.0])
+        self._axes = np.stack([right, np.cross(right, forward)])
+        self._middle, self._size = middle, np.array(image.size)
+        high = _VIEW_HEIGHT if hands == 1 else 1.4 * _VIEW_HEIGHT
+        self.scale = min(image.size[1] / high, image.size[0] / high)
+        self.draw = ImageDraw.Draw(image)
+        self.unit = image.size[1] / 540.0
+        self.font = ImageFont.load_default(round(15 * self.unit))
+        self._words: list[tuple[float, float, str, Colour]] = []
+
+    def place(self, point: ArrayLike) -> tuple[float, float]:
+        x, y = self._axes @ (np.asarray(point) - self._middle)
+        w, h = self._size
+        return float(w / 2 + x * self.scale), float(h * 0.52 - y * self.scale)
+
+    def arrow(self, start: Array, end: Array, colour: Colour, thick: float) -> None:
+        a, b = np.array(self.place(start)), np.array(self.place(end))
+        ink = palette.bytes_of(colour)[:3]
+        line = b - a
+        length = float(np.linalg.norm(line))
+        if length < 1.0:
+            return
+        along = line / length
+        head = min(4.0 * thick * self.unit, 0.5 * length)
+        across = np.array([-along[1], along[0]]) * 0.5 * head
+        neck = b - head * along
+        self.draw.line([tuple(a), tuple(neck)], fill=ink, width=max(1, round(thick * self.unit)))
+        self.draw.polygon([tuple(b), tuple(neck + across), tuple(neck - across)], fill=ink)
+
+    def dot(self, point: Array, colour: Colour, radius: float) -> None:
+        x, y = self.place(point)
+        r = radius * self.unit
+        self.draw.ellipse((x - r, y - r, x + r, y + r), fill=palette.bytes_of(colour)[:3])
+
+    def word(self, point: Array, text: str, colour: Colour) -> None:
+        """Adds a word near a point, for `write`."""
+        self._words.append((*self.place(point), text, colour))
+
+    def write(self) -> None:
+        """Writes all words over the drawing, without overlaps."""
+        taken: list[tuple[float, float, float, float]] = []
+        for x, y, text, colour in self._words:
+            for away in (0, 1, -1, 2, -2, 3):
+                place = (x, y + away * 17 * self.unit)
+                box = self.draw.textbbox(place, text, font=self.font, anchor="mm")
+                if not any(_overlap(box, other) for other in taken):
+                    break
+            taken.append(box)
+            ink = palette.bytes_of(colour)[:3]
+            self.draw.text(place, text, font=self.font, fill=ink, anchor="mm")
+
+
+def _sphere(pen: _Pen, hand: HandPicture) -> None:
+    if hand.sphere is None:
+        return
+    middle = hand.palm + hand.sphere * hand.normal
+    x, y = pen.place(middle)
+    r = hand.sphere * pen.scale
+    line, fill = palette.bytes_of(_dimmed(palette.OUTLINE, 0.7)), _dimmed(palette.OUTLINE, 0.16)
+    pen.draw.ellipse(
+        (x - r, y - r, x + r, y + r),
+        fill=palette.bytes_of(fill)[:3],
+        outline=line[:3],
+        width=max(1, round(1.5 * pen.unit)),
+    )
+    # The circle perpendicular to the normal shows the orientation.
+    across = np.linalg.svd(hand.normal[None])[2][1:]
+    turns = np.linspace(0.0, 2.0 * np.pi, 49)
+    ring = middle + hand.sphere * (
+        np.cos(turns)[:, None] * across[0] + np.sin(turns)[:, None] * across[1]
+    )
+    pen.draw.line([pen.place(p) for p in ring], fill=line[:3], width=max(1, round(pen.unit)))
+
+
+def _vectors(pen: _Pen, hand: HandPicture) -> None:
+    for label, finger in sorted(hand.fingers.items()):
+        colour = palette.finger_colour(label)
+        shade = colour if finger.seen else _dimmed(colour, _DIM)
+        pen.dot(finger.base, shade, 4.0)
+        pen.arrow(finger.base, finger.tip, shade, 4.0)
+        out = finger.tip - finger.base
+        out = finger.tip + 0.016 * out / max(float(np.linalg.norm(out)), 1e-9)
+        name = FINGERS[label] if finger.seen else f"({FINGERS[label]})"
+        pen.word(out, name, shade)
+    pen.dot(hand.palm, palette.TEXT, 5.0)
+    pen.arrow(hand.palm, hand.palm + _NORMAL_LENGTH * hand.normal, palette.TEXT, 3.0)
+    pen.word(hand.palm + 1.25 * _NORMAL_LENGTH * hand.normal, "palm normal", palette.TEXT)
+
+
+def _overlap(a: tuple[float, float, float, float], b: tuple[float, float, float, float]) -> bool:
+    """True if two boxes (left, top, right, bottom) overlap."""
+    return a[0] < b[2] and b[0] < a[2] and a[1] < b[3] and b[1] < a[3]
+
+
+def _dimmed(colour: Colour, share: float) -> Colour:
+    r, g, b = (share * c + (1.0 - share) * k for c, k in zip(colour, GROUND, strict=True))
+    return r, g, b
+
+
+def _same(frame: HandFrame, hand: PaalmHand) -> TrackedHand | None:
+    """The hand of a frame that belongs to a PAALM hand: the one with its id."""
+    return next((h for h in frame.hands if h.id == hand.hand_id), None)
+
 
 SIZE = (1100, 620)
 """px, default size."""

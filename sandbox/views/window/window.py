@@ -8,6 +8,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 from functools import partial
+from math import sqrt
 from typing import Any
 
 import glfw
@@ -24,10 +25,97 @@ from sandbox.session.messages import Snapshot
 from sandbox.views import palette
 from sandbox.views.cameras import camera_above, window_camera
 from sandbox.views.overlay import OverlayTexts
-from sandbox.views.renderer import Renderer
+from sandbox.views.renderer import LARGEST, Renderer
 from sandbox.views.window.context import BorrowedContext, WindowContext
-from sandbox.views.window.drawing_quality import DrawingQuality
-from sandbox.views.window.keys import HINT, LEAP, keys
+
+HINT = ("h or ?  keys",)
+MOUSE_HELP = (
+    "drag  one finger",
+    "shift + click  pin a finger, or lift it",
+    "drag a pin  moves it",
+    "1 to 5  a hand of so many fingers",
+    "drag beside it  moves the hand",
+    "ctrl + drag  moves all pins",
+    "wheel  open and close",
+    "shift + wheel  turn",
+    "space  lift all fingers",
+)
+HELP = (
+    "right drag  look from elsewhere",
+    "v  from above, and back",
+    "c  contact: hard, soft, none",
+    "p  pause",
+    "s  slow motion: half, a quarter, a tenth",
+    "r  start again",
+    "q  close",
+    "h or ?  hide this",
+)
+
+LEAP = 62
+"""Number of control periods by which the arrow keys move: a second."""
+
+REPLAY_HELP = (
+    "p  pause, and on",
+    "left, right  back and on by a second",
+    "comma, period  back and on by a step",
+    "s  slow motion: half, a quarter, a tenth",
+    "r  from the beginning",
+    "right drag  look from elsewhere",
+    "v  from above, and back",
+    "q  close",
+    "h  hide this",
+)
+
+LIFT_HELP = ("up, down  lift and lower the hand",)
+
+
+def keys(mouse: bool, lift: bool) -> tuple[str, ...]:
+    """Help texts of all keys that have an effect, one line each.
+
+    Args:
+        mouse: The mouse acts as fingers.
+        lift: Keys control the lift.
+    """
+    return (*(LIFT_HELP if lift else ()), *(MOUSE_HELP if mouse else ()), *HELP)
+
+
+MOST_PIXELS = 2_600_000
+"""px, largest number of drawn pixels; in a larger window the picture is stretched. Above it,
+copying pictures takes longer than drawing them."""
+SLOW, PATIENCE = 0.045, 4
+"""s for a picture, and number of slower pictures in a row after which the quality is reduced."""
+PLAIN_SHRINK = 1.6
+"""Factor by which the drawing is smaller than the window at reduced quality."""
+
+
+class DrawingQuality:
+    """Chooses the drawing quality from the duration of pictures."""
+
+    def __init__(self) -> None:
+        self._slow, self._shrink = 0, 1.0
+
+    def size(self, width: int, height: int) -> tuple[int, int]:
+        """px, size of the picture to draw for a window of a given size, px."""
+        width, height = max(width, 16), max(height, 16)
+        shrink = max(
+            sqrt(width * height / MOST_PIXELS), width / LARGEST, height / LARGEST, self._shrink
+        )
+        return max(round(width / shrink), 16), max(round(height / shrink), 16)
+
+    def took(self, seconds: float, renderer: Renderer) -> None:
+        """Notes the duration of a picture; slow ones first disable shadows, then reduce pixels.
+
+        Text stays sharp, as it is drawn over the stretched picture.
+        """
+        self._slow = self._slow + 1 if seconds > SLOW else 0
+        if self._slow < PATIENCE:
+            return
+        self._slow = 0
+        if renderer.shadows:
+            renderer.shadows = False
+        else:
+            self._shrink = PLAIN_SHRINK
+
 
 SIZE = (1024, 680)
 """px in the screen's coordinates, size of a new window."""

@@ -28,7 +28,7 @@ from models.pose import joint_vectors
 from models.rotations import exp, geodesic_angle
 from models.surface import Surface
 from sandbox.captures.recorded import host_clock
-from sandbox.captures.simulated import write_simulated
+from sandbox.cli.capture.simulate import write_simulated
 from sandbox.cli.main import main
 from sandbox.devices.files.frame_file import read_frame_file
 from sandbox.devices.files.paired_capture import HANDS, TOUCHES, PairedCaptureWriter

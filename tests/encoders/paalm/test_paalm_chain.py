@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from hypothesis import example, given
+from hypothesis import given
 from hypothesis import strategies as st
 
 from encoders.paalm import EQUAL, TWO_THIRDS, Coupling
 from encoders.paalm.angles import NAMES, angles_of_joints, by_name, joints_of_angles
-from encoders.paalm.chain import FINGER_LIMITS, Bend, DeferredBend, FingerChain, tables_of
+from encoders.paalm.chain import FINGER_LIMITS, FingerChain
 from models.errors import EncoderError
 
 LENGTHS = (0.045, 0.026, 0.021)
@@ -93,34 +93,6 @@ def test_where_a_limit_refuses_no_other_bend_comes_nearer() -> None:
         for pip in np.linspace(0.0, 110.0, 200)
     ]
     assert found.miss <= min(others) + 1e-4
-
-
-@given(
-    st.lists(st.tuples(*[st.floats(-0.12, 0.12)] * 3), min_size=1, max_size=20),
-    st.sampled_from([Coupling(0.52, 2.0), TWO_THIRDS, EQUAL]),
-    st.sampled_from([0.0, 0.45]),
-)
-@example([(0.0, 0.0, 1e-4), (0.0, 0.09, 0.0), (0.0, 0.2, 0.0), (0.0, 0.0, -0.06)], EQUAL, 0.0)
-def test_many_targets_at_once_give_the_same_bits_as_one_by_one(
-    targets: list[tuple[float, ...]], coupling: Coupling, hidden: float
-) -> None:
-    chain = FingerChain(LENGTHS, coupling, FINGER_LIMITS, hidden)
-    some = np.array([t for t in targets if np.linalg.norm(t) > 1e-6]).reshape(-1, 3)
-    alone = np.array([chain.solve(tuple(t.tolist()))[:4] for t in some]).reshape(-1, 4)
-    assert chain.solve_together(some).tobytes() == alone.tobytes()
-
-
-def test_bends_that_are_asked_for_together_or_alone_are_the_same() -> None:
-    chain = FingerChain(LENGTHS, TWO_THIRDS)
-    held = DeferredBend(None, chain, (0.01, 0.07, -0.02))
-    known = DeferredBend(Bend(1.0, 2.0, 3.0, 4.0, 0.0))
-    hands = [
-        [held, known, DeferredBend(None, chain, (0.0, 0.01 * i, -0.05)), held, known]
-        for i in range(6)
-    ]
-    tables = tables_of(hands)
-    assert tables_of([]).shape == (0, 5, 4)
-    assert tables.tolist() == [[list(asked.bend[:4]) for asked in hand] for hand in hands]
 
 
 @given(st.floats(0.0, 100.0), st.floats(0.1, 9.0))

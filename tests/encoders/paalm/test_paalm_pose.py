@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from encoders.paalm import Paalm
 from encoders.paalm.angles import FRAMES, angles_of_joints
-from encoders.paalm.hand_pose import PALM_CENTRE, hand_pose, hand_poses
+from encoders.paalm.hand_pose import PALM_CENTRE, hand_pose
 from encoders.paalm.hand_reconstructor import HandReconstructor
 from encoders.paalm.palm import Palm, palm_of
 from encoders.reconstruction.hand_motion import Phase
@@ -172,13 +172,3 @@ def test_a_side_that_was_not_measured_is_refused() -> None:
         HandReconstructor(calibrated(take(1)), "left")
     with pytest.raises(EncoderError, match="not calibrated"):
         HandReconstructor(Paalm())
-
-
-@pytest.mark.parametrize("side", ["right", "left"])
-def test_many_poses_are_those_of_each_alone_to_the_bit(side: str) -> None:
-    rng = np.random.default_rng(3)
-    tables = rng.uniform(-20, 80, (40, 5, 4))
-    palms = [palm_of(seen_hand(t, side), side) for t in rng.uniform(-0.8, 0.8, (40, 3)).tolist()]
-    alone = [hand_pose(t, p, side, size=1.1) for t, p in zip(tables, palms, strict=True)]
-    assert np.array_equal(hand_poses(tables, palms, side, size=1.1), alone)
-    assert hand_poses([], [], side).shape == (0, 48)

@@ -18,16 +18,14 @@ from hypothesis import strategies as st
 
 from sandbox.cli import doctor
 from sandbox.cli.common.command_line import parse
-from sandbox.cli.main import COMMANDS, main
-from sandbox.cli.overview import devices, first_steps, overview
+from sandbox.cli.main import COMMANDS, devices, first_steps, main, overview
 from sandbox.cli.play import PlayOptions
 from sandbox.cli.run import RunOptions
 from sandbox.doctor.check import Check, run_probe
 from sandbox.doctor.devices import port_check
 from sandbox.doctor.graphics import graphics_checks
 from sandbox.doctor.packages import DEVELOPERS, USES, declared, package_checks, within
-from sandbox.doctor.speed import speed_check
-from sandbox.doctor.system import folder_check
+from sandbox.doctor.system import folder_check, speed_check
 from tasks.registry import TASKS
 from tests.support.processes import ROOT
 
@@ -115,7 +113,9 @@ def test_it_simulates_a_second_to_say_how_fast_it_is(
 ) -> None:
     (speed,) = [c for c in found if c.name == "speed"]
     assert float(re.findall(r"[\d.]+", speed.found)[0]) > 0.0
-    monkeypatch.setattr("sandbox.doctor.speed._PROBE", "raise SystemExit('it does not even start')")
+    monkeypatch.setattr(
+        "sandbox.doctor.system._PROBE", "raise SystemExit('it does not even start')"
+    )
     assert speed_check().found == "it does not even start" and not speed_check().ok
 
 

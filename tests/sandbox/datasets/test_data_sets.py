@@ -18,12 +18,11 @@ from models.frames import Contact
 from sandbox import run_trial
 from sandbox.cli.main import main
 from sandbox.datasets import export
-from sandbox.datasets.data_set import DataSet
+from sandbox.datasets.data_set import DataSet, first_difference
+from sandbox.datasets.demonstration import actions_of, slots_of, touches_of
 from sandbox.datasets.export import export_data_set
 from sandbox.datasets.minari_file import check_name
 from sandbox.datasets.npz_file import read_npz
-from sandbox.datasets.playback import first_difference
-from sandbox.datasets.slots import actions_of, slots_of, touches_of
 from sandbox.devices.registry import DeviceSettings
 from sandbox.gym import register_task
 from sandbox.recording.recording import load_recording

@@ -14,10 +14,9 @@ import pytest
 from models.errors import InputError
 from sandbox import run_trial
 from sandbox.cli.main import main
-from sandbox.datasets.lerobot_folder import lerobot_folder, read_lerobot
+from sandbox.datasets.data_set import first_difference
+from sandbox.datasets.lerobot_folder import combined, lerobot_folder, read_lerobot, statistics_of
 from sandbox.datasets.npz_file import read_npz
-from sandbox.datasets.playback import first_difference
-from sandbox.datasets.statistics import combined, statistics_of
 from sandbox.gym import register_task
 
 NAME = "me/box-to-goal"

@@ -11,8 +11,7 @@ import pytest
 
 from models.surface import Surface
 from sandbox import run_trial
-from sandbox.cli.main import main
-from sandbox.cli.overview import devices, overview
+from sandbox.cli.main import devices, main, overview
 from sandbox.devices.device import DeviceEntry, Place
 from sandbox.devices.registry import DEVICES, DeviceSettings, built_in, touch_devices
 from sandbox.recording.recording import load_recording

@@ -15,7 +15,7 @@ import pytest
 from models.errors import InputError
 from models.surface import Surface
 from sandbox import DeviceEntry, check_device, load_recording, run_trial
-from sandbox.cli.common.printing import HelpExit
+from sandbox.cli.common.json_out import HelpExit
 from sandbox.cli.main import main
 from sandbox.devices.device import NoOptions, Place, PlayedOptions
 from sandbox.devices.registry import DEVICES, named_device

@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 from dataclasses import replace
 from functools import cache
-from io import StringIO
 from pathlib import Path
 from typing import Any, cast
 
@@ -24,9 +23,6 @@ from models.skeleton import ADULT
 from sandbox.cli.main import main
 from sandbox.devices.leap.leap_file import read_leap
 from sandbox.devices.leap.leap_write import leap_message
-from sandbox.export.json_text import JsonText
-from sandbox.export.leap_frames import LeapFrames
-from tests.sandbox.devices.leap.test_leap_file import FORMS, small
 from tests.support.leap_hands import take
 
 CALIBRATED = 100
@@ -220,60 +216,7 @@ def test_other_programs_find_paalms_fingertips_where_the_leap_saw_them(tmp_path:
         assert np.abs(points[i] - truth).max() < 2e-6
 
 
-# Reading.
-
-
-@pytest.mark.parametrize("form", [*FORMS, "metadata without a rate"])
-def test_frames_that_are_read_one_by_one_are_those_of_the_whole_file(
-    form: str, tmp_path: Path
-) -> None:
-    path = tmp_path / "leap.json"
-    if form in FORMS:
-        path.write_bytes(small(form))
-    else:
-        write(path, together())
-    whole, streamed = read_leap(path), LeapFrames(path)
-    for _ in range(2):
-        assert tuple(streamed) == whole.frames and streamed.report == whole.report
-    assert streamed.metadata == whole.metadata
-
-
-@pytest.mark.parametrize(
-    "text",
-    [
-        '{"a": 1}, {"b": [1, {"c": "}]"}]}, {"d": -1.5e3}]',
-        '1, {"a": 2}, 3, "x", [4], null]',
-        '{"a": "\\"}"}, {"b": 1}]',
-        '{"a": "caf\u00e9"}, {"b": 1}]',
-        '{"a": {"b": {}}}\n , \t{"c": []}  ] ',
-        '{"a": 123456789012345678901234567890}]',
-    ],
-)
-@pytest.mark.parametrize("repeats", [1, 3000])
-def test_many_values_read_at_once_are_those_read_one_by_one(text: str, repeats: int) -> None:
-    text = f"{text[: text.rindex(']')]}, " * (repeats - 1) + text
-    found = JsonText(StringIO(text))
-    values = []
-    while found.sign() != "]":
-        values += found.values()
-        assert found.sign() in (",", "]")
-        if found.sign() == ",":
-            found.skip()
-    assert values == json.loads(f"[{text.strip()}")
-
-
-@pytest.mark.parametrize(
-    "text", ['{"a": NaN}]', '{"a": "\n"}]', '{"a": 1} {"b": 2}, {"c": 3}]', "{"]
-)
-def test_values_that_one_by_one_are_refused_are_refused_at_once(text: str) -> None:
-    found = JsonText(StringIO(text))
-    with pytest.raises(ValueError):
-        while found.sign() != "]":
-            found.values()
-            if found.sign() not in (",", "]"):
-                raise ValueError("no comma")
-            if found.sign() == ",":
-                found.skip()
+# Damaged files.
 
 
 @pytest.mark.parametrize("share", [0.3, 0.7, 0.999])

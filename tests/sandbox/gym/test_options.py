@@ -17,9 +17,8 @@ from gymnasium.wrappers import RescaleAction
 from models.arithmetic import Array
 from models.errors import InputError
 from sandbox.gym import HandSandboxEnv
-from sandbox.gym.goals import ARRIVED
 from sandbox.gym.options import ACTIONS, LABELS, OBSERVED, REWARDS
-from sandbox.gym.rewards import REACH
+from sandbox.gym.rewards import ARRIVED, REACH
 from sandbox.trial.settings import HandSettings, Settings, encoded
 from tasks.registry import TASKS, hands_of
 from tasks.variation import Variation

@@ -13,11 +13,18 @@ import pytest
 from models.errors import InputError
 from sandbox.cli.main import main
 from sandbox.cli.regress import main as regress
-from sandbox.regress.arms import ARMS, HARD_SETTINGS, arm_of, row_name, setting_of
 from sandbox.regress.baseline import load_baseline
 from sandbox.regress.comparison import level_of
 from sandbox.regress.execute import Serial
-from sandbox.regress.plan import RegressionPlan, registered
+from sandbox.regress.plan import (
+    ARMS,
+    HARD_SETTINGS,
+    RegressionPlan,
+    arm_of,
+    registered,
+    row_name,
+    setting_of,
+)
 from sandbox.trial.assembly import drawn
 from tasks.registry import TASKS, is_built_in
 from tests.support.processes import ROOT

@@ -21,6 +21,7 @@ from models.motion.sampling import Poses
 from models.rotations import quaternion_to_matrix
 from models.skeleton import ADULT
 from sandbox.cli.main import main
+from sandbox.cli.stream import script
 from sandbox.devices.leap.leap_write import write_take
 from sandbox.export.motion_source import MotionSource, poses_of
 from sandbox.stream.guest_line import Line
@@ -37,8 +38,7 @@ from sandbox.stream.guest_math import (
     rows_of,
 )
 from sandbox.stream.lines import BLENDER, LIMIT, MAYA, MAYA_MEL, HandLines, StreamTarget
-from sandbox.stream.player import StreamPace, StreamPlayer
-from sandbox.stream.script import script
+from sandbox.stream.motion import StreamPace, StreamPlayer
 from sandbox.stream.sender import Sender, parse_address
 from tests.sandbox.stream.command_port import CommandPort, Manners
 from tests.sandbox.stream.fake_maya import FakeMaya, maya_with

@@ -19,8 +19,8 @@ from models.arithmetic import Array
 from models.motion.armature import Y_UP, Armature
 from models.person import Person
 from models.skeleton import ADULT
+from sandbox.cli.stream import script
 from sandbox.stream.lines import LIMIT, MAYA, HandLines
-from sandbox.stream.script import script
 from tests.sandbox.stream.fake_maya import FakeMaya, maya_with
 from tests.support.motion_poses import moving
 

@@ -204,7 +204,7 @@ def test_without_a_window_it_plays_what_needs_none(
     assert "from a touch to a picture" in capsys.readouterr().err
     for name in ("DISPLAY", "WAYLAND_DISPLAY"):
         monkeypatch.delenv(name, raising=False)
-    monkeypatch.setattr("sandbox.views.display.sys.platform", "linux")
+    monkeypatch.setattr("sandbox.views.graphics.sys.platform", "linux")
     assert main(["play"]) == 2
     assert "--view web" in capsys.readouterr().err
 

@@ -9,9 +9,8 @@ from models.arithmetic import Array
 from models.scene import TABLE
 from sandbox.session.messages import Snapshot
 from sandbox.session.session import Session
-from sandbox.views.cameras import camera_above, film_camera, window_camera
+from sandbox.views.cameras import Lens, camera_above, film_camera, window_camera
 from sandbox.views.drawing import Drawing
-from sandbox.views.lens import Lens
 from tests.support.scripted import scripted
 
 SIZE = (480, 270)

@@ -13,9 +13,8 @@ from sandbox.session.session import Session
 from sandbox.trial.assembly import device_makers
 from sandbox.trial.driver import open_trial
 from sandbox.trial.trial_options import TrialOptions, trial_settings
-from sandbox.views.cameras import camera_above
+from sandbox.views.cameras import Lens, camera_above
 from sandbox.views.drawing import Drawing
-from sandbox.views.lens import Lens
 from sandbox.views.marks import ARC_SIDES
 from sandbox.views.overlay import OverlayTexts, stickers
 from tests.support.scripted import box_xy, pinch, run, scripted

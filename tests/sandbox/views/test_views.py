@@ -22,9 +22,8 @@ from models.scene import SceneSpec, scene_xml
 from models.surface import Surface
 from sandbox.session.messages import Snapshot
 from sandbox.views import palette
-from sandbox.views.cameras import camera_above, film_camera, window_camera
+from sandbox.views.cameras import Lens, camera_above, film_camera, window_camera
 from sandbox.views.drawing import RING_SIDES, Drawing, Hidden
-from sandbox.views.lens import Lens
 from sandbox.views.overlay import OverlayTexts, stickers
 from sandbox.views.renderer import Renderer
 from tasks.score import Score, Status

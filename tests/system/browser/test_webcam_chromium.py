@@ -20,8 +20,7 @@ import pytest
 from encoders.webcam.camera import Camera
 from models.frames import LandmarkFrame, SeenHand
 from sandbox.devices.webcam.engine import install, installed_engine
-from sandbox.devices.webcam.landmark_server import ENDED, REPLACED
-from sandbox.devices.webcam.webcam import CLOSED, NOTICES, WebcamDevice
+from sandbox.devices.webcam.webcam import CLOSED, ENDED, NOTICES, REPLACED, WebcamDevice
 from sandbox.recording.recording import load_recording
 from sandbox.study.run.runner import SessionOutcome
 from sandbox.trial.replay import replay

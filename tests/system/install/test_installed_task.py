@@ -11,7 +11,7 @@ from tests.support.lab_package import install_lab, sandbox_with
 
 LAB = """
 from tests.tasks.test_custom_task import Slide
-from tasks.simulated_user.control_users import IdleUser
+from tasks.simulated_user.user import IdleUser
 from tasks.custom_task import judge
 class Timed(Slide):
     name = "tiny-lab-timed"

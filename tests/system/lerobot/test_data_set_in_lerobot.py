@@ -15,8 +15,8 @@ import pytest
 
 from sandbox import run_trial
 from sandbox.cli.main import main
+from sandbox.datasets.data_set import first_difference
 from sandbox.datasets.lerobot_folder import read_lerobot
-from sandbox.datasets.playback import first_difference
 from sandbox.gym import register_task
 from tests.system.lerobot.environment import run_with_lerobot
 

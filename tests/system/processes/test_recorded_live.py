@@ -14,8 +14,8 @@ import pytest
 
 from encoders.captures.paired.simulated import FROZEN_PAIRED, PairedSession, simulate_paired
 from encoders.store import load_capture
-from sandbox.captures.simulated import write_simulated
 from sandbox.cli.capture import record
+from sandbox.cli.capture.simulate import write_simulated
 from sandbox.cli.main import main
 from sandbox.devices.files.paired_capture import HANDS, TOUCHES
 from sandbox.devices.leap.leap_fake import FakeLeapd

@@ -23,8 +23,8 @@ from models.motion.armature import Y_UP, Armature, Keys
 from models.motion.bvh import BvhWriter, read_bvh
 from models.person import Person
 from models.skeleton import ADULT
+from sandbox.cli.stream import script
 from sandbox.stream.lines import BLENDER, HandLines
-from sandbox.stream.script import script
 from sandbox.stream.sender import Sender
 from tests.support.motion_poses import moving
 

@@ -18,7 +18,7 @@ from sandbox.session.messages import Snapshot
 from sandbox.trial.assembly import build
 from sandbox.trial.settings import Settings
 from sandbox.views.renderer import Renderer
-from sandbox.views.window import drawing_quality
+from sandbox.views.window import window as drawing_quality
 from sandbox.views.window.window import Window
 from tests.support.processes import printed
 from tests.support.screen import Screen, screen

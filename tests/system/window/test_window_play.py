@@ -25,7 +25,7 @@ from sandbox.server.web import WebDevice
 from sandbox.trial.assembly import build
 from sandbox.trial.logs import LatencyLog, TimedDevice, Timing
 from sandbox.trial.settings import Settings
-from sandbox.views.window import drawing_quality
+from sandbox.views.window import window as drawing_quality
 from sandbox.views.window.window import SPEEDS
 from tasks.registry import TASKS
 from tests.support.page_client import Page

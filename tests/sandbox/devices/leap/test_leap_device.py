@@ -15,10 +15,9 @@ from websockets.exceptions import InvalidStatus
 from websockets.sync.client import connect
 
 from models.errors import DeviceError
-from sandbox.devices.leap.leap import KEPT, LeapDevice
+from sandbox.devices.leap.leap import KEPT, LeapDevice, SplitBySide
 from sandbox.devices.leap.leap_fake import FakeLeapd
 from sandbox.devices.leap.leap_write import leap_message
-from sandbox.devices.leap.two_hands import SplitBySide
 from sandbox.devices.wrappers.shared import SharedDevice
 from tests.support.leap_hands import take
 from tests.support.processes import PATIENCE

@@ -11,8 +11,8 @@ from encoders.paalm.hand_reconstructor import NOTICE_LASTS
 from models.frames import HandFrame
 from sandbox.cli.run import main
 from sandbox.devices.hand_input import HandInput
+from sandbox.devices.leap.leap import SplitBySide
 from sandbox.devices.leap.leap_write import write_take
-from sandbox.devices.leap.two_hands import SplitBySide
 from sandbox.devices.wrappers.shared import SharedDevice
 from sandbox.trial.assembly import build
 from sandbox.trial.settings import HandSettings, Settings

@@ -27,7 +27,7 @@ from sandbox.devices.webcam.landmarks import (
     picture_message,
     read_landmarks,
 )
-from sandbox.export.landmark_source import open_landmarks
+from sandbox.export.sources import open_landmarks
 from sandbox.recording.recording import frame_from_json, frame_to_json
 from tests.encoders.webcam.seen_hands import film, held_up
 

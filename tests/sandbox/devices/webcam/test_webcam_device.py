@@ -18,9 +18,16 @@ from websockets.sync.client import ClientConnection, connect
 from encoders.webcam.camera import Camera
 from models.frames import LandmarkFrame
 from models.plausible import JUMPED
-from sandbox.devices.webcam.landmark_server import ENDED, PATIENCE, REPLACED
 from sandbox.devices.webcam.landmarks import message_of
-from sandbox.devices.webcam.webcam import CLOSED, NOTICES, WAITING, WebcamDevice
+from sandbox.devices.webcam.webcam import (
+    CLOSED,
+    ENDED,
+    NOTICES,
+    PATIENCE,
+    REPLACED,
+    WAITING,
+    WebcamDevice,
+)
 from tests.encoders.webcam.seen_hands import film, held_up
 from tests.support.processes import until
 
