@@ -36,7 +36,7 @@ from sandbox.devices.leap.leap_write import leap_message
 from sandbox.devices.tuio.touch_capture import CaptureDevice, read_capture
 from sandbox.devices.webcam.landmarks import header_record as camera_record
 from sandbox.devices.webcam.landmarks import message_of, read_landmarks
-from tests.encoders.webcam.seen_hands import film, held_up
+from tests.encoders.air.seen_hands import film, held_up
 from tests.sandbox.devices.test_mutations_of_touches import capture, packets11
 from tests.sandbox.devices.test_strange_hands import CAMERA
 from tests.support.hand_recording import (

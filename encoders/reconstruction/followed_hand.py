@@ -3,6 +3,7 @@ is lost."""
 
 from __future__ import annotations
 
+from collections import Counter
 from dataclasses import dataclass, field
 from math import exp, inf
 
@@ -13,10 +14,12 @@ from encoders.reconstruction.reconstructor import Reconstruction
 from models.arithmetic import Array, length
 from models.frames import FINGERS
 from models.message import Message
-from models.pose import JOINTS, ROOT_POSITION, ROOT_ROTATION
+from models.person import Person
+from models.pose import JOINTS, POSE_SIZE, ROOT_POSITION, ROOT_ROTATION, mirrored
 from models.rotations import unwrapped
 from models.single_pose import SinglePose
-from models.skeleton import Skeleton
+from models.skeleton import ADULT, Skeleton
+from models.surface import Surface
 
 _ALL = frozenset(range(len(FINGERS)))
 
@@ -139,6 +142,67 @@ class FollowedHand:
         raised = q.copy()
         raised[2] -= low
         return raised
+
+
+_START = (0.0, -0.10, 0.12)
+"""m, wrist of the right hand before it is seen: over the table, fingers away from the person."""
+
+
+class AirReconstructor:
+    """Base class of reconstructors of one hand that is seen in the air, frame by frame.
+
+    Args:
+        side: `right` or `left`.
+        size: Length of the hand relative to the average one.
+        following: How the commanded pose follows.
+        surface: Workspace of a task; None is the default tablet.
+
+    Attributes:
+        counts: Numbers of what could not be used, by reason.
+    """
+
+    def __init__(
+        self, side: str, size: float, following: FollowingSettings, surface: Surface | None
+    ) -> None:
+        self.side = side
+        self.surface = surface or Surface()
+        start = np.zeros(POSE_SIZE)
+        start[ROOT_POSITION] = _START
+        start = mirrored(start) if side == "left" else start
+        self._hand = FollowedHand(Person(side, size).skeleton(ADULT), following, start)
+        self.reset()
+
+    def reset(self) -> None:
+        """Returns to the initial state: a hand that waits for its first frame."""
+        self._hand.reset()
+        self.counts: dict[str, int] = Counter()
+        self._time: float | None = None
+        self._goal: Array | None = None
+        self._error = float("nan")
+
+    @property
+    def commanded(self) -> Array:
+        """The pose last commanded (48,), in the world."""
+        return self._hand.commanded
+
+    @property
+    def notice(self) -> str:
+        """Notice to the person whose hand is not seen; empty while all is well."""
+        return self._hand.notice(self.side)
+
+    def _elapsed(self, time: float) -> float:
+        """s since the step before; 0 at the first one, and where time runs backwards."""
+        dt = 0.0 if self._time is None else max(time - self._time, 0.0)
+        self._time = time if self._time is None else max(time, self._time)
+        return dt
+
+    def _followed(self, dt: float) -> Reconstruction:
+        """The result of a control step of dt s: the hand follows its goal, or waits for it."""
+        if self._goal is None:
+            self._hand.lose(dt)
+        else:
+            self._hand.follow(self._goal, dt)
+        return self._hand.reconstruction(self._error)
 
 
 def _keep(goal: Array, before: Array, part: slice, smoothing: float, dt: float) -> None:

@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from encoders.air.camera import Camera
 from encoders.capture import Capture
 from encoders.captures.conversion import ConversionReport, ConversionRules, TouchLog
 from encoders.captures.overhead.capture_from_camera import (
@@ -21,7 +22,6 @@ from encoders.captures.paired.capture_from_hands import capture_from_hands
 from encoders.captures.paired.open_hand import OPEN_FRAMES, open_hand
 from encoders.paalm.calibration import HandCalibration
 from encoders.paalm.calibration_file import read_hand
-from encoders.webcam.camera import Camera
 from models.arithmetic import Array
 from models.errors import CaptureError, EncoderError, InputError, RecordingError
 from models.frames import LandmarkFrame

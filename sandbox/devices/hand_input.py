@@ -7,8 +7,8 @@ from dataclasses import dataclass, field
 from math import isfinite
 from typing import TYPE_CHECKING, Any
 
+from encoders.air.camera import Camera
 from encoders.reconstruction.hand_motion import RateLimit
-from encoders.webcam.camera import Camera
 from models.errors import InputError
 from models.person import Person
 from models.surface import Surface
@@ -67,7 +67,7 @@ class HandInput:
         """The reconstructor of the device's kind; arguments and errors are `reconstructor`'s."""
         # Each device needs a reconstructor of its own.
         if self.joints:
-            from encoders.headset.joint_reconstructor import JointReconstructor, following
+            from encoders.air.joint_reconstructor import JointReconstructor, following
 
             _check_seat(person, surface)
             return JointReconstructor(
@@ -75,8 +75,8 @@ class HandInput:
             )
         if self.camera is None:
             return self.reconstructor(person, surface, rate)
+        from encoders.air.landmark_reconstructor import LandmarkReconstructor
         from encoders.reconstruction.followed_hand import FollowingSettings
-        from encoders.webcam.landmark_reconstructor import LandmarkReconstructor
 
         _check_seat(person, surface)
         return LandmarkReconstructor(

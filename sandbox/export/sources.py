@@ -47,10 +47,10 @@ from collections import Counter
 from dataclasses import replace
 from itertools import pairwise
 
+from encoders.air.camera import Camera
+from encoders.air.landmark_reconstructor import WITHOUT, LandmarkReconstructor
 from encoders.reconstruction.followed_hand import FollowingSettings
 from encoders.reconstruction.hand_motion import RateLimit
-from encoders.webcam.camera import Camera
-from encoders.webcam.landmark_reconstructor import WITHOUT, LandmarkReconstructor
 from models.frames import SIDES
 from models.person import Person
 from models.reader_report import ReaderReport

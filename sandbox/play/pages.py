@@ -7,9 +7,9 @@ from collections.abc import Callable
 import msgspec
 from rich.console import Console
 
-from encoders.headset.joint_reconstructor import JointReconstructor
+from encoders.air.joint_reconstructor import JointReconstructor
+from encoders.air.landmark_reconstructor import LandmarkReconstructor
 from encoders.paalm.hand_reconstructor import HandReconstructor
-from encoders.webcam.landmark_reconstructor import LandmarkReconstructor
 from models.errors import DeviceError, InputError
 from models.message import Message
 from sandbox.devices.device import DeviceWrapper

@@ -13,10 +13,10 @@ from typing import Any
 
 import numpy as np
 
+from encoders.air.camera import Camera
 from encoders.paalm.angles import angles_of_joints
 from encoders.paalm.hand_pose import hand_pose
 from encoders.paalm.palm import Palm, vector_of
-from encoders.webcam.camera import Camera
 from models.arithmetic import Array
 from models.frames import LandmarkFrame, SeenHand
 from models.surface import Surface
@@ -29,7 +29,7 @@ from sandbox.trial.result import TrialResult
 from sandbox.trial.settings import HandSettings, Settings
 from tasks.task import Task
 from tasks.user import UserConfiguration
-from tests.encoders.webcam.seen_hands import SIZE, landmarks
+from tests.encoders.air.seen_hands import SIZE, landmarks
 
 Look = Callable[[Array, float], LandmarkFrame]
 

@@ -23,10 +23,10 @@ import mujoco
 import numpy as np
 from PIL import Image, ImageDraw
 
+from encoders.air.camera import Camera
 from encoders.paalm.hand_pose import hand_pose
 from encoders.paalm.palm import Palm
 from encoders.paalm.simulated.air import simulate_air
-from encoders.webcam.camera import Camera
 from models.arithmetic import Array
 from models.frames import LandmarkFrame
 from models.hand import Hand

@@ -4,7 +4,7 @@
 2. The surface in the picture is found by its corners, or by the touches themselves.
 3. Every contact gets the finger whose pad is nearest, or no name in doubt.
 4. The offset at which touches move like their fingers refines the clock; 2 and 3 follow again.
-5. Poses are fitted to the landmarks (`encoders.webcam`), at the size at which touching fingertips
+5. Poses are fitted to the landmarks (`encoders.air`), at the size at which touching fingertips
    are on the surface, and corrected so that they are at their touches.
 """
 
@@ -17,6 +17,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from encoders.air.camera import Camera
+from encoders.air.landmark_fit import LandmarkFit
 from encoders.capture import Capture
 from encoders.captures.conversion.assemble import assemble, whole_frames
 from encoders.captures.conversion.fingers import LabelledTrack, sample_times
@@ -42,8 +44,6 @@ from encoders.captures.overhead.tablet_plane import (
 from encoders.captures.paired.capture_from_hands import ONE_CLOCK, corrected
 from encoders.captures.paired.hand_track import HandTrack
 from encoders.correction import PAD_HEIGHT
-from encoders.webcam.camera import Camera
-from encoders.webcam.landmark_fit import LandmarkFit
 from models.arithmetic import Array
 from models.errors import CaptureError
 from models.frames import FINGERS, LandmarkFrame

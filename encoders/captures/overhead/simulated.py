@@ -12,9 +12,9 @@ from math import atan, exp, hypot, sqrt
 
 import numpy as np
 
+from encoders.air.camera import Camera
+from encoders.air.landmark_fit import OF_POINTS, HandPoints
 from encoders.captures.paired.simulated import PairedSession
-from encoders.webcam.camera import Camera
-from encoders.webcam.landmark_fit import OF_POINTS, HandPoints
 from models.arithmetic import Array
 from models.frames import LANDMARKS, LandmarkFrame, SeenHand
 from models.rotations import exp as turned

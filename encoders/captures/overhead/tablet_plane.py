@@ -21,7 +21,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from encoders.webcam.camera import VIEWS, Camera
+from encoders.air.camera import VIEWS, Camera
 from models.arithmetic import Array
 from models.errors import CaptureError, InputError
 from models.frames import FINGERS

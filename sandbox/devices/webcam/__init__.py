@@ -8,7 +8,7 @@ from math import atan, degrees
 from pathlib import Path
 from typing import Any
 
-from encoders.webcam.camera import Camera
+from encoders.air.camera import Camera
 from models.errors import InputError
 from sandbox.devices.device import (
     AnyDevice,

@@ -15,8 +15,8 @@ from typing import Any, Literal
 import msgspec
 import numpy as np
 
-from encoders.webcam.camera import Camera
-from encoders.webcam.landmark_fit import KNUCKLES
+from encoders.air.camera import Camera
+from encoders.air.landmark_fit import KNUCKLES
 from models.errors import DeviceError, FrameError, InputError, RecordingError
 from models.frames import LANDMARKS, LandmarkFrame, SeenHand
 from models.json_input import (

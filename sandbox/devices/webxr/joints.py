@@ -9,8 +9,8 @@ from math import dist, sqrt
 
 import numpy as np
 
-from encoders.headset.controller import controller_points
-from encoders.headset.joint_fit import KNUCKLES, THUMB, TIPS, WRIST
+from encoders.air.controller import controller_points
+from encoders.air.joint_fit import KNUCKLES, THUMB, TIPS, WRIST
 from models.arithmetic import total
 from models.errors import FrameError
 from models.frames import TrackedFinger, TrackedHand, Vector

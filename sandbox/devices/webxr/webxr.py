@@ -7,7 +7,7 @@ import time
 from collections import Counter, deque
 from collections.abc import Sequence
 
-from encoders.headset.joint_fit import seen_size
+from encoders.air.joint_fit import seen_size
 from models.errors import FrameError
 from models.frames import FINGERS, HandFrame, TrackedHand
 from models.plausible import (

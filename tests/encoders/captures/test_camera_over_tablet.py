@@ -8,6 +8,7 @@ from functools import cache
 import numpy as np
 import pytest
 
+from encoders.air.camera import Camera
 from encoders.captures.conversion import ConversionReport, ConversionRules, TouchLog
 from encoders.captures.overhead.capture_from_camera import (
     NamedTouches,
@@ -29,7 +30,6 @@ from encoders.captures.overhead.tablet_plane import (
     plane_of_corners,
 )
 from encoders.captures.paired.simulated import FROZEN_PAIRED, PairedSession, simulate_paired
-from encoders.webcam.camera import Camera
 from models.errors import CaptureError, InputError
 from models.frames import LandmarkFrame
 from sandbox.captures.live_naming import ArrivalClock, LiveNames

@@ -8,10 +8,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from encoders.air.camera import Camera
 from encoders.paalm.hand_pose import PALM_CENTRE
 from encoders.paalm.simulated.forward import ForwardLeap
 from encoders.person.rest_posture import load_rest
-from encoders.webcam.camera import Camera
 from models.arithmetic import Array
 from models.frames import HandFrame
 from models.kinematics import Kinematics
@@ -22,8 +22,8 @@ from sandbox.cli.main import main
 from sandbox.devices.leap.leap_write import leap_message
 from sandbox.devices.webcam.landmarks import header_record, message_of
 from sandbox.trial.trial_options import TrialOptions, trial_settings
+from tests.encoders.air.seen_hands import film, mirror
 from tests.encoders.person.resting_hand import resting
-from tests.encoders.webcam.seen_hands import film, mirror
 
 ABOVE = Camera(60.0, (0.0, -0.05, 0.55), tilt=90.0, roll=180.0)
 """A camera straight above the hand."""

@@ -12,7 +12,7 @@ from typing import Any, ClassVar
 
 import pytest
 
-from encoders.webcam.camera import Camera
+from encoders.air.camera import Camera
 from models.errors import DeviceError
 from models.frames import Contact, TouchFrame
 from models.person import Person
@@ -49,7 +49,7 @@ from tasks.guarded import draw_task
 from tasks.registry import find_task
 from tasks.task import place_surface
 from tasks.user import UserConfiguration
-from tests.encoders.webcam.seen_hands import film, held_up
+from tests.encoders.air.seen_hands import film, held_up
 from tests.sandbox.devices.kernel_slots import KernelSlots
 from tests.support.leap_hands import take
 from tests.support.processes import ROOT, Sender

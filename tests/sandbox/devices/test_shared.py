@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 
-from encoders.webcam.camera import Camera
+from encoders.air.camera import Camera
 from models.errors import InputError
 from models.frames import HandFrame, LandmarkFrame
 from models.surface import Surface
@@ -26,7 +26,7 @@ from sandbox.trial.settings import Settings
 from sandbox.trial.trial_options import TrialOptions, trial_settings
 from tasks.task import Task
 from tasks.user import UserConfiguration
-from tests.encoders.webcam.seen_hands import film, held_up, mirror
+from tests.encoders.air.seen_hands import film, held_up, mirror
 
 TASK = "carry-together"
 SCREEN = PageScreen(100.0, 1000.0, 500.0, True)

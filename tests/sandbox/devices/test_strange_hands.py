@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from encoders.webcam.camera import Camera
+from encoders.air.camera import Camera
 from models.errors import InputError
 from models.frames import HandFrame, LandmarkFrame, SeenHand
 from models.motion.bvh import read_bvh
@@ -32,7 +32,7 @@ from sandbox.devices.leap.leap_write import leap_message
 from sandbox.devices.own_device import GuardedDevice
 from sandbox.devices.webcam.landmarks import LandmarkRecording, header_record, message_of
 from sandbox.devices.webcam.landmarks import read_landmarks as read_pictures
-from tests.encoders.webcam.seen_hands import film, held_up
+from tests.encoders.air.seen_hands import film, held_up
 from tests.support.leap_hands import take
 
 Messages = list[dict[str, Any]]

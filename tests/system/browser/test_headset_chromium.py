@@ -35,7 +35,7 @@ from sandbox.trial.trial_options import TrialOptions, trial_settings
 from sandbox.words.words import words_in
 from tasks.task import Task
 from tasks.user import UserConfiguration
-from tests.encoders.headset.joint_hands import joints, points
+from tests.encoders.air.joint_hands import joints, points
 from tests.support.chromium import BINARY, Browser, Tab
 from tests.support.processes import PATIENCE
 from tests.system.browser.emulated_headset import show, worn

@@ -17,14 +17,14 @@ from urllib.parse import urlsplit
 import numpy as np
 import pytest
 
-from encoders.webcam.camera import Camera
+from encoders.air.camera import Camera
 from models.frames import LandmarkFrame, SeenHand
 from sandbox.devices.webcam.engine import install, installed_engine
 from sandbox.devices.webcam.webcam import CLOSED, ENDED, NOTICES, REPLACED, WebcamDevice
 from sandbox.recording.recording import load_recording
 from sandbox.study.run.runner import SessionOutcome
 from sandbox.trial.replay import replay
-from tests.encoders.webcam.seen_hands import SIZE, held_up, seen
+from tests.encoders.air.seen_hands import SIZE, held_up, seen
 from tests.sandbox.study.run.study_before_camera import CameraSession
 from tests.support.chromium import BINARY, Browser, Tab
 from tests.support.processes import PATIENCE

@@ -12,7 +12,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from encoders.webcam.camera import Camera
+from encoders.air.camera import Camera
 from models.errors import DeviceError, FrameError, InputError, RecordingError
 from models.frames import LandmarkFrame
 from models.motion.sampling import Poses
@@ -29,7 +29,7 @@ from sandbox.devices.webcam.landmarks import (
 )
 from sandbox.export.sources import open_landmarks
 from sandbox.recording.recording import frame_from_json, frame_to_json
-from tests.encoders.webcam.seen_hands import film, held_up
+from tests.encoders.air.seen_hands import film, held_up
 
 CAMERA = Camera(70.0, (0.0, 0.5, 0.2), 10.0)
 

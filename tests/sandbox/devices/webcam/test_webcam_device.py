@@ -15,7 +15,7 @@ import pytest
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 from websockets.sync.client import ClientConnection, connect
 
-from encoders.webcam.camera import Camera
+from encoders.air.camera import Camera
 from models.frames import LandmarkFrame
 from models.plausible import JUMPED
 from sandbox.devices.webcam.landmarks import message_of
@@ -28,7 +28,7 @@ from sandbox.devices.webcam.webcam import (
     WAITING,
     WebcamDevice,
 )
-from tests.encoders.webcam.seen_hands import film, held_up
+from tests.encoders.air.seen_hands import film, held_up
 from tests.support.processes import until
 
 

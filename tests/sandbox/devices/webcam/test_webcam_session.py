@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from encoders.webcam.camera import Camera
+from encoders.air.camera import Camera
 from models.errors import InputError
 from models.frames import LandmarkFrame
 from models.motion.sampling import Poses
@@ -18,7 +18,7 @@ from sandbox.devices.webcam.landmarks import header_record, message_of
 from sandbox.export.sources import open_source
 from sandbox.recording.recording import load_recording
 from sandbox.trial.settings import recorded_settings
-from tests.encoders.webcam.seen_hands import film, held_up, mirror
+from tests.encoders.air.seen_hands import film, held_up, mirror
 
 CAMERA = Camera(70.0, (0.0, 0.45, 0.12))
 

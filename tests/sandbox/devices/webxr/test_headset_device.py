@@ -24,7 +24,7 @@ from sandbox.server.protocol import PROTOCOL, HeldController, PageHands, PageScr
 from sandbox.server.static import HEADSET, StaticFiles
 from sandbox.trial.assembly import build, device_makers
 from sandbox.trial.trial_options import TrialOptions, trial_settings
-from tests.encoders.headset.joint_hands import joints, points, seen
+from tests.encoders.air.joint_hands import joints, points, seen
 from tests.support.processes import until
 
 SCREEN = {"px_per_in": 110.0, "width_px": 800.0, "height_px": 600.0, "calibrated": False}

@@ -12,7 +12,7 @@ import pytest
 from models.frames import HandFrame
 from sandbox.devices.webxr.webxr import HeadsetDevice
 from sandbox.server.protocol import PageHands, PageScreen
-from tests.encoders.headset.joint_hands import joints
+from tests.encoders.air.joint_hands import joints
 
 SCREEN = PageScreen(px_per_in=110.0, width_px=800.0, height_px=600.0, calibrated=False)
 FRAMES = 60

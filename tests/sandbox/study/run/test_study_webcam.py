@@ -13,7 +13,7 @@ import pytest
 from websockets.exceptions import ConnectionClosed
 from websockets.sync.client import connect
 
-from encoders.webcam.camera import Camera
+from encoders.air.camera import Camera
 from models.errors import StudyError
 from models.frames import LandmarkFrame
 from sandbox.devices.webcam.landmarks import message_of
@@ -27,7 +27,7 @@ from sandbox.study.run.simulate import simulate
 from sandbox.study.share.share import Masking, share_study
 from sandbox.trial.replay import replay
 from sandbox.words.words import words_in
-from tests.encoders.webcam.seen_hands import SIZE, held_up, seen
+from tests.encoders.air.seen_hands import SIZE, held_up, seen
 from tests.sandbox.study.run.study_before_camera import (
     BEFORE_A_CAMERA,
     CAMERA,

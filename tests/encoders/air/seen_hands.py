@@ -6,8 +6,8 @@ from math import radians
 
 import numpy as np
 
-from encoders.webcam.camera import Camera
-from encoders.webcam.landmark_fit import OF_POINTS, HandPoints
+from encoders.air.camera import Camera
+from encoders.air.landmark_fit import OF_POINTS, HandPoints
 from models.arithmetic import Array
 from models.frames import LandmarkFrame, SeenHand
 from models.pose import POSE_SIZE, ROOT_POSITION, ROOT_ROTATION

@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from encoders.webcam.camera import Camera
+from encoders.air.camera import Camera
 from models.errors import InputError
 
 ANGLE = st.floats(-180.0, 180.0)

@@ -23,8 +23,8 @@ from typing import NamedTuple
 import mujoco
 import numpy as np
 
+from encoders.air.bounded_step import bounded_step, stepped
 from encoders.paalm.coupling import TWO_THIRDS, Coupling
-from encoders.webcam.bounded_step import bounded_step, stepped
 from models.arithmetic import (
     Array,
     eigen,

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from encoders.headset.joint_fit import KNUCKLES, THUMB, TIPS, JointPoints
+from encoders.air.joint_fit import KNUCKLES, THUMB, TIPS, JointPoints
 from models.arithmetic import Array
 from models.frames import TrackedHand
 from models.pose import JOINTS, POSE_SIZE, ROOT_POSITION, ROOT_ROTATION

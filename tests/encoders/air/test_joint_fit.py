@@ -7,7 +7,7 @@ from functools import cache
 import numpy as np
 import pytest
 
-from encoders.headset.joint_fit import (
+from encoders.air.joint_fit import (
     KNUCKLES,
     PALM,
     TIPS,
@@ -20,7 +20,7 @@ from models.arithmetic import Array
 from models.pose import JOINTS, ROOT_POSITION, ROOT_ROTATION, violations
 from models.rotations import geodesic_angle
 from models.skeleton import ADULT
-from tests.encoders.headset.joint_hands import any_pose, points, seen
+from tests.encoders.air.joint_hands import any_pose, points, seen
 
 OF_FINGERS = np.array([3 * i for i, bone in enumerate(ADULT.bones) if bone.finger > 0])
 """Flexions of the fingers, among the joints' components."""

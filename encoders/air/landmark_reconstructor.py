@@ -6,25 +6,21 @@ solved once, when it comes; between two pictures the commanded pose goes on towa
 
 from __future__ import annotations
 
-from collections import Counter
-
 import numpy as np
 
-from encoders.reconstruction.followed_hand import FollowedHand, FollowingSettings
+from encoders.air.camera import Camera
+from encoders.air.landmark_fit import FitSettings, LandmarkFit
+from encoders.reconstruction.followed_hand import AirReconstructor, FollowingSettings
 from encoders.reconstruction.reconstructor import Reconstruction
-from encoders.webcam.camera import Camera
-from encoders.webcam.landmark_fit import FitSettings, LandmarkFit
 from models.arithmetic import Array, small_product
 from models.frames import LandmarkFrame, SeenHand
 from models.person import Person
-from models.pose import POSE_SIZE, ROOT_POSITION, ROOT_ROTATION, mirrored
+from models.pose import ROOT_POSITION, ROOT_ROTATION, mirrored
 from models.reader_report import SIDE_MENDED
 from models.rotations import exp, log
 from models.skeleton import ADULT
 from models.surface import Surface
 
-_START = (0.0, -0.10, 0.12)
-"""m, wrist of the right hand before it is seen: over the table, fingers away from the person."""
 _FORGET = 0.5
 """s without a picture of the hand after which the next one is solved from the beginning."""
 
@@ -32,7 +28,7 @@ WITHOUT = "pictures without the hand"
 """Count of a reconstructor."""
 
 
-class LandmarkReconstructor:
+class LandmarkReconstructor(AirReconstructor):
     """Reconstructs one hand from a camera's landmarks.
 
     Args:
@@ -59,43 +55,21 @@ class LandmarkReconstructor:
         fit: FitSettings | None = None,
         surface: Surface | None = None,
     ) -> None:
-        self.camera, self.side = camera, side
-        self.surface = surface or Surface()
-        skeleton = Person("right", size).skeleton(ADULT)
-        self._fit = LandmarkFit(skeleton, fit)
-        start = np.zeros(POSE_SIZE)
-        start[ROOT_POSITION] = _START
-        start = mirrored(start) if side == "left" else start
-        own = Person(side, size).skeleton(ADULT)
-        self._hand = FollowedHand(own, following or FollowingSettings(), start)
-        self.reset()
+        self.camera = camera
+        self._fit = LandmarkFit(Person("right", size).skeleton(ADULT), fit)
+        super().__init__(side, size, following or FollowingSettings(), surface)
 
     def reset(self) -> None:
-        """Returns to the initial state: a hand that waits for its first picture."""
-        self._hand.reset()
+        """See `AirReconstructor.reset`."""
+        super().reset()
         self._fit.reset()
-        self.counts: dict[str, int] = Counter()
-        self._time: float | None = None
         self._taken: float | None = None
         self._solved: float | None = None
         self._image_middle: Array | None = None
-        self._goal: Array | None = None
-        self._error = float("nan")
-
-    @property
-    def commanded(self) -> Array:
-        """The pose last commanded (48,), in the world."""
-        return self._hand.commanded
-
-    @property
-    def notice(self) -> str:
-        """Notice to the person whose hand is not seen; empty while all is well."""
-        return self._hand.notice(self.side)
 
     def step(self, frame: LandmarkFrame) -> Reconstruction:
         """Processes a frame; called once per control step, even if nothing has changed."""
-        dt = 0.0 if self._time is None else max(frame.time - self._time, 0.0)
-        self._time = frame.time if self._time is None else max(frame.time, self._time)
+        dt = self._elapsed(frame.time)
         before_the_first = self._taken is None and not frame.hands
         if frame.taken != (self.empty.taken if before_the_first else self._taken):
             self._taken = frame.taken
@@ -103,11 +77,7 @@ class LandmarkReconstructor:
         elif not frame.hands:
             # A device that fell silent.
             self._goal = None
-        if self._goal is None:
-            self._hand.lose(dt)
-        else:
-            self._hand.follow(self._goal, dt)
-        return self._hand.reconstruction(self._error)
+        return self._followed(dt)
 
     def _solve(self, frame: LandmarkFrame) -> None:
         """Solves a new picture; without the hand in it there is no goal."""
@@ -138,7 +108,7 @@ class LandmarkReconstructor:
         own = [h for h in frame.hands if h.side == self.side]
         if len(own) > 1:
             self.counts["hands beside the one of their side"] += len(own) - 1
-        if frame.hands and self._followed(frame) and not any(map(self._is_near, own)):
+        if frame.hands and self._seen_lately(frame) and not any(map(self._is_near, own)):
             nearest = min(frame.hands, key=self._off)
             if self._is_near(nearest):
                 self.counts[SIDE_MENDED] += 1
@@ -146,11 +116,11 @@ class LandmarkReconstructor:
         if not own:
             self.counts[WITHOUT] += 1
             return None
-        if self._followed(frame):
+        if self._seen_lately(frame):
             return min(own, key=self._off)
         return max(own, key=lambda h: h.score)
 
-    def _followed(self, frame: LandmarkFrame) -> bool:
+    def _seen_lately(self, frame: LandmarkFrame) -> bool:
         """True if the hand was seen just before this picture."""
         before = self._solved is not None and 0.0 <= frame.taken - self._solved <= _FORGET
         return before and self._image_middle is not None

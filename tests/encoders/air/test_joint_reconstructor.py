@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from encoders.headset.controller import controller_points
-from encoders.headset.joint_fit import TIPS
-from encoders.headset.joint_reconstructor import JointReconstructor
+from encoders.air.controller import controller_points
+from encoders.air.joint_fit import TIPS
+from encoders.air.joint_reconstructor import JointReconstructor
 from encoders.reconstruction.followed_hand import UNSEEN_NOTICE
 from encoders.reconstruction.hand_motion import Phase
 from encoders.reconstruction.reconstructor import Reconstruction
@@ -16,7 +16,7 @@ from models.kinematics import Kinematics
 from models.pose import JOINTS, ROOT_POSITION
 from models.rotations import matrix_to_quaternion
 from models.skeleton import ADULT
-from tests.encoders.headset.joint_hands import any_pose, points, seen
+from tests.encoders.air.joint_hands import any_pose, points, seen
 
 STEP = 0.016
 MIRROR = np.array([-1.0, 1.0, 1.0])

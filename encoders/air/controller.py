@@ -11,7 +11,7 @@ from math import cos, radians, sin
 
 import numpy as np
 
-from encoders.headset.joint_fit import KNUCKLES, PALM, TIPS, JointFit, JointFitSettings, JointPoints
+from encoders.air.joint_fit import KNUCKLES, PALM, TIPS, JointFit, JointFitSettings, JointPoints
 from encoders.paalm.hand_pose import PALM_CENTRE
 from models.arithmetic import Array, small_product
 from models.pose import POSE_SIZE

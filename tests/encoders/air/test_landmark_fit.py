@@ -10,14 +10,14 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from encoders.webcam.camera import Camera
-from encoders.webcam.landmark_fit import FitSettings, HandPoints, LandmarkFit
+from encoders.air.camera import Camera
+from encoders.air.landmark_fit import FitSettings, HandPoints, LandmarkFit
 from models.arithmetic import Array
 from models.pose import JOINTS, ROOT_POSITION, ROOT_ROTATION, violations
 from models.rotations import exp, log
 from models.single_pose import SinglePose
 from models.skeleton import ADULT
-from tests.encoders.webcam.seen_hands import SIZE, held_up, seen
+from tests.encoders.air.seen_hands import SIZE, held_up, seen
 
 CAMERA = Camera()
 MIDDLE_JOINTS = [6 + 3 * i for i in (3, 6, 9, 12)]

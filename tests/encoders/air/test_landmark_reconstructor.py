@@ -7,15 +7,15 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from encoders.air.camera import Camera
+from encoders.air.landmark_reconstructor import LandmarkReconstructor
 from encoders.reconstruction.hand_motion import Phase
 from encoders.reconstruction.reconstructor import Reconstruction
-from encoders.webcam.camera import Camera
-from encoders.webcam.landmark_reconstructor import LandmarkReconstructor
 from models.frames import LandmarkFrame, SeenHand
 from models.kinematics import Kinematics
 from models.pose import mirrored
 from models.skeleton import ADULT
-from tests.encoders.webcam.seen_hands import SIZE, held_up, landmarks, mirror, seen
+from tests.encoders.air.seen_hands import SIZE, held_up, landmarks, mirror, seen
 
 CAMERA = Camera(at=(0.0, 0.45, 0.15))
 PERIOD = 0.016

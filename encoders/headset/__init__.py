@@ -1,1 +1,0 @@
-"""From the joints of a hand, as a headset reports them, to the pose of the whole hand."""

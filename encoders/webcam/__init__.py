@@ -1,1 +1,0 @@
-"""From landmarks of a hand in a camera's picture to the pose of the whole hand."""
