@@ -13,7 +13,7 @@ from collections import Counter
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
-from math import exp, inf
+from math import exp, inf, sqrt
 
 import numpy as np
 
@@ -29,7 +29,6 @@ from encoders.paalm.calibration import (
 )
 from encoders.paalm.chain import Bend
 from encoders.paalm.coupling import LearnedCoupling
-from encoders.paalm.fingertip_noise import STEADY, TIP_STEADY, FingertipNoise
 from encoders.paalm.identity import HandSides, TrackedIdentity, paper_order
 from encoders.paalm.options import Hands, PaalmOptions
 from encoders.paalm.palm import Palm, palm_of, stacked
@@ -45,6 +44,65 @@ from encoders.paalm.seen_palm import OVERREACH, LearnedPalm, slip
 from models.arithmetic import Array
 from models.errors import EncoderError
 from models.frames import FINGERS, HandFrame, TrackedHand, Vector
+
+STEADY = 0.007
+"""m of second differences of a fingertip that are accepted at a time constant of one frame. A
+low-pass with time constant T reduces white noise of variance v to v dt / 2T, so T grows with the
+square of the noise."""
+TIP_STEADY = 0.003
+"""m, the same for fingers that are solved by their tips."""
+_SHARE = 1.0 / 16.0
+"""Weight of a new difference in the running mean; a quarter of a second in a session."""
+_JUMP = 3.0
+"""Largest difference that counts, as a multiple of the mean: a finger that was lost for a moment
+jumps once."""
+
+
+class FingertipNoise:
+    """Measures the noise of one fingertip.
+
+    Args:
+        steady: m of second differences that are accepted, see `STEADY`.
+
+    Attributes:
+        mean: m, mean of its second differences.
+    """
+
+    __slots__ = ("_before", "_last", "_steady", "mean")
+
+    def __init__(self, steady: float = STEADY) -> None:
+        self.mean = 0.0
+        self._steady = steady
+        self.interrupt()
+
+    def interrupt(self) -> None:
+        """Records that the finger is not seen, so that the next position has no predecessor."""
+        self._last: Vector | None = None
+        self._before: Vector | None = None
+
+    def add(self, place: Vector) -> None:
+        """Adds the next frame's position, m."""
+        a, b = self._before, self._last
+        self._before, self._last = b, place
+        if a is None or b is None:
+            return
+        x = a[0] - 2.0 * b[0] + place[0]
+        y = a[1] - 2.0 * b[1] + place[1]
+        z = a[2] - 2.0 * b[2] + place[2]
+        mean, steady = self.mean, self._steady
+        most = _JUMP * (mean if mean >= steady else steady)
+        difference = sqrt(x * x + y * y + z * z)
+        self.mean += _SHARE * ((most if difference > most else difference) - mean)
+
+    def constant(self, dt: float, least: float, most: float) -> float:
+        """Time constant in s of a low-pass that makes the fingertip steady.
+
+        Args:
+            dt: s between frames.
+            least, most: s, limits of the time constant.
+        """
+        return min(max(dt * (self.mean / self._steady) ** 2, least), most)
+
 
 TIP_SMOOTHING = 1.0 / 3.0
 """Share of the smoothing of fingers that are solved by their tips."""

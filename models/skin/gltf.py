@@ -24,8 +24,17 @@ from models.errors import InputError
 from models.pose import POSE_SIZE
 from models.rotations import matrix_to_quaternion
 from models.skeleton import ADULT, Skeleton
-from models.skin.colours import CUFF, NAIL, SLEEVE, Colour, linear, tone_colours
-from models.skin.skin import Skin, frames, normals_of
+from models.skin.skin import (
+    CUFF,
+    NAIL,
+    SLEEVE,
+    Colour,
+    Skin,
+    frames,
+    linear,
+    normals_of,
+    tone_colours,
+)
 
 FLOAT, UNSIGNED_BYTE, UNSIGNED_SHORT = 5126, 5121, 5123
 VERTICES, INDICES = 34962, 34963

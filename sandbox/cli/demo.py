@@ -21,8 +21,7 @@ from sandbox.session.session import Session
 from sandbox.trial.assembly import build
 from sandbox.trial.driver import LiveRun, Trial
 from sandbox.trial.settings import recorded_settings
-from sandbox.views.display import has_display
-from sandbox.views.errors import GraphicsError
+from sandbox.views.display import GraphicsError, has_display
 from tasks.score import ending
 
 FILM_RATE = 15

@@ -6,8 +6,7 @@ import os
 import sys
 
 from sandbox.doctor.check import Check, ProbeResult, run_probe
-from sandbox.views.display import VARIABLES
-from sandbox.views.errors import OFFSCREEN_REMEDY, OPENGL_REMEDY
+from sandbox.views.display import OFFSCREEN_REMEDY, OPENGL_REMEDY, VARIABLES
 
 _WINDOW = """
 import glfw

@@ -21,7 +21,7 @@ from models.pose import ROOT_ROTATION
 from models.rotations import exp
 from models.skeleton import ADULT
 from sandbox.figures.charts import FAINT, PAPER_COLOUR, STYLE, figure, source
-from sandbox.views.errors import GraphicsError
+from sandbox.views.display import GraphicsError
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

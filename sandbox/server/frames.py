@@ -50,8 +50,7 @@ from models.pose import POSE_SIZE
 from models.rotations import matrix_to_quaternion
 from models.scene import Scene as SimulatedScene
 from models.skeleton import Skeleton
-from models.skin.colours import CUFF, NAIL, SLEEVE, tone_colours
-from models.skin.skin import BONES, Skin, frames
+from models.skin.skin import BONES, CUFF, NAIL, SLEEVE, Skin, frames, tone_colours
 from models.surface import Surface
 from sandbox.server.protocol import (
     PROTOCOL,

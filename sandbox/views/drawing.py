@@ -20,7 +20,7 @@ from models.arithmetic import Array
 from models.frames import Contact
 from models.objects import MechanismPart
 from models.scene import TABLE, Scene
-from models.skin.colours import PALE
+from models.skin.skin import PALE
 from models.surface import Surface
 from sandbox.session.messages import STRONGEST, HandView, Snapshot
 from sandbox.views import palette

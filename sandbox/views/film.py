@@ -14,7 +14,7 @@ from models.scene import Scene
 from models.surface import Surface
 from sandbox.devices.device import Closeable
 from sandbox.session.messages import Snapshot
-from sandbox.views.errors import FilmError
+from sandbox.views.display import FilmError
 from sandbox.views.film_files import FilmFile, open_film
 from sandbox.views.graphics import GLContext, offscreen_context
 from sandbox.views.overlay import OverlayTexts

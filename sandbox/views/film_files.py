@@ -19,7 +19,7 @@ from typing import Protocol
 from PIL import Image
 
 from models.errors import InputError
-from sandbox.views.errors import FilmError
+from sandbox.views.display import FilmError
 
 REEL_BYTES = 96_000_000
 """Bytes of frames in memory before they are stored: 9 s of film at 640x360 and 15 per second."""

@@ -19,7 +19,7 @@ from typing import Protocol
 
 import mujoco
 
-from sandbox.views.errors import OFFSCREEN_REMEDY, GraphicsError
+from sandbox.views.display import OFFSCREEN_REMEDY, GraphicsError
 
 BACKENDS = ("egl", "osmesa", "glfw", "cgl")
 """Ways to draw without a screen. glfw needs a display for its hidden window; cgl is for macOS."""

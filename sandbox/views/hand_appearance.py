@@ -19,8 +19,7 @@ from models.pose import POSE_SIZE
 from models.rotations import matrix_to_quaternion
 from models.scene import Scene
 from models.skeleton import Skeleton
-from models.skin.colours import CUFF, NAIL, SLEEVE, tone_colours
-from models.skin.skin import Skin, frames
+from models.skin.skin import CUFF, NAIL, SLEEVE, Skin, frames, tone_colours
 from sandbox.session.messages import HandView
 from sandbox.views import palette
 from sandbox.views.palette import Colour

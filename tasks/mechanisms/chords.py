@@ -99,7 +99,7 @@ AGAIN = 0.003
 """m per axis, error of a hand that is put down again where it was seen to land; assumed."""
 THUMB_BELOW = 0.034
 """m by which a relaxed thumb's tip is nearer to the person than the index finger's: of the layout
-of the skeleton's relaxed hand (`tasks.simulated_user.spreads`)."""
+of the skeleton's relaxed hand (`sandbox.devices.simulated.spreads`)."""
 SPREAD = 0.004
 """m, standard deviation of how far along its key a finger lands, from hand to hand."""
 

@@ -19,7 +19,7 @@ import pytest
 
 
 def _opengl() -> str:
-    from sandbox.views.errors import GraphicsError
+    from sandbox.views.display import GraphicsError
     from sandbox.views.graphics import choose_backend
 
     try:

@@ -33,37 +33,10 @@ from cyclopts.exceptions import (
     UnknownOptionError,
     UnusedCliTokensError,
 )
-from cyclopts.help import HelpPanel
-from cyclopts.help.formatters import DefaultFormatter
-from rich.console import Console, ConsoleOptions
 
 from models.errors import InputError, unknown_name
 from sandbox.cli.common.json_out import HelpExit, print_no_more
 from sandbox.trial.trial_options import COMMON, COMMON_SETTINGS, OF_SETTINGS, device_heading
-
-
-class HelpLayout(DefaultFormatter):
-    """The library's layout, without the headings of devices that are not named.
-
-    Args:
-        named: Words of the command line, such as `--device leap-simulated:v1`, a `leap`, and values
-            of options that are not given.
-    """
-
-    def __init__(self, named: Iterable[str]) -> None:
-        super().__init__()
-        words = [word.rpartition("=")[2] for word in named]
-        names = [word.partition(":")[0] for word in words]
-        self._named = {*words, *names, *(name.partition("-")[0] for name in names)}
-
-    def __call__(self, console: Console, options: ConsoleOptions, panel: HelpPanel) -> None:
-        """Shows the options of one heading, or where they are shown."""
-        title = str(panel.title)
-        device = title.removeprefix(str(device_heading("").name))
-        if device == title or device in self._named:
-            super().__call__(console, options, panel)
-        else:
-            console.print(f"{title}: `--device {device} --help` shows its options")
 
 
 class DataclassInstance(Protocol):
@@ -260,6 +233,7 @@ def run(app: App, argv: Sequence[str], devices: Iterable[str] = ()) -> Any:
         _refuse(error, app.name[0], argv)
     if command == app.help_print:
         # This import loads what only the help needs.
+        from sandbox.cli.common.help_layout import HelpLayout
 
         # Without `--help`, which is a command of its own.
         _, apps, _ = app.parse_commands(bound.arguments["tokens"])

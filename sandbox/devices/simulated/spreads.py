@@ -4,12 +4,105 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from math import cos, sin
 
-from models.frames import TouchFrame
-from models.person import Person
+import numpy as np
+
+from models.arithmetic import Array, small_product, solve_positive, stacked_applied, stacked_product
+from models.frames import Contact, TouchFrame
+from models.kinematics import Kinematics
+from models.person import Person, PersonFrame
+from models.pose import POSE_SIZE
+from models.skeleton import ADULT, Skeleton
 from models.surface import Surface
 from sandbox.devices.device import Device
-from tasks.simulated_user.spreads import SpreadingPerson
+
+_SPREADS = ((0.0, 0.0, 0.0), (-22.0, -7.0, 25.0), (20.0, 9.0, -10.0))
+"""degrees relative to the middle of all ranges: extension of the fingers, their spreading about the
+middle finger, and the thumb's rotation towards them, for a relaxed, a closed and a wide hand."""
+
+_TIP_HEIGHT = 0.006
+"""m above the screen, centre of a touching fingertip of the trained hand."""
+_LOOSE = (0.1, np.deg2rad(15.0), np.deg2rad(8.0))
+"""m, rad and rad: compliance of the hand's height and tilt, and of the joints, to the screen."""
+_ROUNDS = 15
+
+_REST, _PAUSE, _FIRST = 1.0, 0.8, 0.3
+"""s that the fingers rest, s that they are off the screen, and s before the first spread."""
+_NOISE = 0.0004
+"""m, noise of each touch in every frame."""
+
+
+def spread_layout(skeleton: Skeleton, extension: float, spreading: float, thumb: float) -> Array:
+    """Fingertips (5, 2) m of a right hand on a screen, x right and y up, relative to their middle.
+
+    Args:
+        skeleton: The hand's skeleton.
+        extension, spreading, thumb: rad (see `_SPREADS`).
+    """
+    wanted = np.zeros(POSE_SIZE)
+    joints = wanted[6:].reshape(-1, 3)
+    for i, bone in enumerate(skeleton.bones):
+        if bone.finger == 0:
+            joints[i] = (0.0, 0.0, 0.5 * thumb)
+            continue
+        first = i == skeleton.first_bone[bone.finger]
+        # From the middle finger outwards; index to one side, ring and little to the other.
+        side = (2 - bone.finger) * spreading if first else 0.0
+        joints[i] = (extension, 0.0, side)
+    kinematics = Kinematics(skeleton)
+    loose = np.full(POSE_SIZE, _LOOSE[2])
+    loose[:6] = (0.0, 0.0, _LOOSE[0], _LOOSE[1], _LOOSE[1], 0.0)
+    q = wanted.copy()
+    for _ in range(_ROUNDS):
+        tips, jacobian = kinematics.tips_and_jacobian(q)
+        J = jacobian[:, 2] * loose
+        off = _TIP_HEIGHT - tips[:, 2] + small_product(jacobian[:, 2], q - wanted)
+        normal = stacked_product(J, J.T) + 1e-10 * np.eye(5)
+        q = wanted + loose * stacked_applied(J.T, solve_positive(normal, off))
+    tips = kinematics.tips(q)[:, :2]
+    return np.asarray(tips - tips.mean(axis=0))
+
+
+class SpreadingPerson:
+    """Touches of the three spreads, one after another, as a device would report them.
+
+    Args:
+        person: Hand, hand size and seat.
+        surface: The screen.
+        seed: Seed of position, rotation and noise.
+    """
+
+    def __init__(self, person: Person, surface: Surface, seed: int) -> None:
+        self._rng = np.random.default_rng([seed, 7_003])
+        frame = PersonFrame(person, surface)
+        middle = frame.surface.size / 2
+        self._layouts = []
+        for spread in _SPREADS:
+            layout = spread_layout(ADULT, *np.deg2rad(spread))
+            turn = self._rng.normal(0.0, np.deg2rad(8.0))
+            c, s = cos(turn), sin(turn)
+            layout = small_product(layout, np.array([[c, s], [-s, c]])) * [1.0, -1.0]
+            place = middle + self._rng.normal(0.0, 0.004, 2)
+            self._layouts.append(frame.outwards(place + layout))
+        self._size = surface.size
+
+    @property
+    def ends(self) -> float:
+        """Time in s when the last finger has left."""
+        return _FIRST + len(_SPREADS) * (_REST + _PAUSE)
+
+    def touch(self, now: float) -> TouchFrame:
+        """Touches on the screen at a time, s."""
+        number, since = divmod(now - _FIRST, _REST + _PAUSE)
+        if not (0 <= number < len(self._layouts) and since < _REST):
+            return TouchFrame(now, (), source="simulated person")
+        xy = self._layouts[int(number)] + self._rng.normal(0.0, _NOISE, (5, 2))
+        xy = np.clip(xy, 0.0, self._size)
+        contacts = tuple(
+            Contact(5 * int(number) + i, float(x), float(y)) for i, (x, y) in enumerate(xy)
+        )
+        return TouchFrame(now, contacts, source="simulated person")
 
 
 class SimulatedSpreads(Device):

@@ -10,7 +10,7 @@ from typing import Any, cast
 
 import glfw
 
-from sandbox.views.errors import OPENGL_REMEDY, GraphicsError
+from sandbox.views.display import OPENGL_REMEDY, GraphicsError
 
 SMALLEST = (480, 320)
 """px, smallest size to which a person can shrink the window."""

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from encoders.evaluation.paalm import judge_recording
 from encoders.paalm import PaalmOptions
-from encoders.paalm.fingertip_noise import STEADY, FingertipNoise
+from encoders.paalm.paalm import STEADY, FingertipNoise
 from encoders.paalm.simulated.air import simulate_air
 from encoders.paalm.simulated.forward import FROZEN_LEAP, leap_take
 from tests.support.leap_hands import SHORT, calibrated, take

@@ -27,9 +27,9 @@ from models.pose import absolute_pose
 from models.scene import Scene, SceneSpec
 from models.skeleton import ADULT, Skeleton
 from models.surface import Surface
+from sandbox.devices.simulated.spreads import _SPREADS, spread_layout
 from sandbox.trial.assembly import build
 from sandbox.trial.settings import HandSettings, Settings
-from tasks.simulated_user.spreads import _SPREADS, spread_layout
 from tests.support.scripted import Script
 
 GRASP = np.array([(-0.03, 0.03), (0.0, -0.03), (0.025, -0.035), (0.045, -0.025), (0.055, 0.0)])

@@ -23,11 +23,11 @@ from models.skeleton import ADULT
 from models.surface import METRES_PER_INCH, Surface
 from sandbox.cli import run
 from sandbox.devices.device import Device
+from sandbox.devices.simulated.spreads import spread_layout
 from sandbox.session.messages import Snapshot
 from sandbox.trial.assembly import build
 from sandbox.trial.driver import play_trial
 from sandbox.trial.settings import HandSettings, Settings
-from tasks.simulated_user.spreads import spread_layout
 
 
 @cache

@@ -322,7 +322,7 @@ def test_hands_are_drawn_as_bones_where_there_is_no_opengl(
     from encoders.evaluation.report import report
     from encoders.store import load_capture
     from sandbox.figures import hands
-    from sandbox.views.errors import GraphicsError
+    from sandbox.views.display import GraphicsError
 
     def none(*_args: object) -> None:
         raise GraphicsError("no OpenGL")

@@ -19,7 +19,7 @@ from sandbox.trial.assembly import device_makers
 from sandbox.trial.driver import LiveRun, View, open_trial, play_trial
 from sandbox.trial.replay import replay
 from sandbox.trial.trial_options import TrialOptions, trial_settings
-from sandbox.views.errors import FilmError
+from sandbox.views.display import FilmError
 from sandbox.views.film_files import _Mp4, open_film
 from tests.support.processes import until
 

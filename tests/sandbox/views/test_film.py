@@ -18,7 +18,7 @@ from PIL import Image
 from models.errors import InputError
 from sandbox.session.messages import Snapshot
 from sandbox.views import film, film_files
-from sandbox.views.errors import FilmError
+from sandbox.views.display import FilmError
 from sandbox.views.film import FilmView
 from sandbox.views.film_files import durations
 from tests.support.viewed import Viewed, viewed

@@ -17,7 +17,7 @@ Picture = NDArray[np.float64]
 _DRAW = """
 import json, sys
 import numpy as np
-from sandbox.views.errors import GraphicsError
+from sandbox.views.display import GraphicsError
 from sandbox.views.graphics import choose_backend
 from sandbox.views.renderer import Renderer
 from tests.support.viewed import viewed

@@ -309,7 +309,7 @@ def test_without_a_screen_one_error_says_so() -> None:
     code = (
         "from tests.support.viewed import viewed\n"
         "from sandbox.views.window.window import Window\n"
-        "from sandbox.views.errors import GraphicsError\n"
+        "from sandbox.views.display import GraphicsError\n"
         "v = viewed()\n"
         "try:\n"
         "    Window(v.scene, v.surface)\n"

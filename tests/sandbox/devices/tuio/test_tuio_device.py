@@ -12,7 +12,7 @@ import pytest
 from models.errors import DeviceError
 from models.frames import TouchFrame
 from models.surface import METRES_PER_INCH, Surface
-from sandbox.cli.touches.views import missing_frames_hint
+from sandbox.cli.touches.command import missing_frames_hint
 from sandbox.devices.tuio import Transport
 from sandbox.devices.tuio.tuio import TuioDevice
 from sandbox.trial.assembly import device_makers

@@ -1,0 +1,35 @@
+"""The layout of `--help`: headings of devices that are not named are left out, and pointed to."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from cyclopts.help import HelpPanel
+from cyclopts.help.formatters import DefaultFormatter
+from rich.console import Console, ConsoleOptions
+
+from sandbox.trial.trial_options import device_heading
+
+
+class HelpLayout(DefaultFormatter):
+    """The library's layout, without the headings of devices that are not named.
+
+    Args:
+        named: Words of the command line, such as `--device leap-simulated:v1`, a `leap`, and values
+            of options that are not given.
+    """
+
+    def __init__(self, named: Iterable[str]) -> None:
+        super().__init__()
+        words = [word.rpartition("=")[2] for word in named]
+        names = [word.partition(":")[0] for word in words]
+        self._named = {*words, *names, *(name.partition("-")[0] for name in names)}
+
+    def __call__(self, console: Console, options: ConsoleOptions, panel: HelpPanel) -> None:
+        """Shows the options of one heading, or where they are shown."""
+        title = str(panel.title)
+        device = title.removeprefix(str(device_heading("").name))
+        if device == title or device in self._named:
+            super().__call__(console, options, panel)
+        else:
+            console.print(f"{title}: `--device {device} --help` shows its options")
