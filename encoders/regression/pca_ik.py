@@ -34,20 +34,14 @@ A single contact has no components (3 k - 3 = 0): the mean pose of the training 
 finger is shifted, or with a free root also rotated, until the fingertip is at its target. The paper
 excludes this case.
 
-Base class of encoders by inverse kinematics: from touches to targets, iteratively, in batches.
-
-Rows with the same touching fingers have equations of the same shape and are solved together.
-Subclasses define the start and one step.
-
-The start of a solution is the pose of the training frame with the most similar touches. This is the
-rule of the paper of 2015 for its inverse kinematics (section 3): frames are compared by the
+Rows with the same touching fingers have equations of the same shape and are solved together. The
+nearest neighbour is the training frame with the most similar touches: frames are compared by the
 positions of their touches, not by poses. Only frames with the same touching fingers can be
 compared; if there are none, this implementation uses frames in which other fingers touch as well.
 """
 
 from __future__ import annotations
 
-from abc import abstractmethod
 from math import fsum
 from typing import Any, NamedTuple, Self
 
@@ -94,20 +88,74 @@ class IkSolution(NamedTuple):
     """(T,) steps taken."""
 
 
-class TouchIkEncoder(Encoder):
-    """Inverse kinematics with the interface of an encoder.
+COMPLIANCE_TRANSLATION = 0.1
+COMPLIANCE_ROTATION = 25.0
+"""The paper's two values."""
 
-    The target of a touching fingertip's centre is (x, -y, pad height): over its touch, in the 3-D
-    surface frame with the leftmost contact as its origin. Joint ranges are not enforced.
+FREE = {"translation": (3, slice(3, POSE_SIZE)), "root": (6, JOINTS), "nothing": (0, slice(0, 48))}
+"""Option `free` -> number of free variables of the root, and the part of the pose that the
+components describe."""
+
+READINGS = ("damping", "softness")
+STARTS = ("neighbour", "projected", "mean")
+
+_SQUARE_CM = 1e-4
+"""m2; the costs of steps are in square centimetres."""
+
+_DEGREES_PER_RADIAN = 57.29577951308232
+_WHISPER = 1e-10
+"""Share of the mean diagonal added to normal equations, so that they are never singular."""
+
+
+def step_costs(translation: float, rotation: float, reading: str) -> Array:
+    """Costs (48,) of changing each number of the pose, m2 per m2 or rad2, from two compliances.
+
+    Raises:
+        EncoderError: A compliance is negative, or 0 where it would be divided by, or there is no
+            such interpretation.
+    """
+    if reading not in READINGS:
+        raise EncoderError("no such reading", got=reading, expected=", ".join(READINGS))
+    pair = np.array([translation, rotation], float)
+    if not (np.isfinite(pair).all() and (pair >= 0).all()):
+        raise EncoderError("compliances must be finite, 0 or more", got=pair.tolist())
+    if reading == "softness":
+        if not pair.all():
+            raise EncoderError("compliances must be above 0 for softness", got=pair.tolist())
+        pair = 1.0 / pair
+    cost = np.full(POSE_SIZE, pair[1] * _SQUARE_CM)
+    # Both sides are in centimetres, so the factors cancel.
+    cost[ROOT_POSITION] = pair[0]
+    return cost
+
+
+class PcaIkEncoder(Encoder):
+    """Inverse kinematics in principal components of the training poses.
+
+    `fit(U, Q)` learns from contact vectors (T, 15) and relative poses (T, 48); `predict(U)` gives
+    relative poses. The module's docstring explains the options. The target of a touching
+    fingertip's centre is (x, -y, pad height): over its touch, in the 3-D surface frame with the
+    leftmost contact as its origin. Joint ranges are not enforced.
 
     Args:
         skeleton: Skeleton whose fingertips should meet the touches.
-        iterations: Maximum number of steps.
+        iterations: Maximum number of steps; 100 as in the paper.
+        compliance_translation: Compliance of the root's translation, cm2 per cm2.
+        compliance_rotation: Compliance of each rotation-vector component, cm2 per rad2.
+        reading: Meaning of compliance, `damping` or `softness`.
+        free: Free variables besides the components: `translation`, `root` (translation and
+            rotation) or `nothing`.
+        start: Start of the steps: `neighbour`, `projected` (the neighbour projected onto the
+            components) or `mean`.
+        components: Number of components; None uses 3 k - 3 for k contacts.
         settled: m and rad; a row stops after a step that changes no number by more. 0 always takes
             all steps.
         pad_height: m, centre of a touching fingertip above the surface; None estimates it.
 
     Attributes:
+        components_: (48, n) principal directions of the training poses, in order of variance;
+            orthonormal in centimetres and degrees.
+        explained_: (n,) share of the variance in the first 1, 2, .. n of them.
         mean_: (48,) mean training pose.
         pad_height_: m, the given value or the median over the touching fingertips of the training
             poses.
@@ -117,12 +165,28 @@ class TouchIkEncoder(Encoder):
     """
 
     def __init__(
-        self, skeleton: Skeleton, iterations: int, settled: float, pad_height: float | None
+        self,
+        skeleton: Skeleton = ADULT,
+        iterations: int = 100,
+        compliance_translation: float = COMPLIANCE_TRANSLATION,
+        compliance_rotation: float = COMPLIANCE_ROTATION,
+        reading: str = "damping",
+        free: str = "translation",
+        start: str = "neighbour",
+        components: int | None = None,
+        settled: float = 1e-9,
+        pad_height: float | None = None,
     ) -> None:
         self.skeleton = skeleton
         self.iterations = iterations
         self.settled = settled
         self.pad_height = pad_height
+        self.compliance_translation = compliance_translation
+        self.compliance_rotation = compliance_rotation
+        self.reading = reading
+        self.free = free
+        self.start = start
+        self.components = components
         self.mean_: Array
         self._learned = False
 
@@ -189,32 +253,8 @@ class TouchIkEncoder(Encoder):
                     whole[some] = part
         return solution
 
-    def _iterate(self, start: Array, fingers: Mask, targets: Array) -> IkSolution:
-        """Iterates from poses (n, 48) until fingertips are at their targets (n, k, 3)."""
-        hand = SinglePose(self.skeleton, np.flatnonzero(fingers).tolist())
-        q = start.copy()
-        taken = np.zeros(len(q), np.int64)
-        # All rows first, as a slice, which makes no copies.
-        moving: slice | NDArray[np.int64] = slice(None)
-        for _ in range(self.iterations):
-            tips, jacobian = tips_and_jacobians(hand, q[moving])
-            off = (targets[moving] - tips).reshape(len(tips), -1)
-            J = jacobian.reshape(len(tips), -1, POSE_SIZE)
-            step = self._step(q[moving], start[moving], off, J)
-            turn = np.abs(step[:, 3:]).max(axis=1, keepdims=True)
-            step *= np.minimum(1.0, _LARGEST_TURN / np.maximum(turn, _LARGEST_TURN))
-            q[moving] += step
-            taken[moving] += 1
-            far = np.abs(step).max(axis=1) > self.settled
-            if not far.any():
-                break
-            if not far.all():
-                moving = np.arange(len(q))[moving][far]
-        off = targets - np.array([hand.tips(row) for row in q])
-        return IkSolution(q, np.sqrt(squared_lengths(off).max(axis=1)), taken)
-
     def configuration(self) -> dict[str, Any]:
-        """Options of all encoders by inverse kinematics; subclasses add their own.
+        """See `Encoder.configuration`.
 
         Raises:
             EncoderError: The skeleton is not that of the built-in hand; others cannot be stored.
@@ -229,26 +269,101 @@ class TouchIkEncoder(Encoder):
             "iterations": self.iterations,
             "settled": self.settled,
             "pad_height": self.pad_height,
+            "compliance_translation": self.compliance_translation,
+            "compliance_rotation": self.compliance_rotation,
+            "reading": self.reading,
+            "free": self.free,
+            "start": self.start,
+            "components": self.components,
         }
 
-    @abstractmethod
-    def _learn(self, Q: Array) -> None:
-        """Learns from the training poses (T, 48) what the steps need."""
+    def n_components(self, contacts: int) -> int:
+        """Number of components for a number of contacts."""
+        wanted = 3 * contacts - 3 if self.components is None else self.components
+        return min(wanted, self.components_.shape[1])
 
-    @abstractmethod
+    def basis(self, contacts: int) -> Array:
+        """Directions (48, m) in which the pose may change: free variables, then the components."""
+        root, _ = FREE[self.free]
+        used = self.components_[:, : self.n_components(contacts)]
+        return np.concatenate([np.eye(POSE_SIZE)[:, :root], used], axis=1)
+
+    def _learn(self, Q: Array) -> None:
+        """Learns the components of the training poses (T, 48)."""
+        self._cost = step_costs(self.compliance_translation, self.compliance_rotation, self.reading)
+        _, part = FREE[self.free]
+        scale = np.full(POSE_SIZE, _DEGREES_PER_RADIAN)
+        # Units matter only where lengths and angles are mixed; the paper reports these units.
+        scale[ROOT_POSITION] = 100.0
+        self._scale = scale[part]
+        away = (Q - self.mean_)[:, part] * self._scale
+        variance, directions = eigen(transposed_times(away, away))
+        varies = variance > 1e-12 * max(variance[0], 1e-300)
+        variance, directions = variance[varies], directions[:, varies]
+        self.components_ = np.zeros((POSE_SIZE, len(variance)))
+        self.components_[part] = directions / self._scale[:, None]
+        self.explained_ = np.cumsum(variance) / max(float(variance.sum()), 1e-300)
+        self._ways = [self._way(contacts) for contacts in range(len(FINGERS) + 1)]
+
+    def _way(self, contacts: int) -> tuple[Array, Array]:
+        """Directions (48, m) for a number of contacts, and the cost matrix (m, m) of steps along
+        them."""
+        basis = self.basis(contacts)
+        return basis, transposed_times(basis, self._cost[:, None] * basis)
+
     def _start(self, fingers: Mask, places: Array) -> Array:
         """First poses (n, 48) for touches (n, 5, 2) of these fingers (5,)."""
+        if self.start == "mean":
+            return np.tile(self.mean_, (len(places), 1))
+        pose = self._neighbours.nearest(fingers, places)
+        if self.start == "projected":
+            _, part = FREE[self.free]
+            count = self.n_components(int(fingers.sum()))
+            used = np.ascontiguousarray(self.components_[part, :count])
+            away = (pose - self.mean_)[:, None, part] * self._scale**2
+            shares = matrix_product(np.ascontiguousarray(away[:, 0]), used)
+            pose[:, part] = self.mean_[part] + times_transposed(shares, used)
+        return pose
 
-    @abstractmethod
-    def _step(self, q: Array, start: Array, off: Array, J: Array) -> Array:
-        """Change (n, 48) of poses q (n, 48).
+    def _iterate(self, start: Array, fingers: Mask, targets: Array) -> IkSolution:
+        """Iterates from poses (n, 48) until fingertips are at their targets (n, k, 3)."""
+        hand = SinglePose(self.skeleton, np.flatnonzero(fingers).tolist())
+        q = start.copy()
+        taken = np.zeros(len(q), np.int64)
+        # All rows first, as a slice, which makes no copies.
+        moving: slice | NDArray[np.int64] = slice(None)
+        for _ in range(self.iterations):
+            tips, jacobian = tips_and_jacobians(hand, q[moving])
+            off = (targets[moving] - tips).reshape(len(tips), -1)
+            J = jacobian.reshape(len(tips), -1, POSE_SIZE)
+            step = self._step(off, J)
+            turn = np.abs(step[:, 3:]).max(axis=1, keepdims=True)
+            step *= np.minimum(1.0, _LARGEST_TURN / np.maximum(turn, _LARGEST_TURN))
+            q[moving] += step
+            taken[moving] += 1
+            far = np.abs(step).max(axis=1) > self.settled
+            if not far.any():
+                break
+            if not far.all():
+                moving = np.arange(len(q))[moving][far]
+        off = targets - np.array([hand.tips(row) for row in q])
+        return IkSolution(q, np.sqrt(squared_lengths(off).max(axis=1)), taken)
 
-        Args:
-            q: Poses now.
-            start: Poses at which the steps began.
-            off: (n, 3 k) m, from the k touching fingertips to their targets.
-            J: (n, 3 k, 48) derivative of those fingertips.
-        """
+    def _step(self, off: Array, J: Array) -> Array:
+        """Change (n, 48) of poses, by what is off (n, 3 k) m and its derivative J (n, 3 k, 48)."""
+        basis, cost = self._ways[off.shape[1] // 3]
+        if not basis.shape[1]:
+            return np.zeros((len(off), POSE_SIZE))
+        # Pose by pose: side by side with others, each takes the step that it takes alone.
+        step = np.empty((len(off), POSE_SIZE))
+        for i, (far, jacobian) in enumerate(zip(off, J, strict=True)):
+            JB = matrix_product(jacobian, basis)
+            normal = transposed_times(JB, JB)
+            normal += cost
+            diagonal = normal.reshape(-1)[:: len(cost) + 1]
+            diagonal += _WHISPER * fsum(diagonal.tolist()) / len(cost)
+            step[i] = matrix_vector(basis, solve_positive(normal, vector_matrix(far, JB)))
+        return step
 
     def _check_options(self) -> None:
         if self.iterations < 0:
@@ -257,6 +372,13 @@ class TouchIkEncoder(Encoder):
             raise EncoderError("settled must be 0 or more", got=self.settled)
         if self.pad_height is not None and not np.isfinite(self.pad_height):
             raise EncoderError("the pad height must be finite", got=self.pad_height)
+        step_costs(self.compliance_translation, self.compliance_rotation, self.reading)
+        if self.free not in FREE:
+            raise EncoderError("no such freedom", got=self.free, expected=", ".join(FREE))
+        if self.start not in STARTS:
+            raise EncoderError("no such start", got=self.start, expected=", ".join(STARTS))
+        if self.components is not None and self.components < 0:
+            raise EncoderError("the number of components is out of range", got=self.components)
 
 
 def _targets(places: Array, height: float) -> Array:
@@ -372,178 +494,3 @@ class TouchNeighbours:
 
 def _first_row(wrong: Mask) -> str:
     return f"row {int(np.flatnonzero(wrong.any(axis=1))[0])}"
-
-
-COMPLIANCE_TRANSLATION = 0.1
-COMPLIANCE_ROTATION = 25.0
-"""The paper's two values."""
-
-FREE = {"translation": (3, slice(3, POSE_SIZE)), "root": (6, JOINTS), "nothing": (0, slice(0, 48))}
-"""Option `free` -> number of free variables of the root, and the part of the pose that the
-components describe."""
-
-READINGS = ("damping", "softness")
-STARTS = ("neighbour", "projected", "mean")
-
-_SQUARE_CM = 1e-4
-"""m2; the costs of steps are in square centimetres."""
-
-_DEGREES_PER_RADIAN = 57.29577951308232
-_WHISPER = 1e-10
-"""Share of the mean diagonal added to normal equations, so that they are never singular."""
-
-
-def step_costs(translation: float, rotation: float, reading: str) -> Array:
-    """Costs (48,) of changing each number of the pose, m2 per m2 or rad2, from two compliances.
-
-    Raises:
-        EncoderError: A compliance is negative, or 0 where it would be divided by, or there is no
-            such interpretation.
-    """
-    if reading not in READINGS:
-        raise EncoderError("no such reading", got=reading, expected=", ".join(READINGS))
-    pair = np.array([translation, rotation], float)
-    if not (np.isfinite(pair).all() and (pair >= 0).all()):
-        raise EncoderError("compliances must be finite, 0 or more", got=pair.tolist())
-    if reading == "softness":
-        if not pair.all():
-            raise EncoderError("compliances must be above 0 for softness", got=pair.tolist())
-        pair = 1.0 / pair
-    cost = np.full(POSE_SIZE, pair[1] * _SQUARE_CM)
-    # Both sides are in centimetres, so the factors cancel.
-    cost[ROOT_POSITION] = pair[0]
-    return cost
-
-
-class PcaIkEncoder(TouchIkEncoder):
-    """Inverse kinematics in principal components of the training poses.
-
-    `fit(U, Q)` learns from contact vectors (T, 15) and relative poses (T, 48); `predict(U)` gives
-    relative poses. The module's docstring explains the options.
-
-    Args:
-        skeleton: Skeleton whose fingertips should meet the touches.
-        iterations: Maximum number of steps; 100 as in the paper.
-        compliance_translation: Compliance of the root's translation, cm2 per cm2.
-        compliance_rotation: Compliance of each rotation-vector component, cm2 per rad2.
-        reading: Meaning of compliance, `damping` or `softness`.
-        free: Free variables besides the components: `translation`, `root` (translation and
-            rotation) or `nothing`.
-        start: Start of the steps: `neighbour`, `projected` (the neighbour projected onto the
-            components) or `mean`.
-        components: Number of components; None uses 3 k - 3 for k contacts.
-        settled: See `TouchIkEncoder`.
-        pad_height: See `TouchIkEncoder`.
-
-    Attributes:
-        components_: (48, n) principal directions of the training poses, in order of variance;
-            orthonormal in centimetres and degrees.
-        explained_: (n,) share of the variance in the first 1, 2, .. n of them.
-        mean_: See `TouchIkEncoder`.
-        pad_height_: See `TouchIkEncoder`.
-        tip_misfit_: See `TouchIkEncoder`.
-    """
-
-    def __init__(
-        self,
-        skeleton: Skeleton = ADULT,
-        iterations: int = 100,
-        compliance_translation: float = COMPLIANCE_TRANSLATION,
-        compliance_rotation: float = COMPLIANCE_ROTATION,
-        reading: str = "damping",
-        free: str = "translation",
-        start: str = "neighbour",
-        components: int | None = None,
-        settled: float = 1e-9,
-        pad_height: float | None = None,
-    ) -> None:
-        super().__init__(skeleton, iterations, settled, pad_height)
-        self.compliance_translation = compliance_translation
-        self.compliance_rotation = compliance_rotation
-        self.reading = reading
-        self.free = free
-        self.start = start
-        self.components = components
-
-    def configuration(self) -> dict[str, Any]:
-        """See `Encoder.configuration`."""
-        return {
-            **super().configuration(),
-            "compliance_translation": self.compliance_translation,
-            "compliance_rotation": self.compliance_rotation,
-            "reading": self.reading,
-            "free": self.free,
-            "start": self.start,
-            "components": self.components,
-        }
-
-    def n_components(self, contacts: int) -> int:
-        """Number of components for a number of contacts."""
-        wanted = 3 * contacts - 3 if self.components is None else self.components
-        return min(wanted, self.components_.shape[1])
-
-    def basis(self, contacts: int) -> Array:
-        """Directions (48, m) in which the pose may change: free variables, then the components."""
-        root, _ = FREE[self.free]
-        used = self.components_[:, : self.n_components(contacts)]
-        return np.concatenate([np.eye(POSE_SIZE)[:, :root], used], axis=1)
-
-    def _learn(self, Q: Array) -> None:
-        self._cost = step_costs(self.compliance_translation, self.compliance_rotation, self.reading)
-        _, part = FREE[self.free]
-        scale = np.full(POSE_SIZE, _DEGREES_PER_RADIAN)
-        # Units matter only where lengths and angles are mixed; the paper reports these units.
-        scale[ROOT_POSITION] = 100.0
-        self._scale = scale[part]
-        away = (Q - self.mean_)[:, part] * self._scale
-        variance, directions = eigen(transposed_times(away, away))
-        varies = variance > 1e-12 * max(variance[0], 1e-300)
-        variance, directions = variance[varies], directions[:, varies]
-        self.components_ = np.zeros((POSE_SIZE, len(variance)))
-        self.components_[part] = directions / self._scale[:, None]
-        self.explained_ = np.cumsum(variance) / max(float(variance.sum()), 1e-300)
-        self._ways = [self._way(contacts) for contacts in range(len(FINGERS) + 1)]
-
-    def _way(self, contacts: int) -> tuple[Array, Array]:
-        """Directions (48, m) for a number of contacts, and the cost matrix (m, m) of steps along
-        them."""
-        basis = self.basis(contacts)
-        return basis, transposed_times(basis, self._cost[:, None] * basis)
-
-    def _start(self, fingers: Mask, places: Array) -> Array:
-        if self.start == "mean":
-            return np.tile(self.mean_, (len(places), 1))
-        pose = self._neighbours.nearest(fingers, places)
-        if self.start == "projected":
-            _, part = FREE[self.free]
-            count = self.n_components(int(fingers.sum()))
-            used = np.ascontiguousarray(self.components_[part, :count])
-            away = (pose - self.mean_)[:, None, part] * self._scale**2
-            shares = matrix_product(np.ascontiguousarray(away[:, 0]), used)
-            pose[:, part] = self.mean_[part] + times_transposed(shares, used)
-        return pose
-
-    def _step(self, q: Array, start: Array, off: Array, J: Array) -> Array:
-        basis, cost = self._ways[off.shape[1] // 3]
-        if not basis.shape[1]:
-            return np.zeros_like(q)
-        # Pose by pose: side by side with others, each takes the step that it takes alone.
-        step = np.empty_like(q)
-        for i, (far, jacobian) in enumerate(zip(off, J, strict=True)):
-            JB = matrix_product(jacobian, basis)
-            normal = transposed_times(JB, JB)
-            normal += cost
-            diagonal = normal.reshape(-1)[:: len(cost) + 1]
-            diagonal += _WHISPER * fsum(diagonal.tolist()) / len(cost)
-            step[i] = matrix_vector(basis, solve_positive(normal, vector_matrix(far, JB)))
-        return step
-
-    def _check_options(self) -> None:
-        super()._check_options()
-        step_costs(self.compliance_translation, self.compliance_rotation, self.reading)
-        if self.free not in FREE:
-            raise EncoderError("no such freedom", got=self.free, expected=", ".join(FREE))
-        if self.start not in STARTS:
-            raise EncoderError("no such start", got=self.start, expected=", ".join(STARTS))
-        if self.components is not None and self.components < 0:
-            raise EncoderError("the number of components is out of range", got=self.components)

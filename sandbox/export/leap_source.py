@@ -259,6 +259,6 @@ def _poses(
             where=where,
             expected="hands apart, with five fingers at most",
         )
-    for j, i in enumerate(first):
-        poses[:i, j] = poses[i, j]
+    for j, begin in enumerate(first):
+        poses[:begin, j] = poses[begin, j]
     return poses

@@ -12,7 +12,6 @@ import numpy as np
 import pytest
 
 from encoders import PcaIkEncoder, contact_vector
-from encoders.regression.pca_ik import TouchIkEncoder
 from encoders.regression.trained import builtin_capture
 from models.kinematics import Kinematics
 from models.skeleton import ADULT
@@ -21,7 +20,7 @@ from models.surface import METRES_PER_INCH
 KINEMATICS = Kinematics(ADULT)
 
 # Few iterations where a truth does not depend on their number.
-ENCODERS: dict[str, Callable[[], TouchIkEncoder]] = {
+ENCODERS: dict[str, Callable[[], PcaIkEncoder]] = {
     "pca": lambda: PcaIkEncoder(iterations=10),
     "pca, root free": lambda: PcaIkEncoder(iterations=10, free="root", start="projected"),
     "pca, components only": lambda: PcaIkEncoder(iterations=10, free="nothing", start="mean"),
@@ -49,16 +48,14 @@ def new_touches() -> np.ndarray:
 
 
 @cache
-def fitted(name: str) -> TouchIkEncoder:
+def fitted(name: str) -> PcaIkEncoder:
     """One of `ENCODERS`, which has learned from `touches` and `poses`."""
     return ENCODERS[name]().fit(touches(), poses())
 
 
 def pca() -> PcaIkEncoder:
     """The first of `ENCODERS`."""
-    encoder = fitted("pca")
-    assert isinstance(encoder, PcaIkEncoder)
-    return encoder
+    return fitted("pca")
 
 
 def row(*fingers: int) -> np.ndarray:
@@ -73,7 +70,7 @@ def targets_of(contacts: np.ndarray, height: float) -> np.ndarray:
     return np.stack([x, -y, np.full_like(x, height)], axis=-1)
 
 
-def misses(encoder: TouchIkEncoder, contacts: np.ndarray, q: np.ndarray) -> np.ndarray:
+def misses(encoder: PcaIkEncoder, contacts: np.ndarray, q: np.ndarray) -> np.ndarray:
     """(T,) m, farthest touching fingertip of poses from its target."""
     tips = Kinematics(encoder.skeleton).tips(q)
     off = np.linalg.norm(tips - targets_of(contacts, encoder.pad_height_), axis=2)

@@ -11,7 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from encoders import PcaIkEncoder, contact_vector
-from encoders.regression.pca_ik import TouchIkEncoder, TouchNeighbours, touches_of
+from encoders.regression.pca_ik import TouchNeighbours, touches_of
 from models.errors import EncoderError
 from models.pose import relative_pose
 from models.skeleton import ADULT
@@ -123,7 +123,7 @@ def test_one_undamped_step_misses_by_the_square_of_its_length() -> None:
     missed = []
     for length in (1e-3, 1e-4):
         off = length * wish
-        step = encoder._step(q, q, off, J)
+        step = encoder._step(off, J)
         missed.append(np.abs((KINEMATICS.tips(q + step) - tips)[0, :4].ravel() - off).max())
     assert missed[1] < 0.02 * missed[0] + 1e-9
 
@@ -257,6 +257,6 @@ def test_a_tie_is_decided_by_the_first_frame() -> None:
         PcaIkEncoder(components=-1),
     ],
 )
-def test_options_out_of_their_range_are_refused(encoder: TouchIkEncoder) -> None:
+def test_options_out_of_their_range_are_refused(encoder: PcaIkEncoder) -> None:
     with pytest.raises(EncoderError):
         encoder.fit(touches(), poses())
