@@ -54,13 +54,6 @@ EVERY = 2
 """Control steps from one picture of the hand to the next: 31 a simulated second."""
 
 
-@pytest.fixture(scope="module")
-def browser(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Browser]:
-    browser = Browser(tmp_path_factory.mktemp("chromium"))
-    yield browser
-    browser.close()
-
-
 @pytest.fixture
 def server() -> Iterator[PageServer]:
     server = PageServer(files=StaticFiles(index=HEADSET))

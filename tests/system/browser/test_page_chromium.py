@@ -49,24 +49,10 @@ pytestmark = pytest.mark.skipif(not os.path.exists(BINARY), reason="Debian's chr
 ENGLISH = words_in("en")
 
 
-@pytest.fixture(scope="module")
-def browser(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Browser]:
-    browser = Browser(tmp_path_factory.mktemp("chromium"))
-    yield browser
-    browser.close()
-
-
 @pytest.fixture(autouse=True)
 def slow_page(monkeypatch: pytest.MonkeyPatch) -> None:
     """A page on a busy machine may say nothing for longer than a second, fingers down."""
     monkeypatch.setattr(clients, "SILENT_TOUCHED", PATIENCE)
-
-
-@pytest.fixture
-def server() -> Iterator[PageServer]:
-    server = PageServer(tasks=TASKS)
-    yield server
-    server.close()
 
 
 @pytest.fixture

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import io
 import os
-from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
@@ -52,13 +51,6 @@ TEXTS = """
 })()
 """
 """Lines of text with their colours and places; afterwards they are invisible."""
-
-
-@pytest.fixture(scope="module")
-def browser(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Browser]:
-    browser = Browser(tmp_path_factory.mktemp("chromium"))
-    yield browser
-    browser.close()
 
 
 def luminance(colours: NDArray[Any]) -> NDArray[np.float64]:

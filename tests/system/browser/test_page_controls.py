@@ -17,7 +17,7 @@ from sandbox.server.protocol import LIFT_STRIP_PX, ItemView, PageScreen, Sheet, 
 from sandbox.server.screen import LARGEST, rectangle
 from sandbox.session.messages import Snapshot
 from tasks.score import Status
-from tests.sandbox.server.staged_page import KEY, KNOWN, PPI, READY, TASKS, frames, staged
+from tests.sandbox.server.staged_page import KEY, KNOWN, PPI, READY, frames, staged
 from tests.sandbox.server.test_page_server import Stage, wait_for
 from tests.support.chromium import BINARY, Browser, Tab
 from tests.system.browser.away_page import DRAWN, REST, PlayedPage, playing
@@ -40,20 +40,6 @@ BOX = """
   return [box.left, box.right];
 })()
 """
-
-
-@pytest.fixture(scope="module")
-def browser(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Browser]:
-    browser = Browser(tmp_path_factory.mktemp("chromium"))
-    yield browser
-    browser.close()
-
-
-@pytest.fixture
-def server() -> Iterator[PageServer]:
-    server = PageServer(tasks=TASKS)
-    yield server
-    server.close()
 
 
 def known(width: int, height: int, ppi: float) -> dict[str, str]:

@@ -32,13 +32,6 @@ OWN_NAME = "Deutsch"
 SCENE = "document.querySelector('.study').dataset.kind === 'none'"
 
 
-@pytest.fixture(scope="module")
-def browser(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Browser]:
-    browser = Browser(tmp_path_factory.mktemp("chromium"))
-    yield browser
-    browser.close()
-
-
 def german_of(study: Design) -> list[str]:
     """Every German text of a design."""
     forms = [*study.demographics, *(item for form in study.questionnaires for item in form.items)]

@@ -19,7 +19,7 @@ from sandbox.server.page_server import PageServer
 from sandbox.session.collision_gating import STUCK
 from sandbox.session.messages import Snapshot
 from sandbox.words.words import words_in
-from tests.sandbox.server.staged_page import KEY, PPI, READY, TASKS, frames, px, staged
+from tests.sandbox.server.staged_page import KEY, PPI, READY, frames, px, staged
 from tests.sandbox.server.test_page_server import Stage, wait_for
 from tests.support.chromium import BINARY, Browser, Tab
 from tests.support.viewed import contact_at
@@ -69,20 +69,6 @@ new Promise((done) => {
 })
 """
 """ms from the button, pressed twice, to the words."""
-
-
-@pytest.fixture(scope="module")
-def browser(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Browser]:
-    browser = Browser(tmp_path_factory.mktemp("chromium"))
-    yield browser
-    browser.close()
-
-
-@pytest.fixture
-def server() -> Iterator[PageServer]:
-    server = PageServer(tasks=TASKS)
-    yield server
-    server.close()
 
 
 @pytest.fixture

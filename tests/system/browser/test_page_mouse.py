@@ -29,13 +29,6 @@ MIDDLE = (400.0, 300.0)
 """CSS pixels, middle of the page and of its table."""
 
 
-@pytest.fixture(scope="module")
-def browser(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Browser]:
-    browser = Browser(tmp_path_factory.mktemp("chromium"))
-    yield browser
-    browser.close()
-
-
 class Desk:
     """A page that is played with mouse and keys."""
 

@@ -33,13 +33,6 @@ QUICK = {"hand-sandbox:quality": "3", "hand-sandbox:hint": "done"}
 PUBLISHED = Path(__file__).resolve().parents[3] / "sandbox/views/page/src/devices.json"
 
 
-@pytest.fixture(scope="module")
-def browser(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Browser]:
-    browser = Browser(tmp_path_factory.mktemp("chromium"))
-    yield browser
-    browser.close()
-
-
 @pytest.fixture
 def server(tmp_path: Path) -> Iterator[PageServer]:
     server = open_page(PageOptions())

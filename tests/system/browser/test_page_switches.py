@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 
@@ -11,7 +10,7 @@ import pytest
 
 from sandbox.server.page_server import PageServer
 from sandbox.words.words import words_in
-from tests.sandbox.server.staged_page import HEIGHT, KNOWN, READY, TASKS, WIDTH, staged
+from tests.sandbox.server.staged_page import HEIGHT, KNOWN, READY, WIDTH, staged
 from tests.sandbox.server.test_page_server import Stage
 from tests.support.chromium import BINARY, Browser, Tab
 from tests.support.viewed import contact_at, with_load
@@ -24,20 +23,6 @@ FELT = (
     " { value: (pattern) => felt.push([pattern].flat().length) > 0 });"
 )
 """Writes down how many parts every vibration had."""
-
-
-@pytest.fixture(scope="module")
-def browser(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Browser]:
-    browser = Browser(tmp_path_factory.mktemp("chromium"))
-    yield browser
-    browser.close()
-
-
-@pytest.fixture
-def server() -> Iterator[PageServer]:
-    server = PageServer(tasks=TASKS)
-    yield server
-    server.close()
 
 
 def opened(browser: Browser, server: PageServer, still: bool = False) -> tuple[Stage, Tab]:

@@ -30,13 +30,6 @@ FORM = SMALL[: SMALL.index("[[demographics]]")] + (
 )
 
 
-@pytest.fixture(scope="module")
-def browser(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Browser]:
-    browser = Browser(tmp_path_factory.mktemp("chromium"))
-    yield browser
-    browser.close()
-
-
 @pytest.fixture
 def running(tmp_path: Path) -> Iterator[OnPage]:
     study = study_in(tmp_path, FORM)

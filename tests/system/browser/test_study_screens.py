@@ -30,13 +30,6 @@ PLAYS_ALONE = "document.querySelector('.reason').textContent === " + repr(ENGLIS
 PUSHED = [(1, WIDTH / 2, HEIGHT / 2)]
 
 
-@pytest.fixture(scope="module")
-def browser(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Browser]:
-    browser = Browser(tmp_path_factory.mktemp("chromium"))
-    yield browser
-    browser.close()
-
-
 @contextmanager
 def session(browser: Browser, out: Path, design: str) -> Iterator[tuple[OnPage, Tab]]:
     study = study_in(out, design)
