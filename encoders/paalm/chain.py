@@ -9,7 +9,7 @@ the limit, and PIP is chosen again for the least error of the tip.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import asin, atan2, cos, degrees, pi, radians, sin, sqrt
+from math import asin, atan2, cos, pi, radians, sin, sqrt
 from typing import NamedTuple
 
 import numpy as np
@@ -151,17 +151,6 @@ class FingerChain:
         pip *= _DEGREES
         miss = sqrt(dx**2 + dy**2 + dz**2)
         return Bend(held_flexion, held_spread, pip, self.dip(pip), miss)
-
-    def with_first_joint(self, direction: Vector, chord: float) -> Bend:
-        """The alternative reading of the paper: the first bone points along the direction, and the
-        length gives the other angles."""
-        x, y, z = direction
-        low, high = self.limits.flexion
-        left, right = self.limits.spread
-        flexion = min(max(degrees(atan2(-z, y)), low), high)
-        spread = min(max(degrees(asin(min(max(-x, -1.0), 1.0))), left), right)
-        pip = degrees(self._bend(min(max(chord, self.shortest), self.longest)))
-        return Bend(flexion, spread, pip, self.dip(pip), 0.0)
 
     def _bend(self, chord: float) -> float:
         """PIP in rad for a reachable length.

@@ -20,11 +20,8 @@ class PaalmOptions:
         identity: `paper`: rank by x among the visible fingers. `tracked`: the most likely
             assignment to the fingers' last positions and to their knuckles.
         direction: Source of a finger's target. `device`: the device's direction and length ratio,
-            as printed. `knuckle_to_tip`: from the knuckle, as calibrated in the palm, to the tip.
-            `thumb`: the latter for the thumb only. Fingers with joints have a knuckle and always
-            use it.
-        first_joint: `ik`: all joints by inverse kinematics of the target. `direction`: the first
-            bone points along the direction, as section 4 says; the length bends the rest.
+            as printed. `thumb`: that of the thumb goes from its knuckle, as calibrated in the palm,
+            to its tip. Fingers with joints have a knuckle and always use it.
         hidden, thumb_hidden: Share of the first bone that the device's length leaves out; 0 as in
             the paper, which takes the length from the knuckle.
         behind: Share of the first bone by which a finger's knuckle is taken to be behind what is
@@ -38,18 +35,13 @@ class PaalmOptions:
         learns: Learns the coupling of each hand while its device reports joints, unless a coupling
             is chosen (`encoders.paalm.coupling`); of a hand without joints that was not
             measured, where the device sees its palm (`encoders.paalm.average`).
-        hold: Frame in which a vanished finger stays: the `palm`'s or the `device`'s.
-        vanished: Treatment of a vanished finger: `held` in its place, as in the paper, or `folded`,
-            because fingers mostly vanish by folding: it closes within `fold_seconds`.
         smoothing: s, time constant of lengths and directions; 0 switches it off.
         longest: s, upper limit of that constant, which grows with the device's noise, finger by
             finger (`encoders.paalm.paalm`).
-        fold_seconds: s in which a vanished finger folds.
     """
 
     identity: Literal["paper", "tracked"] = "tracked"
-    direction: Literal["device", "knuckle_to_tip", "thumb"] = "thumb"
-    first_joint: Literal["ik", "direction"] = "ik"
+    direction: Literal["device", "thumb"] = "thumb"
     hidden: float = 0.45
     thumb_hidden: float = 0.9
     behind: float = 0.2
@@ -57,11 +49,8 @@ class PaalmOptions:
     coupling: Coupling | None = None
     solve: Literal["tips", "lengths"] = "tips"
     learns: bool = True
-    hold: Literal["palm", "device"] = "palm"
-    vanished: Literal["held", "folded"] = "held"
     smoothing: float = 0.03
     longest: float = 0.15
-    fold_seconds: float = 0.1
 
     def coupling_for(self, dialect: str | None) -> Coupling:
         """The chosen coupling, or that of a dialect."""
@@ -70,11 +59,8 @@ class PaalmOptions:
     def __post_init__(self) -> None:
         choices = {
             "identity": ("paper", "tracked"),
-            "direction": ("device", "knuckle_to_tip", "thumb"),
-            "first_joint": ("ik", "direction"),
+            "direction": ("device", "thumb"),
             "solve": ("tips", "lengths"),
-            "hold": ("palm", "device"),
-            "vanished": ("held", "folded"),
         }
         for name, allowed in choices.items():
             if getattr(self, name) not in allowed:

@@ -106,10 +106,6 @@ class FingertipNoise:
 
 TIP_SMOOTHING = 1.0 / 3.0
 """Share of the smoothing of fingers that are solved by their tips."""
-_FIST = 90.0
-"""Degrees, least PIP of a finger that folded out of sight."""
-_FOLDING = 0.8
-"""Length ratio below which a vanished finger counts as folded."""
 
 
 @dataclass(frozen=True)
@@ -410,7 +406,7 @@ class _Hand:
             self._solve(name)
         for name, label in enumerate(FINGERS):
             if ids[label] is None:
-                self._hold(name, palm, dt, before)
+                self._hold(name, dt, before)
         self._palm, self._id = palm, hand.id
         return self._result(palm, ids, True)
 
@@ -432,9 +428,9 @@ class _Hand:
         rigged = self._rig[name]
         x, y, z = target
         y += 0.0 if held else self._slip
-        self._bends[name] = rigged.bend((x, y, z), self._options.first_joint)
+        self._bends[name] = rigged.bend((x, y, z))
 
-    def _hold(self, name: int, palm: Palm, dt: float, slip: float) -> None:
+    def _hold(self, name: int, dt: float, slip: float) -> None:
         """Holds a finger that is not seen; in the paper it stays in the same position.
 
         Its place in the palm is that of the last frame that showed it, with that frame's slip.
@@ -448,15 +444,6 @@ class _Hand:
             self._solve(name, held)
         self._noise[name].interrupt()
         self._unseen[name] += dt
-        if self._options.hold == "device" and self._palm is not None:
-            self._targets[name] = palm.turn(self._palm.back(self._targets[name]))
-            self._solve(name, held)
-        if self._options.vanished == "folded" and self._ratios[name] < _FOLDING:
-            share = 1.0 - exp(-dt / self._options.fold_seconds)
-            flexion, spread, pip, _, miss = self._bends[name]
-            pip += share * max(_FIST - pip, 0.0)
-            dip = self._rig[name].chain.dip(pip)
-            self._bends[name] = Bend(flexion, spread, pip, dip, miss)
 
     def _result(self, palm: Palm, ids: dict[str, int | None], seen: bool) -> PaalmHand:
         shift, m = self._calibration.palm_shift, self._moved

@@ -58,14 +58,9 @@ class RiggedFinger:
         x, y, z = v
         return x * a + y * d + z * g, x * b + y * e + z * h, x * c + y * f + z * i
 
-    def bend(self, target: Vector, first_joint: str) -> Bend:
+    def bend(self, target: Vector) -> Bend:
         """Angles for a target in palm axes, from the base, m in the rig's scale."""
-        local = self.local(target)
-        if first_joint == "ik":
-            return self.chain.solve(local)
-        length = float(np.sqrt(local[0] ** 2 + local[1] ** 2 + local[2] ** 2))
-        x, y, z = (c / length for c in local)
-        return self.chain.with_first_joint((x, y, z), length)
+        return self.chain.solve(self.local(target))
 
 
 def assumed_coupling(calibration: HandCalibration, options: PaalmOptions) -> Coupling:
@@ -96,11 +91,7 @@ def rig(calibration: HandCalibration, options: PaalmOptions) -> list[RiggedFinge
         open_length = chain.chord(options.open_bend)
         scale = open_length / standard
         by_tips = calibration.by_tip and options.solve == "tips"
-        by_knuckle = (
-            calibration.by_tip
-            or options.direction == "knuckle_to_tip"
-            or (options.direction == "thumb" and finger == 0)
-        )
+        by_knuckle = calibration.by_tip or (options.direction == "thumb" and finger == 0)
         base, along = calibration.bases[finger], calibration.directions[finger]
         behind = options.behind if finger and by_tips else hidden
         knuckle = vector_of(base - along * (behind * chain.lengths[0] / scale))

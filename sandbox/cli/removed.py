@@ -22,6 +22,7 @@ REMOVED = {
     "evaluate --train population": "`python -m training strangers` in a checkout judges people",
     "evaluate --people": "`python -m training strangers --people` in a checkout judges people",
     "evaluate --hold-out": "`python -m training strangers --hold-out` in a checkout judges them",
+    "evaluate --readings": "docs/paalm.md has the table of readings of the paper",
     "train --encoder mean": "`sandbox evaluate --encoders mean` measures the mean pose",
     "train --encoder pca-ik-null": "`sandbox train --encoder pca-ik` is the paper's rival",
     "train --encoder map-ik": "`sandbox train --encoder pca-ik` is the paper's rival",

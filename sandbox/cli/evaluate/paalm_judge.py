@@ -15,10 +15,8 @@ from sandbox.cli.common.command_line import parse
 from sandbox.cli.common.json_out import check_output, refuse_replacing, write_json
 from sandbox.evaluation.paalm import (
     judge_folder,
-    judge_readings,
     judge_simulated,
     show_judgements,
-    show_readings,
 )
 
 SCHEMA = 1
@@ -48,10 +46,6 @@ class PaalmJudgeOptions:
     takes: int = 8
     """How many simulated persons, 30 seconds each."""
 
-    readings: bool = False
-    """Judge every other reading of the paper instead, one option at a time, on the simulated
-    persons 100, 101, ..., who are never judged otherwise."""
-
 
 def main(argv: list[str]) -> int:
     """Runs `sandbox evaluate --paalm ...`."""
@@ -60,8 +54,6 @@ def main(argv: list[str]) -> int:
         raise InputError(
             "nobody to judge", where="--takes", got=options.takes, expected="1 or more"
         )
-    if options.readings and options.paalm != SIMULATED:
-        raise InputError("readings are judged on simulated hands only", where="--readings")
     check_output(options.json)
     if options.paalm != SIMULATED:
         refuse_replacing(options.json, {"--paalm": Path(options.paalm)}, "--json")
@@ -72,16 +64,11 @@ def main(argv: list[str]) -> int:
         def show_progress(share: float) -> None:
             bar.update(job, completed=share)
 
-        if options.readings and options.paalm == SIMULATED:
-            judgements = judge_readings(options.takes, show_progress)
-        elif options.paalm == SIMULATED:
+        if options.paalm == SIMULATED:
             judgements = judge_simulated(options.takes, show_progress)
         else:
             judgements = judge_folder(Path(options.paalm), show_progress)
     judgements = {"schema": SCHEMA, **judgements}
-    if options.readings:
-        show_readings(judgements)
-    else:
-        show_judgements(judgements)
+    show_judgements(judgements)
     write_json(options.json, judgements)
     return 0

@@ -220,22 +220,6 @@ def test_a_finger_that_vanished_stays_as_it_was_while_the_palm_turns_and_moves()
     assert after.ratios["index"] == before.ratios["index"]
 
 
-def test_a_finger_held_in_the_devices_frame_turns_against_the_palm() -> None:
-    one = take(1, drop_outs=False)
-    index = next(i for i, f in one.fingers[200].items() if f == 1)
-
-    def bent(turn: float) -> float:
-        """Degrees of the index's first joint where the hand turns as the finger vanishes."""
-        paalm = calibrated(one, PaalmOptions(hold="device"))
-        for frame in one.frames[:201]:
-            paalm.step(frame)
-        hand = turned(one.frames[201].hands[0], exp(np.array([turn, 0.0, 0.0])))
-        after = paalm.step(without(replace(one.frames[201], hands=(hand,)), index))
-        return float(after.hands["right"].table[1, 0])
-
-    assert bent(0.3) - bent(0.0) == pytest.approx(np.rad2deg(0.3), abs=3.0)
-
-
 def test_a_hand_that_is_not_seen_is_held_and_comes_back() -> None:
     one = take(0, drop_outs=False)
     paalm = calibrated(one)
