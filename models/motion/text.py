@@ -6,6 +6,7 @@ import gzip
 import math
 import zlib
 from collections.abc import Sequence
+from contextlib import suppress
 from pathlib import Path
 
 from models.errors import MotionError
@@ -58,21 +59,19 @@ def read_lines(path: Path, what: str, report: ReaderReport) -> list[str]:
 
 def decoded(data: bytes, report: ReaderReport) -> str:
     """The text of a file; reports its encoding if it is not UTF-8."""
-    try:
-        return data.decode("utf-8-sig")
-    except UnicodeDecodeError:
-        pass
-    # Latin-1 has no letters at 0x80 to 0x9F, where most characters of Shift-JIS begin.
+    # Latin-1, in which all bytes are letters, comes last. It has none at 0x80 to 0x9F, where most
+    # characters of Shift-JIS begin.
+    encodings = ["utf-8-sig", "latin-1"]
     if any(0x80 <= byte < 0xA0 for byte in set(data)):
-        try:
-            text = data.decode("cp932")
-        except UnicodeDecodeError:
-            pass
-        else:
-            report.assume("the text is not UTF-8; names are read as Shift-JIS")
-            return text
-    report.assume("the text is not UTF-8; names are read as Latin-1")
-    return data.decode("latin-1")
+        encodings.insert(1, "cp932")
+    for encoding in encodings:
+        with suppress(UnicodeDecodeError):
+            text = data.decode(encoding)
+            break
+    if encoding != "utf-8-sig":
+        name = "Shift-JIS" if encoding == "cp932" else "Latin-1"
+        report.assume(f"the text is not UTF-8; names are read as {name}")
+    return text
 
 
 def numbers(tokens: Sequence[str], count: int, where: str) -> list[float]:
