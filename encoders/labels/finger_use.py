@@ -21,9 +21,10 @@ from models.arithmetic import Array
 from models.errors import InputError, unknown_name
 from models.frames import FINGERS
 
-PARTIAL = 0.1
+PARTIAL = 0.02
 """How often a look at a set finds only some of its fingers down, in proportion to the looks that
-find all. An assumption: fingers that come together come within some frames."""
+find all. An assumption: fingers that come together come within a tenth of a second, and stay down
+for seconds."""
 
 IMPOSSIBLE = -700.0
 """Log weight of labels that a hand cannot have; its exponential is still a number."""

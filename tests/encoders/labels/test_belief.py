@@ -6,11 +6,13 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from hypothesis.extra.numpy import arrays
 
-from encoders.labels.belief import BeliefLabels, _marginals, builtin_population_model
+from encoders.labels.belief import BeliefLabels, _marginals, builtin_population_model, claimed
 from encoders.labels.finger_use import odds_of_first
-from encoders.labels.labelling import Labelling, hypotheses
+from encoders.labels.labelling import Labelling, hypotheses, normalised
 from encoders.regression.trained import builtin_capture
+from models.arithmetic import Array
 
 Contacts = dict[int, tuple[float, float]]
 SEEDS = st.integers(0, 2**32 - 1)
@@ -44,13 +46,25 @@ def moved(contacts: Contacts, rng: np.random.Generator) -> Contacts:
 
 def marginals(belief: BeliefLabels) -> dict[int, np.ndarray]:
     """Probabilities (5,) of the fingers by contact id, after the last `assign`."""
-    return _marginals(belief._ids, belief._belief)
+    return _marginals(belief._ids, claimed(belief._belief, len(belief._ids)))
 
 
 def table(belief: BeliefLabels, ids: list[int]) -> dict[tuple[int, ...], float]:
-    """Probability of every labelling of the ids, in their order, after the last `assign`."""
+    """Believed probability of every labelling of the ids, in their order, after the last
+    `assign`."""
+    return _by_labels(belief, ids, belief._belief)
+
+
+def claims_table(belief: BeliefLabels, ids: list[int]) -> dict[tuple[int, ...], float]:
+    """Claimed probability of every labelling of the ids, without declared sets of fingers."""
+    return _by_labels(belief, ids, claimed(belief._belief, len(ids)))
+
+
+def _by_labels(
+    belief: BeliefLabels, ids: list[int], log_probabilities: Array
+) -> dict[tuple[int, ...], float]:
     places = [belief._ids.index(i) for i in ids]
-    rows = zip(hypotheses(len(ids)).tolist(), np.exp(belief._belief).tolist(), strict=True)
+    rows = zip(hypotheses(len(ids)).tolist(), np.exp(log_probabilities).tolist(), strict=True)
     return {tuple(labels[place] for place in places): share for labels, share in rows}
 
 
@@ -241,7 +255,7 @@ def test_fixed_labels_are_kept_but_do_not_change_what_is_believed(
     assert table(bound, list(contacts)) == table(free, list(contacts))
     best = max(
         (p, labels)
-        for labels, p in table(free, list(contacts)).items()
+        for labels, p in claims_table(free, list(contacts)).items()
         if fixed.items() <= dict(zip(contacts, labels, strict=True)).items()
     )
     assert labelling.probability == pytest.approx(best[0])
@@ -293,6 +307,20 @@ def test_the_chance_of_one_finger_is_its_marginal_even_for_labels_that_must_be_k
     assert kept.label_probabilities[4] == chances[4][wrong] < labelling.label_probabilities[4]
 
 
+@given(arrays(float, 60, elements=st.floats(-30.0, 0.0)))
+def test_claims_are_probabilities_in_the_order_of_the_belief_and_less_sure(weights: Array) -> None:
+    belief = normalised(weights)
+    claims = claimed(belief, 3)
+    assert np.exp(claims).sum() == pytest.approx(1.0)
+    assert (np.diff(claims[np.argsort(belief)]) >= 0.0).all()
+    assert claims.max() <= belief.max() + 1e-12
+
+
+def test_five_contacts_are_claimed_as_they_are_believed() -> None:
+    belief = normalised(np.linspace(-40.0, 0.0, 120))
+    assert claimed(belief, 5) is belief
+
+
 def test_a_labelling_without_marginals_gives_the_chance_of_all_labels() -> None:
     assert Labelling({3: 1}, 0.7).label_probabilities[3] == 0.7
 
@@ -312,7 +340,9 @@ def test_a_hand_with_fewer_fingers_gets_their_names_in_proportion_to_what_is_bel
         assert labelling.labels == believed.labels
         assert labelling.probability == believed.probability
         return
-    shares = {labels: share for labels, share in table(whole, ids).items() if max(labels) < fingers}
+    shares = {
+        labels: share for labels, share in claims_table(whole, ids).items() if max(labels) < fingers
+    }
     best = max(shares, key=lambda labels: shares[labels])
     assert tuple(labelling.labels[i] for i in ids) == best
     assert labelling.probability == pytest.approx(shares[best] / sum(shares.values()))
