@@ -15,13 +15,15 @@ import struct
 import subprocess
 import sys
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from contextlib import suppress
 from dataclasses import replace
 
+import numpy as np
+
 from sandbox.server.frames import BodyKinematics, pack, state_of
 from sandbox.server.protocol import DEMONSTRATION_KIND, PROTOCOL
-from sandbox.session.messages import Snapshot
+from sandbox.session.messages import ObjectView, Snapshot
 from sandbox.session.session import Session
 from sandbox.trial.driver import View, open_trial
 from sandbox.trial.settings import Settings, decoded, encoded
@@ -30,6 +32,8 @@ PERIOD = 0.05
 """s, simulated time between two frames of a demonstration."""
 MOST_FRAMES = 90
 """Largest number of frames that a page gets; of a longer demonstration every second, third, ..."""
+STIRRED, TURNED = 0.002, 0.05
+"""m, and change of an entry of its rotation matrix, from which on an object has moved."""
 NICE = 15
 """Priority of the process, as of `nice`."""
 
@@ -38,6 +42,9 @@ _HEADER = struct.Struct("<BBHI")
 
 def demonstrated(settings: Settings, scene: int) -> bytes:
     """The message with frames of the simulated user's play, from its first touch to its success.
+
+    A try that left every object where it was, as a chord beside its keys, is left out: it shows a
+    person what not to do.
 
     The layout is little-endian: PROTOCOL, KIND and the number of frames (uint8, uint8, uint16),
     the number of the scene (uint32), then for every frame its length (uint32) and its bytes.
@@ -49,31 +56,60 @@ def demonstrated(settings: Settings, scene: int) -> bytes:
     Returns:
         The message; empty without a success.
     """
-    frames: list[bytes] = []
-    due = 0.0
+    film: list[_Film] = []
 
     def make_views(session: Session) -> list[View]:
-        poses = BodyKinematics(session.scene)
-
-        def show(snapshot: Snapshot) -> None:
-            nonlocal due
-            begun = bool(frames) or any(hand.contacts for hand in snapshot.hands)
-            if not begun or snapshot.time < due:
-                return
-            due = snapshot.time + PERIOD
-            frame = pack(scene, 0, snapshot.time, poses(snapshot.qpos), state_of(snapshot, ""))
-            frames.append(bytes(frame))
-
-        return [show]
+        film.append(_Film(scene, BodyKinematics(session.scene)))
+        return [film[0].show]
 
     own = replace(settings, device=Settings().device, second_device=None)
     with open_trial(own, make_views=make_views) as trial:
         trial.run(stop=lambda: trial.session.scorer.score.held)
         if not trial.session.scorer.score.held:
             return b""
+    frames = film[0].frames
     chosen = frames[:: -(-len(frames) // MOST_FRAMES)]
     head = _HEADER.pack(PROTOCOL, DEMONSTRATION_KIND, len(chosen), scene)
     return head + b"".join(struct.pack("<I", len(frame)) + frame for frame in chosen)
+
+
+class _Film:
+    """Frames of a trial from the first touch that led to something.
+
+    Args:
+        scene: Number of the scene that the frames are for.
+        poses: Poses of the scene's bodies.
+    """
+
+    def __init__(self, scene: int, poses: BodyKinematics) -> None:
+        self.frames: list[bytes] = []
+        self._scene, self._poses = scene, poses
+        self._due = 0.0
+        self._touched = False
+        self._objects: Mapping[str, ObjectView] = {}
+
+    def show(self, snapshot: Snapshot) -> None:
+        """Takes a frame, if one is due."""
+        touches = any(hand.contacts for hand in snapshot.hands)
+        if touches and not self._touched and not _moved(self._objects, snapshot.objects):
+            self.frames, self._objects, self._due = [], snapshot.objects, snapshot.time
+        self._touched = touches
+        if not (touches or self.frames) or snapshot.time < self._due:
+            return
+        self._due = snapshot.time + PERIOD
+        poses = self._poses(snapshot.qpos)
+        self.frames.append(
+            bytes(pack(self._scene, 0, snapshot.time, poses, state_of(snapshot, "")))
+        )
+
+
+def _moved(before: Mapping[str, ObjectView], now: Mapping[str, ObjectView]) -> bool:
+    """True if an object lies elsewhere than before; False without objects before."""
+    return any(
+        np.abs(now[name].position - view.position).max() > STIRRED
+        or np.abs(now[name].rotation - view.rotation).max() > TURNED
+        for name, view in before.items()
+    )
 
 
 class Demonstrator:

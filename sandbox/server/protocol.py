@@ -80,7 +80,8 @@ class Allowance:
 
 
 class PageScreen(Struct, forbid_unknown_fields=True, frozen=True):
-    """Size of the page: CSS pixels per inch, and pixels.
+    """Size of the page's part for the table and the lift control: CSS pixels per inch, and pixels.
+    It is the whole page, save on a phone, where words and buttons stand beside the table.
 
     The encoder needs inches; `calibrated` is true if the person has measured them. `fit` says why
     the table fills the page, whatever its inches: a `mouse`, for which size means nothing, or a

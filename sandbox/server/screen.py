@@ -51,11 +51,14 @@ def scaled(screen: PageScreen, lifts: bool = False) -> dict[str, Any]:
     """The touch rectangle of a screen that its table fills, whatever its inches, as settings.
 
     The table is as large as the largest tablet's where that leaves it at least as large as the
-    paper's, so that every task fits; the result counts for a mouse, and not on a phone.
+    paper's, so that every task fits; on a phone it is as large as the paper's, where fingers cover
+    less of it. The result counts for a mouse, and not on a phone.
     """
     width, height = room(screen, lifts)
     (most_w, most_h), (least_w, least_h) = LARGEST, LEAST
-    scale = min(max(width / most_w, height / most_h), width / least_w, height / least_h)
+    scale = min(width / least_w, height / least_h)
+    if screen.fit == "mouse":
+        scale = min(max(width / most_w, height / most_h), scale)
     size = min(width / scale, most_w), min(height / scale, most_h)
     return {
         "size_in": tuple(round(side, 4) for side in size),

@@ -46,7 +46,7 @@ def main() -> None:
         browser = Browser(Path(folder))
         try:
             key = f"hand-sandbox:px-per-inch:{HEIGHT}x{WIDTH}@1"
-            known = {key: str(PPI), "hand-sandbox:advised": "yes", "hand-sandbox:hint": "done"}
+            known = {key: str(PPI), "hand-sandbox:hint-closed:box-to-goal": "yes"}
             tab = browser.open(server.url, width=WIDTH, height=HEIGHT, storage=known)
             picture = play(server, tab)
         finally:

@@ -19,6 +19,7 @@ from sandbox.trial.settings import Settings
 from tasks.user import UserConfiguration
 from tests.sandbox.server.test_page_server import Stage, wait_for
 from tests.support.chromium import Tab
+from tests.support.page_memory import NO_HINTS
 from tests.support.processes import PATIENCE
 
 PPI = 64.0
@@ -27,7 +28,7 @@ KEY = f"hand-sandbox:px-per-inch:{HEIGHT}x{WIDTH}@1"
 KNOWN = {
     KEY: str(PPI),
     "hand-sandbox:quality": "3",
-    "hand-sandbox:hint": "done",
+    **NO_HINTS,
 }
 """What a page remembers whose person has played before, on a slow device: a browser without a
 graphics card draws in software, with the same two cores that simulate."""

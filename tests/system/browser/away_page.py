@@ -24,6 +24,7 @@ from sandbox.trial.trial_options import TrialOptions
 from tests.sandbox.play.played_page import played
 from tests.sandbox.server.test_page_server import wait_for
 from tests.support.chromium import Browser, Tab
+from tests.support.page_memory import NO_HINTS
 from tests.system.browser.network import ADDRESS, Network
 
 WIDTH, HEIGHT, PPI = 800, 600, 80.0
@@ -51,8 +52,7 @@ class PlayedPage:
     ) -> None:
         self.server, self.network, self.url = server, network, url
         self._browser = browser
-        hidden = {} if hint else {"hand-sandbox:hint": "done"}
-        self._storage = {**KNOWN, **hidden}
+        self._storage = KNOWN if hint else {**KNOWN, **NO_HINTS}
         self.tab = self.open()
         self.tab.wait(READY)
 

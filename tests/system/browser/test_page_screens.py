@@ -24,12 +24,13 @@ from tests.sandbox.play.played_page import played
 from tests.sandbox.server.staged_page import READY
 from tests.sandbox.server.test_page_server import wait_for
 from tests.support.chromium import BINARY, Browser, Tab
+from tests.support.page_memory import NO_HINTS
 from tools.docs.page_languages import in_study
 
 pytestmark = pytest.mark.skipif(not os.path.exists(BINARY), reason="Debian's chromium is missing")
 
 ENGLISH = words_in("en")
-QUICK = {"hand-sandbox:quality": "3", "hand-sandbox:hint": "done"}
+QUICK = {"hand-sandbox:quality": "3", **NO_HINTS}
 PUBLISHED = Path(__file__).resolve().parents[3] / "sandbox/views/page/src/devices.json"
 
 
@@ -83,6 +84,47 @@ def test_a_phone_plays_at_once_on_a_scaled_table_that_does_not_count(
         assert no_sheet(tab)
         shown = server._shown
         assert shown is not None and not shown.message.scored
+
+
+PANELS = (
+    "JSON.stringify([...document.querySelectorAll("
+    "'.words, .score, .buttons button, .pill, .hint, .full, .toast')]"
+    ".filter(e => e.checkVisibility({visibilityProperty: true}))"
+    ".map(e => e.getBoundingClientRect())"
+    ".map(r => [r.left, r.top, r.right, r.bottom]))"
+)
+"""Left, top, right and bottom of what lies over the table or beside it, CSS pixels."""
+
+
+@pytest.mark.parametrize("language", ["en", "de"])
+@pytest.mark.parametrize("size", [(844, 390), (390, 844)])
+def test_on_a_phone_words_and_buttons_stand_beside_the_table(
+    browser: Browser, server: PageServer, size: tuple[int, int], language: str
+) -> None:
+    tab = browser.open(
+        "about:blank", width=size[0], height=size[1], storage={"hand-sandbox:quality": "3"}
+    )
+    tab.call(
+        "Emulation.setUserAgentOverride", userAgent="Chromium on a phone", acceptLanguage=language
+    )
+    tab.go(server.url)
+    tab.wait(READY)
+    assert wait_for(lambda: scale(server) not in (None, 1.0))
+    tab.wait("document.querySelector('.preparing').hidden")
+    tab.wait("document.querySelector('.hint').checkVisibility()")
+    tab.evaluate("new Promise((done) => setTimeout(done, 300))")
+    assert server.screen is not None
+    wide, high = server.screen.width_px, server.screen.height_px
+    panels = json.loads(tab.evaluate(PANELS))
+    assert len(panels) >= 6
+    for left, top, right, bottom in panels:
+        assert left >= 0 and top >= 0 and right <= size[0] and bottom <= size[1]
+        if size[0] > size[1]:
+            assert right <= size[0] - wide
+        else:
+            # The table ends above the row of buttons.
+            assert bottom <= size[1] - high - 60 or top >= size[1] - 66
+    tab.close()
 
 
 def test_a_phone_that_looks_on_leaves_its_place(browser: Browser, server: PageServer) -> None:

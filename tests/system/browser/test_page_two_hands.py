@@ -22,6 +22,7 @@ from sandbox.trial.trial_options import TrialOptions, trial_settings
 from tests.sandbox.server.test_page_server import wait_for
 from tests.support.chromium import BINARY, Browser
 from tests.support.page_client import Page
+from tests.support.page_memory import NO_HINTS
 from tests.support.processes import PATIENCE
 
 TASK, SEED, PPI = "carry-together", 3, 64.0
@@ -32,7 +33,7 @@ SIZE = rectangle(SCREEN, 2)["size_in"]
 KNOWN = {
     f"hand-sandbox:px-per-inch:{HEIGHT}x{WIDTH}@1": str(PPI),
     "hand-sandbox:quality": "3",
-    "hand-sandbox:hint": "done",
+    **NO_HINTS,
 }
 
 Touch = Callable[[list[tuple[int, float, float]], float], None]

@@ -5,8 +5,10 @@ import { type Frame, parseFrame } from "./frame";
 import { DEMONSTRATION_KIND, PROTOCOL } from "./protocol";
 
 const HEADER_BYTES = 8;
-/** s that a demonstration takes at least, and how many times faster than the simulated user it is at most. */
+/** s that a demonstration should take, and how many times faster than the simulated user it is at least and at
+ * most: a chord is pressed in less than a second. */
 const SECONDS = 3;
+const SLOWEST = 0.5;
 const FASTEST = 2.5;
 /** ms for which its end stays. */
 const STAY_MS = 900;
@@ -28,7 +30,8 @@ export function parseDemonstration(data: ArrayBuffer): Frame[] | null {
 }
 
 export class Demonstration {
-  private frames: Frame[] = [];
+  /** Empty until there is one. */
+  frames: readonly Frame[] = [];
   /** ms, time at which it began; null while it is not shown. */
   private began: number | null = null;
 
@@ -64,7 +67,7 @@ export class Demonstration {
     const [first, last] = [this.frames[0], this.frames.at(-1)];
     if (this.began === null || !first || !last) return null;
     const long = last.time - first.time;
-    const speed = Math.min(Math.max(long / SECONDS, 1), FASTEST);
+    const speed = Math.min(Math.max(long / SECONDS, SLOWEST), FASTEST);
     const passed = (now - this.began) % ((1000 * long) / speed + STAY_MS);
     const time = first.time + (speed * passed) / 1000;
     const later = this.frames.findIndex((frame) => frame.time > time);

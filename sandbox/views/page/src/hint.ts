@@ -3,7 +3,7 @@
 import { make, show, write } from "./dom";
 import type { Rectangle } from "./lens";
 import { recall, remember } from "./memory";
-import { FOOTER, SIDE, leastCovering, placesFor } from "./places";
+import { SIDE, leastCovering, placesFor, rowsFor } from "./places";
 import type { SceneMessage, State } from "./protocol";
 import { done } from "./records";
 import { touchable } from "./screen";
@@ -16,8 +16,11 @@ const ALL_KEYS: Key[] = ["keys_hand", "keys_move", "keys_wheel", "keys_pin", "ke
 
 /** Progress from which the player has found out how. */
 const FOUND_OUT = 0.3;
-/** Rows in which the hint may stand. */
-const ROWS = 9;
+/** CSS pixels, widths of which the hint takes a smaller one only to cover less. */
+const WIDTHS = [1000, 420, 300] as const;
+
+/** Key in the page's storage for a task whose hint was closed. */
+const closed = (task: string): string => `hint-closed:${task}`;
 
 export class Hint {
   readonly root: HTMLElement;
@@ -28,6 +31,7 @@ export class Hint {
   private readonly mouse = !touchable || matchMedia("(pointer: fine)").matches;
   /** True if the player asked for it, who then closes it. */
   asked = false;
+  private task = "";
   /** True if the task needs the lift control. */
   private lifts = false;
 
@@ -38,10 +42,11 @@ export class Hint {
     this.root.hidden = true;
   }
 
-  /** A trial begins: its words are shown unless its player has done the task, or wants no hints. In a study
-   * they are shown in every trial if its design says so. */
+  /** A trial begins: its words are shown unless its player has done the task, or has closed its hint before. In
+   * a study they are shown in every trial if its design says so. */
   begin(scene: SceneMessage, lifts: boolean, inStudy: boolean): void {
-    const known = recall("hint") === "done" || done(scene.task) !== null;
+    this.task = scene.task;
+    const known = recall(closed(scene.task)) === "yes" || done(scene.task) !== null;
     this.root.hidden = inStudy ? !scene.how : known;
     this.asked = false;
     this.lifts = lifts;
@@ -70,13 +75,27 @@ export class Hint {
    */
   stand(things: Rectangle[], left: number, right: number): void {
     if (this.root.hidden) return;
-    this.root.style.maxWidth = `${window.innerWidth - left - right - 2 * SIDE}px`;
-    const { offsetWidth: width, offsetHeight: height } = this.root;
-    const lowest = window.innerHeight - FOOTER - height;
-    const rows = Array.from({ length: ROWS }, (_, i) => SIDE + ((lowest - SIDE) * i) / (ROWS - 1));
-    const { left: x, top } = leastCovering(placesFor({ width, height }, left, right, rows), things);
-    this.root.style.left = `${x}px`;
-    this.root.style.top = `${top}px`;
+    const { style } = this.root;
+    style.maxHeight = "";
+    const room = window.innerWidth - left - right - 2 * SIDE;
+    const places = WIDTHS.map((most) => {
+      style.maxWidth = `${Math.min(most, room)}px`;
+      const { offsetWidth: width, offsetHeight: height } = this.root;
+      return leastCovering(placesFor({ width, height }, left, right, rowsFor(height)), things);
+    });
+    const place = leastCovering(places, things);
+    style.maxWidth = `${place.width}px`;
+    style.left = `${place.left}px`;
+    style.top = `${place.top}px`;
+  }
+
+  /** Stands in a place that is free for it, as on a phone. */
+  standIn({ left, top, width, height }: Rectangle): void {
+    const { style } = this.root;
+    style.maxWidth = `${width}px`;
+    style.maxHeight = `${height}px`;
+    style.left = `${left}px`;
+    style.top = `${top}px`;
   }
 
   private list(keys: readonly Key[]): void {
@@ -85,9 +104,13 @@ export class Hint {
     show(this.keys, shown.length > 0);
   }
 
-  /** Hides it, and is not shown unasked again. */
+  /** Hides it; in this task it is not shown unasked again. */
   finish(): void {
-    remember("hint", "done");
+    remember(closed(this.task), "yes");
+    this.hide();
+  }
+
+  hide(): void {
     this.root.hidden = true;
     this.asked = false;
   }

@@ -3,7 +3,7 @@
 import type { Condition } from "./connection";
 import { make, show, write } from "./dom";
 import type { Rectangle } from "./lens";
-import { FOOTER, leastCovering, placesFor } from "./places";
+import { SIDE, leastCovering, placesFor, rowsFor } from "./places";
 import { ON_TABLE } from "./presses";
 import { LIFT_STRIP_PX, type SceneMessage, type State, type StudyView } from "./protocol";
 import { type Key, repeat, say, taskName, word } from "./words";
@@ -20,6 +20,8 @@ const corner = (): Rectangle => ({
 /** CSS pixels below the table that a row of buttons needs, and beside it a column of them. */
 const ROW_PX = 62;
 const COLUMN_PX = 150;
+/** CSS pixels between words above each other on a phone. */
+const SLOT_GAP = 6;
 /** Steps of the progress that are spoken. */
 const QUARTERS = 4;
 /** Key of the notice that a finger is inside an object. */
@@ -139,15 +141,17 @@ export class Hud {
    * have to be held.
    *
    * @param lift Side of the rectangle that the lift control takes; null without one.
+   * @param phone True if there is room for them beside the table anyway.
    */
-  stand(place: Rectangle, lift: "left" | "right" | null): void {
+  stand(place: Rectangle, lift: "left" | "right" | null, phone: boolean): void {
     const end = document.documentElement.dir === "rtl" ? "left" : "right";
     const strip = lift === end ? LIFT_STRIP_PX : 0;
     const below = window.innerHeight - place.top - place.height;
     const margin = end === "left" ? place.left : window.innerWidth - place.left - place.width;
     const aside = below < ROW_PX && margin - strip >= COLUMN_PX;
-    this.buttons.classList.toggle("aside", aside);
-    this.buttons.classList.toggle(ON_TABLE, below < ROW_PX && !aside);
+    this.buttons.classList.toggle("aside", aside && !phone);
+    this.buttons.classList.toggle(ON_TABLE, below < ROW_PX && !aside && !phone);
+    if (phone) for (const { style } of [this.words, this.score]) style.left = style.top = "";
   }
 
   /** Shows who plays, if it is not the person at this page; empty shows nothing. */
@@ -172,9 +176,10 @@ export class Hud {
   }
 
   setState(state: State, limit: number, moment: Moment): void {
-    const { player, turned, demonstrated, atFinger } = moment;
+    const { player, turned, demonstrated, atFinger, heldAt } = moment;
     const over = state.status !== "running";
-    const time = state.time.toFixed(1);
+    // A success is measured until it was held; its trial goes on for a second.
+    const time = (heldAt ?? state.time).toFixed(1);
     const clock = this.study ? say("seconds", { time }) : say("seconds_of", { time, limit: String(limit) });
     write(this.clock, clock);
     this.clock.classList.toggle("late", !over && limit - state.time < 5);
@@ -252,13 +257,24 @@ export class Hud {
       text.style.left = text.style.top = "0";
       const { left: x, top: y, width, height } = text.getBoundingClientRect();
       const own = { left: x, top: y, width, height };
-      const rows = [y, window.innerHeight - FOOTER - height];
+      const rows = [y, ...rowsFor(height).reverse()];
       const places = [own, ...placesFor(own, left, right, rows)];
       const place = leastCovering(places, taken);
       text.style.left = `${place.left - x}px`;
       text.style.top = `${place.top - y}px`;
       taken.push(place);
     }
+  }
+
+  /** The place on a phone between the words and the buttons, or the table, in CSS pixels. */
+  get slot(): Rectangle {
+    const { left, width, bottom } = this.header.getBoundingClientRect();
+    const top = bottom + SLOT_GAP;
+    const end = this.header.nextElementSibling!.getBoundingClientRect().top;
+    const table = Number.parseFloat(document.documentElement.style.getPropertyValue("--table-top"));
+    const height = (table > 0 ? Math.min(table, end) : end) - SLOT_GAP - top;
+    if (table > 0) return { left: SIDE, top, width: window.innerWidth - 2 * SIDE, height };
+    return { left, top, width, height };
   }
 
   /** Rectangles of the words around the table, and of the button for full screen. */

@@ -70,6 +70,7 @@ export class Lens {
     const metres = METRES_PER_INCH / pxPerInch;
     const halfWidth = (width / 2) * metres;
     const aside = place ? (place.left + place.width / 2 - width / 2) * metres : 0;
+    const below = place ? (place.top + place.height / 2 - height / 2) * metres : 0;
     const halfHeight = (height / 2) * metres;
     const shrink = NEAR / eye.z;
     const camera = this.camera;
@@ -80,8 +81,8 @@ export class Lens {
     camera.projectionMatrix.makePerspective(
       (-halfWidth - aside - eye.x) * shrink,
       (halfWidth - aside - eye.x) * shrink,
-      (halfHeight - eye.y) * shrink,
-      (-halfHeight - eye.y) * shrink,
+      (halfHeight + below - eye.y) * shrink,
+      (-halfHeight + below - eye.y) * shrink,
       NEAR,
       FAR,
     );
@@ -157,23 +158,22 @@ export class Lens {
   }
 }
 
-/** The touch rectangle in CSS pixels: in the centre of the page, or as near to it as the lift control
- * beside it allows. */
+/** The touch rectangle in CSS pixels: in the centre of its part of the page, or as near to it as the lift
+ * control beside it allows. */
 export function touchRectangle(
   surface: SurfaceView,
   pxPerInch: number,
-  pageWidth: number,
-  pageHeight: number,
+  room: Rectangle,
   lift: "left" | "right" | null = null,
 ): Rectangle {
   const width = surface.width_in * pxPerInch;
   const height = surface.height_in * pxPerInch;
-  const centred = (pageWidth - width) / 2;
+  const centred = room.left + (room.width - width) / 2;
   const left =
     lift === "left"
-      ? Math.max(centred, LIFT_STRIP_PX)
+      ? Math.max(centred, room.left + LIFT_STRIP_PX)
       : lift === "right"
-        ? Math.min(centred, pageWidth - LIFT_STRIP_PX - width)
+        ? Math.min(centred, room.left + room.width - LIFT_STRIP_PX - width)
         : centred;
-  return { left, top: (pageHeight - height) / 2, width, height };
+  return { left, top: room.top + (room.height - height) / 2, width, height };
 }

@@ -13,11 +13,12 @@ import { FullScreen } from "./full";
 import { FailedGrip } from "./grip";
 import { Hint } from "./hint";
 import { Hud } from "./hud";
-import { touchRectangle } from "./lens";
+import { type Rectangle, touchRectangle } from "./lens";
 import { Lift, elsewhere } from "./lift";
 import { lookOn, reload, spectator } from "./link";
 import { measureScreen } from "./measure";
 import { type Switch, settingsMenu, taskMenu } from "./menu";
+import { layoutOf, markLayout, tableRoom } from "./phone";
 import { Presses } from "./presses";
 import {
   type ContactState,
@@ -31,8 +32,8 @@ import {
 } from "./protocol";
 import { Replay } from "./replay";
 import { Result } from "./result";
-import { type Ring, Rings, TOLD, ringHeight } from "./rings";
-import { calibrated, currentScreen, ipad, onOtherPixels, pxPerInch, sized } from "./screen";
+import { type Ring, Rings, TOLD, ringHeight, ringRadius } from "./rings";
+import { calibrated, currentScreen, ipad, isPhone, onOtherPixels, pxPerInch, sized } from "./screen";
 import { Sender } from "./sender";
 import { Sheets } from "./sheet";
 import { Sound } from "./sound";
@@ -144,7 +145,7 @@ class Page {
       needsHold: () => this.running,
     });
     this.hud = new Hud({
-      again: () => this.anew.ask(this.running),
+      again: () => this.beginAgain(),
       tasks: () => this.openTasks(),
       settings: () => this.openSettings(),
       help: () => this.help(),
@@ -310,6 +311,7 @@ class Page {
     this.demonstration.forget();
     this.gained = { progress: 0, time: 0 };
     this.helped = false;
+    this.hint.hide();
     if (!this.touches || scene.caption) return;
     this.hint.begin(scene, lifts, this.inStudy !== null);
     if (!this.hint.root.hidden) this.ask("demo");
@@ -389,7 +391,7 @@ class Page {
       event.preventDefault();
       reload();
     } else if (this.handKey(event) || event.ctrlKey || this.inStudy) return;
-    else if (event.key === "r") this.anew.ask(this.running);
+    else if (event.key === "r") this.beginAgain();
     else if (event.key === "m") this.sound.toggle();
     else if ((event.key === "?" || event.key === "h") && !this.hint.asked) this.help();
     else if (event.key === "?" || event.key === "h") this.hint.finish();
@@ -437,10 +439,20 @@ class Page {
     const begins = state?.pause === "start" && (this.inStudy !== null || !this.hint.root.hidden);
     const over = this.helped && this.over;
     if (this.fingers.length || this.sheets.isOpen || !(begins || this.paused || over)) return;
-    // Its words have their place before things begin to move.
+    if (!this.demonstration.ready) return;
+    // Words have their place before things begin to move.
+    this.stage.move(this.frame!, this.linked, false);
     this.standAside();
     this.demonstration.start(performance.now());
     this.dirty = true;
+  }
+
+  /** Begins again: the demonstration before a trial, else the trial. */
+  private beginAgain(): void {
+    const begins = this.demonstration.shown && !this.running && !this.over;
+    this.endHelp();
+    if (begins) this.demonstration.start(performance.now());
+    else this.anew.ask(this.running);
   }
 
   private endHelp(): void {
@@ -594,12 +606,16 @@ class Page {
     const [width, height] = [window.innerWidth, window.innerHeight];
     if (this.touches) {
       const side = scene.lift > 0 ? this.lift.side : null;
-      const place = touchRectangle(scene.surface, this.pxPerTableInch, width, height, side);
+      const phone = isPhone();
+      const page = { left: 0, top: 0, width, height };
+      const room = phone ? tableRoom(width, height, scene.hand) : page;
+      markLayout(phone ? layoutOf(width, height) : null, room);
+      const place = touchRectangle(scene.surface, this.pxPerTableInch, room, side);
       this.stage.lens.aim(scene.surface, this.pxPerTableInch, width, height, place);
       this.sender.corner = { x: place.left, y: place.top };
       this.glass?.mouse.stand(place, this.pxPerTableInch * INCHES_PER_METRE, scene.hand);
       this.lift.stand(place);
-      this.hud.stand(place, side);
+      this.hud.stand(place, side, phone);
     } else this.stage.lens.overlook(scene.surface, scene.hand, width, height, !!scene.in_air);
   }
 
@@ -654,14 +670,15 @@ class Page {
     const atFinger = told && this.shut.every((message) => message.hidden);
     // What a person has to do is not said in a demonstration.
     if (!atFinger || demonstrated) for (const ring of rings) if (!ring.palm) delete ring.word;
+    // Nor is a label in doubt there: the simulated user knows its fingers.
+    if (demonstrated) for (const ring of rings) ring.sure = true;
     // A finger has its true size, also on a smaller table.
     this.rings.draw(rings, Math.max(this.stage.lens.pxPerInch, this.touches ? pxPerInch() : 0));
     this.sayOneThing(atFinger);
     if (!frame || !scene) return;
     // Pictures of the table before may still come while another one is prepared.
     show(this.preparing, this.awaited);
-    // The hand of a demonstration is as faint as one that waits.
-    this.stage.move(earlier ?? frame, this.linked && !demonstrated);
+    this.stage.move(earlier ?? frame, this.linked, demonstrated !== null);
     this.stage.draw();
     this.report(frame);
     const { player, heldAt } = this;
@@ -670,7 +687,7 @@ class Page {
     this.hud.setState(frame.state, scene.time_limit, moment);
     this.conclude(frame, scene);
     this.hint.follow(frame.state);
-    if (!this.fingers.length && !demonstrated) this.standAside();
+    if (!this.fingers.length && (!demonstrated || isPhone())) this.standAside();
     show(this.again, this.player && this.grip.now(frame, this.objects, now));
     if (!this.again.hidden) this.above(this.again);
     this.sayOneThing(atFinger);
@@ -697,15 +714,33 @@ class Page {
   private standAside(): void {
     const hinted = !this.hint.root.hidden;
     if (!hinted && this.placed) return;
+    if (isPhone()) {
+      this.placed = true;
+      this.hint.standIn(this.hud.slot);
+      return;
+    }
     const strip = this.lift.root.hidden ? 0 : LIFT_STRIP_PX;
     const [left, right] = this.lift.side === "left" ? [strip, 0] : [0, strip];
-    const things = this.stage.things();
+    const things = [...this.stage.things(), ...this.demonstratedTouches()];
     if (!this.placed) this.hud.standAside(things, left, right);
     this.placed = true;
     if (!hinted) return;
     // To hide a word is worse than to hide a part of an object as large.
     const { texts } = this.hud;
     this.hint.stand([...things, ...texts, ...texts, ...texts], left, right);
+  }
+
+  /** Rectangles of the touches of a demonstration, in CSS pixels. */
+  private demonstratedTouches(): Rectangle[] {
+    const side = 2 * ringRadius(pxPerInch());
+    const taken = new Map<string, Rectangle>();
+    for (const frame of this.demonstration.frames)
+      for (const { position } of contactsOf(frame)) {
+        const { x, y } = this.stage.lens.project(position);
+        const [left, top] = [Math.round(x / side - 0.5) * side, Math.round(y / side - 0.5) * side];
+        taken.set(`${left} ${top}`, { left, top, width: side, height: side });
+      }
+    return [...taken.values()];
   }
 
   /** Puts a message above the fingers that it is about, or below them where there is no room. */

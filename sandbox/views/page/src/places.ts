@@ -8,7 +8,8 @@ export type Size = Pick<Rectangle, "width" | "height">;
 export const FOOTER = 66;
 export const SIDE = 14;
 
-/** Columns in which words may stand. */
+/** Rows and columns in which words may stand. */
+const ROWS = 9;
 const COLUMNS = 9;
 
 /** Places for words of a size, row by row from the top, in each from its middle to its sides.
@@ -25,11 +26,21 @@ export function placesFor(size: Size, left: number, right: number, rows: number[
   return rows.flatMap((top) => columns.map((at) => ({ left: Math.max(at, first), top, width, height })));
 }
 
+/** Rows from the top of the page to its buttons in which words of a height may stand, in CSS pixels. */
+export function rowsFor(height: number): number[] {
+  const lowest = window.innerHeight - FOOTER - height;
+  return Array.from({ length: ROWS }, (_, i) => SIDE + ((lowest - SIDE) * i) / (ROWS - 1));
+}
+
 /** The place of several that covers least; of equal ones the first. */
 export function leastCovering(places: Rectangle[], things: Rectangle[]): Rectangle {
-  const covered = places.map((place) => things.reduce((sum, thing) => sum + common(place, thing), 0));
+  const covered = places.map((place) => covering(place, things));
   return places[covered.indexOf(Math.min(...covered))]!;
 }
+
+/** Area of things that a place covers. */
+export const covering = (place: Rectangle, things: Rectangle[]): number =>
+  things.reduce((sum, thing) => sum + common(place, thing), 0);
 
 /** Area that two rectangles share. */
 function common(a: Rectangle, b: Rectangle): number {

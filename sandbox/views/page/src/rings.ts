@@ -44,9 +44,10 @@ const ARC_WIDTH = 5;
 /** In inches, size of a palm on another screen, which is not known here. */
 const PALM = 1.2;
 
-const radiusOf = (pxPerInch: number): number => Math.max(RADIUS * pxPerInch, 22);
+/** CSS pixels, radius of a finger's ring. */
+export const ringRadius = (pxPerInch: number): number => Math.max(RADIUS * pxPerInch, 22);
 const nameAbove = (pxPerInch: number): number =>
-  radiusOf(pxPerInch) + NAME_ABOVE * Math.min(pxPerInch, 90);
+  ringRadius(pxPerInch) + NAME_ABOVE * Math.min(pxPerInch, 90);
 
 /** CSS pixels from a finger to what is clear of its ring and of its name. */
 export const ringHeight = (pxPerInch: number): number => nameAbove(pxPerInch) + 2 * NAME_HALF;
@@ -76,7 +77,7 @@ export class Rings {
     this.empty = !rings.length;
     // Chromium without a graphics card may go on showing what was drawn before on a canvas that is now empty.
     this.canvas.style.visibility = this.empty ? "hidden" : "";
-    const radius = radiusOf(pxPerInch);
+    const radius = ringRadius(pxPerInch);
     for (const ring of rings)
       if (ring.palm) this.drawPalm(ring, ring.palm, PALM * pxPerInch);
       else this.drawRing(ring, radius);

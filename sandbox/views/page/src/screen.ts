@@ -3,6 +3,7 @@
 
 import type { PageScreen } from "./protocol";
 import { recall, remember } from "./memory";
+import { tableRoom } from "./phone";
 
 /** ISO/IEC 7810 ID-1: every bank card, in inches. */
 export const CARD_WIDTH = 85.6 / 25.4;
@@ -83,15 +84,22 @@ function fit(): PageScreen["fit"] & string {
 /** False in a window that has no size yet, or is minimized. */
 export const sized = (): boolean => window.innerWidth >= 1 && window.innerHeight >= 1;
 
+/** The page's part for the table: all of it, save on a phone. */
 export function currentScreen(): PageScreen {
+  const { innerWidth, innerHeight } = window;
+  const why = fit();
+  const phone = why === "phone" ? tableRoom(innerWidth, innerHeight) : null;
   return {
     px_per_in: pxPerInch(),
-    width_px: window.innerWidth,
-    height_px: window.innerHeight,
+    width_px: phone?.width ?? innerWidth,
+    height_px: phone?.height ?? innerHeight,
     calibrated: calibrated(),
-    fit: fit(),
+    fit: why,
   };
 }
+
+/** True if the table is laid as on a phone. */
+export const isPhone = (): boolean => fit() === "phone";
 
 /** True if the screen is too small for a hand: less than about 9 cm on the short side. */
 const small = (): boolean =>

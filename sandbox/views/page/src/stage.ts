@@ -58,9 +58,10 @@ export class Stage {
   /** Sets all poses from a frame.
    *
    * @param live False if the connection is lost, and the hand stands where it was last.
+   * @param demonstrated True for a frame of a demonstration.
    */
-  move(frame: Frame, live: boolean): void {
-    this.table.move(frame, live);
+  move(frame: Frame, live: boolean, demonstrated: boolean): void {
+    this.table.move(frame, live, demonstrated);
   }
 
   /** Rectangles on the page, in CSS pixels, of the objects and of their goals. */

@@ -28,6 +28,8 @@ import { type Skin, wear } from "./skin";
 const GHOSTLY = 0.5;
 /** Opacity of a waiting hand, without a finger down. */
 const FAINT = 0.22;
+/** Opacity of the hand of a demonstration: what it touches is seen through it. */
+const DEMONSTRATED = 0.55;
 /** Opacity of a hand that holds something, where it covers an object or a goal. */
 const THROUGH = 0.4;
 /** N, grip from which a hand counts as holding something. */
@@ -100,8 +102,9 @@ export class Table {
   /** Sets all poses from a frame.
    *
    * @param live False if the connection is lost, and the hand stands where it was last.
+   * @param demonstrated True for a frame of a demonstration, whose hand is seen before what it touches.
    */
-  move(frame: Frame, live: boolean): void {
+  move(frame: Frame, live: boolean, demonstrated = false): void {
     const poses = frame.poses;
     this.bodies.forEach((body, i) => {
       const at = 7 * i;
@@ -118,11 +121,12 @@ export class Table {
     }
     const down = live && hands.some((hand) => hand.contacts.length);
     const solid = live && hands.some((hand) => hand.solid.length);
-    const opacity = solid ? 1 : down ? GHOSTLY : FAINT;
-    const holds = solid && hands.some(({ contacts }) => contacts.some(({ stored }) => (stored ?? 0) >= HELD));
+    const faint = solid ? 1 : down ? GHOSTLY : FAINT;
+    const opacity = demonstrated ? DEMONSTRATED : faint;
+    const holds = solid && !demonstrated && hands.some(({ contacts }) => contacts.some(({ stored }) => (stored ?? 0) >= HELD));
     this.skin.opacity = this.skinned.opacity = opacity;
     for (const part of [this.skin, this.skinned, NO_COLOUR]) {
-      part.stencilWrite = (!down && !solid) || (holds && part !== NO_COLOUR);
+      part.stencilWrite = (!demonstrated && !down && !solid) || (holds && part !== NO_COLOUR);
       part.stencilRef = TO_TOUCH;
       part.stencilFunc = NotEqualStencilFunc;
     }
