@@ -257,7 +257,7 @@ export class Hud {
       text.style.left = text.style.top = "0";
       const { left: x, top: y, width, height } = text.getBoundingClientRect();
       const own = { left: x, top: y, width, height };
-      const rows = [y, ...rowsFor(height).reverse()];
+      const rows = [y, ...rowsFor(height)];
       const places = [own, ...placesFor(own, left, right, rows)];
       const place = leastCovering(places, taken);
       text.style.left = `${place.left - x}px`;

@@ -9,6 +9,9 @@ import { Quality } from "./quality";
 import type { Skin } from "./skin";
 import { Table } from "./table";
 
+/** Slices of an object for the rectangles that it fills. */
+const SLICES = 8;
+
 export class Stage {
   readonly lens = new Lens();
   private readonly renderer: WebGLRenderer;
@@ -66,13 +69,25 @@ export class Stage {
 
   /** Rectangles on the page, in CSS pixels, of the objects and of their goals. */
   things(): Rectangle[] {
-    return this.table.things().map((mesh) => this.frame(mesh));
+    return this.table.things().flatMap((mesh) => this.frames(mesh));
   }
 
-  private frame(mesh: Mesh): Rectangle {
+  /** Rectangles around the slices of a mesh along its longest side: a handle that lies askew fills no large one. */
+  private frames(mesh: Mesh): Rectangle[] {
     mesh.updateWorldMatrix(true, false);
     mesh.geometry.computeBoundingBox();
     const { min, max } = mesh.geometry.boundingBox!;
+    const size = max.clone().sub(min);
+    const axis = (["x", "y", "z"] as const).reduce((a, b) => (size[b] > size[a] ? b : a));
+    return Array.from({ length: SLICES }, (_, i) => {
+      const [from, to] = [min.clone(), max.clone()];
+      from[axis] = min[axis] + (size[axis] * i) / SLICES;
+      to[axis] = min[axis] + (size[axis] * (i + 1)) / SLICES;
+      return this.frame(mesh, from, to);
+    });
+  }
+
+  private frame(mesh: Mesh, min: Vector3, max: Vector3): Rectangle {
     const [xs, ys]: [number[], number[]] = [[], []];
     for (const x of [min.x, max.x])
       for (const y of [min.y, max.y])
