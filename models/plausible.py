@@ -292,7 +292,7 @@ def _refused(
     if possible:
         several = [",".join(u for d, u in units.items() if u != declared[d]) for units in possible]
         return error(
-            "the unit cannot be told, as several are possible",
+            "several units are possible",
             where=where,
             got=" or ".join(several),
             remedy=f"--unit {several[0]}, or the one that it is",

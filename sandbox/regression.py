@@ -89,7 +89,7 @@ class Regression:
         """
         __tracebackhide__ = True  # pytest then shows the line of the test, and what was lost
         plan = RegressionPlan(
-            find_tasks([self._beside(task)]) if isinstance(task, str) else (task,),
+            find_tasks([self._resolved(task)]) if isinstance(task, str) else (task,),
             parse_seeds(seeds),
             {"encoder": self._encoder(encoder), **scene},
             arms=ARMS[arm],
@@ -124,9 +124,9 @@ class Regression:
             if not path.exists():
                 save_model(encoder, path)
             return str(path)
-        return self._beside(str(encoder))
+        return self._resolved(str(encoder))
 
-    def _beside(self, place: str) -> str:
+    def _resolved(self, place: str) -> str:
         """A place such as FILE.py:Class from the test's folder where the file is there, as given
         otherwise. It is seen from the current folder, so that printed commands hold elsewhere."""
         file, colon, name = place.partition(":")

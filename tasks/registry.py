@@ -256,7 +256,7 @@ def _check_numbers(task: type[Any], where: str) -> None:
         raise InputError("a task's time_limit must be above 0", where=where, got=task.time_limit)
     if task.hold_time > task.time_limit:
         raise InputError(
-            "a task's hold_time is longer than its time_limit, so that nobody could succeed",
+            "a task's hold_time must be at most its time_limit",
             where=where,
             got=f"{task.hold_time:g} s, and {task.time_limit:g} s",
         )

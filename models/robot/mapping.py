@@ -55,7 +55,7 @@ MODEL_SUFFIXES = (".xml", URDF)
 """Suffixes of the kinds of models that MuJoCo reads."""
 
 LEAST_FINGERS = 3
-"""Fingers, the thumb among them, that a hand must have: with fewer, its side cannot be told."""
+"""Fingers, the thumb among them, that a hand must have: with fewer, left and right look alike."""
 
 
 @dataclass(frozen=True)

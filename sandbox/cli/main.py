@@ -126,8 +126,8 @@ def _versions() -> str:
 
     numbers = versions()
     at = numbers.get("commit")
-    told = [f"{of} {numbers[of]}" for of in ("hand-sandbox", "mujoco", "python")]
-    return ", ".join([told[0] + (f" (commit {at})" if at else ""), *told[1:]])
+    parts = [f"{of} {numbers[of]}" for of in ("hand-sandbox", "mujoco", "python")]
+    return ", ".join([parts[0] + (f" (commit {at})" if at else ""), *parts[1:]])
 
 
 def main(argv: list[str] | None = None) -> int:

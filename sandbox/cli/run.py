@@ -79,7 +79,7 @@ def perform(options: RunOptions) -> int:
     ):
         if device in ("web", "webxr"):
             raise InputError(
-                "no page is served here, so nobody can touch it",
+                "`sandbox run` serves no page",
                 where=f"{option} {device}",
                 remedy=f"Use `sandbox play {options.task} --device {device}`",
             )

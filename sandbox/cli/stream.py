@@ -392,7 +392,7 @@ def _session(options: StreamOptions, console: Console) -> tuple[Settings, Device
 
     page = open_page_touches(picked(TouchOptions, options), console, PAGE_PATIENCE)
     if page is None:
-        raise InputError("nobody opened the page", where="--device web")
+        raise InputError("no browser has opened the page", where="--device web")
     size = (page.surface.width_in, page.surface.height_in)
     return chosen.changed(size_in=size), (lambda task, surface: page,)
 

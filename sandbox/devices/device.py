@@ -271,12 +271,12 @@ class AnyDevice(ABC):
         return False
 
     @default
-    def wants_snapshots(self) -> bool:
+    def takes_snapshots(self) -> bool:
         """True if it needs snapshots of the scene, passed to `show`."""
         return False
 
     def show(self, snapshot: Snapshot) -> None:  # noqa: B027  (most devices ignore the scene)
-        """Receives every snapshot of the session if `wants_snapshots`; does nothing by default."""
+        """Receives every snapshot of the session if `takes_snapshots`; does nothing by default."""
 
     @default
     def notices(self) -> Sequence[str]:
@@ -486,9 +486,9 @@ class DeviceWrapper(Device):
         return self.device.lift
 
     @property
-    def wants_snapshots(self) -> bool:
+    def takes_snapshots(self) -> bool:
         """The wrapped device's."""
-        return self.device.wants_snapshots
+        return self.device.takes_snapshots
 
     def show(self, snapshot: Snapshot) -> None:
         """Passes the snapshot to the wrapped device."""

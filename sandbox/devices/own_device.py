@@ -158,7 +158,7 @@ class AdaptedDevice(Device):
             device = object.__getattribute__(self, "_device")
             if hasattr(device, member):
                 return getattr(device, member)
-            if member == "wants_snapshots":
+            if member == "takes_snapshots":
                 return hasattr(device, "show")
         return super().__getattribute__(member)
 

@@ -148,8 +148,8 @@ class NoticePrinter:
 
 def address_line(address: str) -> str:
     """Returns the line about where a device listens: a link to open, or an address to send to."""
-    told = "open" if "://" in address else "listening for TUIO on"
-    return f"{told} [bold]{address}[/]"
+    action = "open" if "://" in address else "listening for TUIO on"
+    return f"{action} [bold]{address}[/]"
 
 
 def report_end(result: TrialResult, console: Console) -> None:

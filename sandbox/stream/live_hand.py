@@ -57,7 +57,7 @@ class LiveHand(Closeable):
 
     def _run(self) -> None:
         try:
-            if any(rig.device.wants_snapshots for rig in self._session.rigs):
+            if any(rig.device.takes_snapshots for rig in self._session.rigs):
                 views = [lambda snapshot: self._take(snapshot.hands[0].target)]
                 Trial(self._session, views).run(RealTime(), stop=self._stop.is_set)
             else:

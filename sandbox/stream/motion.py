@@ -47,7 +47,7 @@ def source_of_session(
         stop: Ends it.
         of: `commanded` poses from the devices; or `simulated` motion, for which the physics runs.
     """
-    looking = [rig.device.show for rig in session.rigs if rig.device.wants_snapshots]
+    looking = [rig.device.show for rig in session.rigs if rig.device.takes_snapshots]
     physics = bool(looking) or of == "simulated"
     names = tuple(rig.hand.name for rig in session.rigs)
     armatures = tuple(Armature.of_hand(rig.hand) for rig in session.rigs)

@@ -98,7 +98,7 @@ class Trial:
         session.shown = bool(views)
         self._views = [
             *views,
-            *(rig.device.show for rig in session.rigs if rig.device.wants_snapshots),
+            *(rig.device.show for rig in session.rigs if rig.device.takes_snapshots),
         ]
 
     def step(self) -> bool:

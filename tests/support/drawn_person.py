@@ -56,7 +56,7 @@ class DrawnPerson(LandmarkDevice):
 
     name = "drawn person"
     lift = True
-    wants_snapshots = True
+    takes_snapshots = True
     finished = False
 
     def __init__(

@@ -47,7 +47,7 @@ def test_a_generator_is_held_out(capsys: pytest.CaptureFixture[str], tmp_path: P
 @pytest.mark.parametrize(
     ("line", "told"),
     (
-        (["--people", "0"], "nobody to judge"),
+        (["--people", "0"], "no people to judge"),
         (["--rest", "99"], "out of range"),
         (
             ["--population", "kept.json", "--json", "kept.json"],

@@ -121,7 +121,7 @@ def _check(options: StrangersOptions) -> None:
         if not least <= value <= most:
             raise InputError("out of range", where=name, got=value, expected=f"{least} to {most:,}")
     if not _people(options) and options.hold_out is None:
-        raise InputError("nobody to judge", where="--people", got=0, expected="1 or more")
+        raise InputError("no people to judge", where="--people", got=0, expected="1 or more")
     check_output(options.json)
     refuse_replacing(options.json, {"--population": options.population}, "--json")
 

@@ -112,7 +112,7 @@ def open_touches(options: TouchOptions, tap: Tap | None = None) -> Opened:
 
 
 def open_touches_or_page(options: TouchOptions, seconds: float, tap: Any = None) -> Opened | None:
-    """Opens the device; returns None if nobody opened the page in time."""
+    """Opens the device; returns None if no browser has opened the page in time."""
     if not options.is_page:
         return open_touches(options, tap)
     refuse_unit(options)

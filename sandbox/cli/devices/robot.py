@@ -44,7 +44,7 @@ def _camera() -> mujoco.MjvCamera:
     return camera
 
 
-def draw_beside(mapping: RobotMapping, picture: Path) -> None:
+def draw_both_hands(mapping: RobotMapping, picture: Path) -> None:
     """Draws both hands, open, half closed and closed.
 
     Raises:
@@ -162,7 +162,7 @@ def _draw(mapping: Path, picture: Path) -> None:
     """A picture of the person's hand and the robot's, side by side, in three poses."""
     # Drawing loads OpenGL, which fitting does without.
 
-    draw_beside(find_robot(str(mapping)), picture)
+    draw_both_hands(find_robot(str(mapping)), picture)
 
 
 app = application("robot", "", fit, show)

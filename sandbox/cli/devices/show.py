@@ -218,7 +218,7 @@ def show(options: Show = Show()) -> int:
 
 
 def _opened(options: Show) -> AnyDevice | None:
-    """The device or the file; None if nobody opened the page."""
+    """The device or the file; None if no browser has opened the page."""
     kind = kind_of(options.device)
     path = Path(options.device)
     if kind.source is Source.FILE and kind.sees is Sees.LEAP:

@@ -52,7 +52,7 @@ def main(argv: list[str]) -> int:
     options = parse(PaalmJudgeOptions, "sandbox evaluate", argv)
     if options.takes < 1:
         raise InputError(
-            "nobody to judge", where="--takes", got=options.takes, expected="1 or more"
+            "too few simulated people", where="--takes", got=options.takes, expected="1 or more"
         )
     check_output(options.json)
     if options.paalm != SIMULATED:

@@ -137,7 +137,7 @@ class SimulatedLeap(HandDevice):
 
     name = "simulated leap"
     lift = True
-    wants_snapshots = True
+    takes_snapshots = True
 
     def __init__(
         self,

@@ -61,7 +61,7 @@ class SimulatedDevice(Device):
 
     name = "simulated"
     lift = True
-    wants_snapshots = True
+    takes_snapshots = True
     true_labels: dict[int, int]
 
     def __init__(

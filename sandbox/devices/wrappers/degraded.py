@@ -193,7 +193,7 @@ class DegradedDevice(DeviceWrapper):
 
     def show(self, snapshot: Snapshot) -> None:
         """Passes the snapshot to a device that needs it, with its own ids of its touches."""
-        if not self.device.wants_snapshots:
+        if not self.device.takes_snapshots:
             return
         hands = tuple(
             replace(

@@ -137,9 +137,9 @@ class SharedPart(DeviceWrapper):
         return self.device.finished and not self.waiting
 
     @property
-    def wants_snapshots(self) -> bool:
+    def takes_snapshots(self) -> bool:
         """The device's for the first hand, so that it sees every snapshot once."""
-        return self._first and self.device.wants_snapshots
+        return self._first and self.device.takes_snapshots
 
     @property
     def notices(self) -> Sequence[str]:
@@ -169,7 +169,7 @@ class MergedUsers(Device):
 
     name: str
     lift = True
-    wants_snapshots = True
+    takes_snapshots = True
     clock_origin: float | None = None
     parts: tuple[AnyDevice, ...]
 

@@ -399,8 +399,8 @@ class PaalmPicture(Closeable):
         pen.rounded_rectangle(box, pad, fill=palette.bytes_of(GROUND)[:3])
         pen.text(place, title, font=normal, fill=text)
         for i, seen in enumerate(pictures):
-            told = "" if seen.told else ", worked out"
-            radius = "none" if seen.sphere is None else f"{1000 * seen.sphere:.0f} mm{told}"
+            source = "" if seen.told else ", worked out"
+            radius = "none" if seen.sphere is None else f"{1000 * seen.sphere:.0f} mm{source}"
             pen.text(
                 (margin, margin + round((22 + 18 * i) * scale)),
                 f"{seen.side} palm sphere: {radius}",

@@ -44,7 +44,7 @@ def public(kind: type) -> set[str]:
 def test_a_device_that_only_polls_has_a_default_for_everything_else() -> None:
     device = Bare()
     assert (device.name, device.title, device.address, device.notices) == ("Bare", "Bare", "", ())
-    assert not (device.finished or device.lift or device.wants_snapshots or device.plays_file)
+    assert not (device.finished or device.lift or device.takes_snapshots or device.plays_file)
     assert device.frame_ready is device.damage is device.latency is device.report is None
     assert (device.clock_origin, dict(device.true_labels), device.mode_requests(0.0)) == (
         0.0,
@@ -88,7 +88,7 @@ def test_a_device_with_the_four_required_members_is_completed() -> None:
     assert isinstance(device, AdaptedDevice) and device.name == device.title == "minimal"
     assert device.poll(0.5)[0].contacts[0].id == 1
     assert (
-        not (device.finished or device.lift or device.wants_snapshots)
+        not (device.finished or device.lift or device.takes_snapshots)
         and device.frame_ready is None
     )
     device.close()
@@ -101,7 +101,7 @@ def test_optional_members_of_an_adapted_device_are_used() -> None:
     outside.address, outside.lift, outside.frame_ready = "host:1", True, threading.Event()
     outside.show, outside.wait = seen.append, lambda seconds: False
     device: Any = adapted(outside, "test")
-    assert (device.address, device.lift, device.wants_snapshots) == ("host:1", True, True)
+    assert (device.address, device.lift, device.takes_snapshots) == ("host:1", True, True)
     assert device.frame_ready is outside.frame_ready and not device.wait(9.0)
     device.show("snapshot")
     assert seen == ["snapshot"]

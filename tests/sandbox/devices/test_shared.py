@@ -35,7 +35,7 @@ SCREEN = PageScreen(100.0, 1000.0, 500.0, True)
 class PeopleInHeadset(HandDevice):
     """A headset whose page sends the right and the left hand of two simulated people."""
 
-    wants_snapshots = True
+    takes_snapshots = True
 
     def __init__(self, task: Task, settings: Settings) -> None:
         self.people = [
@@ -105,7 +105,7 @@ def test_the_tray_is_played_by_two_hands_with_one_device(
     first, second = (rig.device for rig in session.rigs)
     assert [hand.side for hand in chosen.hands] == ["right", "left"]
     assert isinstance(first, SharedPart) and first.device is second.parts[0]
-    assert not second.wants_snapshots and not second.address
+    assert not second.takes_snapshots and not second.address
     right, left = played(session, 2.0)
     assert right > 0.01 and left < -0.01, "each hand is over its own half of the table"
 
@@ -123,7 +123,7 @@ def test_two_right_hands_before_one_device_are_refused_and_so_is_noise(
 
 def played(session: Session, seconds: float) -> tuple[float, float]:
     """Plays a session for a while; m, where each hand's fingertips are at the end, to the right."""
-    looking = [rig.device for rig in session.rigs if rig.device.wants_snapshots]
+    looking = [rig.device for rig in session.rigs if rig.device.takes_snapshots]
     snapshot = session.snapshot()
     while session.time < seconds and not session.over:
         snapshot = session.advance()

@@ -103,7 +103,7 @@ class PersonInVr(HandDevice):
     """The simulated person, whose hand comes by the page."""
 
     name = "person in an emulated headset"
-    wants_snapshots = True
+    takes_snapshots = True
     finished = False
 
     def __init__(self, person: SimulatedHeadset, room: Room) -> None:

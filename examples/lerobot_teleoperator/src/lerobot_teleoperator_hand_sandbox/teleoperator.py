@@ -68,7 +68,7 @@ class HandSandbox(Teleoperator):
         """Opens the device; a page is waited for.
 
         Raises:
-            InputError: The device or the task cannot be used, or nobody opened the page.
+            InputError: The device or the task cannot be used, or no browser has opened the page.
         """
         if self._hand is not None:
             raise DeviceAlreadyConnectedError(f"{self} is connected already")
@@ -80,7 +80,7 @@ class HandSandbox(Teleoperator):
             asked = TouchOptions(device="web", tablet=PAGES[self.config.device])
             touches = open_page_touches(asked, Console(), self.config.patience)
             if touches is None:
-                raise InputError("nobody opened the page", where="teleop.device")
+                raise InputError("no browser has opened the page", where="teleop.device")
             size = touches.surface.width_in, touches.surface.height_in
             settings, makers = settings.changed(size_in=size), (lambda *_: touches,)
         self._hand = LiveHand(build(settings, makers))
