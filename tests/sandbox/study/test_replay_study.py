@@ -13,19 +13,16 @@ from hypothesis import strategies as st
 from models.errors import RecordingError
 from sandbox.cli.main import main
 from sandbox.recording.recording import (
-    first_line,
-    is_recording,
     load_recording,
     packed,
     read_stored,
-    stored,
 )
 from sandbox.session.messages import Snapshot
 from sandbox.study.record.folder import StudyFolder
 from sandbox.study.record.stored_sessions import session_path
 from sandbox.study.record.trial_files import find_recordings
 from sandbox.study.run.simulate import run_simulated
-from sandbox.trial.replay import Playback, replay
+from sandbox.trial.replay import Playback
 from tests.support.study_files import TRIALS, open_study, quiet
 
 PERIOD = 0.016
@@ -113,24 +110,6 @@ def test_verification_fails_where_a_recording_breaks_off(
     assert main(["replay", str(torn)]) == 0
     assert main(["replay", str(torn), "--verify"]) == 1
     assert "breaks off" in capsys.readouterr().out
-
-
-def test_a_compressed_recording_is_read_and_replayed_like_any_other(
-    session: Path, tmp_path: Path
-) -> None:
-    data = read_stored(session / "trials/T003.jsonl").data
-    plain = tmp_path / "plain.jsonl"
-    plain.write_bytes(data)
-    (tmp_path / "small.jsonl.gz").write_bytes(packed(data))
-    for name in ("small.jsonl", "small.jsonl.gz"):
-        path = tmp_path / name
-        assert is_recording(path) and stored(path).suffix == ".gz"
-        assert first_line(path) == first_line(plain)
-        one, other = load_recording(path), load_recording(plain)
-        assert one.hashes == other.hashes and one.end == other.end and not one.damage
-    _, found = replay(load_recording(tmp_path / "small.jsonl"))
-    assert found.exact and found.complete
-    assert main(["replay", str(tmp_path / "small.jsonl.gz"), "--verify"]) == 0
 
 
 def test_a_damaged_compressed_recording_is_read_up_to_the_damage_and_says_so(

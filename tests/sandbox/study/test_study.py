@@ -178,10 +178,3 @@ def test_simulated_people_differ_in_skill_and_hand_and_are_the_same_every_time()
     assert min(skills) < 0.35 and max(skills) > 0.65
     assert min(sizes) < 0.95 and max(sizes) > 1.05
     assert {p["hand"] for p in people} == {"left", "right"}
-
-
-def test_tables_do_not_change_when_nothing_has(finished: StudyFolder) -> None:
-    path = finished.path / "tables/trials.csv"
-    before = path.stat().st_ino
-    make_tables(finished)
-    assert path.stat().st_ino == before

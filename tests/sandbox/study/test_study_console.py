@@ -336,21 +336,6 @@ def test_after_a_long_pause_a_block_begins_again_with_its_practice_if_the_experi
         assert session.state.block_under_way(session.steps) == []
 
 
-def test_the_next_session_is_not_begun_where_nobody_can_answer(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    file = tmp_path / "design.toml"
-    file.write_text(DESIGN.replace("seed = 3", "seed = 3\nsessions = 2"))
-    command = [*pilot(file), "--participant"]
-    monkeypatch.setattr("sys.stdin", Patient("yes\n33\n\n\n25\n\n\n95\n"))
-    assert main([*command, "new"]) == 0
-    ppid = StudyFolder.at(tmp_path / "quick-pilot").participants()[0].ppid
-    monkeypatch.setattr("sys.stdin", io.StringIO(""))
-    assert main([*command, ppid]) == 2
-    assert "--session 2 begins it without asking" in capsys.readouterr().err
-    assert not list((tmp_path / "quick-pilot").glob("*/S002"))
-
-
 def test_check_plan_new_and_simulate_say_what_they_should(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

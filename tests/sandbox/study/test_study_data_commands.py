@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import csv
 import io
-import json
 from pathlib import Path
 
 import pytest
@@ -35,25 +34,6 @@ def withdraw(folder: Path, ppid: str, *typed: str) -> int:
 def people_of(folder: Path) -> list[str]:
     rows = csv.DictReader((folder / "tables/participants.csv").open(encoding="utf-8"))
     return [row["participant"] for row in rows]
-
-
-def test_a_shared_folder_and_a_withdrawal_follow_each_other(
-    folder: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    shared = tmp_path / "shared"
-    assert main(["study", "share", str(folder), "--bin", "age:10", "--out", str(shared)]) == 0
-    assert "k = 1: 2 people share their" in capsys.readouterr().out
-    assert {path.name for path in (shared / "report").iterdir()} >= {"report.html", "results.csv"}
-    about = json.loads((shared / "anonymised.json").read_text())
-    assert (
-        about["rounded_down_to"] == {"age": 10.0, "hand_size": 0.1}
-        and about["people_in_groups_below_5"] == 2
-    )
-    gone, stays = people_of(folder)
-    assert withdraw(folder, gone.lower(), gone) == 0
-    said = capsys.readouterr().out
-    assert "files deleted" in said and str(shared) in said
-    assert people_of(folder) == [stays] and not (folder / gone).exists()
 
 
 def test_a_report_counts_who_withdrew_and_so_does_that_of_an_anonymous_copy(

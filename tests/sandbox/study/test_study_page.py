@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import csv
 import math
-import threading
 import time
 from collections.abc import Iterator
 from pathlib import Path
@@ -16,28 +15,20 @@ from hypothesis import strategies as st
 
 from models.errors import StudyError
 from sandbox.server import clients
-from sandbox.server.page_server import PageServer
 from sandbox.study.design.design import Item
 from sandbox.study.record.folder import Participant, StudyFolder
 from sandbox.study.record.journal import read_journal
-from sandbox.study.record.session_folder import SessionFolder
 from sandbox.study.record.state import SessionState
 from sandbox.study.run.answers import check_answer
-from sandbox.study.run.controls import Controls
-from sandbox.study.run.page_forms import PageForms
-from sandbox.study.run.players import HeadlessPlayer
-from sandbox.study.run.runner import SessionOutcome, SessionRunner
-from sandbox.study.run.simulate import simulated_devices, simulated_person
-from sandbox.study.run.study_page import OffPagePlayer, StudyPage, study_view
+from sandbox.study.run.runner import SessionOutcome
+from sandbox.study.run.study_page import OffPagePlayer
 from sandbox.words.words import words_in
 from tests.sandbox.server.test_page_server import wait_for
 from tests.sandbox.study.study_on_page import SMALL, OnPage, on_page, study_in
 from tests.support.page_client import Page
 from tests.support.processes import PATIENCE
-from tests.support.study_files import open_study
 
 SCREEN = {"px_per_in": 100.0, "width_px": 1000.0, "height_px": 700.0, "calibrated": True}
-TITLE = "About what you have just done"
 QUICK = SMALL.replace('"box-to-goal"\nsurface', '"tests/support/regress_tasks.py:Quick"\nsurface')
 """Trials that are over in a blink."""
 
@@ -481,44 +472,18 @@ def test_a_scale_has_its_steps_as_they_are_written_and_nothing_between(
             check_answer(item, wrong)
 
 
-def test_with_trials_elsewhere_the_page_has_the_forms_and_says_where_to_look(
-    tmp_path: Path,
-) -> None:
-    study = open_study(tmp_path)
-    person = study.add(**simulated_person(study.design, 1))
-    server = PageServer(study=study_view(study.design.page, "de"))
-    page = StudyPage(server, "de")
+def test_the_page_says_that_a_trial_is_elsewhere_until_it_is_over_or_has_failed() -> None:
     said: list[str] = []
-    controls = Controls(said.append)
-    try:
-        with SessionFolder(study, person) as session:
-            runner = SessionRunner(
-                session,
-                OffPagePlayer(HeadlessPlayer(), page),
-                simulated_devices(person),
-                PageForms(page),
-                controls,
-                said.append,
-            )
-            thread = threading.Thread(target=runner.run)
-            thread.start()
-            with Page(server.url) as seen:
-                leave(seen, seen.until("sheet", kind="consent"), "yes")
-                form = seen.until("sheet", kind="form")
-                answer(seen, form, "age", 30)
-                leave(seen, form)
-                leave(seen, seen.until("sheet", kind="task"))
-                seen.until("sheet", kind="wait", text=words_in("de")["elsewhere"])
-                # The first trial after practice has its sheet, too.
-                counted = seen.until("sheet", kind="task")
-                assert words_in("de")["practice"] not in counted["note"]
-                leave(seen, counted)
-                while not any(m.get("title") == TITLE for m in seen.told):
-                    seen.say(type="beat", t=1.0)
-                    seen.until("echo")
-                    time.sleep(0.1)
-                controls.type("q")
-            thread.join(20.0)
-            assert sum(session.state.counted(n) is not None for n in session.state.attempts) == 3
-    finally:
-        server.close()
+
+    class Sheets:
+        def wait(self, word: str = "wait") -> None:
+            said.append(word)
+
+    class Fails:
+        def play(self, request: object) -> None:
+            said.append("plays")
+            raise StudyError("the mouse is gone")
+
+    with pytest.raises(StudyError, match="mouse"):
+        OffPagePlayer(Fails(), Sheets()).play(None)  # type: ignore[arg-type]
+    assert said == ["elsewhere", "plays", "wait"]

@@ -94,15 +94,6 @@ def test_in_a_later_session_every_factor_has_the_next_one_of_its_orders() -> Non
             assert later == [(first + 1) % len(orders), (first + 2) % len(orders)]
 
 
-def test_a_random_order_is_drawn_anew_and_levels_between_people_stay() -> None:
-    random, between = crossed(2, "random"), crossed(2, "between")
-    pairs = [[order(trials(random, n, s), "task") for s in (1, 2)] for n in range(1, 13)]
-    assert any(a != b for a, b in pairs)
-    for n in range(1, 7):
-        levels = {t.levels["task"] for s in (1, 2) for t in trials(between, n, s)}
-        assert len(levels) == 1
-
-
 def test_one_level_a_session_spreads_a_factor_over_sessions_in_balanced_order() -> None:
     plan = crossed(2, more="\none_a_session = true")
     of = {
@@ -113,13 +104,6 @@ def test_one_level_a_session_spreads_a_factor_over_sessions_in_balanced_order() 
     assert all(len(levels) == 1 for levels in of.values())
     assert all(of[n, 1] | of[n, 2] == {"hard", "soft"} for n in range(1, 7))
     assert Counter(*[[min(of[n, 1]) for n in range(1, 7)]]) == {"hard": 3, "soft": 3}
-
-
-def test_starts_are_others_in_another_session_unless_all_share_them() -> None:
-    own, shared = crossed(2), crossed(2, seeds="shared")
-    assert not {t.seed for t in trials(own, 1, 1)} & {t.seed for t in trials(own, 1, 2)}
-    by = [{(t.levels["task"], t.repetition): t.seed for t in trials(shared, 1, s)} for s in (1, 2)]
-    assert by[0] == by[1]
 
 
 def test_consent_and_questions_about_the_person_come_once_and_the_rest_where_it_was_asked() -> None:

@@ -58,27 +58,6 @@ FIXED = st.sampled_from(
 GROUPS = st.tuples(st.just("between"), st.integers(2, 4))
 
 
-@given(outer=FIXED, inner=FIXED, session=st.integers(1, 3))
-@settings(max_examples=30, deadline=None)
-def test_over_a_full_cycle_every_outer_order_meets_every_inner_one_in_every_level_at_every_place(
-    outer: Rule, inner: Rule, session: int
-) -> None:
-    design = crossed(outer, inner)
-    orders, levels, places, both = (Counter[object]() for _ in range(4))
-    for number in range(1, whole_cycle(design) + 1):
-        blocks = met(design, number, session)
-        whole = tuple(level for level, _ in blocks)
-        for place, (level, order) in enumerate(blocks):
-            orders[whole, place, order] += 1
-            levels[level, order] += 1
-            places[place, order] += 1
-            both[level, place, order] += 1
-    n, (a, b) = outer[1], map(cycle_of, design.factors)
-    assert whole_cycle(design) == a * b
-    assert even(orders, a * n * b)
-    assert even(levels, n * b) and even(places, n * b) and even(both, n * n * b)
-
-
 @given(outer=FIXED, inner=FIXED, people=st.integers(1, 80), session=st.integers(1, 3))
 @settings(max_examples=30, deadline=None)
 def test_whoever_came_so_far_used_all_orders_within_one_of_equally_often(

@@ -300,25 +300,6 @@ def test_a_table_of_what_is_varied_is_refused_with_a_text_that_means_the_same(
     assert not varied.neutral
 
 
-@pytest.mark.parametrize("key", ["items", "scales"])
-def test_items_beside_a_built_in_questionnaire_are_refused_at_their_line(
-    tmp_path: Path, key: str
-) -> None:
-    own = {"name": "tired", "kind": "scale", "ask": "How tired are you?"}
-    given = own if key == "items" else {"name": "strain", "items": ["mental"]}
-    some = changed(sound("en"), {"questionnaires.0": {"use": "nasa-tlx-raw", key: [given]}})
-    file = tmp_path / "design.toml"
-    text, lines = written(some, "tables")
-    file.write_text(text)
-    ((mistake, _),) = found_in(file)
-    assert mistake.line in {line for path, line in lines.items() if key in path}
-    assert f"nasa-tlx-raw has its own {key}" in str(mistake)
-    # What the remedy says is allowed.
-    apart = [{"use": "nasa-tlx-raw"}, {"name": "own", "title": "About you", "items": [own]}]
-    file.write_text(written(changed(some, {"questionnaires": apart}), "tables")[0])
-    assert found_in(file) == []
-
-
 @pytest.mark.parametrize("seed", range(4))
 @pytest.mark.parametrize(
     ("trials", "sessions"),

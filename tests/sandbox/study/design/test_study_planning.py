@@ -77,31 +77,6 @@ def test_the_planned_tests_are_those_of_the_report(tmp_path: Path) -> None:
     assert tests == family_size(planned_tests(design())) == 2
 
 
-def test_primary_outcomes_share_alpha_among_themselves_only() -> None:
-    assert family_size(planned_tests(plan())) == 4
-    every = plan(PLANNED.replace('[analysis]\nprimary = ["time_s", "success"]\n', ""))
-    assert family_size(planned_tests(every)) == 5
-    one = plan(PLANNED.replace('["time_s", "success"]', '["time_s"]'))
-    assert family_size(planned_tests(one)) == 2
-
-
-def test_the_command_plans_for_a_difference_and_refuses_what_is_none(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    file = tmp_path / "design.toml"
-    file.write_text(PLANNED)
-    command = ["study", "plan", str(file)]
-    assert main([*command, "--power", "--detect", "0.8"]) == 0
-    assert "0.8 SD takes 21 participants (24 fill the orders)" in capsys.readouterr().out
-    for wrong in (
-        ["--power", "--detect", "15%"],
-        ["--detect", "0.8"],
-        ["--power", "--detect", "0"],
-    ):
-        assert main([*command, *wrong]) == 2
-        assert "--detect" in capsys.readouterr().err
-
-
 def test_of_a_factor_inside_of_groups_only_one_group_counts() -> None:
     nested = (
         PLANNED[: PLANNED.index("[[factors]]")]

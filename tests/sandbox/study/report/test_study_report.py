@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import re
 from dataclasses import replace
 from pathlib import Path
@@ -68,19 +67,6 @@ def test_the_same_tables_make_the_same_report_to_the_byte_by_the_command_too(
         assert (plain / "report" / name).read_bytes() == (tmp_path / "r" / name).read_bytes()
 
 
-def test_the_command_refuses_other_folders_and_measures_that_there_are_not(
-    plain: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    assert main(["study", "report", str(plain / "nowhere")]) == 2
-    assert main(["study", "report", str(plain), "--measure", "beauty"]) == 2
-    assert "no such measure" in capsys.readouterr().err
-    # A column of the report's own is no measure.
-    assert main(["study", "report", str(plain), "--measure", "place of encoder"]) == 2
-    assert "no such measure" in capsys.readouterr().err
-    assert main(["study", "report", str(plain), "--measure", "progres"]) == 2
-    assert "Did you mean progress?" in " ".join(capsys.readouterr().err.split())
-
-
 def test_the_title_says_whether_people_took_part(plain: Path) -> None:
     found = results(load_study(plain))
     for mode in ("simulated", "pilot", "real", ""):
@@ -116,15 +102,6 @@ def test_names_from_a_study_are_words_and_never_markup(tmp_path: Path) -> None:
     assert text.count("_$x^") > 8, "legends have it, too"
     people = {r["ppid"] for r in rows_of(tmp_path / "report" / "people.csv")}
     assert {"12E345", "000123", "1"} <= people
-
-
-def test_a_column_that_the_codebook_explains_is_in_every_file(plain: Path) -> None:
-    told: dict[str, list[str]] = {}
-    for row in rows_of(plain / "report" / "codebook.csv"):
-        told.setdefault(row["file"], []).append(row["column"])
-    for name in FILES - {"codebook.csv", "report.html", "analysis.R"}:
-        with (plain / "report" / name).open(encoding="utf-8") as file:
-            assert next(csv.reader(file)) == told[name]
 
 
 def test_levels_stand_in_the_order_of_the_design(tmp_path: Path) -> None:

@@ -3,7 +3,6 @@ data."""
 
 from __future__ import annotations
 
-import shutil
 from pathlib import Path
 
 import pytest
@@ -88,23 +87,6 @@ def test_who_withdraws_is_deleted_while_another_record_is_damaged_and_in_no_tabl
     words = ["study", "note", str(damaged.path), "--participant", other, "--withdraw"]
     assert main(words) == 0
     assert len(rows_of(damaged.path / "tables/participants.csv")) == 1
-
-
-def test_a_copy_that_stays_after_a_withdrawal_is_one_line(
-    study: StudyFolder, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    ppid = people(study)[0]
-    copy = study.path / f"{ppid} copy"
-    shutil.copytree(study.path / ppid, copy)
-    monkeypatch.setattr("builtins.input", lambda: ppid)
-    assert note(study, 0, "--withdraw") == 0
-    assert main(["study", "tables", str(study.path)]) == 0
-    lines = capsys.readouterr().out.splitlines()
-    count = sum(p.is_file() for p in copy.rglob("*"))
-    assert [line for line in lines if line.strip().startswith(str(copy))] == [
-        f"  {copy}: {count} files"
-    ]
-    assert f"{copy.name} holds the data of {ppid}, who has withdrawn; delete it" in "\n".join(lines)
 
 
 def test_a_folder_for_others_that_fails_its_verification_is_not_made(

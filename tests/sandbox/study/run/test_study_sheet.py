@@ -11,13 +11,12 @@ from sandbox.cli.main import main
 from sandbox.study.design.design import Form
 from sandbox.study.record.journal import read_journal
 from sandbox.study.record.session_folder import SessionFolder
-from sandbox.study.run.answers import RANGES, Answers, Draft, question
+from sandbox.study.run.answers import Answers, Draft, question
 from sandbox.study.run.forms import Poll, SimulatedForms
 from sandbox.study.run.runner import SessionOutcome
 from sandbox.study.run.sheet import SessionSheet, session_sheet, sheet_lines
 from sandbox.study.run.simulate import simulated_person
-from sandbox.words.words import LANGUAGES
-from tests.support.study_files import DESIGN, TWICE, design, open_study, simulated_runner
+from tests.support.study_files import DESIGN, TWICE, open_study, simulated_runner
 
 TEXTS = """
 [breaks]
@@ -137,19 +136,6 @@ def test_a_sheet_has_the_steps_and_texts_of_the_session_that_is_run(
         assert told(sheet) == forms.shown and len(forms.shown) > 5
         breaks = [step for step in taken if step.startswith("break:")]
         assert sum("break of 7 s" in line for line in sheet_lines(sheet)) == len(breaks) > 0
-
-
-def test_scales_of_a_sheet_are_in_the_language_of_the_participant() -> None:
-    assert set(RANGES) == set(LANGUAGES)
-    tlx = '\n[[questionnaires]]\nuse = "nasa-tlx"\nat = "end"\n'
-    two = design(both_languages(DESIGN + TEXTS) + tlx)
-    asked = {
-        code: [q for part in session_sheet(two, 1, 1, code).parts for q in part.questions]
-        for code in two.languages
-    }
-    assert any("0 (gering) bis 100 (hoch) in Schritten von 5" in line for line in asked["de"])
-    assert any("0 (low) to 100 (high) in steps of 5" in line for line in asked["en"])
-    assert not any(" to " in line or "steps" in line for line in asked["de"])
 
 
 class Words(HTMLParser):
