@@ -284,7 +284,7 @@ def _damage(
         expected=expected,
         remedy=f"Restore it from a backup; or `sandbox study note {person.parent} --participant "
         f'{person.name} --accept-loss "REASON"` goes on with the lines before it. Nothing was '
-        "changed. `sandbox replay STUDY --verify` names all that differs",
+        "changed. `sandbox replay STUDY --verify` names what differs",
     )
 
 

@@ -105,6 +105,14 @@ def test_an_answer_that_is_missing_gives_no_score_and_says_so(use: str) -> None:
         assert score(scale, {k: v for k, v in whole.items() if k not in used}).missing == len(used)
 
 
+@pytest.mark.parametrize("use", sorted(instruments()))
+def test_every_text_of_the_package_is_there_in_english_and_in_german(use: str) -> None:
+    form = form_of(use, '["en", "de"]')
+    for item in form.items:
+        for text in (item.ask, *(item.ends or ()), *item.means):
+            assert text["en"] and text["de"]
+
+
 @given(st.integers(0, 2**32))
 def test_shuffling_loses_no_item_and_keeps_what_choices_are_called(seed: int) -> None:
     form = form_of("nasa-tlx")
