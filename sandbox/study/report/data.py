@@ -541,10 +541,7 @@ ABOUT_PERSON = "demographics"
 
 def _answered(data: StudyData, rows: DataFrame, numbers: Array) -> Values:
     """Answers by person and by the levels that they are about."""
-    factors = tuple(
-        f for f in data.factors if f.column in rows and (rows[f.column] != "").sum() > 0
-    )
-    factors = tuple(f for f in factors if rows[f.column].nunique() > 1)
+    factors = tuple(f for f in data.factors if f.column in rows and rows[f.column].nunique() > 1)
     asked = [tuple(row) for row in rows[[f.column for f in factors]].itertuples(index=False)]
     rank = {f.name: {x: i for i, x in enumerate(f.levels)} for f in factors}
 

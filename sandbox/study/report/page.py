@@ -523,9 +523,7 @@ def _solved(data: StudyData, factor: ObservedFactor, what: Measure) -> tuple[str
     ]
     longest = max((t[np.isfinite(t)].max(initial=0.0) for t in times), default=0.0)
     limit = max(what.high if isfinite(what.high) else float(longest), 1e-3)
-    svg = plots.solved(
-        "solved", "Share of trials solved by each second", factor.levels, times, limit
-    )
+    svg = plots.solved(factor.levels, times, limit)
     return svg, "Share of all trials that had succeeded by each second: time and success."
 
 
@@ -545,14 +543,8 @@ def _order(found: Results) -> Section:
     ]
     mean = used.groupby("position")["value"].mean().dropna()
     if lines and len(mean) > 1:
-        svg = plots.along(
-            "practice",
-            "Time to success from trial to trial",
-            one.what.label,
-            "trial of the person, without practice",
-            lines,
-            (mean.index.to_numpy(float), mean.to_numpy(float)),
-        )
+        by_trial = mean.index.to_numpy(float), mean.to_numpy(float)
+        svg = plots.practice(one.what.label, lines, by_trial)
         caption = (
             "Thin lines are people; the thick line is their mean. Without the differences between "
             "conditions."

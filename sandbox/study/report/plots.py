@@ -197,17 +197,10 @@ def lines_by_person(
         return svg_of(figure, name, title)
 
 
-def solved(
-    name: str,
-    title: str,
-    series: Sequence[str],
-    times: Sequence[np.ndarray],
-    limit: float,
-) -> str:
+def solved(series: Sequence[str], times: Sequence[np.ndarray], limit: float) -> str:
     """Plots the share of trials that have succeeded by each second.
 
     Args:
-        name, title: See `svg_of`.
         series: Levels.
         times: Times of the trials of each level, s; infinity without success.
         limit: End of the axis, s.
@@ -224,33 +217,29 @@ def solved(
         axes.set_xlabel("time (s)")
         axes.set_ylabel("solved (% of trials)")
         _legend(figure, axes, series)
-        return svg_of(figure, name, title)
+        return svg_of(figure, "solved", "Share of trials solved by each second")
 
 
-def along(
-    name: str,
-    title: str,
+def practice(
     label: str,
-    axis: str,
     people: Sequence[tuple[np.ndarray, np.ndarray]],
     mean: tuple[np.ndarray, np.ndarray],
 ) -> str:
-    """Plots a thin line for each person and the mean along a horizontal axis.
+    """Plots a measure from trial to trial: a thin line for each person, and the mean.
 
     Args:
-        name, title: See `svg_of`.
-        label, axis: Labels of the vertical and of the horizontal axis.
-        people: Coordinates of each person.
+        label: Label of the measure's axis.
+        people: Numbers of trials, and values, of each person.
         mean: Those of the mean.
     """
     with _figure(2.4) as (figure, (axes,)):
         for x, y in people:
             axes.plot(x, y, "-", color=MUTED, alpha=0.5, lw=0.9)
         axes.plot(*mean, "o-", color=SERIES[0], lw=2.0, ms=5.5, mec=PAPER)
-        axes.set_xlabel(axis)
+        axes.set_xlabel("trial of the person, without practice")
         axes.set_ylabel(label)
         _scale(axes, False, np.concatenate([y for _, y in people]))
-        return svg_of(figure, name, title)
+        return svg_of(figure, "practice", "Time to success from trial to trial")
 
 
 def _label(name: str) -> str:
