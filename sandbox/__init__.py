@@ -18,7 +18,7 @@ import warnings
 from itertools import pairwise
 from typing import TYPE_CHECKING
 
-from sandbox.beside import mixed_up
+from sandbox.foreign_files import mixed_up
 
 _NEIGHBOURS = ("models", "encoders", "tasks")
 _EXIT_BAD_INPUT = 2

@@ -1,1 +1,1 @@
-"""Differences between a person's hand and the trained one: size and yaw."""
+"""Differences between a person's hand and the trained one: size, yaw and rest posture."""

@@ -1,1 +1,1 @@
-"""Encoders: from a contact vector to a pose."""
+"""Fits encoders, which map a contact vector to a pose, and reads fitted ones."""

@@ -1,1 +1,1 @@
-"""The skin of the hand."""
+"""Mesh of the hand's skin: posing, colours, and export as glTF."""
