@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from models.errors import CaptureError, InputError
+from models.errors import CaptureError
 from training.population import (
     Population,
     load_population,
@@ -82,12 +82,6 @@ def test_a_population_of_another_version_is_refused(people: Population, tmp_path
     save_population(Population(people.people, {**people.meta, "version": 0}), path)
     with pytest.raises(CaptureError, match="another version"):
         load_population(path)
-
-
-@pytest.mark.parametrize("groups", [{}, {"train": {"third": 1}}, {"spare": {"first": 1}}])
-def test_unknown_people_are_refused(groups: dict[str, dict[str, int]]) -> None:
-    with pytest.raises(InputError):
-        simulate_population("", groups)
 
 
 def test_people_put_down_neighbouring_fingers_about_as_far_apart_as_real_ones(

@@ -10,10 +10,8 @@ import pytest
 from encoders.capture import Capture
 from encoders.evaluation.errors import pose_errors
 from encoders.input_vector import contact_vectors
-from encoders.regression.model_registry import MODELS, find_model
 from encoders.regression.train import save_model
-from encoders.regression.trained import TrainedModel, builtin, builtin_folder, load_model
-from models.errors import EncoderError
+from encoders.regression.trained import TrainedModel, builtin, load_model
 from models.pose import ROOT_POSITION, relative_pose
 from training.population import Population, simulate_population
 from training.pose import at_trained_size, train_population
@@ -113,18 +111,3 @@ def test_strangers_of_both_generators_get_better_poses_than_from_one_persons_enc
             found.append([e.wrist.mean(), e.angle.mean()])
     population, one_person = (np.mean(found, axis=0) for found in errors.values())
     assert (population < one_person).all()
-
-
-def test_the_encoder_for_strangers_has_a_name_and_says_that_it_is_simulated() -> None:
-    assert "population" in MODELS
-    model = find_model("population", pytest.fail)
-    assert model is builtin("population") and model.meta["simulated"] is True
-    assert len(model.meta["population"]["digest"]) == 32
-    assert sum(map(len, model.meta["population"]["people"].values())) == 263
-    assert (builtin_folder() / "population.npz").stat().st_size < 300_000
-
-
-def test_too_few_people_are_refused() -> None:
-    people = few().of(group="train").people[:3]
-    with pytest.raises(EncoderError, match="too few people to train on"):
-        train_population(people, {})

@@ -13,7 +13,6 @@ from hypothesis import strategies as st
 
 from encoders.capture import Capture
 from encoders.regression.polynomial import CubicEncoder
-from models.errors import InputError
 from models.frames import FINGERS
 from models.kinematics import Kinematics
 from models.pose import JOINTS, POSE_SIZE, violations
@@ -73,14 +72,6 @@ def imported(package: str) -> set[str]:
                 found.add(str(node.module))
     assert found
     return found
-
-
-def test_neither_subject_imports_the_other() -> None:
-    def knows(package: str, other: str) -> set[str]:
-        return {m for m in imported(package) if m == other or m.startswith(f"{other}.")}
-
-    assert not knows(SECOND, FIRST)
-    assert not knows(FIRST, SECOND)
 
 
 def test_the_second_subject_shares_no_kinematics_limits_or_rotations_with_the_first() -> None:
@@ -188,18 +179,6 @@ def test_equal_arguments_give_equal_captures_and_others_do_not(day: int) -> None
     for seed, other_day in ((4, day), (3, day + 2)):
         other = simulate(QUICK, seed, other_day)
         assert other.q.shape != first.q.shape or np.abs(other.q - first.q).max() > 0.1
-
-
-@pytest.mark.parametrize(("seed", "day"), ((-1, 0), (0, -1)))
-def test_negative_seeds_and_days_are_refused(seed: int, day: int) -> None:
-    with pytest.raises(InputError, match="0 or more"):
-        simulate(FROZEN, seed, day)
-
-
-def test_progress_grows_to_one() -> None:
-    told: list[float] = []
-    simulate(QUICK, 0, 1, told.append)
-    assert told == sorted(told) and told[-1] == 1.0
 
 
 def test_the_hand_has_other_proportions_than_the_first() -> None:

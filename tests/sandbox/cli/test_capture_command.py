@@ -21,7 +21,6 @@ from models.surface import Surface
 from sandbox.cli.main import main
 from sandbox.devices.files.touch_log_file import read_touch_log
 from sandbox.recording.recording import RecordingWriter
-from sandbox.trial.trial_options import TrialOptions, trial_settings
 from tests.support.hand_recording import (
     RATE,
     SCALE,
@@ -370,11 +369,3 @@ def test_touches_at_a_guessed_size_are_stretched_to_the_measured_one(tmp_path: P
     with pytest.raises(InputError, match="another size"):
         read_touch_log(file, Surface(12.0, 9.0))
     assert read_touch_log(file, Surface(8.0, 6.02))[1] == ""
-
-
-def test_touches_of_a_file_without_a_size_are_called_a_guess(tmp_path: Path) -> None:
-    file = tmp_path / "touches.jsonl"
-    file.write_text('{"time": 0.0, "contacts": [{"id": 1, "x": 8.0, "y": 3.0}]}\n')
-    assert not trial_settings(TrialOptions(device=str(file))).surface.calibrated
-    given = TrialOptions(device=str(file), surface="9x6in")
-    assert trial_settings(given).surface.calibrated

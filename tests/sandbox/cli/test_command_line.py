@@ -129,18 +129,6 @@ def test_every_command_has_help(command: list[str], capsys: pytest.CaptureFixtur
     assert not re.search(r"\bNone\b", help_text)
 
 
-def test_help_shows_the_options_of_the_device_that_is_named(
-    capsys: pytest.CaptureFixture[str],
-) -> None:
-    texts = []
-    for named in ([], ["--device", "leap"], ["--device=leap-simulated:v1"]):
-        with pytest.raises(SystemExit):
-            main(["play", *named, "--help"])
-        texts.append(capsys.readouterr().out)
-    assert ["--leap-at" in text for text in texts] == [False, True, True]
-    assert all("--encoder" in text and "--webcam " not in text for text in texts)
-
-
 @pytest.mark.parametrize(
     ("poll", "close", "status", "says"),
     [

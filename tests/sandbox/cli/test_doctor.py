@@ -18,14 +18,13 @@ from hypothesis import strategies as st
 
 from sandbox.cli import doctor
 from sandbox.cli.common.command_line import parse
-from sandbox.cli.main import COMMANDS, devices, first_steps, main, overview
+from sandbox.cli.main import COMMANDS, first_steps, main, overview
 from sandbox.cli.play import PlayOptions
 from sandbox.cli.run import RunOptions
 from sandbox.doctor.check import Check, run_probe
 from sandbox.doctor.devices import port_check
-from sandbox.doctor.graphics import graphics_checks
 from sandbox.doctor.packages import DEVELOPERS, USES, declared, package_checks, within
-from sandbox.doctor.system import folder_check, speed_check
+from sandbox.doctor.system import folder_check
 from tasks.registry import TASKS
 from tests.support.processes import ROOT
 
@@ -82,43 +81,6 @@ def test_a_probe_that_aborts_hangs_or_fails_is_an_answer() -> None:
     assert good.ok and good.text == "last"
 
 
-def test_without_a_screen_the_window_is_missing_and_a_page_is_proposed(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    for name in ("DISPLAY", "WAYLAND_DISPLAY"):
-        monkeypatch.delenv(name, raising=False)
-    monkeypatch.setattr("sandbox.doctor.graphics.sys.platform", "linux")
-    monkeypatch.setattr("sandbox.doctor.graphics._OBSTACLE", "# nothing is in its way")
-    monkeypatch.setattr("sandbox.doctor.graphics._OFFSCREEN", "import os; os.abort()")
-    display, drawing = graphics_checks()
-    assert not display.ok and "--view web" in display.remedy
-    assert not drawing.ok and "SIGABRT" in drawing.found and "apt-get" in drawing.remedy
-
-
-def test_what_is_in_the_way_of_drawing_is_said_before_it_is_tried(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    monkeypatch.setattr("sandbox.doctor.graphics.sys.platform", "linux")
-    monkeypatch.setattr(
-        "sandbox.doctor.graphics._OBSTACLE", "raise SystemExit('{backend} is missing')"
-    )
-    monkeypatch.setattr("sandbox.doctor.graphics._OFFSCREEN", "import os; os.abort()")
-    _, drawing = graphics_checks()
-    assert not drawing.ok and "apt-get" in drawing.remedy
-    assert drawing.found == "EGL: egl is missing; OSMesa: osmesa is missing"
-
-
-def test_it_simulates_a_second_to_say_how_fast_it_is(
-    found: list[Check], monkeypatch: pytest.MonkeyPatch
-) -> None:
-    (speed,) = [c for c in found if c.name == "speed"]
-    assert float(re.findall(r"[\d.]+", speed.found)[0]) > 0.0
-    monkeypatch.setattr(
-        "sandbox.doctor.system._PROBE", "raise SystemExit('it does not even start')"
-    )
-    assert speed_check().found == "it does not even start" and not speed_check().ok
-
-
 def test_a_folder_can_be_written_or_not(tmp_path: Path) -> None:
     assert folder_check(tmp_path).ok
     assert folder_check(tmp_path / "made" / "later").ok
@@ -159,15 +121,6 @@ def test_a_version_is_within_its_own_bounds_and_not_below_them(numbers: list[int
     at = min(at, len(numbers) - 1)
     above = ".".join(map(str, [*numbers[:at], numbers[at] + 1, *numbers[at + 1 :]]))
     assert within(above, f">={text}") and not within(above, f">={text},<{above}")
-
-
-def test_alone_it_lists_every_command_task_and_device(capsys: pytest.CaptureFixture[str]) -> None:
-    assert main([]) == 0
-    lines = [x for x in capsys.readouterr().out.splitlines() if x.startswith("  ")]
-    names = [*COMMANDS, *TASKS, *devices()]
-    for name in names:
-        assert len([x for x in lines if x.split()[:1] == [name]]) == names.count(name)
-    assert all(devices().values())
 
 
 @pytest.mark.parametrize("screen", ["", ":7"])

@@ -89,34 +89,6 @@ def refused(capsys: pytest.CaptureFixture[str], *argv: str) -> str:
     return shown.err
 
 
-def test_the_json_holds_what_the_terminal_shows(
-    folder: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    path = folder / "out.json"
-    test = str(folder / "tests" / "one.npz")
-    assert evaluate(folder, "--capture", test, "--json", str(path)) == 0
-    text, found = capsys.readouterr().out, json.loads(path.read_text())
-    assert set(found["encoders"]) == {"linear", "mean"}
-    for name, e in found["encoders"].items():
-        assert name in text
-        assert f"{e['wrist_cm']['true_labels']:.2f} (" in text
-        assert f"{e['angle_deg']['own_labels']:.2f} (" in text
-        assert f"{e['labels_percent']['all']:.1f} (" in text
-    linear = found["encoders"]["linear"]
-    assert f"{linear['overfitted_joints']:.1f}" in text
-    assert found["configuration"]["captures"] == [test]
-    assert "SIMULATED" in text and "paper" in text and "ANOTHER DATA SET" in text
-
-
-def test_the_paper_stands_beside_methods_of_its_own_only(
-    folder: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    assert evaluate(folder, "--capture", str(folder / "tests"), "--no-copas") == 0
-    text = capsys.readouterr().out
-    assert "3.98" in text
-    assert "2.55" not in text
-
-
 def test_a_folder_and_a_list_of_captures_are_the_captures_in_them(folder: Path) -> None:
     one, two = folder / "tests" / "one.npz", folder / "tests" / "two.npz"
     assert capture_files(str(folder / "tests")) == [one, two]
@@ -279,13 +251,6 @@ def test_without_matplotlib_the_extra_is_named_before_anything_is_computed(
     assert not (tmp_path / "pictures").exists()
 
 
-def test_pictures_that_cannot_be_written_are_refused(
-    capsys: pytest.CaptureFixture[str], tmp_path: Path
-) -> None:
-    (tmp_path / "file").write_text("")
-    assert "--plots" in refused(capsys, "--plots", str(tmp_path / "file"))
-
-
 def test_every_picture_is_drawn_twice_and_shows_something(
     pictures: tuple[Path, dict[str, Any]],
 ) -> None:
@@ -297,20 +262,6 @@ def test_every_picture_is_drawn_twice_and_shows_something(
             pixels = np.asarray(picture.convert("L"))
         assert min(pixels.shape) > 300 and pixels.std() > 10
         assert (out / f"{name}.svg").read_text().rstrip().endswith("</svg>")
-
-
-def test_pictures_name_every_method_and_say_that_captures_are_simulated(
-    pictures: tuple[Path, dict[str, Any]],
-) -> None:
-    from sandbox.figures import charts
-
-    _, report = pictures
-    for draw in (charts.errors, charts.labels, charts.by_fingers):
-        made = draw(report)
-        words = [text.get_text() for axis in made.axes for text in axis.get_xticklabels()]
-        words += [text.get_text() for legend in made.legends for text in legend.get_texts()]
-        assert {"linear", "mean"} <= set(words)
-        assert any("SIMULATED" in axis.get_title() for axis in made.axes)
 
 
 def test_hands_are_drawn_as_bones_where_there_is_no_opengl(

@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 import sys
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -22,7 +21,7 @@ from sandbox.cli.hand.command import main
 from sandbox.cli.play import PlayOptions
 from sandbox.devices.files.frame_file import frame_record, header_record
 from sandbox.devices.simulated.spreads import SimulatedSpreads
-from sandbox.hand.profiles import Profile, default_path, find_profile, load_profile, save_profile
+from sandbox.hand.profiles import Profile, default_path, load_profile, save_profile
 from sandbox.trial.driver import open_trial, play_trial
 from sandbox.trial.settings import HandSettings, Settings
 from sandbox.trial.trial_options import TrialOptions, trial_settings
@@ -255,69 +254,6 @@ def test_a_profile_survives_its_file(
     profile = Profile(person, (low * size, high * size), device, simulated, layouts)
     save_profile(profile, path)
     assert load_profile(path) == profile
-
-
-SOUND = {
-    "kind": "hand-sandbox profile",
-    "schema": 1,
-    "hand": "left",
-    "hand_size": 0.9,
-    "turn": 0,
-    "hand_size_95": [0.8, 1.0],
-    "device": "tuio",
-    "simulated": False,
-    "layouts": [LAYOUT.tolist()],
-}
-
-values = st.recursive(
-    st.none() | st.booleans() | st.integers() | st.floats() | st.text(max_size=5),
-    lambda inner: st.lists(inner, max_size=3) | st.dictionaries(st.text(max_size=3), inner),
-    max_leaves=4,
-)
-
-
-@given(name=st.sampled_from(sorted(SOUND)), value=values)
-def test_a_profile_with_any_other_value_is_sound_or_one_clear_error(
-    tmp_path_factory: pytest.TempPathFactory,
-    name: str,
-    value: list[Any] | dict[str, Any] | int | float | str,
-) -> None:
-    path = tmp_path_factory.mktemp("hostile") / "p.json"
-    path.write_text(json.dumps({**SOUND, name: value}))
-    try:
-        profile = load_profile(path)
-    except InputError as error:
-        assert str(path) in str(error) and len(str(error).splitlines()) == 1
-        assert "hand measure" in str(error) or "hand forget" in str(error)
-    else:
-        assert 0.6 <= profile.person.hand_size <= 1.6
-
-
-@pytest.mark.parametrize(
-    "data",
-    [
-        b"",
-        b"\xff\xfe",
-        b"[]",
-        b"{",
-        b'{"kind": 1}',
-        b"[" * 100_000,
-        json.dumps({k: v for k, v in SOUND.items() if k != "turn"}).encode(),
-        json.dumps({**SOUND, "more": 1}).encode(),
-        json.dumps({**SOUND, "schema": 2}).encode(),
-        json.dumps({**SOUND, "hand_size": 10**400}).encode(),
-    ],
-)
-def test_a_file_that_is_no_profile_is_refused_with_its_name(data: bytes, tmp_path: Path) -> None:
-    path = tmp_path / "p.json"
-    path.write_bytes(data)
-    with pytest.raises(InputError, match=r"p\.json"):
-        load_profile(path)
-
-
-def test_a_profile_that_is_not_there_is_one_clear_error(tmp_path: Path) -> None:
-    with pytest.raises(InputError, match="hand measure"):
-        find_profile(str(tmp_path / "no.json"))
 
 
 @pytest.mark.parametrize(

@@ -55,19 +55,6 @@ def test_help_on_a_full_disk_is_one_line(words: list[str]) -> None:
     assert done.stderr == "sandbox: standard output: No space left on device\n"
 
 
-def test_help_without_an_output_ends_without_a_word(tmp_path: Path) -> None:
-    code = "import os, sys; os.close(1); os.execv(sys.executable, sys.argv[1:])"
-    command = [sys.executable, "-c", code, *COMMAND, "run", "--help"]
-    done = run(*command)
-    assert (done.returncode, done.stderr) == (0, "")
-
-
-def test_where_the_encoding_lacks_a_character_its_number_is_printed() -> None:
-    odd = {**os.environ, "PYTHONIOENCODING": "ascii", "PYTHONUTF8": "0"}
-    done = run(*COMMAND, "touches", "--help", env=odd)
-    assert done.returncode == 0 and "Traceback" not in done.stderr
-
-
 @pytest.mark.parametrize("command", [["run", "ends.py"], ["regress", "--tasks", "ends.py"]])
 def test_a_task_that_ends_the_program_when_it_is_read_passes_no_gate(
     tmp_path: Path, command: list[str]

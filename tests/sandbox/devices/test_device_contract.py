@@ -12,7 +12,6 @@ import pytest
 from models.errors import DeviceError
 from models.frames import Contact, TouchFrame
 from models.surface import Surface
-from sandbox.cli.main import main
 from sandbox.devices.device import AnyDevice, Device, DeviceWrapper, Place, TouchDevice
 from sandbox.devices.mouse.mouse import MouseDevice
 from sandbox.devices.own_device import AdaptedDevice, adapted
@@ -39,35 +38,6 @@ class Minimal:
 
 def public(kind: type) -> set[str]:
     return {name for name in vars(kind) if not name.startswith("_")}
-
-
-def test_a_device_that_only_polls_has_a_default_for_everything_else() -> None:
-    device = Bare()
-    assert (device.name, device.title, device.address, device.notices) == ("Bare", "Bare", "", ())
-    assert not (device.finished or device.lift or device.takes_snapshots or device.plays_file)
-    assert device.frame_ready is device.damage is device.latency is device.report is None
-    assert (device.clock_origin, dict(device.true_labels), device.mode_requests(0.0)) == (
-        0.0,
-        {},
-        (),
-    )
-    assert device.wait(0.0) and list(device.within()) == [device]
-    device.close()
-    assert device.finished
-
-
-def test_a_member_is_overridden_by_the_class_or_by_the_object() -> None:
-    class Pad(TouchDevice):
-        lift = True
-
-        def poll(self, now: float) -> Sequence[TouchFrame]:
-            return []
-
-    pad: Any = Pad(Surface(), "argument")
-    assert (pad.name, pad.argument) == ("Pad", "argument")
-    pad.name, pad.address = "my pad", "somewhere:1"
-    assert pad.name == pad.title == "my pad"
-    assert pad.address == "somewhere:1" and pad.lift
 
 
 def test_a_wrapper_forwards_every_member_of_the_contract() -> None:
@@ -140,32 +110,3 @@ def test_our_base_class_is_opened_as_it_is(tmp_path: Path) -> None:
     # No adapter, only the guard.
     (pad,) = DeviceSettings.of(f"{file}:Pad:three").open(Place(Surface())).parts
     assert isinstance(pad, TouchDevice) and pad.argument == "three"
-
-
-def test_a_touch_device_may_compute_whether_it_has_finished() -> None:
-    class TwoFrames(TouchDevice):
-        sent = 0
-
-        def poll(self, now: float) -> Sequence[TouchFrame]:
-            self.sent += 1
-            return [TouchFrame(now, (Contact(1, 0.1, 0.1),))]
-
-        @property
-        def finished(self) -> bool:  # type: ignore[override]
-            return self.sent == 2
-
-    device = TwoFrames(Surface(10.0, 5.0))
-    device.poll(0.0)
-    assert not device.finished
-    device.poll(0.1)
-    assert device.finished
-    device.close()
-    device.close()
-
-
-def test_an_unknown_device_is_refused_with_the_form_of_a_device_in_a_file(
-    capsys: pytest.CaptureFixture[str],
-) -> None:
-    for command in ("run box-to-goal", "touches show"):
-        assert main([*command.split(), "--device", "nothing-like-that"]) == 2
-        assert "FILE.py:CLASS[:ARGUMENT]" in capsys.readouterr().err

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-from dataclasses import is_dataclass
 from pathlib import Path
 
 import numpy as np
@@ -11,17 +10,11 @@ import pytest
 
 from models.surface import Surface
 from sandbox import run_trial
-from sandbox.cli.main import devices, main, overview
-from sandbox.devices.device import DeviceEntry, Place
+from sandbox.cli.main import main, overview
+from sandbox.devices.device import Place
 from sandbox.devices.registry import DEVICES, DeviceSettings, built_in, touch_devices
 from sandbox.recording.recording import load_recording
 from tests.sandbox.devices.registered_devices import CAMERA, PAD, Pad
-
-
-def test_every_line_names_an_entry_with_a_phrase_and_options_that_all_have_defaults() -> None:
-    for name, entry in DEVICES.items():
-        assert isinstance(entry, DeviceEntry) and devices()[name] == entry.help != "", name
-        assert entry.options() == entry.options() and is_dataclass(entry.on_command_line())
 
 
 def test_a_device_is_named_with_an_argument_only_where_it_takes_one() -> None:

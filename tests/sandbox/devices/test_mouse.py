@@ -11,7 +11,6 @@ from hypothesis import given
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
-from models.errors import InputError
 from models.frames import TouchFrame
 from models.surface import Surface
 from sandbox.devices.mouse.mouse import NARROWEST, OPENING, WIDEST, MouseDevice, default_hand
@@ -78,16 +77,6 @@ def test_a_pin_stays_is_dragged_by_itself_and_goes_when_it_is_clicked_again() ->
     assert np.allclose(places(last(mouse)), [[0.06, 0.06]])
 
 
-def test_a_finger_beside_pins_comes_and_goes_while_they_stay() -> None:
-    mouse = MouseDevice(SURFACE)
-    mouse.press([0.05, 0.05], pin=True)
-    mouse.release()
-    mouse.press([0.12, 0.10])
-    assert len(last(mouse).contacts) == 2
-    mouse.release()
-    assert np.allclose(places(last(mouse)), [[0.05, 0.05]])
-
-
 @given(st.tuples(*[st.floats(-0.3, 0.3)] * 2))
 def test_all_pins_move_together_and_keep_their_shape_even_at_the_border(
     step: tuple[float, float],
@@ -120,22 +109,6 @@ def test_a_key_puts_down_a_hand_around_the_pointer_and_lifts_it_again(fingers: i
         assert thumb[0] < others[0] and thumb[1] > others[1]
     mouse.hand(fingers, MIDDLE)
     assert last(mouse).contacts == ()
-
-
-def test_another_number_puts_down_another_hand() -> None:
-    mouse = MouseDevice(SURFACE)
-    mouse.hand(2, MIDDLE)
-    first = {c.id for c in last(mouse).contacts}
-    mouse.hand(3, MIDDLE)
-    frame = last(mouse)
-    assert len(frame.contacts) == 3 and not first & {c.id for c in frame.contacts}
-
-
-def test_a_hand_is_as_wide_as_a_person_s_and_its_fingers_do_not_overlap() -> None:
-    for fingers in (2, 3, 4, 5):
-        tips = np.array(list(default_hand(fingers).values()))
-        off = np.linalg.norm(tips[:, None] - tips[None], axis=-1)[np.triu_indices(fingers, 1)]
-        assert off.min() >= 0.015 and off.max() <= 0.13
 
 
 @given(st.tuples(st.floats(-0.5, 0.5), st.floats(-0.5, 0.5)), st.integers(2, 5))
@@ -255,12 +228,6 @@ def test_whatever_is_done_frames_are_sound_on_the_surface_and_end_with_all_lifte
         assert not ids & gone, "a lifted finger's id came back"
         gone |= {c.id for c in before.contacts} - ids
         assert before.time <= after.time
-
-
-@pytest.mark.parametrize("fingers", [0, 6, -1])
-def test_nobody_has_no_or_six_fingers(fingers: int) -> None:
-    with pytest.raises(InputError, match="1 to 5 fingers"):
-        MouseDevice(SURFACE).hand(fingers, MIDDLE)
 
 
 def test_frames_reach_another_thread_once_and_in_order() -> None:

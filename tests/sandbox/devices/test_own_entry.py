@@ -12,10 +12,8 @@ from typing import Any
 
 import pytest
 
-from models.errors import InputError
 from models.surface import Surface
 from sandbox import DeviceEntry, check_device, load_recording, run_trial
-from sandbox.cli.common.json_out import HelpExit
 from sandbox.cli.main import main
 from sandbox.devices.device import NoOptions, Place, PlayedOptions
 from sandbox.devices.registry import DEVICES, named_device
@@ -85,17 +83,6 @@ def test_its_option_moves_its_fingers_and_is_in_the_header(sticks: Sticks, tmp_p
     assert found[0] > 0.001 and found[1] == 0.0
 
 
-def test_its_option_stands_in_the_help_where_it_is_named(
-    capsys: pytest.CaptureFixture[str],
-) -> None:
-    with pytest.raises(HelpExit):
-        main(["play", "--device", GAMEPAD, "--help"])
-    assert "--dead-zone SHARE" in capsys.readouterr().out
-    with pytest.raises(HelpExit):
-        main(["play", "--help"])
-    assert "--dead-zone" not in capsys.readouterr().out
-
-
 @pytest.mark.parametrize(
     ("argv", "words"),
     [
@@ -114,17 +101,6 @@ def test_an_option_of_a_device_is_refused_where_that_device_is_not(
     assert main(["run", "box-to-goal", *argv]) == 2
     (line,) = capsys.readouterr().err.splitlines()
     assert all(word in line for word in words), line
-
-
-def test_options_of_another_device_are_refused_from_python_and_for_touches(
-    capsys: pytest.CaptureFixture[str],
-) -> None:
-    with pytest.raises(InputError, match=r"--leap-at.*option of another device"):
-        run_trial("box-to-goal", leap_at="0,0,0")
-    assert main(["touches", "show", "--device", "evdev", "--port", "4"]) == 2
-    assert "--port: this is an option of another device" in capsys.readouterr().err
-    assert main(["stream", "--device", "leap", "--print", "--grab"]) == 2
-    assert "--grab: this is an option of another device" in capsys.readouterr().err
 
 
 NOT_FROZEN = ["pad.py:PAD", "@dataclass(frozen=True)"]

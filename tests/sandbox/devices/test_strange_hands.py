@@ -841,19 +841,6 @@ def test_a_sibling_is_read_as_it_is_meant_or_refused_with_the_reason(
 # A table of what is sent.
 
 
-def test_the_table_of_a_file_shows_rate_sizes_units_and_losses(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    messages = scaled(leap(), 0.1)
-    del messages[5]
-    assert main(["devices", "show", str(as_lines(tmp_path, messages))]) == 0
-    shown = capsys.readouterr().out
-    assert "frames: 59" in shown and "seen: a right hand with 5 fingers" in shown
-    assert "lengths are read in cm" in shown
-    assert "left out: frames missing by their numbers: 1" in shown
-    assert "longest finger: 0." in shown and "m (usual: 0.055 to 0.138 m)" in shown
-
-
 # Live devices.
 
 
@@ -916,16 +903,3 @@ class Frames(Device):
 
     def poll(self, now: float) -> list[Any]:
         return self._frames
-
-
-def test_the_table_of_a_live_leap_is_printed_line_by_line(
-    capsys: pytest.CaptureFixture[str],
-) -> None:
-    server = FakeLeapd(leap(), port=0, rate=200.0, loop=True)
-    try:
-        assert main(["devices", "show", "leap", "--leap", server.address, "--seconds", "2"]) == 0
-    finally:
-        server.close()
-    shown = capsys.readouterr().out
-    assert "source: leap" in shown and "seen: a right hand with 5 fingers" in shown
-    assert shown.count("\nframes: ") >= 1

@@ -40,35 +40,11 @@ def rows(path: Path) -> dict[str, str]:
     return table.rows()
 
 
-def test_the_table_says_rate_and_sizes_of_a_sound_device(tmp_path: Path) -> None:
-    shown = rows(finger_file(tmp_path / "a.jsonl", 0.3, 0.4))
-    assert shown["frames a second"] == "50.0"
-    assert shown["frames"] == "80"
-    assert "assumed" in shown and not any("left out" in name for name in shown)
-
-
 def test_the_table_says_what_is_left_out_and_which_units_are_assumed(tmp_path: Path) -> None:
     shown = rows(finger_file(tmp_path / "a.jsonl", 0.3, 20.0, second=1e3))
     assert shown["frames a second"] == "50.0"
     assert shown["left out: sizes that no finger or hand has"] == "80"
     assert "times are read in ms" in shown["assumed"]
-
-
-def test_fingers_as_large_as_palms_are_told(tmp_path: Path) -> None:
-    assert "as large as palms (80 mm)" in rows(finger_file(tmp_path / "a", 3.15, 3.15))["assumed"]
-
-
-@pytest.mark.parametrize("command", [["touches", "show", "--device"], ["devices", "show"]])
-def test_both_commands_say_it_too(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str], command: list[str]
-) -> None:
-    path = str(finger_file(tmp_path / "a.jsonl", 0.3, 20.0, second=1e6))
-    assert main([*command, path]) == 0
-    said = "".join(capsys.readouterr())
-    assert "sizes that no finger or hand has" in said
-    assert "times are read in us" in said
-    assert main([*command, path, "--unit", "us"]) == 0
-    assert "as --unit says" in "".join(capsys.readouterr())
 
 
 class Pad(TouchDevice):

@@ -14,15 +14,14 @@ import pytest
 from encoders.capture import Capture
 from encoders.store import save_capture
 from models.arithmetic import Array
-from models.errors import InputError
 from models.motion.armature import Y_UP, Armature, Keys
 from models.motion.bvh import BvhWriter, read_bvh
 from models.motion.sampling import Sampler
 from models.rotations import quaternion_exp
 from models.skeleton import ADULT
 from sandbox.cli.main import main
-from sandbox.export.sources import commanded_poses, open_source
-from sandbox.export.targets import FORMATS, Exporter, ExportSettings
+from sandbox.export.sources import commanded_poses
+from sandbox.export.targets import FORMATS
 from sandbox.export.view import MotionView, simulated_poses
 from sandbox.recording.recording import RecordingWriter
 from sandbox.session.messages import Snapshot
@@ -206,19 +205,6 @@ def test_a_recording_that_breaks_off_is_written_up_to_there(
     assert 1.9 < table[-1, 0] < 2.0
 
 
-def test_a_recording_without_its_end_is_said_to_break_off(
-    two_hands: tuple[Path, list[Array]], tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    path, _ = two_hands
-    text = path.read_text()
-    assert main(["export", str(path), "--to", str(tmp_path / "whole.csv")]) == 0
-    assert "breaks off" not in capsys.readouterr().err
-    cut = tmp_path / "cut.jsonl"
-    cut.write_text("\n".join(text.splitlines()[:-1]) + "\n")
-    assert main(["export", str(cut), "--to", str(tmp_path / "cut.csv")]) == 0
-    assert "it breaks off before its end" in " ".join(capsys.readouterr().err.split())
-
-
 def test_a_recording_that_is_cut_before_its_first_pose_says_so_and_names_itself(
     two_hands: tuple[Path, list[Array]], tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -311,25 +297,3 @@ def test_a_session_that_is_stopped_keeps_its_motion_and_a_broken_one_leaves_none
             raise error
         assert path.exists() == kept
     assert len(read_bvh(tmp_path / "KeyboardInterrupt.bvh")) == 19
-
-
-def test_settings_that_make_no_points_are_refused(
-    session: tuple[Path, dict[str, list[Keys]], dict[float, Array]],
-) -> None:
-    folder, _, _ = session
-    source = open_source(folder / "run.jsonl")
-    with pytest.raises(InputError, match="no such fingers"):
-        Exporter(folder / "x.csv", source.armatures, source.names, ExportSettings(fingers=(7,)))
-
-
-def test_a_recording_with_a_line_twice_is_written_up_to_it_and_names_the_line(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    path = tmp_path / "run.jsonl"
-    chosen = trial_settings(TrialOptions(seed=3))
-    play_trial(chosen, record=path)
-    lines = path.read_bytes().splitlines(keepends=True)
-    twice = next(i for i, line in enumerate(lines) if b'"kind":"track"' in line)
-    (tmp_path / "twice.jsonl").write_bytes(b"".join([*lines[: twice + 1], *lines[twice:]]))
-    assert main(["export", str(tmp_path / "twice.jsonl"), "--to", str(tmp_path / "a.bvh")]) == 0
-    assert f"line {twice + 2} is damaged" in capsys.readouterr().err.replace("\n", " ")

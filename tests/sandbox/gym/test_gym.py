@@ -82,23 +82,6 @@ def test_every_task_has_one_id_with_its_version() -> None:
     assert len({gymnasium.spec(id).kwargs["task"] for id in ours}) == len(ours)
 
 
-def test_the_default_environment_has_touches_and_labels_that_are_found() -> None:
-    env = HandSandboxEnv()
-    assert env.action_space.shape == (15,)
-    shown: Any = env.observation_space
-    assert {name: space.shape for name, space in shown.items()} == {
-        "pose": (48,),
-        "tips": (5, 3),
-        "solid": (5,),
-        "labels": (5,),
-        "objects": (1, 13),
-        "goals": (1, 4),
-        "time": (1,),
-    }
-    assert not env.options.true_labels and env.settings.pipeline.labels == "population"
-    env.close()
-
-
 @pytest.mark.parametrize("action", ["touch", "pose"])
 def test_every_task_takes_steps_and_shows_all_its_objects_and_goals(action: str) -> None:
     for name, task in TASKS.items():

@@ -166,23 +166,6 @@ def test_pictures_come_fifteen_times_a_second_and_a_film_is_written(tmp_path: Pa
     assert (tmp_path / "film.gif").stat().st_size > 0
 
 
-@pytest.mark.parametrize(
-    ("arguments", "says"),
-    [
-        ({"finger": 3}, "option is unknown .*got 'finger'.*expected .*fingers"),
-        ({"task": "no-such-task"}, "no such task"),
-        ({"device": "mouse"}, "needs a window"),
-        ({"device": "web"}, "no page is served"),
-        ({"device": "nothing-of-the-kind"}, "no such device"),
-        ({"fingers": 9}, "2 to 5"),
-    ],
-)
-def test_what_cannot_be_played_is_refused_in_a_line(arguments: dict[str, Any], says: str) -> None:
-    with pytest.raises(InputError, match=says) as error:
-        run_trial(**arguments)
-    assert "\n" not in str(error.value)
-
-
 def test_a_recording_is_never_overwritten(recorded: tuple[TrialRun, Path]) -> None:
     with pytest.raises(InputError, match="exists already"):
         run_trial(Still, user="idle", record=recorded[1])

@@ -7,16 +7,13 @@ from collections.abc import Iterator
 import pytest
 from rich.console import Console
 
-from models.errors import InputError
 from models.surface import PRESETS
 from sandbox.play.page import PagePlay
 from sandbox.play.pages import open_page
 from sandbox.server import clients
 from sandbox.server.page_options import PageOptions
 from sandbox.server.page_server import PageServer
-from sandbox.server.screen import explain_refusal, fitting
-from sandbox.server.web import WebDevice
-from sandbox.trial.assembly import build
+from sandbox.server.screen import fitting
 from sandbox.trial.logs import EventLog
 from sandbox.trial.settings import Settings
 from sandbox.trial.trial_options import TrialOptions
@@ -27,33 +24,11 @@ from tests.support.page_client import SCREEN, Page
 PHONE = {"px_per_in": 155.0, "width_px": 844.0, "height_px": 390.0, "calibrated": True}
 
 
-def words(task: str, width: float, height: float) -> str:
-    """What is told about a task that has no room on a surface."""
-    settings = Settings().changed(task=task, size_in=(width, height))
-    with pytest.raises(InputError) as refused:
-        build(settings, (lambda task, surface: WebDevice(surface),))
-    return "\n".join(explain_refusal(refused.value, settings))
-
-
 def test_a_tablet_has_room_for_every_task_of_one_hand_and_a_phone_for_none() -> None:
     one_hand = {name for name, task in TASKS.items() if hands_of(task) == 1}
     tablet = Settings().changed(size_in=PRESETS["ipad2"]).surface.rectangle
     assert set(fitting(tablet, 0)) == one_hand
     assert fitting(Settings().changed(size_in=(5.45, 2.52)).surface.rectangle, 0) == ()
-
-
-def test_on_a_phone_one_is_told_its_size_and_to_take_a_larger_screen() -> None:
-    told = words("box-to-goal", 5.45, 2.52)
-    assert "5.5 by 2.5 inches" in told and "No task fits" in told and "tablet" in told
-
-
-def test_what_has_room_on_a_small_screen_is_named() -> None:
-    told = words("wrench-turn", 6.2, 4.2)
-    assert "box-to-goal" in told and "No task" not in told
-
-
-def test_a_screen_that_stands_is_told_to_be_turned_where_that_helps() -> None:
-    assert "Rotate the screen" in words("stack-vertical", 5.49, 7.31)
 
 
 @pytest.fixture

@@ -91,11 +91,6 @@ def test_layouts_of_the_other_hand_are_left_out_and_one_line_says_so(path: Path)
     assert trial_settings(options(path)).hands[0].layouts == (LAYOUT,)
 
 
-def test_a_profile_that_is_not_there_is_an_error(tmp_path: Path) -> None:
-    with pytest.raises(InputError, match="hand measure"):
-        usable(tmp_path / "none.json")
-
-
 def touched_with_five(path: Path, learns: bool) -> None:
     """Plays a take on a page, touches with five fingers for a while, and begins another one."""
     chosen = options(path)

@@ -79,15 +79,6 @@ def test_as_many_crashes_as_are_allowed_pass_and_the_report_says_so(
     assert "seed 1: crashed, " in output and "ZeroDivisionError" in output
 
 
-def test_junit_has_one_test_a_task_and_no_value_that_is_none(tmp_path: Path) -> None:
-    xml = tmp_path / "out.xml"
-    assert regress(Raising, "--seeds", "1,3", "--junit", xml) == 1
-    [case] = suite(xml).findall("testcase")
-    values = {p.get("name"): p.get("value") for p in case.iter("property")}
-    assert "time_s" not in values and values["crashed"] == "1" and values["successes"] == "0"
-    assert "None" not in xml.read_text() and case.get("time") is None
-
-
 def test_the_line_of_a_crashed_trial_runs_it_to_its_error(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -100,16 +91,6 @@ def test_the_line_of_a_crashed_trial_runs_it_to_its_error(
     with registered(Raising):
         assert main(words[1:]) == 2
     assert "ZeroDivisionError: a lab's own bug" in capsys.readouterr().err
-
-
-def test_a_run_without_crashes_has_none_to_tell_of(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    out, xml = tmp_path / "out.json", tmp_path / "out.xml"
-    assert regress(Quick, "--allow-crashes", "3", "--json", out, "--junit", xml) == 0
-    assert "--allow-crashes" not in capsys.readouterr().out
-    assert json.loads(out.read_text())["crashes"] == {"count": 0, "allowed": 3, "trials": []}
-    assert suite(xml).get("tests") == "1" and suite(xml).get("errors") == "0"
 
 
 def test_no_baseline_is_made_from_crashes_even_if_they_are_allowed(
@@ -159,13 +140,6 @@ def test_a_lab_s_own_test_fails_by_a_crash_and_may_allow_it(tmp_path: Path) -> N
     with pytest.raises(AssertionError, match=r"1 trial crashed(.|\n)*seed 1: .*ZeroDivisionError"):
         regression(Raising, "0:2")
     assert len(regression(Raising, "0:2", allow_crashes=1).crashes.trials) == 1
-
-
-def test_fewer_crashes_than_none_are_refused(capsys: pytest.CaptureFixture[str]) -> None:
-    assert regress(Quick, "--allow-crashes", "-1") == 2
-    assert "--allow-crashes" in capsys.readouterr().err
-    with pytest.raises(InputError, match="no such option"):
-        RegressionPlan((Quick,), (0,), {"allow_crashes": 1})
 
 
 def test_an_error_of_any_class_comes_whole_from_another_process(

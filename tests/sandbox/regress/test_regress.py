@@ -26,7 +26,6 @@ from sandbox.regress.execute import CRASHED, Executor, Processes, Serial, run_jo
 from sandbox.regress.plan import (
     RegressionPlan,
     TrialJob,
-    find_tasks,
     options,
     parse_seeds,
     registered,
@@ -170,11 +169,6 @@ def test_seeds_that_the_baseline_lacks_are_counted_and_named(
     assert "no baseline" not in capsys.readouterr().out
 
 
-def test_four_losses_may_be_chance(quick: Path) -> None:
-    with registered(Worse):
-        assert quick_run("--baseline", quick, seeds="0:6") == 0
-
-
 def test_an_update_judges_nothing_and_what_comes_next_is_judged_by_it(
     quick: Path, tmp_path: Path
 ) -> None:
@@ -304,10 +298,6 @@ def test_seeds_are_ranges_as_python_counts_each_seed_once(parts: list[tuple[int,
 def test_what_is_no_range_of_seeds_is_refused(text: str) -> None:
     with pytest.raises(InputError, match="seeds"):
         parse_seeds(text)
-
-
-def test_all_is_every_task_of_the_registry() -> None:
-    assert find_tasks(["all"]) == tuple(TASKS)
 
 
 def test_two_files_whose_tasks_have_one_name_are_refused_as_their_trials_would_be_mixed(

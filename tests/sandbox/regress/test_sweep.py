@@ -14,7 +14,6 @@ from models.objects import Wrench
 from models.surface import Surface
 from sandbox.cli.main import main
 from sandbox.cli.regress import main as regress_main
-from sandbox.figures.variation import draw, save_plot
 from sandbox.regress.baseline import Baseline, BaselineTask
 from sandbox.regress.execute import Serial
 from sandbox.regress.plan import RegressionPlan, registered
@@ -114,29 +113,12 @@ def test_values_that_are_asked_for_are_all_run_even_where_it_breaks() -> None:
     assert curve.breaks_above == 4.0
 
 
-def test_four_seeds_cannot_break_anything() -> None:
-    (curve,) = found_by(Heavy, "mass=4", seeds=SEEDS[:4]).curves
-    assert len(curve.points[-1].lost) == 4 and not curve.points[-1].breaks
-    assert curve.points[-1].p == pytest.approx(1 / 16)
-
-
 def test_what_a_task_cannot_have_is_noted_and_the_rest_is_run() -> None:
     size, mass = found_by(LateWrench, "size", "mass=2", seeds=(1, 2), runner=run).curves
     assert [bool(p.refused) for p in size.points] == [True, False, True]
     assert "one size only" in size.points[0].refused
     assert size.breaks_below is None and not size.points[0].breaks
     assert [p.result.n for p in mass.points] == [2, 2]
-
-
-def test_a_run_that_is_broken_off_says_so_and_runs_nothing_more() -> None:
-    plans = []
-
-    def tired(plan: RegressionPlan) -> list[dict[str, Any]]:
-        plans.append(plan)
-        return limited(plan)[: 3 if len(plans) == 2 else None]
-
-    found = found_by(Heavy, "mass", "latency", runner=tired)
-    assert not found.complete and len(plans) == 2 and len(found.curves) == 1
 
 
 @pytest.mark.parametrize(
@@ -283,15 +265,6 @@ def test_the_command_prints_a_table_writes_a_report_and_draws_a_picture(
     ElementTree.fromstring(plot.read_text())
 
 
-@pytest.mark.parametrize("suffix", ["svg", "png"])
-def test_equal_findings_are_drawn_alike_to_the_byte(suffix: str, tmp_path: Path) -> None:
-    found = found_by(Heavy, "mass", "latency=50,100", "size=0.5,2")
-    paths = [tmp_path / f"{i}.{suffix}" for i in range(2)]
-    for path in paths:
-        save_plot(draw(found), path)
-    assert paths[0].read_bytes() == paths[1].read_bytes() and paths[0].stat().st_size > 5_000
-
-
 @pytest.mark.parametrize(
     "words",
     [
@@ -311,20 +284,6 @@ def test_options_that_do_not_go_together_are_refused_before_anything_is_run(
     with pytest.raises(InputError):
         heavy_regress(*words)
     assert not list(tmp_path.iterdir())
-
-
-def test_the_line_of_a_varied_trial_that_crashed_runs_it_and_replays_nothing() -> None:
-    def crashing(plan: RegressionPlan) -> list[dict[str, Any]]:
-        status = {True: "held", False: "crashed"}
-        return [{**t, "status": status[t["success"]]} for t in limited(plan)]
-
-    with registered(Heavy):
-        found = found_by("heavy", "mass=4", runner=crashing)
-        (curve,) = found.curves
-        whole, broken = curve.points
-        command = found.command(curve, broken, broken.lost[0])
-        assert command == "sandbox run heavy --seed 0 --vary mass=4"
-        assert "replay" in found.command(curve, whole, 0)
 
 
 def test_a_full_disk_is_never_taken_for_a_value_that_a_task_cannot_have(

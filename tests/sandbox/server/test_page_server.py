@@ -195,12 +195,6 @@ def test_a_rebound_name_and_a_foreign_page_are_refused(server: PageServer) -> No
     assert server.counters["wrong origin"] == 3
 
 
-def test_a_socket_with_a_wrong_token_is_refused(server: PageServer) -> None:
-    with pytest.raises(InvalidStatus), open_socket(server.url.replace("token=", "token=x")):
-        pass
-    assert server.counters["wrong token"] == 1
-
-
 def test_tokens_of_two_servers_differ(server: PageServer) -> None:
     other = PageServer()
     try:

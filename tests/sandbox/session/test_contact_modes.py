@@ -9,7 +9,6 @@ from typing import Any
 import numpy as np
 import pytest
 
-from models.errors import InputError
 from models.frames import Contact
 from models.surface import Surface
 from sandbox.recording.recording import load_recording
@@ -183,14 +182,6 @@ def test_a_session_with_switches_replays_to_the_bit_with_them(tmp_path: Path) ->
     assert found.exact and found.complete
     assert TrialResult.of(session).state_hash == result.state_hash
     assert session.contact == "hard"
-
-
-def test_a_mode_that_does_not_exist_is_refused() -> None:
-    with pytest.raises(InputError, match="hard, soft, none"):
-        Settings().changed(contact="squishy")
-    session = scripted(lambda now: (), seed=1)
-    with pytest.raises(InputError, match="squishy"):
-        session.set_contact("squishy")
 
 
 def test_a_soft_hand_that_is_solid_all_over_is_soft_all_over() -> None:

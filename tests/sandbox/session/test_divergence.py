@@ -38,14 +38,6 @@ def recorded(tmp_path_factory: pytest.TempPathFactory) -> tuple[TrialResult, Pat
     return diverge(path), path
 
 
-def test_a_diverged_trial_is_marked_and_says_what_went_wrong(
-    recorded: tuple[TrialResult, Path],
-) -> None:
-    result, _ = recorded
-    assert result.status == "diverged" and not result.success
-    assert "box turns at" in result.diverged and result.diverged in result.reason
-
-
 def test_the_dump_beside_a_recording_replays_to_the_same_divergence_to_the_bit(
     recorded: tuple[TrialResult, Path],
 ) -> None:

@@ -398,20 +398,6 @@ def test_a_stream_to_nobody_ends_with_the_recording_and_says_that_nobody_was_tol
     assert "command to stop was not sent" in capsys.readouterr().err
 
 
-def test_a_stream_that_loses_nothing_says_that_and_not_what_the_port_answered(
-    recording: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    heard: list[str] = []
-    port = CommandPort(heard.append, Manners())
-    try:
-        assert main(["stream", str(recording), "--maya", f":{port.port}", "--speed", "20"]) == 0
-    finally:
-        port.close()
-    last = capsys.readouterr().err.splitlines()[-1]
-    told = [line for line in map(Line, map(inside, heard)) if line.kind == "moment"]
-    assert last == f"{len(told)} moments; all were sent"
-
-
 @pytest.mark.parametrize(
     ("words", "said"),
     [

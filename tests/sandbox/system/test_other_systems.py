@@ -39,23 +39,6 @@ def test_a_study_and_a_regression_run_are_played_without_them(tmp_path: Path) ->
     assert "all is as it was written" in printed("-c", work, cwd=tmp_path)
 
 
-def test_the_program_names_them_in_one_module_and_in_the_devices_of_one_system() -> None:
-    named = {
-        path.relative_to(ROOT).as_posix()
-        for package in ("models", "encoders", "tasks", "sandbox")
-        for path in (ROOT / package).rglob("*.py")
-        if any(
-            f"import {name}" in line or f'"{name}"' in line
-            for name in MISSING
-            for line in path.read_text(encoding="utf-8").splitlines()
-        )
-    }
-    assert named == {
-        "sandbox/devices/evdev/evdev_device.py",
-        "sandbox/system/files.py",
-    }
-
-
 @pytest.mark.parametrize("has_fcntl", [True, False])
 def test_a_lock_holds_until_it_is_ended_or_its_program_is_killed(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, has_fcntl: bool

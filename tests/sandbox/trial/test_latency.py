@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import copy
 import io
 import time
 from functools import partial
@@ -17,11 +16,11 @@ from sandbox.cli.main import main
 from sandbox.devices.mouse.mouse import MouseDevice
 from sandbox.devices.tuio.tuio import TuioDevice
 from sandbox.devices.wrappers.playing import LiftKeys, MergedDevice
-from sandbox.play.play import KINDS, checked_limit, judge_latency, print_latency
+from sandbox.play.play import checked_limit, judge_latency
 from sandbox.session.messages import Snapshot
 from sandbox.session.session import Session
 from sandbox.trial.driver import LiveRun, Trial
-from sandbox.trial.logs import LatencyLog, TimedDevice, Timing, timed
+from sandbox.trial.logs import LatencyLog, TimedDevice, Timing
 from tests.support.processes import PATIENCE, Sender
 from tests.support.tuio_packets import frame
 from tests.support.viewed import advance, mouse_session, viewed
@@ -88,19 +87,6 @@ def test_a_device_that_is_followed_gives_the_same_states() -> None:
     assert hashes[0] == hashes[1]
 
 
-def test_a_wrapper_has_the_members_of_the_wrapped_device() -> None:
-    mouse = MouseDevice(viewed().surface)
-    device = timed(lambda task, surface: mouse, Timing(LatencyLog()))(None, None)
-    assert isinstance(device, TimedDevice) and device.name == "mouse" and not device.finished
-    assert (
-        device.frame_ready is LiftKeys(mouse).frame_ready is mouse.frame_ready
-        and device.find(MouseDevice) is mouse
-    )
-    assert not device.lift and LiftKeys(device).lift and copy.copy(device).name == "mouse"
-    device.close()
-    assert mouse.finished
-
-
 def test_a_clock_that_begins_with_its_device_is_set_right() -> None:
     class Late(MouseDevice):
         clock_origin = time.monotonic()
@@ -154,17 +140,6 @@ def test_a_session_without_a_touch_is_not_within_any_limit() -> None:
 def test_what_is_no_duration_is_no_limit(limit: float) -> None:
     with pytest.raises(InputError, match="--max-latency"):
         checked_limit(limit)
-
-
-def test_the_table_has_every_kind_that_was_measured_and_says_what_is_not() -> None:
-    log, to = LatencyLog(), console()
-    print_latency(log, to)
-    assert said(to) == ""
-    for kind in KINDS:
-        log.add(kind, 12.34)
-    print_latency(log, to)
-    assert all(text in said(to) for text in KINDS.values())
-    assert said(to).count("12.3") == 3 * len(KINDS) and "display" in said(to)
 
 
 def _note_hash(hashes: list[str], session: Session, _: Snapshot) -> None:

@@ -19,7 +19,7 @@ from models.frames import Contact, TouchFrame
 from models.kinematics import Kinematics
 from sandbox.devices.device import Device
 from sandbox.devices.wrappers.playing import SPEED, LiftKeys
-from sandbox.recording.recording import RecordingWriter, load_recording
+from sandbox.recording.recording import load_recording
 from sandbox.trial.assembly import build, with_lift
 from sandbox.trial.driver import play_trial
 from sandbox.trial.replay import replay
@@ -127,17 +127,6 @@ def test_no_lift_control_moves_the_hand_faster_than_it_may_or_out_of_its_range(
         before = lift.height
     lift.reset()
     assert lift.height == 0.0
-
-
-def test_recordings_keep_the_lift(tmp_path: Path) -> None:
-    path = tmp_path / "lift.jsonl"
-    writer = RecordingWriter(path, {"settings": {}, "versions": {}})
-    frames = [TouchFrame(0.0, (), lift) for lift in (None, 0.0, 1 / 3, 1.0)]
-    for step, frame in enumerate(frames):
-        writer.input(step, 0, frame, "")
-    writer.close()
-    inputs: Any = load_recording(path).inputs[0]
-    assert [i.frame.lift for i in inputs] == [f.lift for f in frames]
 
 
 @pytest.mark.parametrize("lift", ["1.5", "-0.1", '"high"', "[]", "true0"])

@@ -107,19 +107,3 @@ def test_the_command_writes_a_picture(file: Path, tmp_path: Path) -> None:
     out = tmp_path / "hand.png"
     assert main(["paalm", "show", str(file), "--picture", str(out), "--seconds", "0.3"]) == 0
     assert Image.open(out).size == (1100, 620)
-
-
-@pytest.mark.parametrize(
-    ("options", "expected"),
-    [
-        (["--picture", "no/such/folder/a.png"], "no such folder"),
-        (["--picture", "a.txt"], "not a picture"),
-        (["--view", "web", "--json"], "as JSON"),
-    ],
-)
-def test_what_cannot_be_shown_is_one_line(
-    file: Path, capsys: pytest.CaptureFixture[str], options: list[str], expected: str
-) -> None:
-    assert main(["paalm", "show", str(file), *options]) == 2
-    said = capsys.readouterr().err
-    assert expected in said and said.count("\n") == 1

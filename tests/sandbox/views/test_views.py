@@ -15,7 +15,6 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 from PIL import Image
 
-from models.errors import InputError
 from models.frames import FINGERS, SURE
 from models.hand import Hand
 from models.scene import SceneSpec, scene_xml
@@ -298,9 +297,3 @@ def test_names_of_fingers_never_hide_each_other(places: list[tuple[float, float]
     boxes = [(s.x, s.y, s.x + s.image.width, s.y + s.image.height) for s in names]
     for a, b in combinations(boxes, 2):
         assert a[2] <= b[0] or b[2] <= a[0] or a[3] <= b[1] or b[3] <= a[1]
-
-
-@pytest.mark.parametrize("size", [(10, 10), (640, 5000), (640.5, 360), (640,)])
-def test_a_picture_of_no_sensible_size_is_refused(v: Viewed, size: tuple[int, int]) -> None:
-    with pytest.raises(InputError, match="cannot be drawn"):
-        Renderer(v.scene, v.surface, size)

@@ -28,7 +28,6 @@ from tasks.stack import NAMES
 
 ROOT = Path(__file__).resolve().parents[3]
 SOURCES = sorted((ROOT / "sandbox/views/page/src").glob("*.ts"))
-MADE_BY_TOOL = "protocol.ts"
 ENGLISH = words_in("en")
 
 MADE_AT_RUN_TIME = {
@@ -42,19 +41,6 @@ IN_BUNDLE = {"preparing", "needs_script", "return_title", "return_how", "return_
 """Keys that the page's bundler reads."""
 
 TOKEN = re.compile(r"/\*.*?\*/|//[^\n]*|\"(?:\\.|[^\"\\\n])*\"|`(?:\\.|[^`\\])*`", re.DOTALL)
-SINK = re.compile(
-    r"(?:\b(?:text|label|placeholder|title|alt):|\.(?:textContent|innerText|innerHTML|placeholder|title)"
-    r" =|\bwrite\([\w.!]+,|\"aria-label\",|fillText\(|\b(?:tell|complain)\()\s*$"
-)
-SENTENCE = re.compile(r"^[A-Z][a-z]+(?:[ ,.:!?]|$)|[a-z] [a-z]+ [a-z]+[ .]|[a-z]\. [A-Z]")
-NOT_READ = {
-    "Escape",
-    "ArrowUp",
-    "ArrowDown",
-    "PageUp",
-    "PageDown",
-    "OffscreenCanvas",
-}
 """Names of keys and of things in browsers."""
 
 
@@ -63,20 +49,6 @@ def literals(source: str) -> Iterator[tuple[str, str]]:
     for found in TOKEN.finditer(source):
         if found[0][0] in '"`':
             yield found[0][1:-1], source[max(found.start() - 80, 0) : found.start()]
-
-
-def read_by_people(source: str) -> list[str]:
-    """Strings of a source that look like words for people."""
-    suspects = []
-    for text, before in literals(source):
-        plain = re.sub(r"\$\{[^}]*\}", "", text)
-        stored = re.fullmatch(r"[a-z-]+:", plain)  # names in the browser's storage
-        shown = SINK.search(before) and re.search(r"[A-Za-z]{2}", plain) and not stored
-        classes = re.search(r"(?:make\([^)]*|className\w* [=:] ?|classList\.\w+\()$", before)
-        sentence = SENTENCE.search(plain) and not classes
-        if (shown or sentence) and text not in NOT_READ:
-            suspects.append(text)
-    return suspects
 
 
 @cache
@@ -151,33 +123,6 @@ def test_every_key_is_used() -> None:
 def test_built_in_tasks_and_boxes_have_names_in_words() -> None:
     wordings = {"wording_own", "wording_published"}  # Nobody is told of these.
     assert set(ENGLISH) >= MADE_AT_RUN_TIME - wordings
-
-
-@pytest.mark.parametrize(
-    "path", [p for p in SOURCES if p.name != MADE_BY_TOOL], ids=lambda p: p.name
-)
-def test_the_page_has_no_words_outside_of_the_files_of_languages(path: Path) -> None:
-    assert read_by_people(path.read_text(encoding="utf-8")) == []
-
-
-@pytest.mark.parametrize(
-    "line",
-    [
-        'make("p", "", { text: "done" })',
-        'write(this.reason, "paused");',
-        'const HELP = "Scan the code again.";',
-        "toast(`${n} fingers of the hand are gone`);",
-        'element.setAttribute("aria-label", "Lift");',
-    ],
-)
-def test_words_in_a_source_are_found(line: str) -> None:
-    assert read_by_people(line)
-
-
-def test_no_sentence_names_a_command_or_an_option() -> None:
-    for code in LANGUAGES:
-        for key, text in language(code).words.items():
-            assert not re.search(r"`|--\w|\bsandbox\b", text), f"{code}: {key}"
 
 
 def test_a_tag_with_a_country_has_the_words_of_its_language_and_an_unknown_one_english() -> None:

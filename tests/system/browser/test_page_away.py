@@ -14,7 +14,6 @@ from sandbox.server.page_server import PageServer
 from sandbox.words.words import words_in
 from tests.sandbox.server.test_page_server import wait_for
 from tests.support.chromium import BINARY, Browser
-from tests.support.page_client import Page
 from tests.system.browser.away_page import (
     DRAWN,
     HEIGHT,
@@ -114,20 +113,6 @@ def test_a_second_page_gets_the_seat_only_after_the_player_was_away_for_long(
         second.close()
 
 
-def test_seven_spectators_do_not_keep_the_player_from_coming_back(
-    browser: Browser, tmp_path: Path
-) -> None:
-    with playing(browser, tmp_path) as page:
-        page.begin()
-        looking = [Page(page.server.url, str(i), role="spectator") for i in range(7)]
-        for spectator in looking:
-            spectator.until("welcome", role="spectator")
-        assert absence(page, reload, 0.0).same_trial
-        assert page.server.clients == 8
-        for spectator in looking:
-            spectator.close()
-
-
 def test_who_looks_on_reads_that_the_player_is_away(browser: Browser, tmp_path: Path) -> None:
     with playing(browser, tmp_path) as page:
         page.begin()
@@ -153,26 +138,6 @@ def test_a_screen_that_stays_turned_gets_a_new_table_when_the_player_wants_it(
         assert wait_for(lambda: page.scene == 2)
         page.tab.wait(DRAWN + " && document.querySelector('.turned').hidden")
         assert wait_for(lambda: page.pause == "start")
-
-
-def test_a_page_without_a_token_says_what_to_do(browser: Browser, tmp_path: Path) -> None:
-    with playing(browser, tmp_path) as page:
-        stranger = browser.open(page.url.partition("?")[0])
-        stranger.wait("document.body.innerText.includes('Scan the code')")
-        assert stranger.evaluate("document.querySelectorAll('canvas').length") == 0
-        assert not stranger.events("Runtime.exceptionThrown")
-        stranger.close()
-
-
-def test_a_page_whose_link_is_no_longer_valid_says_so(browser: Browser, tmp_path: Path) -> None:
-    with playing(browser, tmp_path) as page:
-        page.begin()
-        page.server.close()
-        other = another(page.server)
-        try:
-            page.tab.wait("document.body.innerText.includes('no longer valid')")
-        finally:
-            other.close()
 
 
 def test_however_long_the_program_was_away_a_page_with_a_refused_token_says_so_and_stops(

@@ -11,7 +11,6 @@ from pathlib import Path
 import pytest
 
 from models.frames import TouchFrame
-from models.message import Message
 from sandbox.server.page_server import PageServer
 from sandbox.server.protocol import LIFT_STRIP_PX, ItemView, PageScreen, Sheet, StudyView, TaskName
 from sandbox.server.screen import LARGEST, rectangle
@@ -284,31 +283,6 @@ def test_a_menu_takes_the_focus_and_gives_it_back(page: PlayedPage) -> None:
     assert tab.evaluate(zoom)
 
 
-def test_of_two_messages_only_the_more_important_one_is_visible(page: PlayedPage) -> None:
-    seen = (
-        "[...document.querySelectorAll('.hint, .lift-again, .toast, .end, .curtain, .turned,"
-        ".trouble, .preparing')].filter(e => e.checkVisibility({visibilityProperty: true}))"
-        ".map(e => e.className.split(' ')[0]).join()"
-    )
-    page.tab.wait(f"{seen} === 'hint'")
-    page.network.close()
-    page.tab.wait(f"{seen} === 'curtain'")
-
-
-def test_the_page_says_that_the_table_is_prepared_until_there_is_one(
-    browser: Browser, server: PageServer
-) -> None:
-    tab = browser.open(server.url, storage=known(640, 480, 64.0))
-    tab.wait("document.querySelector('.preparing').checkVisibility()")
-    tab.wait(READY)
-    assert tab.evaluate("document.querySelector('.preparing').innerText") == "Preparing the table"
-    stage = staged(server)
-    tab.wait("!!document.querySelector('.task').textContent")
-    stage.advance()
-    tab.wait("document.querySelector('.preparing').hidden")
-    tab.close()
-
-
 def shown(server: PageServer) -> Snapshot:
     """The first snapshot of a new trial that the page shows."""
     stage = staged(server)
@@ -365,20 +339,3 @@ def test_a_success_shows_the_best_time_and_the_next_task_and_a_tick_in_the_menu(
         tab.close()
     finally:
         server.close()
-
-
-def test_a_failure_tells_how_near_it_was_and_the_limit(
-    browser: Browser, server: PageServer
-) -> None:
-    tab = browser.open(server.url, storage=KNOWN)
-    tab.wait(READY)
-    reason = Message("box_turned", "turned", degrees="15")
-    for progress, told in ((0.9, "Almost: the box is turned"), (0.3, "the box is turned")):
-        snapshot = shown(server)
-        tab.wait("document.querySelector('.end').hidden")
-        score = replace(snapshot.score, status=Status.TIMEOUT, progress=progress, reason=reason)
-        server.publish(replace(snapshot, score=score))
-        tab.wait("!document.querySelector('.end').hidden")
-        words = tab.evaluate("document.querySelector('.end').innerText")
-        assert told in words and "Time is up" in words and "There are 30 s for it." in words
-    tab.close()

@@ -29,7 +29,6 @@ pytestmark = pytest.mark.skipif(not os.path.exists(BINARY), reason="Debian's chr
 EXAMPLE = Path(__file__).resolve().parents[3] / "examples" / "study" / "design.toml"
 GERMAN = words_in("de")
 OWN_NAME = "Deutsch"
-SCENE = "document.querySelector('.study').dataset.kind === 'none'"
 
 
 def german_of(study: Design) -> list[str]:
@@ -153,14 +152,6 @@ def test_the_link_chooses_a_language_that_a_reload_keeps_and_the_menu_another(
     tab.wait("document.documentElement.lang === 'en' && " + READY)
     tab.wait("document.querySelector('.task').textContent === 'Box to goal'")
     assert wait_for(lambda: server.language == "en")
-    tab.close()
-
-
-def test_a_sentence_of_another_task_is_shown_as_it_is(browser: Browser, stage: Stage) -> None:
-    tab = browser.open(f"{stage.server.url}&lang=de", width=WIDTH, height=HEIGHT, storage=KNOWN)
-    tab.wait(READY)
-    stage.server.show_problem("the kettle boils")
-    tab.wait("document.querySelector('.trouble').textContent === 'the kettle boils'")
     tab.close()
 
 

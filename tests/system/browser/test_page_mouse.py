@@ -170,20 +170,6 @@ def test_buttons_work_while_a_pinned_hand_is_down(desk: Desk) -> None:
     assert not desk.page.tab.evaluate("document.body.classList.contains('touching')")
 
 
-def test_a_question_mark_lists_what_mouse_and_keys_do_and_closes_the_list(desk: Desk) -> None:
-    tab = desk.page.tab
-    tab.evaluate("location.reload()")
-    tab.wait(DRAWN)
-    desk.key("?")
-    tab.wait("document.querySelector('.hint').checkVisibility()")
-    listed = tab.evaluate("document.querySelector('.hint-keys').innerText")
-    for key in ("hand", "move", "wheel", "pin", "all", "space"):
-        assert ENGLISH[f"keys_{key}"] in listed
-    assert ENGLISH["keys_lift"] not in listed
-    desk.key("?")
-    tab.wait("!document.querySelector('.hint').checkVisibility()")
-
-
 def test_one_finger_in_a_task_that_needs_two_is_told_so_where_it_is(
     browser: Browser, tmp_path: Path
 ) -> None:
@@ -230,16 +216,3 @@ def test_the_fingers_that_a_player_uses_are_chosen_by_pictures(
         tab.tap(ENGLISH["fingers_used"])
         chosen = "document.querySelector('.choice.current').innerText"
         tab.wait(f"{chosen} === 'thumb, index, middle'")
-
-
-def test_every_task_of_the_menu_has_a_picture(browser: Browser, tmp_path: Path) -> None:
-    with playing(browser, tmp_path, "box-to-goal") as page:
-        tab = page.tab
-        tab.wait(DRAWN)
-        tab.tap(ENGLISH["tasks"])
-        tab.wait("document.querySelectorAll('.choice').length > 10")
-        tab.evaluate("document.querySelectorAll('.choice img').forEach(i => (i.loading = 'eager'))")
-        tab.wait("[...document.querySelectorAll('.choice img')].every(i => i.naturalWidth === 240)")
-        assert tab.evaluate(
-            "[...document.querySelectorAll('.choice')].every(c => !!c.querySelector('img'))"
-        )

@@ -5,7 +5,6 @@ from __future__ import annotations
 import os
 import re
 import shutil
-import subprocess
 from pathlib import Path
 
 import pytest
@@ -66,11 +65,6 @@ def test_ci_fails_a_skip_for_data_that_is_there(tmp_path: Path) -> None:
     assert found["test_data_elsewhere"] == "FAILED"
 
 
-def test_a_person_may_skip(tmp_path: Path) -> None:
-    found = outcomes(tmp_path, HAND_SANDBOX_DATA=str(tmp_path / "absent"))
-    assert set(found.values()) == {"SKIPPED", "XFAIL"}
-
-
 def test_ci_fails_a_whole_file_that_is_skipped(tmp_path: Path) -> None:
     shutil.copy(ROOT / "tests" / "conftest.py", tmp_path)
     (tmp_path / "test_whole.py").write_text(
@@ -99,11 +93,3 @@ def test_a_folder_is_tested_in_processes_where_a_skip_fails_too_and_a_file_in_on
         assert re.fullmatch(f"=+ {failed} failed in .*=+", said.splitlines()[-1]), said
         assert said.count("with CI=true a skipped test fails") >= failed
         assert ("[gw" in said) == (asked == tmp_path and processors > 1)
-
-
-def test_ci_run_refuses_a_flag_it_does_not_know(tmp_path: Path) -> None:
-    result = subprocess.run(
-        [ROOT / ".ci" / "run", "--fast"], cwd=tmp_path, capture_output=True, text=True, check=False
-    )
-    assert result.returncode == 2
-    assert "--full" in result.stderr

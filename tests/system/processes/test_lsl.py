@@ -17,11 +17,9 @@ from hypothesis import strategies as st
 
 from models.errors import DeviceError
 from models.frames import Contact, TouchFrame
-from sandbox import lsl
 from sandbox.cli.main import main
 from sandbox.lsl import (
     CONTACTS,
-    HAND_CHANNELS,
     TOUCH_CHANNELS,
     LslOutlets,
     forwarding_to,
@@ -131,14 +129,6 @@ def test_the_recording_says_how_the_clocks_stand_and_replays_to_the_same_states(
     assert stamps == sorted(stamps)
     _, found = replay(recording)
     assert found.exact and found.complete
-
-
-def test_a_stream_says_what_its_channels_are(heard: Heard) -> None:
-    about = {h["stream"]: h for h in heard[0] if "labels" in h}
-    assert about["sandbox_touch"]["labels"] == list(TOUCH_CHANNELS)
-    assert about["sandbox_hand"]["labels"] == list(HAND_CHANNELS)
-    assert about["sandbox_hand"]["rate"] == 62.5 and about["sandbox_touch"]["rate"] == 0.0
-    assert len(HAND_CHANNELS) == 50 and lsl._unit("q_2") == "m" and lsl._unit("q_3") == "rad"
 
 
 def test_listening_changes_no_state_of_a_trial(heard: Heard, tmp_path: Path) -> None:

@@ -26,7 +26,7 @@ from sandbox.cli.main import main
 from sandbox.devices.tuio.tuio import TuioDevice
 from sandbox.devices.tuio.tuio_output import send_packet
 from tests.support.processes import PATIENCE, ROOT, Sender, program, run, until
-from tests.support.tuio_packets import MALFORMED, bundle, frame, message, reference_frames
+from tests.support.tuio_packets import MALFORMED, frame, reference_frames
 
 
 def capture_file(path: Path, packets: list[bytes], step: float = 0.01) -> Path:
@@ -97,14 +97,6 @@ def test_what_one_process_sends_another_shows_line_by_line_in_inches(tmp_path: P
     assert (events[1]["frames"], events[1]["malformed"]) == (len(SCENES), 0)
 
 
-def test_the_recorded_session_is_shown_as_a_second_decoder_reads_it(shared_data: Path) -> None:
-    capture = shared_data / "tuio" / "tuio11_capture.jsonl"
-    packets = [bytes.fromhex(json.loads(line)["hex"]) for line in capture.open()]
-    expected = expected_inches(packets)
-    lines, _ = shown_and_sent(capture, len(expected), 10.0)
-    assert_same(inches(lines), expected)
-
-
 def test_a_capture_played_as_a_device_shows_the_same_frames(tmp_path: Path) -> None:
     capture = capture_file(tmp_path / "touches.jsonl", SCENES)
     status, lines, _ = run(
@@ -162,13 +154,6 @@ def test_a_capture_of_more_connections_than_a_process_may_open_is_sent(tmp_path:
     assert "sent 300 packets" in done.stderr
 
 
-def test_sending_to_nobody_says_so(tmp_path: Path) -> None:
-    capture = capture_file(tmp_path / "touches.jsonl", SCENES)
-    status, _, errors = run("touches", "send", capture, "--to", f"127.0.0.1:{free_port()}")
-    assert status == 0
-    assert "no program listens" in errors
-
-
 def test_the_packet_that_meets_the_news_of_a_refusal_is_not_lost() -> None:
     with (
         socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as receiver,
@@ -220,30 +205,6 @@ def test_control_c_ends_cleanly() -> None:
         assert len([line for line in show.errors if json.loads(line)["event"] != "warning"]) == 2
 
 
-def test_it_stops_after_the_time_given() -> None:
-    status, lines, errors = run("touches", "show", "--port", "0", "--json", "--seconds", "0.2")
-    assert (status, lines) == (0, [])
-    assert [json.loads(line)["event"] for line in errors.splitlines()] == [
-        "listening",
-        "warning",
-        "end",
-    ]
-    assert "--bind 0.0.0.0" in errors, "it says what to check where nothing came"
-
-
-def test_people_are_told_the_address_and_what_touches_there_are() -> None:
-    with program("touches", "show", "--port", "0", "--frames", "2") as show:
-        with Sender(show.port()) as send:
-            send(b"nonsense", frame(1, {7: (0.5, 0.5)}), frame(2, {}))
-        status, lines = show.end()
-        assert status == 0
-        assert "7: 3.88, 2.91" in lines[0]
-        assert "no touch" in lines[1]
-        assert "a guess" in show.errors[0], "TUIO has no sizes; without --surface inches are none"
-        assert "1 malformed" in show.errors[-2]
-        assert "left out: 1 messages" in show.errors[-1]
-
-
 def test_a_terminal_shows_a_table_that_follows_the_touches() -> None:
     ours, theirs = pty.openpty()
     show = subprocess.Popen(
@@ -274,24 +235,6 @@ def test_a_terminal_shows_a_table_that_follows_the_touches() -> None:
         show.kill()
         show.wait()
         os.close(ours)
-
-
-def test_a_capture_of_tuio_2_is_shown_like_one_of_tuio_1(shared_data: Path) -> None:
-    capture = shared_data / "tuio" / "tuio20_capture.jsonl"
-    status, lines, _ = run("touches", "show", "--device", capture, "--json")
-    assert status == 0
-    assert max(len(frame) for frame in inches(lines)) == 4
-    assert inches(lines)[-1] == {}
-
-
-def test_packets_without_touches_are_named_as_what_is_wrong(tmp_path: Path) -> None:
-    things = [bundle(message("/tuio/2Dobj", "alive"), message("/tuio/2Dobj", "fseq", 1))] * 3
-    status, _, errors = run(
-        "touches", "show", "--device", capture_file(tmp_path / "things.jsonl", things)
-    )
-    assert status == 0
-    assert "/tuio/2Dobj" in errors
-    assert "2Dcur" in errors
 
 
 @pytest.mark.parametrize(
@@ -328,21 +271,6 @@ def test_bad_input_is_one_clear_message_and_status_2(
     assert lines == ""
     assert said in errors
     assert "Traceback" not in errors
-
-
-@pytest.mark.parametrize("to", ["3333", "127.0.0.1", "127.0.0.1:x", "127.0.0.1:70000", ":"])
-def test_an_address_that_is_none_is_refused(
-    tmp_path: Path, to: str, capsys: pytest.CaptureFixture[str]
-) -> None:
-    capture = capture_file(tmp_path / "c", SCENES)
-    assert main(["touches", "send", str(capture), "--to", to]) == 2
-    assert "HOST:PORT" in capsys.readouterr().err
-
-
-def test_formats_are_listed(capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["touches", "formats"]) == 0
-    text = capsys.readouterr().out
-    assert all(word in text for word in ("TUIO 1.1", "TUIO 2.0", "evdev"))
 
 
 @pytest.mark.parametrize("request_to_end", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])

@@ -94,15 +94,6 @@ def test_frames_of_any_device_are_recorded_with_their_surface(tmp_path: Path) ->
     assert "Traceback" not in errors
 
 
-def test_a_recording_of_a_trial_shows_its_touches() -> None:
-    status, lines, _ = run(
-        *("touches", "show", "--device", ROOT / "sandbox" / "data" / "demo.jsonl"),
-        *("--json", "--frames", "5"),
-    )
-    assert status == 0
-    assert len(lines) == 5
-
-
 def test_what_is_sent_as_tuio_arrives_like_the_device(tmp_path: Path) -> None:
     packets = [bundle(frm(n), ptr(1, n / 32, 0.5), bnd(1, 0.1, 0.1), alv(1)) for n in range(1, 21)]
     records = [{"t": n / 100, "hex": data.hex()} for n, data in enumerate(packets)]

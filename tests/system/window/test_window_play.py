@@ -27,7 +27,6 @@ from sandbox.trial.logs import LatencyLog, TimedDevice, Timing
 from sandbox.trial.settings import Settings
 from sandbox.views.window import window as drawing_quality
 from sandbox.views.window.window import SPEEDS
-from tasks.registry import TASKS
 from tests.support.page_client import Page
 from tests.support.processes import PATIENCE, ROOT
 from tests.support.screen import Screen, screen
@@ -125,12 +124,6 @@ def test_the_goal_stays_in_the_panel_and_how_it_is_done_stands_at_the_bottom_lef
     desk.window.hint = hint_of("box-to-goal")
     rows, columns = changed(goal)
     assert len(rows) > 500 and rows.min() > height / 2 and columns.max() < 0.7 * width
-
-
-@pytest.mark.parametrize("task", [*TASKS, "tasks/of/their_own.py:Task"])
-def test_every_task_has_words_on_how_it_is_done(task: str) -> None:
-    lines = hint_of(task)
-    assert 1 <= len(lines) <= 4 and max(map(len, lines)) <= 60
 
 
 def test_a_link_is_shown_as_a_code_of_whole_modules_with_a_quiet_border(desk: Desk) -> None:

@@ -11,10 +11,8 @@ from itertools import pairwise
 from typing import Any
 
 import pytest
-from websockets.exceptions import InvalidStatus
 from websockets.sync.client import connect
 
-from models.errors import DeviceError
 from sandbox.devices.leap.leap import KEPT, LeapDevice, SplitBySide
 from sandbox.devices.leap.leap_fake import FakeLeapd
 from sandbox.devices.leap.leap_write import leap_message
@@ -123,42 +121,6 @@ def test_damaged_messages_are_counted_and_the_connection_stays() -> None:
     finally:
         device.close()
         server.close()
-
-
-def test_the_fake_service_turns_other_paths_away_as_the_bridge_does() -> None:
-    server = FakeLeapd(messages()[:3], port=0)
-    try:
-        with pytest.raises(InvalidStatus):
-            connect(server.address.replace("v6", "v7"), proxy=None)
-    finally:
-        server.close()
-
-
-def test_a_taken_port_and_an_address_that_is_none_are_refused() -> None:
-    server = FakeLeapd(messages()[:3], port=0)
-    try:
-        with pytest.raises(DeviceError, match="cannot listen"):
-            FakeLeapd(messages()[:3], port=server.port)
-    finally:
-        server.close()
-    with pytest.raises(DeviceError, match="not a WebSocket address"):
-        LeapDevice("http://127.0.0.1:6437")
-
-
-def test_a_service_that_falls_silent_is_not_told_to_be_one_that_never_answered() -> None:
-    port = free_port()
-    device = LeapDevice(f"ws://127.0.0.1:{port}/v6.json")
-    try:
-        assert until(lambda: device.trouble is not None)
-        assert "refused" in str(device.silent(5.0))
-        server = FakeLeapd(messages(), port=port, rate=400.0, loop=True)
-        try:
-            assert device.wait(PATIENCE)
-            assert "no frame for 5 s" in str(device.silent(5.0))
-        finally:
-            server.close()
-    finally:
-        device.close()
 
 
 def test_the_time_of_frames_that_come_again_goes_on() -> None:

@@ -156,16 +156,6 @@ def test_a_file_that_is_no_recording_is_refused_with_its_name(
         read_leap(path)
 
 
-@pytest.mark.parametrize("form", FORMS)
-@pytest.mark.parametrize("name", ["hand.ldj", "hand.jsonl", "hand.txt", "hand"])
-def test_a_recording_is_a_device_in_every_form_whatever_its_name(
-    form: str, name: str, tmp_path: Path
-) -> None:
-    path = tmp_path / name
-    path.write_text(FORMS[form]())
-    assert kind_of(str(path)).sees is Sees.LEAP
-
-
 def test_compressed_recordings_are_recognised_and_files_of_other_programs_are_not(
     shared_data: Path, tmp_path: Path
 ) -> None:
@@ -207,11 +197,6 @@ def test_bytes_that_changed_are_refused_or_counted_and_raise_nothing_else(
     path.write_bytes(content[: int(cut * len(content))])
     with contextlib.suppress(RecordingError):
         assert read_leap(path).frames
-
-
-def test_a_missing_file_is_refused(tmp_path: Path) -> None:
-    with pytest.raises(RecordingError, match="cannot be read"):
-        read_leap(tmp_path / "none.json")
 
 
 def test_a_recording_plays_every_frame_when_it_is_due(tmp_path: Path) -> None:

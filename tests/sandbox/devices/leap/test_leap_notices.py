@@ -1,7 +1,6 @@
 """People over a Leap are told why the drawn hand does not follow them."""
 
 from dataclasses import replace
-from pathlib import Path
 from typing import Any
 
 import pytest
@@ -9,10 +8,8 @@ import pytest
 from encoders.evaluation.paalm import moved, side_by_side
 from encoders.paalm.hand_reconstructor import NOTICE_LASTS
 from models.frames import HandFrame
-from sandbox.cli.run import main
 from sandbox.devices.hand_input import HandInput
 from sandbox.devices.leap.leap import SplitBySide
-from sandbox.devices.leap.leap_write import write_take
 from sandbox.devices.wrappers.shared import SharedDevice
 from sandbox.trial.assembly import build
 from sandbox.trial.settings import HandSettings, Settings
@@ -72,16 +69,3 @@ def test_a_hand_that_stays_away_is_missed_and_one_that_is_lost_for_a_moment_is_n
     missed = [t for t, words in told.items() if any("is not seen" in w for w in words)]
     assert 2.2 < missed[0] < 2.5 and 3.9 < missed[-1] < 4.1
     assert not any("left" in w for words in told.values() for w in words)
-
-
-def test_run_says_it_once_and_writes_it_into_the_events(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    one = take(3)
-    gone = tuple(replace(f, hands=() if f.time > 1.5 else f.hands) for f in one.frames)
-    path, events = tmp_path / "hand.json", tmp_path / "events.jsonl"
-    write_take(replace(one, frames=gone), path, {})
-    main(["box-to-goal", "--device", str(path), "--events", str(events)])
-    words = "the right hand is not seen: hold it over the device"
-    assert " ".join(capsys.readouterr().out.split()).count(words) == 1
-    assert events.read_text().count(words) == 1

@@ -1,7 +1,7 @@
 """Two hands over one Leap, and hands in the air on the command line."""
 
 import json
-from dataclasses import asdict, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 
 from encoders.evaluation.paalm import side_by_side
-from encoders.paalm.simulated.forward import FROZEN_LEAP
 from models.errors import InputError
 from sandbox.cli.main import main as command
 from sandbox.cli.run import main
@@ -18,7 +17,7 @@ from sandbox.devices.leap import OverLeapOptions, over_leap
 from sandbox.devices.leap.leap import SplitBySide
 from sandbox.devices.leap.leap_write import write_take
 from sandbox.devices.registry import kind_of
-from sandbox.devices.simulated.in_air import LeapDisturbance, SimulatedLeap, parse_simulated
+from sandbox.devices.simulated.in_air import SimulatedLeap
 from sandbox.devices.wrappers.shared import SharedDevice
 from sandbox.play.pages import show_session
 from sandbox.recording.recorded_device import RecordedDevice
@@ -86,11 +85,6 @@ def test_two_hands_over_one_leap_carry_a_tray_and_replay_to_the_bit(tmp_path: Pa
     assert frames and all(h.side == "left" for f in frames for h in f.hands)
 
 
-def test_a_hand_in_the_air_and_one_on_a_screen_are_in_one_scene() -> None:
-    made = chosen("carry-together", device="leap-simulated", second_device="simulated")
-    assert [hand.in_air is not None for hand in made.hands] == [True, False]
-
-
 @pytest.mark.parametrize("at", ["", "1,2", "a,b,c", "0,0,9", "nan,0,0"])
 def test_a_device_that_is_nowhere_is_refused(at: str) -> None:
     with pytest.raises(InputError, match="--leap-at"):
@@ -117,29 +111,10 @@ def test_a_leap_recording_drives_the_hand_with_its_own_calibration(
     assert result["settings"]["hands"][0]["in_air"]["at"] == [0.0, 0.0, -0.1]
 
 
-def test_a_recording_without_the_wanted_hand_says_which_it_has(tmp_path: Path) -> None:
-    path = tmp_path / "left.json"
-    write_take(take(1, "v3", side="left"), path, {})
-    with pytest.raises(InputError, match="--hand left"):
-        chosen("box-to-goal", device=str(path))
-
-
 def test_a_service_that_is_not_there_is_one_line(capsys: pytest.CaptureFixture[str]) -> None:
     nobody = ["--device", "leap", "--leap", "ws://127.0.0.1:1/v6.json"]
     assert command(["run", "stack", *nobody]) == 2
     assert "is silent" in capsys.readouterr().err
-
-
-def test_a_simulated_leap_is_as_noisy_and_forgetful_as_it_is_asked_to_be() -> None:
-    assert parse_simulated("") == ("v3", LeapDisturbance())
-    assert parse_simulated("v1,noise=2,lose=1.5") == ("v1", LeapDisturbance(2.0, 1.5))
-    assert LeapDisturbance().applied(FROZEN_LEAP) is FROZEN_LEAP
-    noisy = asdict(LeapDisturbance(3.0).applied(FROZEN_LEAP))
-    changed = {name: value for name, value in noisy.items() if value != getattr(FROZEN_LEAP, name)}
-    assert changed == {name: 3.0 * getattr(FROZEN_LEAP, name) for name in changed}
-    hand = {"joint", "palm_place", "palm_turn", "length_slow", "lost_rate"}
-    fingers = {"tip", "length", "direction", "aside"}
-    assert set(changed) == hand | fingers | {"centre_wanders", "centre_place", "centre_turn"}
 
 
 @pytest.mark.parametrize("wrong", ["v9", "noise", "noise=loud", "noise=nan", "lose=-1", "v1=2"])

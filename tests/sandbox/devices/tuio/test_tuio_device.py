@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import contextlib
 import socket
 import time
 from typing import Any
@@ -85,18 +84,6 @@ def test_the_touches_of_a_silent_sender_are_lifted_and_it_is_marked() -> None:
         assert [(source.name, source.stale) for source in device.sources] == [("app", True)]
         send(frame(2, {}, alive=[1]))
         assert [c.id for c in collect(device, 1)[0].contacts] == [1]
-
-
-@pytest.mark.parametrize("source", [None, "app"])
-def test_a_sender_with_a_socket_for_every_packet_has_one_finger(source: str | None) -> None:
-    scenes = [{7: (n / 16, 0.5)} for n in range(12)] + [{}]
-    with TuioDevice(Surface(), port=0) as device, contextlib.ExitStack() as sockets:
-        for n, scene in enumerate(scenes, start=1):
-            sockets.enter_context(Sender(device.port))(frame(n, scene, source=source))
-        frames = collect(device, len(scenes))
-        assert [[c.id for c in f.contacts] for f in frames] == [[7]] * 12 + [[]]
-        assert len(device.sources) == 1
-        assert not device.report.line()
 
 
 def test_the_real_port_is_told_and_nobody_else_can_have_it() -> None:

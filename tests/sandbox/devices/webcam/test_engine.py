@@ -144,13 +144,6 @@ def test_without_npm_an_index_must_be_asked_by_https_and_must_answer(
         engine.install(lambda line: None)
 
 
-def test_the_status_says_what_is_missing_and_what_to_do(
-    home: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    assert main(["devices", "webcam", "status"]) == 1
-    assert "sandbox devices webcam install" in capsys.readouterr().out
-
-
 def test_a_session_without_the_engine_says_how_to_get_it(
     home: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -96,11 +96,3 @@ def test_both_hands_of_a_recording_of_landmarks_are_exported(tmp_path: Path) -> 
 def test_a_camera_that_cannot_be_is_one_line(text: str) -> None:
     with pytest.raises(InputError):
         webcam_choice(text)
-
-
-def test_the_option_says_what_the_camera_is() -> None:
-    choice = webcam_choice("fov=70,at=0.1/0.5/0.3,tilt=30,roll=180,pan=-10,mirrored,quiet")
-    assert choice.camera == Camera(70.0, (0.1, 0.5, 0.3), 30.0, 180.0, -10.0)
-    assert choice.mirrored and choice.quiet
-    assert webcam_choice("tilt=1", CAMERA).camera.view == CAMERA.view
-    assert webcam_choice("sees=0.58/0.5").camera.view == pytest.approx(60.2, abs=0.1)
