@@ -202,7 +202,7 @@ class PcaIkEncoder(Encoder):
         down, places = touches_of(U)
         if Q.ndim != 2 or Q.shape[1] != POSE_SIZE or len(Q) != len(down) or not len(Q):
             raise EncoderError(
-                "inputs and outputs do not belong together",
+                "inputs and outputs do not have matching shapes",
                 got=(np.shape(U), Q.shape),
                 expected=f"(T, {CONTACT_VECTOR_SIZE}) and (T, {POSE_SIZE}), T at least 1",
             )

@@ -3,15 +3,16 @@
 Equations 1 (quadratic), 2 (linear) and 3 (cubic) of Chung, Kim, Han and Pollard (2015). For 15
 inputs they have K = 136, 16 and 816 terms. Because s_i is 0 or 1 and a lifted finger stands at
 (-1, -1), some terms repeat others (s^2 = s, x s = x + 1 - s): of the 136 quadratic terms only 121
-are independent. The fit (`encoders.regression.least_squares`) therefore takes the shortest of all
-equal solutions; predictions do not depend on the choice.
+are independent. Many solutions therefore fit equally well, and the fit
+(`encoders.regression.least_squares`) takes the shortest of them. Predictions do not depend on the
+choice.
 
-The encoders stand first; then a polynomial of contact vectors with everything left out that their
-finger set already says. Of the 15 numbers of a contact vector only the touching fingers'
-coordinates are free: a touching finger's flag is 1, a lifted one's is 0, and its place is (-1, -1).
-For a set of k fingers every term of a polynomial is therefore plus or minus one of the monomials of
-2k coordinates, or nothing. A quadratic has 15, 28, 45 and 66 of them for 2 to 5 fingers rather than
-136, a cubic 35, 84, 165 and 286 rather than 816. Nothing is approximated.
+The file defines the encoders first, then a reduced polynomial for contact vectors (`Collapse`).
+Once the set of touching fingers is fixed, only their coordinates are free: the flag of a touching
+finger is 1, the flag of a lifted finger is 0, and its position is (-1, -1). For k touching fingers
+every term of the polynomial is then 0, or plus or minus a monomial of 2k coordinates. A quadratic
+has 15, 28, 45 and 66 such monomials for 2 to 5 fingers rather than 136 terms; a cubic has 35, 84,
+165 and 286 rather than 816. The reduction is exact.
 """
 
 from __future__ import annotations
@@ -43,16 +44,17 @@ FLAGS = 2 * len(FINGERS)
 SETS: tuple[tuple[int, ...], ...] = tuple(
     fingers for k in range(1, len(FINGERS) + 1) for fingers in combinations(range(len(FINGERS)), k)
 )
-"""All 31 sets of touching fingers, the small ones first."""
+"""All 31 sets of touching fingers, from the smallest to the largest."""
 
 _FLAG_BYTES = FLAGS * np.dtype(float).itemsize
-"""Where the flags begin in a contact vector's bytes."""
+"""Offset (bytes) of the flags in the memory of a contact vector."""
 
 _WEIGHTS = 1 << np.arange(len(FINGERS))
-"""A set's code is the sum of its fingers' weights, 1 to 31."""
+"""Weights of the fingers; the code of a finger set is the sum of its weights, 1 to 31."""
 
 _LEAST_FINGERS = 2
-"""A set that a training can be missed in: one finger has no layout, and captures drop it."""
+"""Smallest finger set counted in `missing_sets_`. Captures drop frames of a single finger, because
+one finger has no layout."""
 
 
 class PolynomialEncoder(Encoder):
@@ -64,12 +66,13 @@ class PolynomialEncoder(Encoder):
             0 is plain least squares, as in the paper.
 
     Attributes:
-        coef_: (K, n_outputs) coefficients of the terms of `monomials`.
+        coef_: (K, n_outputs) coefficients, one row for each term of `monomials`.
         rank_: Number of independent terms found by the fit (plain least squares only).
         n_inputs_, n_outputs_: Widths seen by the fit.
-        constant_inputs_: Places of inputs that were the same in all frames.
-        missing_sets_: Names (`thumb+ring`) of the sets of two to five fingers that no frame had:
-            what is predicted for those is extrapolated. Empty if the inputs are no contact vectors.
+        constant_inputs_: Indices of inputs that had the same value in all frames.
+        missing_sets_: Names (such as `thumb+ring`) of the sets of two to five fingers that no
+            frame had; predictions for these sets are extrapolations. Empty if the inputs are not
+            contact vectors.
     """
 
     def __init__(self, degree: int = 2, ridge: float = 0.0) -> None:
@@ -83,18 +86,19 @@ class PolynomialEncoder(Encoder):
         """Learns from inputs U (T, width) and outputs Q (T, n_outputs).
 
         Raises:
-            EncoderError: Shapes disagree, a value is not finite, or the degree or ridge is not
-                one that this encoder has.
+            EncoderError: Shapes disagree, a value is not finite, the degree is not 1, 2 or 3, or
+                the ridge is negative or not finite.
         """
         return self.fit_blocks([(U, Q)])
 
     def fit_blocks(self, blocks: Iterable[tuple[ArrayLike, ArrayLike]]) -> Self:
-        """Learns from any number of pairs (U, Q), as from all their frames together.
+        """Learns from any number of pairs (U, Q); the result is that of all frames together.
 
-        Only one block is held at a time; some ten thousand frames make a good block.
+        Only one block is in memory at a time; about ten thousand frames make a good block.
 
         Raises:
-            EncoderError: As `fit`, or blocks differ in their numbers of columns, or there is none.
+            EncoderError: As `fit`; or blocks differ in their numbers of columns; or there is no
+                frame.
         """
         from encoders.regression.least_squares import LeastSquares
 
@@ -108,7 +112,7 @@ class PolynomialEncoder(Encoder):
                 self._plan(self.n_inputs_)
             elif (U.shape[1], Q.shape[1]) != (self.n_inputs_, self.n_outputs_):
                 raise EncoderError(
-                    "a block of frames has other numbers of columns than the first one",
+                    "a block of frames does not have as many columns as the first block",
                     got=f"{U.shape[1]} inputs and {Q.shape[1]} outputs",
                     expected=f"{self.n_inputs_} inputs and {self.n_outputs_} outputs",
                 )
@@ -134,14 +138,14 @@ class PolynomialEncoder(Encoder):
         )
 
     def for_contacts(self) -> ContactPoses:
-        """The encoder prepared for contact vectors, one at a time or many.
+        """The encoder prepared for fast prediction from contact vectors.
 
-        `pose = encoder.for_contacts()` once, then `pose(u)` for one contact vector (15,) and
-        `pose.predict(U)` for many, give what `predict` gives, several times as fast.
+        After `pose = encoder.for_contacts()`, `pose(u)` predicts from one contact vector (15,) and
+        `pose.predict(U)` from many. Both return the outputs of `predict`, to rounding, several
+        times as fast.
 
         Raises:
-            EncoderError: The encoder has learned nothing, or from other inputs than contact
-                vectors.
+            EncoderError: The encoder has learned nothing, or its inputs are not contact vectors.
         """
         self._check_learned()
         if self.n_inputs_ != CONTACT_VECTOR_SIZE:
@@ -165,7 +169,7 @@ class PolynomialEncoder(Encoder):
         return outputs.reshape(*terms.shape[:-1], self.n_outputs_)
 
     def terms(self, U: ArrayLike) -> Array:
-        """(..., K) values of all terms at inputs (..., width)."""
+        """Values (..., K) of all terms for inputs (..., width)."""
         U = np.asarray(U, float)
         X = np.empty((*U.shape[:-1], self._terms))
         X[..., 0] = 1.0
@@ -181,7 +185,7 @@ class PolynomialEncoder(Encoder):
         Args:
             coef: The coefficients.
             n_inputs: Width of the inputs.
-            U: (T, n_inputs) that they were learned from, for `knows` and `missing_sets_`.
+            U: (T, n_inputs) inputs from which the coefficients were learned, for `missing_sets_`.
         """
         self.coef_ = np.asarray(coef, float)
         self.n_inputs_, self.n_outputs_ = n_inputs, self.coef_.shape[1]
@@ -214,7 +218,7 @@ class PolynomialEncoder(Encoder):
         return self.load(stored_coefficients(arrays, (terms, Q.shape[1])), U.shape[1], U)
 
     def _plan(self, width: int) -> None:
-        """Prepares the products that make the terms of each degree from those of the one below."""
+        """Prepares the products that form the terms of each degree from terms one degree lower."""
         terms = monomials(width, self.degree)
         place = {term: i for i, term in enumerate(terms)}
         self._terms = len(terms)
@@ -239,10 +243,10 @@ class PolynomialEncoder(Encoder):
 
 
 def stored_coefficients(arrays: Mapping[str, NDArray[Any]], shape: tuple[int, ...]) -> Array:
-    """The stored array `coef`, checked.
+    """The stored array `coef`, after checks.
 
     Raises:
-        EncoderError: It is missing, has another shape, or is not finite floating point.
+        EncoderError: The array is missing, has another shape, or is not finite floating point.
     """
     coef = arrays.get("coef")
     if coef is None or coef.dtype.kind != "f" or coef.shape != shape:
@@ -258,17 +262,17 @@ def stored_coefficients(arrays: Mapping[str, NDArray[Any]], shape: tuple[int, ..
 
 
 def is_ridge(value: object) -> bool:
-    """True for a value that can be a penalty: a finite number that is not negative."""
+    """True if a value can be a ridge penalty: a finite number of at least 0."""
     if not isinstance(value, int | float | np.number) or isinstance(value, bool):
         return False
-    # Whole numbers of JSON may be larger than any float.
+    # JSON integers may be larger than any float.
     return bool(0 <= value <= sys.float_info.max)
 
 
 def _check(U: Array, Q: Array) -> None:
     if U.ndim != 2 or Q.ndim != 2 or len(U) != len(Q) or not len(U):
         raise EncoderError(
-            "inputs and outputs do not belong together",
+            "inputs and outputs do not have matching shapes",
             got=(U.shape, Q.shape),
             expected="(T, width) and (T, n_outputs)",
         )
@@ -319,7 +323,7 @@ class CubicEncoder(PolynomialEncoder):
 
 
 def monomials(width: int, degree: int) -> list[tuple[int, ...]]:
-    """Input indices of every term, the constant first, then by degree."""
+    """Indices of the inputs multiplied in each term: the constant term first, then by degree."""
     terms: list[tuple[int, ...]] = []
     for d in range(degree + 1):
         terms += combinations_with_replacement(range(width), d)
@@ -327,17 +331,17 @@ def monomials(width: int, degree: int) -> list[tuple[int, ...]]:
 
 
 def _set_name(fingers: Sequence[int]) -> str:
-    """`thumb+ring`, say."""
+    """Name of a finger set, such as `thumb+ring`."""
     return "+".join(FINGERS[f] for f in fingers)
 
 
 def set_code(fingers: Sequence[int]) -> int:
-    """The code of a set of fingers."""
+    """Code of a finger set: the sum of its fingers' `_WEIGHTS`."""
     return int(sum(_WEIGHTS[f] for f in fingers))  # any order: whole numbers
 
 
 def set_codes(U: Array) -> Indices:
-    """(T,) codes of the finger sets of inputs (T, width); 0 for what is not a contact vector."""
+    """Codes (T,) of the finger sets of inputs (T, width); 0 where a row is no contact vector."""
     if U.shape[1] != CONTACT_VECTOR_SIZE:
         return np.zeros(len(U), np.intp)
     flags = U[:, FLAGS:]
@@ -350,14 +354,14 @@ def set_codes(U: Array) -> Indices:
 
 @dataclass(frozen=True)
 class Collapse:
-    """The K terms of a polynomial for one set of fingers, in which r monomials are left.
+    """Reduction of a polynomial's K terms to r monomials, for one set of touching fingers.
 
     Attributes:
         fingers: The set.
-        factors: (degree, r) places in the contact vector whose numbers multiply to a monomial.
-            The flag of a touching finger stands for 1, so that all have equally many factors.
-        monomial: (K,) which monomial a term is.
-        sign: (K,) 1, -1 or 0 that it is to be multiplied by.
+        factors: (degree, r) indices into the contact vector; the numbers in a column multiply to a
+            monomial. The flag of a touching finger, which is 1, fills up columns of lower degree.
+        monomial: (K,) index of the monomial to which each term reduces.
+        sign: (K,) factor 1, -1 or 0 between each term and its monomial.
     """
 
     fingers: tuple[int, ...]
@@ -366,14 +370,14 @@ class Collapse:
     sign: Array
 
     def terms(self, U: Array) -> Array:
-        """(T, r) monomials of contact vectors (T, 15) of this set."""
+        """Monomials (T, r) of contact vectors (T, 15) with this finger set."""
         X: Array = U.take(self.factors[0], axis=1)
         for places in self.factors[1:]:
             X *= U.take(places, axis=1)
         return X
 
     def coefficients(self, coef: Array) -> Array:
-        """(r, n_outputs) of the monomials, from those of all terms (K, n_outputs)."""
+        """Coefficients (r, n_outputs) of the monomials, summed from those of all terms."""
         collapsed = np.zeros((self.factors.shape[1], coef.shape[1]))
         np.add.at(collapsed, self.monomial, self.sign[:, None] * coef)
         return collapsed
@@ -383,14 +387,15 @@ class Collapse:
 def collapse(
     fingers: tuple[int, ...], degree: int, origin: int | None = None, lifted: float = LIFTED
 ) -> Collapse:
-    """The collapse of a polynomial of contact vectors for a set of fingers.
+    """Reduction of a polynomial of contact vectors for a set of touching fingers.
 
     Args:
         fingers: The set.
-        degree: Of the polynomial.
-        origin: The finger of the set that is at (0, 0), as the leftmost one is, if that is to be
-            made use of: 6, 15, 28 and 45 quadratic monomials are left for 2 to 5 fingers.
-        lifted: Both coordinates of a lifted finger.
+        degree: Degree of the polynomial.
+        origin: Finger of the set that is at (0, 0), which is the leftmost one. Its coordinates are
+            then left out too: 6, 15, 28 and 45 quadratic monomials remain for 2 to 5 fingers. None
+            keeps the coordinates of all fingers of the set.
+        lifted: Value of both coordinates of a lifted finger.
     """
     coordinates = [2 * f + axis for f in fingers if f != origin for axis in range(2)]
     one = FLAGS + fingers[0]
@@ -417,13 +422,14 @@ def collapse(
 class ContactPoses:
     """A fitted polynomial encoder, prepared for contact vectors.
 
-    It gives what the encoder's `predict` gives, to rounding, several times as fast. Places of
-    lifted fingers are not read: by the contact vector's definition they are (-1, -1). Buffers are
-    made once and used for every pose, so an object serves one thread at a time.
+    It returns the outputs of the encoder's `predict`, to rounding, several times as fast. It does
+    not read the positions of lifted fingers, which are (-1, -1) by definition of the contact
+    vector. Buffers are made once and reused for every pose, so only one thread at a time may use
+    an object.
 
     Args:
         coef: (K, n_outputs) coefficients of an encoder's terms for 15 inputs.
-        degree: Of the polynomial.
+        degree: Degree of the polynomial.
     """
 
     def __init__(self, coef: Array, degree: int) -> None:
@@ -435,15 +441,15 @@ class ContactPoses:
         self._squares = {} if degree > 2 else dict(map(self._square, SETS))
 
     def _square(self, fingers: tuple[int, ...]) -> tuple[bytes, tuple[Any, ...]]:
-        """A set's flags as they stand in memory, and what a single pose needs.
+        """Bytes of a finger set's flags, and the arrays that predict a single pose for this set.
 
-        With v the flag and the free coordinates, every output is a sum of products v_i v_j. Two
-        products of a vector and a matrix, v' (A v'), cost fewer calls of NumPy than gathering all
-        monomials, and calls are what a single pose costs.
+        If v holds the flag and the free coordinates, every output is a sum of products v_i v_j.
+        Two products of a vector and a matrix, v' (A v'), take fewer NumPy calls than gathering all
+        monomials. Calls dominate the time of a single pose.
         """
         code = set_code(fingers)
         factors = self._collapses[code].factors
-        # A linear term is a product with the flag, which is 1.
+        # For degree 1, the flag (which is 1) is the second factor of every product.
         pair = np.vstack([factors, np.broadcast_to(factors[:1, :1], factors.shape)])[:2]
         places = np.unique(pair)
         row, column = np.searchsorted(places, pair)
@@ -457,13 +463,13 @@ class ContactPoses:
         """(n_outputs,) outputs of one contact vector (15,).
 
         Raises:
-            EncoderError: It is not a contact vector.
+            EncoderError: `u` is not a contact vector.
         """
         try:
             places, v, matrix, flat, half = self._squares[u.tobytes()[_FLAG_BYTES:]]
             u.take(places, 0, v[0], "clip")
         except (KeyError, AttributeError, TypeError, ValueError):
-            # Not as quickly recognised; the checked way takes it, or says what it is.
+            # `predict` handles other types, higher degrees and memory layouts, or raises the error.
             return self.predict(np.asarray(u, float)[None])[0]
         mujoco.mju_mulMatMat(flat, v, matrix)
         outputs = np.empty((1, self.n_outputs_))
@@ -471,10 +477,10 @@ class ContactPoses:
         return outputs[0]
 
     def predict(self, U: ArrayLike) -> Array:
-        """(T, n_outputs) outputs of contact vectors (T, 15).
+        """Outputs (T, n_outputs) of contact vectors (T, 15).
 
         Raises:
-            EncoderError: They are no contact vectors.
+            EncoderError: A row of U is not a contact vector.
         """
         U = np.asarray(U, float)
         codes = _checked_codes(U)
@@ -487,10 +493,12 @@ class ContactPoses:
 
 
 def _checked_codes(U: Array) -> Indices:
-    """(T,) codes of the finger sets of contact vectors (T, 15).
+    """Codes (T,) of the finger sets of contact vectors (T, 15).
+
+    Positions of lifted fingers are not checked.
 
     Raises:
-        EncoderError: They are no contact vectors. Places of lifted fingers are not looked at.
+        EncoderError: A row of U is not a contact vector.
     """
     if U.ndim != 2 or U.shape[1] != CONTACT_VECTOR_SIZE:
         raise EncoderError(

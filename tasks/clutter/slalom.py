@@ -1,7 +1,7 @@
 """Bring a box to its goal through two gates of standing pins.
 
-The simulated user drags the box between the pins along the shortest way that is clear of them: a
-search on a grid, as a person looks for a way with the eyes before they move.
+The simulated user drags the box between the pins along the shortest path that is clear of them. A
+search on a grid finds this path before the user moves, as a person plans a path with the eyes.
 """
 
 from __future__ import annotations
@@ -36,27 +36,27 @@ from tasks.task import Goal, Measure, TaskDefaults
 from tasks.user import SeenObject, Sight, UserConfiguration, UserMaker
 
 GRID = 0.004
-"""m between two places of the search."""
+"""Spacing (m) of the grid on which the search for a path runs."""
 EASY = 0.010
-"""m from other things, from which on a way is easy."""
+"""Clearance (m) to other objects above which a path costs nothing extra."""
 _HARD = 0.002
-"""m less than that, at which a way counts twice as long."""
+"""Shortfall (m) below `EASY` at which a stretch of the path costs twice its length."""
 _BESIDE = 0.045
-"""m beyond start and end, to which a way may lead."""
+"""Distance (m) by which a path may pass beyond the start and the end on each axis."""
 _LOSES = 0.001
-"""m of clearance that a straight leg may lose against the way it replaces."""
+"""Clearance (m) that a straight leg may lose against the part of the path it replaces."""
 _NEAR_TABLE = 0.020
-"""m above the table, where distances are measured: at half the height of the things."""
+"""Height (m) above the table at which distances are measured: half the height of the objects."""
 
 
 @dataclass(frozen=True)
 class Footprint:
-    """What moves, as seen from above.
+    """Outline of the box and the fingers that move it, seen from above.
 
     Attributes:
-        points: (n, 2) m relative to the middle of the box.
-        radii: (n,) m, of discs around them.
-        tips: (k, 2) m, the fingers, which must stay on the screen.
+        points: (n, 2) m, points of box and fingers relative to the middle of the box.
+        radii: (n,) m, radii of discs around the points.
+        tips: (k, 2) m, fingertips relative to the middle of the box; they must stay on the screen.
     """
 
     points: Array
@@ -71,13 +71,13 @@ def clear_leg(
     things: Sequence[SeenObject],
     surface: Surface,
 ) -> Array:
-    """First straight leg (2,) m of a way from start to end, as long as it stays clear.
+    """First straight leg (2,) m of a path from start to end: the longest that stays clear.
 
     Args:
-        start: (2,) m, where the box is.
-        end: (2,) m, where it has to go.
-        footprint: The box and the fingers at it.
-        things: Other things.
+        start: (2,) m, position of the box.
+        end: (2,) m, position to which the box has to go.
+        footprint: Outline of the box and the fingers at it.
+        things: Obstacles: all objects but the box.
         surface: The screen, which fingers do not leave.
     """
     way = _way(start, end, footprint, things, surface)
@@ -99,11 +99,11 @@ def lacking_room(
     things: Sequence[SeenObject],
     surface: Surface,
 ) -> float:
-    """Room in m that the narrowest place of the best way, or its end, lacks to be easy.
+    """Clearance (m) missing to `EASY` at the narrowest point of the best path or at its end.
 
     Args:
         start, end, footprint, things, surface: See `clear_leg`.
-        turned: What moves, as it is turned at the end.
+        turned: The outline in its orientation at the end.
     """
     way = _way(start, end, footprint, things, surface)
     room = min(
@@ -120,7 +120,7 @@ def _way(
     things: Sequence[SeenObject],
     surface: Surface,
 ) -> list[Array]:
-    """Places (2,) m from start to end on a grid, both included."""
+    """Points (2,) m of the best path on the grid, from start to end, both included."""
     low = np.minimum(start, end) - _BESIDE
     counts = [int(n) for n in (np.abs(end - start) + 2 * _BESIDE) / GRID]
     columns, rows = counts[0] + 1, counts[1] + 1
@@ -160,11 +160,12 @@ def _way(
 
 
 _NEIGHBOURS = [(a, b, sqrt(a * a + b * b)) for a in (-1, 0, 1) for b in (-1, 0, 1) if a or b]
-"""Rows and columns to the next places of the grid, and the distance."""
+"""The eight neighbours of a grid point: offset in rows, offset in columns, distance in steps."""
 
 
 def _room(places: Array, footprint: Footprint, things: Sequence[SeenObject]) -> Array:
-    """Distance (n,) m between what moves, its middle at places (n, 2) m, and the nearest thing."""
+    """Clearance (n,) m between a footprint with its middle at places (n, 2) m and the nearest
+    obstacle."""
     if not things:
         return np.full(len(places), np.inf)
     at = (places[:, None] + footprint.points).reshape(-1, 2)
@@ -174,7 +175,8 @@ def _room(places: Array, footprint: Footprint, things: Sequence[SeenObject]) -> 
 
 
 def _off(places: Array, footprint: Footprint, surface: Surface) -> Array:
-    """(n,) m by which fingers of a hand at places (n, 2) m would be beyond the screen's border."""
+    """Distance (n,) m by which fingers would be beyond the screen's border, for a footprint with
+    its middle at places (n, 2) m."""
     at = (places[:, None] + footprint.tips).reshape(-1, 2)
     on = surface.to_surface(np.column_stack([at, np.zeros(len(at))]))
     over = np.maximum(SCREEN_EDGE - np.minimum(on, surface.size - on), 0.0).max(axis=1)
@@ -182,24 +184,25 @@ def _off(places: Array, footprint: Footprint, surface: Surface) -> Array:
 
 
 _TIP = 0.008
-"""m, radius of a fingertip as the user assumes it, with a little room."""
+"""Radius (m) that the user assumes for a fingertip, with a small margin."""
 _LEANS, _THUMB_LEANS = (0.006,), (0.012, 0.024)
-"""m from a fingertip outwards to points of the finger, and of the thumb, that are still lower than
-things to go round: both lean outwards, fingers only a little before they arch over the box."""
+"""Distances (m) outwards from a fingertip to points of a finger, and of the thumb, that are still
+lower than the obstacles. Both lean outwards; fingers lean only a little before they arch over the
+box."""
 _THERE = 0.006
-"""m from its goal, within which a box is turned."""
+"""Distance (m) from the goal below which the user turns the box."""
 _SHARES = (-1.0, -0.5, 0.0, 0.5, 1.0)
-"""Shares of half an edge, at which points on a box's outline are looked at."""
+"""Positions of the points on a box's outline, as shares of half an edge."""
 
 
 class AmongHandling(BoxHandling):
-    """Handling of a box among things that must not be touched.
+    """Handling of a box among objects that must not be touched.
 
     Args:
         surface: The screen.
 
     Attributes:
-        around: What is in the way, and the goal.
+        around: The obstacles and the goal.
     """
 
     def __init__(self, surface: Surface) -> None:
@@ -208,8 +211,8 @@ class AmongHandling(BoxHandling):
     def grasp(
         self, seen: SeenObject, turn: float, hand: Hand, failed: Grasp | None = None
     ) -> Grasp:
-        """Grasp across the faces with the best compromise between comfort and room: where the
-        fingers come down, and on the way to the goal."""
+        """Grasp across two faces of the box: the best compromise between comfort and clearance,
+        both where the fingers come down and on the path to the goal."""
         place, goal = np.asarray(seen.position[:2]), self.around.goal
         assert goal is not None and isinstance(seen.shape, Box)
         half = seen.shape.half_size
@@ -225,7 +228,7 @@ class AmongHandling(BoxHandling):
 
 
 class SlalomUser(SkilledUser):
-    """Drags a box to its goal in legs, each of them clear of all other things on the table.
+    """Drags a box to its goal in straight legs, each clear of all other objects on the table.
 
     Args:
         configuration: Settings of the simulated user.
@@ -250,7 +253,7 @@ class SlalomUser(SkilledUser):
         super()._act(sight, now)
 
     def _leg(self, sight: Sight, box: SeenObject, off: Array, turn: float) -> tuple[Array, float]:
-        """The part of the way to go next; the box is turned once it is there."""
+        """Shift (2,) m and turn, rad, of the next movement; the box is turned only at its goal."""
         if length(off) < _THERE:
             return off, turn
         place = np.asarray(box.position[:2])
@@ -274,12 +277,12 @@ def _about_z(turn: float) -> Array:
 
 
 def footprint(rotation: Array, half_size: tuple[float, float, float], tips: Array) -> Footprint:
-    """What moves along with a box: its outline and the fingers.
+    """Footprint of a box and the fingers that grasp it.
 
     Args:
-        rotation: (3, 3) of the box.
-        half_size: (3,) m, half its edges.
-        tips: (n, 2) m from its middle, thumb first.
+        rotation: (3, 3) rotation of the box.
+        half_size: (3,) m, half the edges of the box.
+        tips: (n, 2) m, fingertips relative to the middle of the box, thumb first.
     """
     a, b, _ = half_size
     on_edges = [(s, t) for s in _SHARES for t in _SHARES if max(abs(s), abs(t)) == 1.0]
@@ -297,35 +300,36 @@ def footprint(rotation: Array, half_size: tuple[float, float, float], tips: Arra
 
 
 EDGE = 0.040
-"""m, edge of the box: of the boxes of the stacking tasks, the smallest."""
+"""Edge (m) of the box, equal to the smallest box of the stacking tasks."""
 MASS = (0.050, 0.150)
-"""kg, of the box."""
+"""Range of the box's mass (kg)."""
 
 PIN_RADIUS, PIN_HEIGHT = 0.00525, 0.0445
-"""m, largest radius and height of an AAA battery (LR03 of IEC 60086-2). One that stands on its end
-falls when it is tilted by 13 degrees."""
+"""Radius and height (m) of a pin: the largest of an AAA battery (LR03 of IEC 60086-2). A battery
+that stands on its end falls when it is tilted by 13 degrees."""
 PIN_MASS = 0.0115
-"""kg, of an AAA battery (alkaline; makers' data sheets say 11 to 12 g)."""
+"""Mass (kg) of an alkaline AAA battery (11 to 12 g in makers' data sheets)."""
 COLOURS = ((0.34, 0.71, 0.91), (0.90, 0.62, 0.0))
 """Colours of the pins of the first and of the second gate."""
 
 OPENING = 0.100
-"""m between the pins of a gate: the box with a fingertip on either side, 40 + 2 x 16 mm, and 14 mm
-to spare on either side."""
+"""Gap (m) between the pins of a gate. The box with a fingertip on either side takes 40 + 2 x 16 mm
+of it, which leaves 14 mm to spare on either side."""
 GATES_APART = 0.050
-"""m from the first gate to the second, along the way."""
+"""Distance (m) from the first gate to the second, along the straight path."""
 LEAD = (0.026, 0.032)
-"""m from the start to the first gate, and from the second gate to the goal."""
+"""Range of the distances (m) from the start to the first gate and from the second gate to the
+goal."""
 SHIFT = 0.008
-"""m by which the gates are shifted off the straight way, to opposite sides: one who drags the box
-straight ahead with fingers on either side has 6 mm to spare."""
+"""Distance (m) by which the two gates are shifted off the straight path, to opposite sides. A box
+dragged straight ahead with fingers on either side has 6 mm to spare."""
 PIN_BORDER = 0.005
-"""m from the surface's border to the nearest place of a pin."""
+"""Least distance (m) of a pin from the surface's border."""
 TURN = float(np.deg2rad(30.0))
-"""rad, largest turn from start to goal."""
+"""Largest turn (rad) from start to goal."""
 
 STANDS, FALLEN = float(np.deg2rad(5.0)), float(np.deg2rad(30.0))
-"""rad, tilt up to which a pin stands, and from which on it has been toppled."""
+"""Tilt (rad) up to which a pin counts as standing, and tilt beyond which it counts as toppled."""
 
 _TRIES = 20_000
 """Number of draws after which a surface is reported as too small."""
@@ -422,7 +426,7 @@ class Slalom(TaskDefaults):
         return ("box",)
 
     def with_room(self, factor: float) -> Slalom:
-        """The same trial with gates so much wider or narrower."""
+        """The same trial with the gap of each gate multiplied by a factor."""
         placed = {pin.name: pin.position for pin in self.objects[1:]}
         out = OPENING / 2 + PIN_RADIUS
         wider = (factor * OPENING / 2 + PIN_RADIUS) / out

@@ -1,5 +1,7 @@
-"""Simulated user who brings an object to its goal: look, reach, adjust, grasp, drag, let go,
-look."""
+"""Simulated user who brings an object to its goal.
+
+The user repeats a cycle until the object is in place: look, reach, adjust, grasp, drag, let go.
+"""
 
 from __future__ import annotations
 
@@ -19,15 +21,15 @@ from tasks.simulated_user.view import Eye
 from tasks.user import FingersKnown, SeenObject, Sight, UserConfiguration
 
 _IN_PLACE = 0.004
-"""m, error of the fingers' positions within which the user closes them."""
+"""Largest error (m) of the fingers' positions at which the user closes the fingers."""
 _SLIPPED = 0.015
-"""m by which the box may lag behind the fingers before it counts as slipped."""
+"""Distance (m) by which the box may lag behind the fingers before it counts as slipped."""
 _HARDLY = 0.001
-"""m beyond the border that make no difference."""
+"""Tolerance (m) when grasps are compared by how far they reach beyond the screen's border."""
 _BLUR = 0.004
-"""m, blur of a fingertip on the screen: a person does not notice smaller errors."""
+"""Blur (m) of a fingertip on the screen; a person does not notice smaller errors."""
 _SETTLE = 0.08
-"""s that the user watches the effect of a movement, in addition to the reaction time."""
+"""Time (s) for which the user watches the effect of a movement, after the reaction time."""
 
 
 class _Doing(Enum):
@@ -48,7 +50,7 @@ class SkilledUser(FingersKnown):
         seed: Seed of the user's randomness.
 
     Attributes:
-        drags: Corrected movements of one grasp before the user lets go and starts again.
+        drags: Largest number of movements in one grasp; then the user lets go and grasps again.
     """
 
     drags: ClassVar[int] = 7
@@ -73,20 +75,20 @@ class SkilledUser(FingersKnown):
         return self._doing not in (_Doing.LOOKING, _Doing.CONTENT)
 
     def finger_ids(self) -> list[int]:
-        """Contact ids of the fingers last put down: thumb, index, ..."""
+        """Contact ids of the last touch, in the order thumb, index, and so on."""
         return self._fingers.ids()
 
     def finger_of(self, contact: int) -> int | None:
-        """Finger, thumb 0 to little 4, of a contact of the last touch; None for another id."""
+        """Finger, thumb 0 to little 4, of a contact id; None if the last touch had no such id."""
         ids = self.finger_ids()
         return ids.index(contact) if contact in ids else None
 
     def observe(self, sight: Sight) -> None:
-        """Shows the user the screen; the user reacts to it a reaction time later."""
+        """Shows the user the screen; the user responds after the reaction time."""
         self._eye.observe(sight)
 
     def touch(self, now: float) -> TouchFrame:
-        """Touches on the screen at the time now, s."""
+        """Touches on the screen at the time `now` (s)."""
         sight = self._eye.at(now)
         if sight is not None and now >= self._until - 1e-9:
             self._act(sight, now)
@@ -108,7 +110,7 @@ class SkilledUser(FingersKnown):
             self._doing = _Doing.LOOKING
 
     def _reach(self, sight: Sight, box: SeenObject, now: float) -> None:
-        """Puts the fingers down around the box, without seeing where they will land."""
+        """Puts the fingers down around the box, with random errors of aim."""
         off, turn = self._missing(sight, box)
         assert self._handling is not None
         near, straight = self._handling.enough
@@ -129,12 +131,11 @@ class SkilledUser(FingersKnown):
         each = self._rng.normal(0.0, c.finger_error, places.shape)
         self._fingers.land(places + error + each, now)
         self._doing, self._tries = _Doing.ADJUSTING, 0
-        # The user waits until the hand is seen to come down.
+        # The user waits until the drawn hand has come down.
         self._wait(self._eye.delay + 0.45, now)
 
     def _on_screen(self, grasp: Grasp, centre: Array) -> Grasp:
-        """The same grasp with fewer fingers, if some of them were beyond the border of the
-        screen."""
+        """The same grasp, with fewer fingers if some would be beyond the screen's border."""
         beyond = {}
         for fingers in range(grasp.fingers, min(grasp.fingers, 3) - 1, -1):
             fewer = replace(grasp, fingers=fingers)
@@ -161,7 +162,8 @@ class SkilledUser(FingersKnown):
                 self._failed = self._grasp
                 self._let_go(now)
                 return
-            # Still a ghost: perhaps a finger is inside the box; open a little wider and look.
+            # The hand is still a ghost, perhaps because a finger is inside the box: open the
+            # fingers a little wider and look again.
             if self._tries > 4:
                 wider = self._grasp.places(middle, opening + 0.004, self._hand)
                 self._watch(self._fingers.move(wider + self._drawn_offset(sight), now))
@@ -179,14 +181,15 @@ class SkilledUser(FingersKnown):
         self._drag(sight, box, now)
 
     def _drag(self, sight: Sight, box: SeenObject, now: float) -> None:
-        """Drags the box towards the goal, in as many corrected movements as needed."""
+        """Drags the box towards the goal, or lets go at the goal, after a slip or when the grasp
+        has used up its movements."""
         assert self._grasp is not None and self._handling is not None
         off, turn = self._missing(sight, box)
         held = self._grasp.middle(box) + self._drawn_offset(sight)
         lag = length(held - self._middle(now))
         near, straight = self._handling.good
         now_turn = self._handling.reach(box, self._grasp, turn, self._hand)
-        # The part that this grasp allows; a wrist at its limit needs a new grasp.
+        # `now_turn` is the part of the turn that the wrist's range allows in this grasp.
         good = length(off) < near and abs(now_turn) < straight
         slipped = self._tries > 0 and lag > _SLIPPED
         if good or slipped or self._tries >= self.drags or not sight.solid:
@@ -197,7 +200,7 @@ class SkilledUser(FingersKnown):
         self._watch(self._fingers.carry(shift, turn, self._handling.pivot(box), now))
 
     def _leg(self, sight: Sight, box: SeenObject, off: Array, turn: float) -> tuple[Array, float]:
-        """Shift (2,) m and turn rad of the next movement of a held object: all that is missing."""
+        """Shift (2,) m and turn, rad, of the next movement: here the whole remaining movement."""
         return off, turn
 
     def _let_go(self, now: float) -> None:
@@ -206,7 +209,7 @@ class SkilledUser(FingersKnown):
         self._wait(self._eye.delay + 0.45, now)
 
     def _missing(self, sight: Sight, box: SeenObject) -> tuple[Array, float]:
-        """Missing shift (2,) m and turn rad from the object as seen to its goal."""
+        """Shift (2,) m and turn, rad, that bring the object from its seen pose to its goal."""
         assert self._handling is not None
         return self._handling.missing(box, sight.goals[0])
 
@@ -215,10 +218,10 @@ class SkilledUser(FingersKnown):
         return _pinch_middle(self._fingers.places(now))
 
     def _drawn_offset(self, sight: Sight) -> Array:
-        """Offset (2,) m to add to the fingers, so that the *drawn* hand is in the intended place.
+        """Offset (2,) m that, added to the fingers, brings the *drawn* hand to the intended place.
 
-        A person watches the drawn hand, not their own fingers, and so corrects any constant error
-        of the reconstruction. Without drawn fingertips no correction is possible.
+        A person watches the drawn hand rather than their own fingers, and so corrects any constant
+        error of the reconstruction. The offset is zero without drawn fingertips.
         """
         ids = self._fingers.ids()
         if any(i not in sight.tips for i in ids):
@@ -230,8 +233,9 @@ class SkilledUser(FingersKnown):
     def _drawn_offset_of_each(self, sight: Sight) -> Array:
         """Offsets (n, 2) m for each finger, so that every drawn fingertip presses on its face.
 
-        Fingers beside a thing are led off their touches (`sandbox.session.tip_offsets`). Who
-        closes them sees when each one is at its face.
+        The session draws fingers beside an object away from their touches
+        (`sandbox.session.tip_offsets`). A user who closes the fingers sees when each drawn
+        fingertip reaches its face of the object.
         """
         common = self._drawn_offset(sight)
         ids = self._fingers.ids()
@@ -246,7 +250,7 @@ class SkilledUser(FingersKnown):
         return self._fingers.places(sight.time)
 
     def _watch(self, arrival: float) -> None:
-        """Waits until the effect of a movement that ends at that time is visible."""
+        """Waits until the effect of a movement that ends at the time `arrival` (s) is visible."""
         self._until = arrival + self._eye.delay + _SETTLE
 
     def _wait(self, seconds: float, now: float) -> None:
@@ -310,22 +314,23 @@ class RandomUser:
 
 
 NOISE = 0.03
-"""Share of the slider's travel: standard deviation of each reading, unless it rests at its lower
-end."""
+"""Standard deviation of each reading, as a share of the slider's travel. A slider at rest at its
+lower end has no noise."""
 _MISS = 0.03
-"""Share of a movement's length by which it misses (standard deviation)."""
+"""Standard deviation of a movement's error, as a share of the movement's length."""
 _BASE, _RATE = 0.30, 0.8
-"""s for a short movement, and shares of the slider's travel per second in a long one."""
+"""A movement takes `_BASE` (s) and its length divided by `_RATE` (share of the travel per
+second)."""
 _STOP = 0.004
-"""Share of the slider's travel: nearer to its lower end it rests there."""
+"""Reading, as a share of the slider's travel, below which the slider rests at its lower end."""
 
 
 class Slider:
     """A lift control in the user's other hand.
 
     Args:
-        reach: m by which the simulated hand rises over the slider's full travel; the user knows it
-            from trying.
+        reach: Height (m) by which the simulated hand rises over the slider's full travel, which
+            the user has learned by practice.
         rng: The user's source of randomness.
     """
 
@@ -335,11 +340,11 @@ class Slider:
         self._begin, self._duration = 0.0, 1e-9
 
     def height(self, now: float) -> float:
-        """Intended height of the hand, m."""
+        """Intended height of the hand (m)."""
         return self._reach * self._at(now)
 
     def move(self, height: float, now: float) -> float:
-        """Moves towards a height, m; returns the time of arrival."""
+        """Moves the slider towards a height (m); returns the time of arrival (s)."""
         start = self._at(now)
         end = float(np.clip(height / self._reach, 0.0, 1.0))
         if end > _STOP:
@@ -361,7 +366,7 @@ class Slider:
 
 
 class IdleLiftUser(IdleUser):
-    """Control user that does not touch, and leaves the slider where it is.
+    """Baseline user that touches nothing and leaves the slider at rest.
 
     Args:
         configuration: Settings of the simulated user.
@@ -377,7 +382,7 @@ class IdleLiftUser(IdleUser):
 
 
 class RandomLiftUser(RandomUser):
-    """Control user that touches and moves the slider at random.
+    """Baseline user that touches at random and moves the slider at random.
 
     Args:
         configuration: Settings of the simulated user.
