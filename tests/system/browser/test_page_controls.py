@@ -239,6 +239,24 @@ def test_who_has_done_a_task_is_not_shown_how(browser: Browser, server: PageServ
     tab.close()
 
 
+def test_a_hint_that_was_closed_in_one_task_comes_in_others(
+    browser: Browser, server: PageServer
+) -> None:
+    visible = "document.querySelector('.hint').checkVisibility()"
+    for closed, comes in (("dial", True), ("box-to-goal", False)):
+        known = {KEY: str(PPI), f"hand-sandbox:hint-closed:{closed}": "yes"}
+        tab = browser.open(server.url, storage=known)
+        tab.wait(READY)
+        server.publish(shown(server), "start")
+        tab.wait(DRAWN)
+        assert tab.evaluate(visible) is comes
+        if comes:
+            tab.tap("Got it")
+            kept = "localStorage.getItem('hand-sandbox:hint-closed:box-to-goal')"
+            assert tab.evaluate(kept) == "yes"
+        tab.close()
+
+
 def test_a_lifted_hand_stays_lifted_through_a_reload(browser: Browser, tmp_path: Path) -> None:
     with playing(browser, tmp_path, "stack") as page:
         page.begin()
@@ -319,6 +337,8 @@ def test_a_success_shows_the_best_time_and_the_next_task_and_a_tick_in_the_menu(
             server.publish(replace(snapshot, time=took + 1.0, score=score))
             tab.wait("!document.querySelector('.end').hidden")
             assert tab.evaluate(text.format(".end-words")) == f"Done in {took} s"
+            # The clock at the top, a second later, has no other time.
+            assert tab.evaluate(text.format(".clock")).startswith(f"{took} ")
             assert tab.evaluate(text.format(".end-detail")) == told
         # The wrench was turned before.
         assert tab.evaluate(text.format(".end .primary")) == "Next: Dial"

@@ -182,7 +182,13 @@ def test_a_second_hand_is_told_beside_it_that_there_is_one_hand_at_a_time(
 
 
 def grip_at(
-    stage: Stage, tab: Tab, snapshot: Snapshot, ids: list[int], off: float, pushed: float = 0.0
+    stage: Stage,
+    tab: Tab,
+    snapshot: Snapshot,
+    ids: list[int],
+    passed: float,
+    off: float,
+    pushed: float = 0.0,
 ) -> bool:
     """Draws a solid hand whose labels are in doubt; true if its player is asked to lift it.
 
@@ -191,6 +197,7 @@ def grip_at(
         tab: The page.
         snapshot: A moment of the session.
         ids: Ids of the page's touches.
+        passed: s since the snapshot.
         off: m by which the touches have moved to the right.
         pushed: m by which the box has.
     """
@@ -201,7 +208,8 @@ def grip_at(
     box = stage.session.scene.model.joint("box").qposadr[0]
     qpos = snapshot.qpos.copy()
     qpos[box] += pushed
-    stage.server.publish(replace(snapshot.with_hands(doubtful), qpos=qpos))
+    now = snapshot.time + passed
+    stage.server.publish(replace(snapshot.with_hands(doubtful), qpos=qpos, time=now))
     drawn(tab)
     return bool(tab.evaluate("!document.querySelector('.lift-again').hidden"))
 
@@ -213,7 +221,8 @@ def test_a_grip_that_moves_something_is_not_asked_to_lift(stage: Stage, tab: Tab
     ids = [c.id for c in last.contacts]
     began = time.monotonic()
     while (passed := time.monotonic() - began) < 3.0:
-        assert not grip_at(stage, tab, snapshot, ids, off=0.01 * passed, pushed=0.01 * passed)
+        moved = 0.01 * passed
+        assert not grip_at(stage, tab, snapshot, ids, passed, off=moved, pushed=moved)
 
 
 def test_words_after_a_failed_grip_stand_right_above_or_below_the_fingers(
@@ -229,7 +238,8 @@ def test_words_after_a_failed_grip_stand_right_above_or_below_the_fingers(
 
         def failed() -> bool:
             passed = time.monotonic() - began  # noqa: B023
-            return grip_at(stage, tab, snapshot, ids, off=min(0.01 * passed, 0.03))  # noqa: B023
+            off = min(0.01 * passed, 0.03)
+            return grip_at(stage, tab, snapshot, ids, passed, off)  # noqa: B023
 
         assert wait_for(failed)
         drawn(tab)

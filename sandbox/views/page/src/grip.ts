@@ -3,8 +3,9 @@
 
 import type { Frame } from "./frame";
 
-/** ms for which a solid hand has to try. */
-const LASTS = 1500;
+/** s of simulated time for which a solid hand has to try: a computer that is behind real time moves objects as
+ * late as it notes touches. */
+const LASTS = 1.5;
 /** m that the touches have to move meanwhile. */
 const MOVED = 0.01;
 /** m and rad by which an object that moves has moved, and progress that counts as some. */
@@ -38,9 +39,9 @@ export class FailedGrip {
   private start: Start | null = null;
   private alone: Alone | null = null;
 
-  /** Id of the one finger with which a task that needs two gets nowhere by a time in ms; else null. */
-  lone(frame: Frame, fewest: number, at: number): number | null {
-    const { hands, progress, status } = frame.state;
+  /** Id of the one finger with which a task that needs two gets nowhere; else null. */
+  lone(frame: Frame, fewest: number): number | null {
+    const { hands, progress, status, time: at } = frame.state;
     const contacts = hands.flatMap((hand) => hand.contacts.filter((c) => c.state === "active"));
     const [one] = contacts;
     const { alone } = this;
@@ -51,13 +52,13 @@ export class FailedGrip {
     return null;
   }
 
-  /** True if a grip has failed by a time in ms: a solid hand whose labels are in doubt, or which presses on
-   * something, has moved its touches, and neither an object nor the progress has moved.
+  /** True if a grip has failed: a solid hand whose labels are in doubt, or which presses on something, has moved
+   * its touches, and neither an object nor the progress has moved.
    *
    * @param objects Rows of the objects among the frame's poses.
    */
-  now(frame: Frame, objects: readonly number[], at: number): boolean {
-    const { hands, progress, status } = frame.state;
+  now(frame: Frame, objects: readonly number[]): boolean {
+    const { hands, progress, status, time: at } = frame.state;
     const solid = hands.filter((hand) => hand.solid.length > 0);
     const contacts = solid.flatMap((hand) => hand.contacts.filter((c) => c.state === "active"));
     const doubtful = solid.some(
@@ -72,7 +73,8 @@ export class FailedGrip {
     const { start } = this;
     const same = start !== null && contacts.every((c) => start.fingers.has(c.id));
     const gained = start !== null && progress > start.progress + GAINED;
-    if (!same || gained || poses.some((pose, i) => stirred(start.objects[i]!, pose))) {
+    const earlier = start !== null && at < start.at;
+    if (!same || gained || earlier || poses.some((pose, i) => stirred(start.objects[i]!, pose))) {
       const fingers = new Map(contacts.map((c) => [c.id, c.position]));
       this.start = { at, progress, fingers, objects: poses };
       return false;

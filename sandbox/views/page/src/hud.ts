@@ -9,6 +9,8 @@ import { LIFT_STRIP_PX, type SceneMessage, type State, type StudyView } from "./
 import { type Key, repeat, say, taskName, word } from "./words";
 
 const TOAST_MS = 2600;
+/** CSS pixels between words and buttons. */
+const GAP = 8;
 /** CSS pixels of the corner with the button for full screen. */
 const CORNER_PX = 56;
 const corner = (): Rectangle => ({
@@ -17,6 +19,8 @@ const corner = (): Rectangle => ({
   width: CORNER_PX,
   height: CORNER_PX,
 });
+const around = ({ left, top, width, height }: Rectangle): Rectangle =>
+  width ? { left: left - GAP, top: top - GAP, width: width + 2 * GAP, height: height + 2 * GAP } : { left, top, width, height };
 /** CSS pixels below the table that a row of buttons needs, and beside it a column of them. */
 const ROW_PX = 62;
 const COLUMN_PX = 150;
@@ -251,13 +255,15 @@ export class Hud {
    * @param left CSS pixels of the page at the left that are taken; `right` likewise.
    */
   standAside(things: Rectangle[], left: number, right: number): void {
-    const taken = [...things, corner()];
+    const { controls } = this;
+    const taken = [...things, ...controls, ...controls, ...controls];
     // A study shows its progress elsewhere.
     for (const text of this.study ? [this.words] : [this.words, this.score]) {
       text.style.left = text.style.top = "0";
       const { left: x, top: y, width, height } = text.getBoundingClientRect();
       const own = { left: x, top: y, width, height };
-      const rows = [y, ...rowsFor(height)];
+      const edge = (row: number): number => Math.min(row, window.innerHeight - row - height);
+      const rows = [y, ...rowsFor(height).sort((a, b) => edge(a) - edge(b))];
       const places = [own, ...placesFor(own, left, right, rows)];
       const place = leastCovering(places, taken);
       text.style.left = `${place.left - x}px`;
@@ -277,9 +283,14 @@ export class Hud {
     return { left, top, width, height };
   }
 
-  /** Rectangles of the words around the table, and of the button for full screen. */
+  /** Rectangles of the words around the table, and of its buttons. */
   get texts(): Rectangle[] {
-    return [corner(), ...[this.words, this.score].map((text) => text.getBoundingClientRect())];
+    return [...this.controls, ...[this.words, this.score].map((text) => text.getBoundingClientRect())];
+  }
+
+  /** Rectangles of the buttons, that for full screen among them, and of the state of the connection. */
+  private get controls(): Rectangle[] {
+    return [corner(), ...[this.buttons, this.dot.parentElement!].map((e) => around(e.getBoundingClientRect()))];
   }
 
   /** CSS pixels from the top of the page to below its words and its progress. */

@@ -33,6 +33,9 @@ export class Lift {
   /** Side of the touch rectangle on which it stands: away from the playing hand. */
   side: "left" | "right" = "left";
 
+  /** True while the knob is that of a demonstration. */
+  private demonstrated = false;
+
   /** m, height of the hand with the knob at the top. */
   private height = 0;
 
@@ -128,10 +131,24 @@ export class Lift {
 
   private put(value: number): void {
     this.value = value;
-    this.knob.style.bottom = `${8 + value * 84}%`;
-    const height = say("lift_height", { mm: (1000 * value * this.height).toFixed(0) });
-    write(this.knob, height);
-    this.track.setAttribute("aria-valuetext", height);
+    this.draw(value);
+    this.track.setAttribute("aria-valuetext", this.knob.textContent ?? "");
     this.track.setAttribute("aria-valuenow", String(Math.round(100 * value)));
+  }
+
+  private draw(value: number): void {
+    this.knob.style.bottom = `${8 + value * 84}%`;
+    write(this.knob, say("lift_height", { mm: (1000 * value * this.height).toFixed(0) }));
+  }
+
+  /** Draws the knob where a demonstration has it, and afterwards where it is.
+   *
+   * @param height m, of the hand in the demonstration; null while none is shown.
+   */
+  demonstrate(height: number | null): void {
+    const shown = height !== null && !this.root.hidden;
+    if (shown) this.draw(Math.min(Math.max(height / this.height, 0), 1));
+    else if (this.demonstrated) this.draw(this.value);
+    this.demonstrated = shown;
   }
 }

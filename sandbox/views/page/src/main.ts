@@ -679,6 +679,7 @@ class Page {
     // Pictures of the table before may still come while another one is prepared.
     show(this.preparing, this.awaited);
     this.stage.move(earlier ?? frame, this.linked, demonstrated !== null);
+    this.lift.demonstrate(demonstrated && this.raised(demonstrated));
     this.stage.draw();
     this.report(frame);
     const { player, heldAt } = this;
@@ -688,7 +689,7 @@ class Page {
     this.conclude(frame, scene);
     this.hint.follow(frame.state);
     if (!this.fingers.length && (!demonstrated || isPhone())) this.standAside();
-    show(this.again, this.player && this.grip.now(frame, this.objects, now));
+    show(this.again, this.player && this.grip.now(frame, this.objects));
     if (!this.again.hidden) this.above(this.again);
     this.sayOneThing(atFinger);
   }
@@ -728,6 +729,13 @@ class Page {
     // To hide a word is worse than to hide a part of an object as large.
     const { texts } = this.hud;
     this.hint.stand([...things, ...texts, ...texts, ...texts], left, right);
+  }
+
+  /** m, height to which an object is raised in a demonstration: that of the hand that holds it. */
+  private raised({ poses }: Frame): number {
+    const first = this.demonstration.frames[0]?.poses;
+    const rises = this.objects.map((row) => poses[7 * row + 2]! - (first?.[7 * row + 2] ?? 0));
+    return Math.max(0, ...rises);
   }
 
   /** Rectangles of the touches of a demonstration, in CSS pixels. */
@@ -787,7 +795,7 @@ class Page {
     if (this.player && !this.scene?.caption) {
       const known = new Map(contacts.map((c) => [c.id, c]));
       const { frame, scene } = this;
-      const lone = frame && scene && this.grip.lone(frame, scene.fingers ?? 1, performance.now());
+      const lone = frame && scene && this.grip.lone(frame, scene.fingers ?? 1);
       for (const id of this.ignored.keys()) if (!known.has(id)) this.ignored.delete(id);
       const rings: Ring[] = this.fingers.map(({ id, x, y, width, height }) => {
         const c = this.linked ? known.get(id) : undefined;

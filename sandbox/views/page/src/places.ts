@@ -4,7 +4,7 @@ import type { Rectangle } from "./lens";
 
 export type Size = Pick<Rectangle, "width" | "height">;
 
-/** CSS pixels that the buttons at the bottom need, and of the margin at the sides. */
+/** CSS pixels that the buttons at the bottom of a phone need, and of the margin at all sides. */
 export const FOOTER = 66;
 export const SIDE = 14;
 
@@ -26,9 +26,9 @@ export function placesFor(size: Size, left: number, right: number, rows: number[
   return rows.flatMap((top) => columns.map((at) => ({ left: Math.max(at, first), top, width, height })));
 }
 
-/** Rows from the top of the page to its buttons in which words of a height may stand, in CSS pixels. */
+/** Rows from the top of the page in which words of a height may stand, in CSS pixels. */
 export function rowsFor(height: number): number[] {
-  const lowest = window.innerHeight - FOOTER - height;
+  const lowest = window.innerHeight - SIDE - height;
   return Array.from({ length: ROWS }, (_, i) => SIDE + ((lowest - SIDE) * i) / (ROWS - 1));
 }
 
