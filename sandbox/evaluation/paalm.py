@@ -1,4 +1,4 @@
-"""How well PAALM reconstructs hands, and what each open question of the paper costs."""
+"""Evaluates PAALM's angles and finger names on simulated and recorded hands."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ CONDITIONS = {
     "v1_without_drop_outs": ("v1", False),
     "v3": ("v3", True),
 }
-"""Name -> dialect, drop-outs. The first is the one that PAALM was written for."""
+"""Dialect and drop-outs of each simulated condition; PAALM was written for the first of them."""
 
 
 def judge_simulated(takes: int, shown: Callable[[float], None]) -> dict[str, Any]:
@@ -136,7 +136,11 @@ def judge_folder(folder: Path, shown: Callable[[float], None]) -> dict[str, Any]
 
 
 def _names(found: list[Judgement], left_out: dict[str, str], name: str, unnamed: LeapTake) -> None:
-    """Names need an open hand, which angles of a device that knows joints do not."""
+    """Adds a judgement of the finger names of a take to `found`.
+
+    Judging names needs an open hand in the recording. If it is missing, only the names are left
+    out: angles of a device that reports joints do not need it.
+    """
     try:
         found.append(judge_recording(name, unnamed, angles=False))
     except EncoderError as error:
@@ -144,7 +148,10 @@ def _names(found: list[Judgement], left_out: dict[str, str], name: str, unnamed:
 
 
 def _takes(path: Path, recording: LeapRecording) -> Iterator[tuple[str, LeapTake, LeapTake | None]]:
-    """Takes of a file: name, as recorded, and without names where the device names fingers."""
+    """Yields the takes of a file: name, take, and a copy without finger names.
+
+    The copy is None if the device does not name fingers.
+    """
     known = take_with_truth(recording, str(path))
     if known is not None:
         yield path.name, known, as_first_software(known) if known.dialect == "v3" else None
@@ -157,7 +164,7 @@ def _takes(path: Path, recording: LeapRecording) -> Iterator[tuple[str, LeapTake
 
 
 def _fit(others: list[LeapTake]) -> Coupling | None:
-    """The coupling of the other recordings; None where they say nothing."""
+    """Returns the coupling fitted to other recordings; None if their data cannot determine it."""
     if not others:
         return None
     try:
@@ -227,4 +234,5 @@ def show_judgements(found: dict[str, Any]) -> None:
 
 
 SIMULATED_FIT = Coupling(0.631, 1.596)
-"""Least squares over the gestures of the simulated persons 0 to 9, who are never judged."""
+"""DIP coupling fitted by least squares to gestures of the simulated persons 0 to 9, which are
+never judged."""

@@ -1,4 +1,4 @@
-"""Parts of an agent's observation, each with its bounds and how it is read, and pictures."""
+"""Parts of an agent's observation, each with its bounds and its reader; and rendered pictures."""
 
 from __future__ import annotations
 
@@ -28,10 +28,10 @@ if TYPE_CHECKING:
 
 
 class Pictures:
-    """Draws moments of one scene after another.
+    """Renders pictures of scenes.
 
-    A renderer takes most of a second to make. It is kept while scenes look alike: objects may start
-    elsewhere, but shapes and colours are the same.
+    Creating a renderer takes most of a second. It is reused while scenes look alike: objects may
+    start at other places, but shapes and colours are the same.
 
     Args:
         surface: The touch surface.
@@ -45,13 +45,13 @@ class Pictures:
         self.made = 0
 
     def draw(self, scene: Scene, snapshot: Snapshot) -> NDArray[np.uint8]:
-        """The picture (height, width, 3) of a moment.
+        """Returns the picture (height, width, 3) of a snapshot.
 
         Raises:
             GraphicsError: There is no OpenGL on this machine.
         """
         if self._renderer is None or self._scene is None or not _alike(scene, self._scene):
-            # Drawing loads OpenGL, which training mostly does without.
+            # The renderer loads OpenGL, which most training does not need.
             from sandbox.views.renderer import Renderer
 
             self.close()
@@ -60,14 +60,14 @@ class Pictures:
         return np.asarray(self._renderer.frame(snapshot))
 
     def close(self) -> None:
-        """Gives the renderer back."""
+        """Closes the renderer."""
         if self._renderer is not None:
             self._renderer.close()
             self._renderer = None
 
 
 def _alike(scene: Scene, other: Scene) -> bool:
-    """True if two scenes differ only in where objects are."""
+    """True if two scenes differ at most in the places of objects."""
     return scene is other or all(
         np.array_equal(one, two)
         for one, two in zip(_appearance(scene), _appearance(other), strict=True)
@@ -75,7 +75,7 @@ def _alike(scene: Scene, other: Scene) -> bool:
 
 
 def _appearance(scene: Scene) -> tuple[NDArray[Any], ...]:
-    """Looks of a scene in a picture, besides where objects are."""
+    """Arrays of the model that decide a scene's picture, except the places of objects."""
     m = scene.model
     return (
         m.geom_type,
@@ -93,14 +93,14 @@ def _appearance(scene: Scene) -> tuple[NDArray[Any], ...]:
 
 
 FAR, FAST, SPINNING = 10.0, 100.0, 1000.0
-"""m, m/s and rad/s: bounds of what is seen. Nothing sound comes near them; what is beyond is shown
-at the bound."""
+"""Bounds of observed positions (m), speeds (m/s) and angular speeds (rad/s). Plausible values are
+far below them; larger values are clipped to the bound."""
 STRONG, HEAVY = 1e4, 1e3
-"""N and kg: bounds of what is seen."""
+"""Bounds of observed forces (N) and masses (kg)."""
 PHASES = tuple(Phase)
-"""In the order of the observation `phase`."""
+"""Phases in the order of the observation `phase`."""
 LATE = 3600.0
-"""s, longer than any trial."""
+"""Bound of the observed time, s; longer than any trial."""
 _STATE = np.repeat([FAR, 1.0, FAST, SPINNING], [3, 4, 3, 3])
 
 
@@ -132,9 +132,9 @@ class Part:
     """A part of an observation.
 
     Attributes:
-        bounds: Pair of arrays, least and largest values in a session; of a part of each hand, for
-            one hand.
-        read: Reads it; of a part of each hand, for one hand.
+        bounds: Returns two arrays, the least and the largest values in a session. The second
+            argument is the index of the hand; parts of the scene ignore it.
+        read: Returns the part's values at a moment, for a hand by its index.
     """
 
     bounds: Callable[[Session, int], tuple[Array, Array]]
@@ -147,7 +147,7 @@ def _even(most: Array) -> tuple[Array, Array]:
 
 def _pose_bounds(session: Session, i: int) -> tuple[Array, Array]:
     width = len(_pose_of(session, i))
-    # Joints of a robot's hand have angles, or are slides.
+    # A person's pose has rotation vectors. A robot's joints are angles, rad, or slides, m.
     turn = np.pi if width == POSE_SIZE else 2.0 * np.pi
     return _even(np.concatenate([np.full(3, FAR), np.full(width - 3, turn)]))
 
@@ -186,7 +186,7 @@ def _touch_bounds(session: Session, i: int) -> tuple[Array, Array]:
 
 
 def slot_labels(snapshot: Snapshot, hand: Hands, i: int) -> list[int | None]:
-    """For every slot of a hand the finger that its touch is taken for now; None for none."""
+    """Returns the label of the touch in each slot of a hand; None without touch or label."""
     known = {c.id: c.label for c in snapshot.hands[i].contacts}
     return [None if id is None else known.get(id) for id in hand.touch_ids]
 
@@ -221,11 +221,11 @@ _HANDS: dict[str, Part] = {
         lambda m, i: m.forces[i],
     ),
 }
-"""Parts of each hand; of two hands, a part has a row for each."""
+"""Parts that each hand has. With two hands, a part has a row for each hand."""
 
 
 def _properties(session: Session) -> Array:
-    """(n, 4) of every object its mass, kg, and half its edges, m."""
+    """Returns (n, 4): each object's mass, kg, and half its length, width and height, m."""
     return np.array([_object_properties(session, name) for name in session.scene.object_bodies])
 
 
@@ -245,7 +245,10 @@ def _object_properties(session: Session, name: str) -> Array:
 
 
 def object_state(session: Session, name: str) -> Array:
-    """(13,) position, quaternion with w >= 0, speed, and speed of turning, all in the world."""
+    """Returns the state (13,) of an object in the world frame.
+
+    Position, m; quaternion (w, x, y, z) with w >= 0; velocity, m/s; angular velocity, rad/s.
+    """
     model, data = session.scene.model, session.data
     body = session.scene.object_bodies[name]
     quat = data.xquat[body] * (-1.0 if data.xquat[body][0] < 0 else 1.0)
@@ -318,7 +321,7 @@ class Observing:
         }
 
     def read(self, moment: Moment) -> dict[str, Array]:
-        """The observation of a moment, as new arrays; what is out of bounds is shown at them."""
+        """Returns the observation of a moment as new arrays; values are clipped to the bounds."""
         seen = {}
         for name in self._names:
             if name in _HANDS:
@@ -332,25 +335,25 @@ class Observing:
 
 
 def check_counts(task: Task, space: spaces.Dict) -> None:
-    """Checks that a trial has as many objects and goals as the space, which was made of another.
+    """Checks that a trial has as many objects and goals as the space, made from another trial.
 
-    NumPy would repeat one object until there are as many as there should be.
+    Without the check, NumPy would broadcast a single object to the expected number.
 
     Raises:
-        InputError: It has more or fewer.
+        InputError: The trial has more or fewer objects or goals.
     """
     for what, shown in (("objects", task.objects), ("goals", task.goals)):
         shape = space[what].shape if what in space.spaces else (0,)
         if shape is not None and len(shown) != shape[0]:
             raise InputError(
-                f"this trial has another number of {what} than an environment can show",
+                f"the number of {what} in this trial differs from that of the environment",
                 where=f"{task.name}, seed {task.seed}",
                 got=len(shown),
                 expected=f"{shape[0]}, as in the trial of seed 0",
-                remedy=f"A task for Gymnasium places as many {what} in every trial",
+                remedy=f"Place the same number of {what} in every trial of the task",
             )
 
 
 def _together(each: Sequence[Array]) -> Array:
-    """One hand's values by themselves, those of two in rows."""
+    """Returns the values of a single hand unchanged, and stacks those of two hands in rows."""
     return each[0] if len(each) == 1 else np.stack(each)

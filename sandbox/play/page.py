@@ -46,17 +46,17 @@ from sandbox.trial.settings import Settings
 from sandbox.trial.trial_options import TrialOptions, trial_settings
 
 OTHER_PAGE_PATIENCE = 2.0
-"""s after which the player on one of two pages is told that the other page is not open."""
+"""Seconds after which one page shows that the page of the other hand is not open."""
 
 OTHER_SIZE = 0.05
-"""Share by which a hand in a headset has to differ from the drawn one for its person to be told."""
+"""Relative difference between a headset's hand and the drawn hand that is reported."""
 
 OTHER_PAGE = Message("other_page", "The page of the other hand is not open yet.")
 
 
 @dataclass
 class PagePlay(Play):
-    """Play on a page, or on a page for every hand, at addresses of their own; see `Play`."""
+    """Play on one page, or on a separate page for each hand; see `Play`."""
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -76,7 +76,7 @@ class PagePlay(Play):
             self.demonstrator.stop()
 
     def _wait_for_players(self) -> None:
-        """Waits until every page is open; an open page is told if the other one is missing."""
+        """Waits until every page is open; an open page shows if the other one is missing."""
         start, notified = time.monotonic(), False
         while missing := [s for s in self.servers if not s.wait_for_player(0.0)]:
             time.sleep(TICK)
@@ -137,7 +137,7 @@ class PagePlay(Play):
             self.events.write("trial_end", **result.as_json())
 
     def _play(self, trial: Trial, chosen: Settings, ended: list[TrialResult]) -> None:
-        """Plays until the trial is over or a new one is requested; adds its result to `ended`."""
+        """Plays until the trial ends or a new trial is requested; appends the result to `ended`."""
         session = trial.session
         touched = [device for _, device in touched_pages(session)]
         auto_pause = AutoPause(list(zip(self.servers, touched, strict=False)))
@@ -155,7 +155,7 @@ class PagePlay(Play):
                 self.demonstrator.begin(chosen, scene)
             pause = auto_pause.check(session.time, session.scorer.score.held)
             if pause == "away":
-                # A menu that was open on a page that was left is open no more.
+                # A page that was left has no open menu when it returns.
                 self.requests.paused = False
             elif self.requests.paused:
                 return "menu"
@@ -173,25 +173,25 @@ class PagePlay(Play):
         LiveRun(trial, self.servers).play(turn, end)
 
     def _can_demonstrate(self, settings: Settings) -> bool:
-        """True if one hand plays by touch on one page, as the simulated user would."""
+        """True if a single hand plays by touch on one page, as the demonstration does."""
         return self.options.device == "web" and len(settings.hands) == 1
 
     def _report_hand_size(self, session: Session, settings: Settings) -> None:
-        """Prints the size of a hand in a headset that differs from the drawn one."""
+        """Prints the size of the headset's hand if it differs from the drawn hand's."""
         headset = session.first_rig.device.find(HeadsetDevice)
         seen = headset.hand_size if headset is not None else None
         if seen is not None and abs(seen / settings.hands[0].size - 1.0) > OTHER_SIZE:
             self.console.print(
-                f"the headset sees a hand {seen:.2f} times as long as the average one: "
-                f"`--hand-size {seen:.2f}` draws it so"
+                f"the headset measures a hand {seen:.2f} times as long as the average hand: "
+                f"use `--hand-size {seen:.2f}` for a drawn hand of this size"
             )
 
     def _on_screens(self, settings: Settings) -> Settings:
-        """The settings with the surface of the pages that are touched."""
+        """Returns the settings with a surface that fits the screens of the touched pages."""
         screens = [server.screen for server in self.servers if server.screen]
         if "web" in (self.options.device, self.options.second_device) and screens:
             hands = len(settings.hands) if settings.surface.shared else 1
-            # A page alone may fill itself with its table. Two tablets have one scale, the true one.
+            # A single page may scale its table to fill the screen. Two tablets have true size.
             alone = len(self.servers) == 1 and not settings.surface.shared
             if alone and screens[0].fit:
                 return settings.changed(**scaled(screens[0], lifts(settings)))
@@ -200,7 +200,7 @@ class PagePlay(Play):
         return settings
 
     def _show(self, session: Session, chosen: Settings) -> tuple[int, ...]:
-        """Returns the index of the hand that each page is for."""
+        """Shows the session on every page; returns each page's hand, by index."""
         caption = SIMULATED_USER if chosen.device.user else ""
         hands, touched = chosen.hands, touched_pages(session)
         shown = []
@@ -216,7 +216,7 @@ class PagePlay(Play):
         return tuple(shown)
 
     def _refuse(self, error: InputError, settings: Settings) -> None:
-        """Shows on the page why this screen has no room for a task; another can be chosen."""
+        """Shows on the page why a task does not fit this screen; the player can choose another."""
         for server in self.servers:
             strip = LIFT_STRIP_PX / server.screen.px_per_in if server.screen else 0.0
             server.show_problem(*explain_refusal(error, settings, strip))
@@ -233,8 +233,15 @@ def play_on_page(
 ) -> int:
     """Serves the page until interrupted, then prints the latency of touches.
 
-    Returns 1 if the latency exceeds `limit`, ms (see `judge_latency`); None sets no limit. For
-    `learner` see `Play`.
+    Args:
+        options: Options of the trials.
+        page: Options of the page.
+        console: Console for addresses, results and latency.
+        limit: Limit of the latency, ms (see `judge_latency`); None sets no limit.
+        learner: See `Play`.
+
+    Returns:
+        Exit status: 1 if the latency exceeds the limit, else 0.
     """
     hands = [options.device, options.second_device].count("web")
     settings = trial_settings(options)
@@ -246,7 +253,7 @@ def play_on_page(
     events = EventLog(options.events)
     try:
         if hands == 2:
-            # Each hand has a page at an address of its own.
+            # Each hand has its own page, at its own address.
             second = replace(page, page_port=page.page_port and page.page_port + 1)
             servers.append(opened(second))
         for server, whose in zip(servers, names, strict=False):
@@ -277,7 +284,7 @@ def play_on_page(
 
 
 def _counts(settings: Settings) -> dict[str, Any]:
-    """Fields of the result of a table that is not of true size."""
+    """Fields of the result for a table that is not shown in true size."""
     scale = settings.surface.scale
     return {
         "surface_scale": None if scale == 1.0 else round(scale, 4),

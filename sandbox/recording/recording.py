@@ -1,16 +1,22 @@
-"""Recordings: inputs with the steps at which they took effect, for a replay equal to the bit.
+"""Recordings: inputs with their physics steps, for a replay equal to the bit.
 
-JSON lines: a header, then `input` lines (a touch frame or hand frame, the physics step at which it
-took effect, the state's hash just before), `event` lines (other inputs and events, such as a change
-of contact mode), `keyframe` lines (MuJoCo's integration state, once a second), `track` lines (the
-poses of a second), and an `end` line with the result. If the program crashes, at most the lines of
-the last 10 ms and a second of the track are lost.
+A recording is a file of JSON lines:
 
-A track shows a trial on machines that cannot reproduce it. It is for viewing only, as all joint
-positions are rounded; a simulation continues from a keyframe.
+- `header`: settings, versions and digests.
+- `input`: a touch frame or hand frame, the physics step at which it took effect, and the state's
+  hash just before.
+- `event`: another input or event, such as a change of contact mode.
+- `keyframe`: MuJoCo's integration state, once a second.
+- `track`: the poses of a second.
+- `end`: the result.
+
+If the program crashes, at most the lines of the last 10 ms and a second of the track are lost.
+
+The track shows a trial on machines that cannot reproduce its states. Its joint positions are
+rounded, so it is for viewing only; to continue a simulation, use a keyframe.
 
 A recording is written uncompressed, line by line, and may be compressed once it is complete. The
-compressed file has the same name with `.gz` appended; readers need not distinguish.
+compressed file has the same name with `.gz` appended. Readers accept both.
 """
 
 from __future__ import annotations
@@ -51,11 +57,11 @@ SCHEMA = 2
 """Version of the file's layout."""
 
 KEYFRAME_PERIOD = 1.0
-"""s between two stored states."""
+"""Time between two stored states, s."""
 STATES_PER_KEYFRAME = round(KEYFRAME_PERIOD / CONTROL_PERIOD)
 
 LOOK = 0.01
-"""s between two checks of the writing thread for new lines."""
+"""Time between two checks of the writing thread for new lines, s."""
 
 Line = dict[str, Any]
 SHARED_FIELDS = {
@@ -68,8 +74,8 @@ SHARED_FIELDS = {
     "track": ("kind", "steps", "hands", "joints", "poses"),
     "end": ("kind", "step", "hash", "result"),
 }
-"""Fields of lines, by kind, that `sandbox study share` lets out. Those of a header are the fields
-of a result that are shared (`sandbox.trial.result`)."""
+"""Fields of lines, by kind, that `sandbox study share` includes in the copy. The shared fields of a
+header are those of a result (`sandbox.trial.result`)."""
 
 GRAIN = 2e-5
 """Rounding of joint positions, in m, rad or quaternion units: 0.02 mm, 0.002 degrees."""
@@ -98,8 +104,8 @@ class PoseTrack:
 class PoseTrackWriter:
     """Collects poses and turns them into lines of a recording.
 
-    Poses are copied into memory that was allocated beforehand: in a loop that has just slept,
-    allocation takes longer than copying.
+    Poses are copied into memory that was allocated beforehand. After the loop has slept, allocating
+    memory would take longer than copying.
     """
 
     def __init__(self) -> None:
@@ -115,9 +121,10 @@ class PoseTrackWriter:
         self._entries.append((step, solid))
 
     def take(self) -> Callable[[], dict[str, Any]] | None:
-        """A function that makes a line of all poses since the last call; None without poses.
+        """Returns a function that makes a line of the poses since the last call, or None.
 
-        The function takes a millisecond, and may be called at any time and from any thread.
+        None means that there are no new poses. The returned function takes a millisecond, and may
+        be called later from any thread.
         """
         if not self._entries:
             return None
@@ -126,7 +133,7 @@ class PoseTrackWriter:
         return make
 
     def line(self) -> dict[str, Any] | None:
-        """A line of all poses since the last one; None without poses."""
+        """Makes a line of all poses since the last line; None without poses."""
         make = self.take()
         return make() if make else None
 
@@ -147,7 +154,13 @@ def _line_of(
 def track_line(
     steps: list[int], poses: Array | Sequence[Array], solid: Sequence[Sequence[frozenset[int]]]
 ) -> dict[str, Any]:
-    """The line of a recording with poses (nq,) and the solid fingers of every hand, by step."""
+    """Makes the `track` line of poses.
+
+    Args:
+        steps: Physics steps of the poses, evenly spaced.
+        poses: Joint positions (nq,) at each step.
+        solid: Labels of the solid fingers of every hand, at each step.
+    """
     with np.errstate(invalid="ignore"):
         places = np.clip(np.nan_to_num(np.array(poses)), -1e4, 1e4) / GRAIN
     masks = [[finger_bits(labels) for labels in hands] for hands in solid]
@@ -176,12 +189,12 @@ def read_track_line(line: dict[str, Any], track: PoseTrack) -> None:
     first, stride, count = (int(n) for n in line["steps"])
     joints, hands = int(line["joints"]), int(line["hands"])
     if not (0 < count <= LONGEST and 0 <= joints <= 10_000 and 0 <= hands <= 8):
-        raise ValueError("a track of this size")
+        raise ValueError("the size of the track is implausible")
     size = 4 * count * (joints + hands)
     packed = zlib.decompressobj()
     data = packed.decompress(base64.b64decode(line["poses"], validate=True), size + 1)
     if len(data) != size:
-        raise ValueError("a track of another length than it says")
+        raise ValueError("the length of the track's data differs from its size")
     planes = np.frombuffer(data, np.uint8).reshape(4, -1).T
     folded = np.ascontiguousarray(planes).view("<u4").reshape(joints + hands, count).T
     folded = folded.astype(np.int64)
@@ -201,7 +214,7 @@ def _runs(steps: list[int]) -> list[int]:
 
 
 def frame_to_json(frame: Frame) -> dict[str, Any]:
-    """Converts a frame to JSON values; Python writes floats so that they are read back exactly."""
+    """Converts a frame to JSON values; floats written by Python are read back exactly."""
     if isinstance(frame, HandFrame):
         line: dict[str, Any] = {"time": frame.time, "hands": [_hand(h) for h in frame.hands]}
         told = {"source": frame.source, "dialect": frame.dialect}
@@ -258,7 +271,7 @@ def frame_from_json(line: dict[str, Any]) -> Frame:
 
 
 def _extent(values: list[Any]) -> tuple[float, float] | None:
-    """Width and height of a contact; contacts without them end with the label."""
+    """Reads width and height of a contact, m; None if its values end with the label."""
     if not values:
         return None
     width, height = values
@@ -329,7 +342,7 @@ _PIECE = 1 << 16
 
 
 def stored(path: Path) -> Path:
-    """The file that holds a recording: the plain one, or the compressed one if only it exists."""
+    """Returns the file of a recording: the plain file, or the compressed one if only it exists."""
     packed = Path(f"{path}{SUFFIX}")
     return packed if not path.exists() and packed.exists() else path
 
@@ -383,7 +396,7 @@ def _unpacked(data: bytes) -> Stored:
     """Decompresses data up to its end or the damage."""
     reader, pieces = zlib.decompressobj(wbits=31), []
     try:
-        # In pieces, so that those before a damaged one are kept.
+        # Decompress in pieces, so that the pieces before the damage are not lost.
         while data and not reader.eof:
             pieces.append(reader.decompress(data, _PIECE))
             data = reader.unconsumed_tail
@@ -393,7 +406,7 @@ def _unpacked(data: bytes) -> Stored:
 
 
 class DeferredLine:
-    """A line that is made when it is first needed, to keep that work out of the session's loop.
+    """A line that is made when it is first used, to keep this work out of the session's loop.
 
     Args:
         make: Function that makes the line.
@@ -403,7 +416,7 @@ class DeferredLine:
     __slots__ = ("_line", "_parts")
 
     def __init__(self, make: Callable[..., Line], *values: Any) -> None:
-        # A single attribute, so that another thread reads both values or neither.
+        # A single attribute: another thread reads either both values or None.
         self._parts: tuple[Callable[..., Line], tuple[Any, ...]] | None = (make, values)
         self._line: Line | None = None
 
@@ -420,7 +433,7 @@ class DeferredLine:
 
 
 class RecordingLines(ABC):
-    """A session recorder that makes the lines of a recording; subclasses store them."""
+    """Base class of session recorders: makes the lines of a recording, which subclasses store."""
 
     def __init__(self) -> None:
         self._track = PoseTrackWriter()
@@ -465,28 +478,29 @@ class RecordingLines(ABC):
 
     @abstractmethod
     def _put(self, line: Line | DeferredLine) -> None:
-        """Keeps a line."""
+        """Stores a line."""
 
 
 def input_line(step: int, hand: int, frame: Frame, state_hash: str) -> Line:
-    """The line of a frame that takes effect at a physics step."""
+    """Makes the `input` line of a frame that takes effect at a physics step."""
     return {"kind": "input", "step": step, "hand": hand, **frame_to_json(frame), "hash": state_hash}
 
 
 def keyframe_line(step: int, state: NDArray[np.float64], state_hash: str) -> Line:
-    """Line of an integration state."""
+    """Makes the `keyframe` line of an integration state."""
     text = base64.b64encode(np.ascontiguousarray(state, "<f8").tobytes()).decode()
     return {"kind": "keyframe", "step": step, "state": text, "hash": state_hash}
 
 
 def end_line(step: int, result: dict[str, Any]) -> Line:
-    """Line of a trial's end."""
+    """Makes the `end` line of a trial."""
     return {"kind": "end", "step": step, "hash": result["state_hash"], "result": result}
 
 
 class RecordingWriter(RecordingLines):
-    """Writes a recording from its own thread, one write per line, every 10 ms; the session never
-    waits for it.
+    """Writes a recording from its own thread every 10 ms, one write per line.
+
+    The session never waits for this thread.
 
     Args:
         path: The new file; an existing file is never overwritten.
@@ -518,7 +532,7 @@ class RecordingWriter(RecordingLines):
         self._waiting.append(line)
 
     def _start(self) -> None:
-        # Appending to a deque wakes no thread, which would take longer than all else here.
+        # Appending to a deque wakes no thread; waking one would be the slowest part.
         self._waiting: deque[Line | DeferredLine] = deque()
         self._ending = threading.Event()
         self._error: Exception | None = None
@@ -538,7 +552,7 @@ class RecordingWriter(RecordingLines):
         self.check()
 
     def check(self) -> None:
-        """Does nothing while all lines so far could be written; never waits.
+        """Raises the error of the writing thread, if there is one; never waits.
 
         Raises:
             RecordingError: A line could not be written; the lines before it are on disk.
@@ -555,7 +569,7 @@ class RecordingWriter(RecordingLines):
                 "the recording is incomplete",
                 where=str(self.path),
                 got=str(self._error),
-                expected="events and results that JSON knows, such as float(x) of NumPy's numbers",
+                expected="events and results of JSON types, such as float(x) of NumPy's numbers",
             )
 
     def _put(self, line: Line | DeferredLine) -> None:
@@ -577,8 +591,8 @@ class RecordingWriter(RecordingLines):
             data = json.dumps(values, separators=(",", ":")).encode() + b"\n"
             while data:
                 data = data[self._file.write(data) :]
-        except Exception as error:  # the thread must live to say that a line is missing
-            # The disk is full, or a value cannot be written as JSON.
+        except Exception as error:  # the thread must survive, so that `check` can raise the error
+            # The disk is full, or a value is of no JSON type.
             self._error = error
 
 
@@ -602,16 +616,16 @@ class RecordedEvent:
 
 @dataclass(frozen=True)
 class Recording:
-    """A recording read back.
+    """The contents of a recording's file.
 
     Attributes:
         path: File of the recording.
-        header: Header, of this version (see `read_header`).
+        header: Header, in the layout of this version (see `read_header`).
         inputs: Inputs by hand, in order.
         keyframes: Integration states by physics step.
         events: Events in order.
-        hashes: Hashes of the state by physics step, as far as the file has them.
-        track: Poses, for viewing; empty where it breaks off before the first.
+        hashes: Hashes of the state by physics step, for the steps with a hash in the file.
+        track: Poses, for viewing; empty if the file ends before its first `track` line.
         end: The `end` line; None if the recording breaks off.
         damage: Description of damage at the end of the file; empty without damage.
     """
@@ -627,7 +641,7 @@ class Recording:
     damage: str = ""
 
     def touches(self, hand: int = 0) -> list[TouchFrame]:
-        """The touch frames of a hand.
+        """Returns the touch frames of a hand.
 
         Raises:
             RecordingError: The hand was driven by hand frames.
@@ -636,7 +650,7 @@ class Recording:
         touches = [frame for frame in frames if isinstance(frame, TouchFrame)]
         if len(touches) < len(frames):
             raise RecordingError(
-                "this recording is of a hand in the air, and has no touches",
+                "this recording has no touches: the hand was in the air",
                 where=str(self.path),
                 remedy="`sandbox run` and `sandbox replay` play it",
             )
@@ -653,7 +667,7 @@ def is_recording(path: Path) -> bool:
 
 
 def is_dump(path: Path) -> bool:
-    """True if a recording is the dump of a divergence, which repeats the one that it lies beside.
+    """True if a recording is the dump of a divergence, a copy of the recording beside it.
 
     Args:
         path: File of a recording; see `is_recording`.
@@ -665,7 +679,7 @@ def read_header(line: bytes, path: Path) -> dict[str, Any]:
     """Reads the header in a recording's first line.
 
     Raises:
-        RecordingError: The header is damaged, or of a version with another layout.
+        RecordingError: The header is damaged, or its layout is of another version.
     """
     try:
         header = json.loads(line)
@@ -673,7 +687,7 @@ def read_header(line: bytes, path: Path) -> dict[str, Any]:
         raise RecordingError("its first line is damaged", where=str(path)) from None
     if header.get("schema") != SCHEMA:
         raise RecordingError(
-            "this recording is of another version",
+            "the layout of this recording is of another version",
             where=str(path),
             got=f"schema {header.get('schema')}",
             expected=f"schema {SCHEMA}",
@@ -699,11 +713,11 @@ _DAMAGED = (
     InputError,
     zlib.error,
 )
-"""What a damaged line may raise."""
+"""Exceptions that a damaged line may raise."""
 
 
 def load_recording(path: Path | str) -> Recording:
-    """Reads a recording, compressed or not; a damaged one is read up to the damage.
+    """Reads a recording, compressed or not; a damaged recording is read up to the damage.
 
     Raises:
         RecordingError: The file cannot be read, is not a recording, or is of another version.

@@ -1,4 +1,4 @@
-"""Options of the devices that a command line names, among those of its command."""
+"""Adds the options of the devices named on the command line to those of its command."""
 
 from __future__ import annotations
 
@@ -20,14 +20,15 @@ _NAMING = ("--device", "--second-device")
 
 
 def named_options(options: type[Any], argv: Sequence[str]) -> dict[type[Any], str]:
-    """Classes of the options of the devices that a command line names, with their headings.
+    """Returns option classes and headings of the devices named on the command line.
 
     Args:
-        options: Dataclass of the command's options; its default device counts, too.
+        options: Dataclass of the command's options; its default device is used if the command line
+            names no device.
         argv: Words of the command line.
 
     Raises:
-        DeviceError: The code of somebody's own device cannot be used.
+        DeviceError: The code of a user's own device cannot be used.
     """
     devices = []
     for word, after in zip(argv, [*argv, ""][1:], strict=True):
@@ -36,7 +37,7 @@ def named_options(options: type[Any], argv: Sequence[str]) -> dict[type[Any], st
             devices.append(value if equals else after)
     found: dict[type[Any], str] = {}
     for device in devices or [options.device]:
-        # What is no device is refused with all else that the command names.
+        # The command itself refuses unknown devices later, with its other errors.
         if (named := find_device(device)) is None:
             continue
         shown = named.entry.on_command_line
@@ -46,11 +47,11 @@ def named_options(options: type[Any], argv: Sequence[str]) -> dict[type[Any], st
 
 
 def with_options(options: type[T], of_devices: Mapping[type[Any], str]) -> type[T]:
-    """The command's class of options, with those of devices.
+    """Returns the command's option class, extended by the options of devices.
 
     Args:
         options: Dataclass of the command's options.
-        of_devices: Classes of the options of devices, with their headings.
+        of_devices: Option classes of devices, with their headings.
 
     Raises:
         DeviceError: An option of a device has the name of another option.
@@ -59,7 +60,7 @@ def with_options(options: type[T], of_devices: Mapping[type[Any], str]) -> type[
         return options
     own = {each.name for each in fields(cast(Any, options))}
     for kind, heading in of_devices.items():
-        # Both may have options of one class, such as the units of a file.
+        # Both may inherit options from the same class, such as the units of a file.
         shared = [base for base in kind.__mro__ if is_dataclass(base) and issubclass(options, base)]
         same = {each.name for base in shared for each in fields(base)}
         if both := own & {each.name for each in fields(kind)} - same:
@@ -69,7 +70,7 @@ def with_options(options: type[T], of_devices: Mapping[type[Any], str]) -> type[
                 got=", ".join("--" + name.replace("_", "-") for name in sorted(both)),
                 remedy="Give it another name",
             )
-    # A class goes without those that it inherits from.
+    # Base classes of another class in the list would be inherited twice: leave them out.
     bases = [
         kind
         for kind in of_devices
@@ -81,14 +82,14 @@ def with_options(options: type[T], of_devices: Mapping[type[Any], str]) -> type[
 
 
 def taking_device_options(command: Callable[..., int], argv: Sequence[str]) -> Callable[..., int]:
-    """A subcommand that takes the options of the device that its command line names, as well.
+    """Returns the subcommand with the options of the device named on its command line added.
 
     Args:
-        command: Function of one object of options, whose class has a field `device`.
+        command: Function with one argument, an options object whose class has a field `device`.
         argv: Words of the command line.
 
     Raises:
-        DeviceError: The code of somebody's own device cannot be used, or one of its options has the
+        DeviceError: The code of a user's own device cannot be used, or one of its options has the
             name of another option.
     """
     ((name, kind),) = (
@@ -113,10 +114,10 @@ def taking_device_options(command: Callable[..., int], argv: Sequence[str]) -> C
 
 
 def show_hidden_devices(shown: Iterable[str]) -> None:
-    """Prints where the options of devices are shown that the command line does not name.
+    """Prints, for each device that is not on the command line, the command that shows its options.
 
     Args:
-        shown: Headings of the devices whose options were shown.
+        shown: Headings of the devices whose options have been shown.
     """
     others: dict[str, str] = {}
     for device, entry in DEVICES.items():
@@ -129,6 +130,6 @@ def show_hidden_devices(shown: Iterable[str]) -> None:
 
 
 def _heading(options: type[Any], device: str) -> str:
-    """The device that a heading names: that of a folder of ours, or somebody's own."""
+    """Returns the device's name for its heading: a folder of `sandbox.devices`, or a user's own."""
     folder, _, last = options.__module__.rpartition(".")
     return last if folder == "sandbox.devices" else device

@@ -1,4 +1,4 @@
-"""`sandbox study note`: decisions about participants after their sessions, and remarks."""
+"""`sandbox study note`: decisions about participants after their sessions, and remarks on them."""
 
 from __future__ import annotations
 
@@ -23,13 +23,12 @@ Reason = Annotated[str, Parameter(metavar="REASON")]
 
 @dataclass(frozen=True, kw_only=True)
 class NoteOptions:
-    """Notes a decision about a participant, or a remark, and derives the tables again.
+    """Records a decision or a remark about a participant, and derives the tables again.
 
     Try: sandbox study note studies/NAME --participant B5G5T3 --exclude "did not follow the task"
 
-    --include takes an exclusion back. Somebody whose number was freed has it again, or the next
-    free one if a newcomer has got it. --withdraw and --accept-loss
-    cannot be undone.
+    --include reverts an exclusion. A participant whose number was freed gets it back, or the next
+    free number if a newcomer has it now. --withdraw and --accept-loss cannot be undone.
     """
 
     folder: Annotated[Path, Parameter(metavar="DIR")] = field(kw_only=False)
@@ -42,26 +41,26 @@ class NoteOptions:
     """Session of --trial."""
 
     trial: Annotated[int | None, Parameter(metavar="N")] = None
-    """Number of the trial that the decision is about. Default: all of the participant."""
+    """Number of the trial to decide about. Default: all trials of the participant."""
 
     exclude: Reason = ""
-    """Leave the trial, or all trials, out of the results; nothing is deleted."""
+    """Exclude the trial, or all trials, from the results. Nothing is deleted."""
 
     include: Reason = ""
-    """Take an exclusion back."""
+    """Revert an exclusion."""
 
     release: Reason = ""
-    """Free the number of the participant, and with it the orders, for the next newcomer."""
+    """Free the participant's number, with its orders, for the next newcomer."""
 
     remark: Annotated[str, Parameter(metavar="TEXT")] = ""
     """A remark for the tables and the report."""
 
     withdraw: bool = False
-    """Delete all data of the participant, who withdraws consent. The pseudonym is typed again."""
+    """Delete all data of a participant who withdraws consent. You type the pseudonym to confirm."""
 
     accept_loss: Reason = ""
-    """Go on with a session that is not what was sealed. Recordings without a record become trials
-    where they fit the plan; the tables of before stay."""
+    """Continue a session that differs from its seal. Recordings without a record become trials
+    if they fit the plan. A copy of the earlier tables is stored."""
 
 
 DECISIONS = ("exclude", "include", "release", "remark", "withdraw", "accept_loss")
@@ -78,7 +77,7 @@ def note(options: NoteOptions, console: Console) -> int:
     names = [f"--{name.replace('_', '-')}" for name in DECISIONS]
     if len(given) != 1:
         raise InputError(
-            "one decision is needed",
+            "exactly one decision is required",
             where="sandbox study note",
             got=", ".join(f"--{name.replace('_', '-')}" for name in given) or None,
             expected=f"one of {', '.join(names)}",
@@ -86,14 +85,16 @@ def note(options: NoteOptions, console: Console) -> int:
     (kind,) = given
     if options.trial is not None and kind not in ("exclude", "include", "remark"):
         raise InputError(
-            "this is about a participant, not a trial", where=f"--{kind.replace('_', '-')}"
+            "this option is about a participant, not a trial",
+            where=f"--{kind.replace('_', '-')}",
+            remedy="Leave out --trial",
         )
     study = StudyFolder.at(options.folder)
     print_copies(study, console)
     try:
         ppid = read_pseudonym(options.participant)
     except StudyError:
-        # One line for every id that nobody here has, whether it is whole or not.
+        # An invalid id gets the same error as an unknown one, from `find` below.
         ppid = options.participant
     if kind == "withdraw":
         return _withdraw(study, ppid, console)
@@ -102,7 +103,7 @@ def note(options: NoteOptions, console: Console) -> int:
     if kind == "accept_loss":
         return _accept_loss(study, ppid, options.accept_loss, console)
     if print_losses(study, console):
-        console.print("[yellow]until that is decided, nothing else is[/]")
+        console.print("[yellow]accept or restore these sessions before any other decision[/]")
         return 1
     if kind == "release":
         study.release(ppid, options.release)
@@ -113,7 +114,7 @@ def note(options: NoteOptions, console: Console) -> int:
             say(said)
     make_tables(study, say)
     about = ppid if options.trial is None else f"{ppid}, trial {options.trial}"
-    console.print(f"{about}: noted, and in all tables", highlight=False)
+    console.print(f"{about}: recorded, and all tables updated", highlight=False)
     return 0
 
 
@@ -124,14 +125,14 @@ def _withdraw(study: StudyFolder, ppid: str, console: Console) -> int:
     if ppid not in withdrawn(study.records()):
         study.find(ppid)
     console.print(
-        f"Everything of {ppid} in {escape(str(study.path))} will be deleted; this cannot be "
+        f"All data of {ppid} in {escape(str(study.path))} will be deleted. This cannot be "
         "undone. Type the id again, then Enter"
     )
     try:
         answer = input()
     except EOFError:
         raise StudyError(
-            "the input has ended, so that nobody can type the id; nothing was deleted",
+            "the input ended before the id was typed; nothing was deleted",
             where="the terminal",
             remedy="Run the command in a terminal",
         ) from None
@@ -139,25 +140,25 @@ def _withdraw(study: StudyFolder, ppid: str, console: Console) -> int:
         console.print("nothing was deleted")
         return 1
     deleted = withdraw(study, ppid)
-    remains = ", what an earlier withdrawal had left" if deleted.before else ""
+    remains = ", left over from an earlier withdrawal" if deleted.before else ""
     console.print(f"{ppid}: {deleted.files} files deleted{remains}")
     if deleted.still:
         console.print(
-            "[yellow]these files still name the participant, or may, since they are "
-            "damaged; make them anew, or delete them:[/]"
+            "[yellow]these files contain the participant's id, or may contain it because they "
+            "are damaged; make them again, or delete them:[/]"
         )
     for line in _by_folder(study.path, deleted.still):
         console.print(f"  {escape(line)}", highlight=False, soft_wrap=True)
     if deleted.copies:
         console.print(
-            "[yellow]copies were made with the data in them; deleting those is up to you:[/]"
+            "[yellow]these copies contain the participant's data; delete them yourself:[/]"
         )
     for path in deleted.copies:
         there = "" if path.exists() else "  (no longer there)"
         console.print(f"  {escape(str(path))}{there}")
     if deleted.unmade:
         console.print(
-            f"[yellow]{ppid} is deleted, and in no table. The tables could not be made anew, "
+            f"[yellow]{ppid} is deleted, and in no table. The tables could not be made again, "
             f"because of another record: {escape(deleted.unmade)}[/]",
             highlight=False,
             soft_wrap=True,
@@ -167,7 +168,7 @@ def _withdraw(study: StudyFolder, ppid: str, console: Console) -> int:
 
 
 def _by_folder(study: Path, files: Sequence[Path]) -> list[str]:
-    """A line for each folder of a study that has some of the files, with their number."""
+    """Returns a line for each folder of the study with some of the files, and their number."""
     folders: dict[Path, list[Path]] = {}
     for path in files:
         inside = path.relative_to(study)
@@ -186,5 +187,5 @@ def _accept_loss(study: StudyFolder, ppid: str, reason: str, console: Console) -
     for loss in lost:
         accept_loss(study, loss, reason, say)
     if not lost:
-        say(f"nothing of {ppid} is other than it was sealed")
+        say(f"{ppid}'s data are unchanged since sealing")
     return 0

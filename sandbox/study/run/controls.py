@@ -41,7 +41,7 @@ class Command:
 
 
 def parse_command(line: str) -> Command | str:
-    """Parses a line; returns a message if it is not a command."""
+    """Parses a typed line; returns an error message if the line is not a command."""
     line = line.strip().removeprefix("/")
     key, words = line[:1], line[1:].strip()
     if key not in COMMANDS or (line[1:2] not in ("", " ")):
@@ -56,10 +56,10 @@ def parse_command(line: str) -> Command | str:
 
 
 class Controls:
-    """Queue of commands for the session's thread.
+    """Queue of the experimenter's commands for the session's thread.
 
     Args:
-        say: Prints a line for the experimenter.
+        say: Prints a line in the experimenter's terminal.
 
     Attributes:
         paused: True while the session is paused.
@@ -75,7 +75,10 @@ class Controls:
         self._lines.put(line)
 
     def take(self) -> Iterable[Command]:
-        """Yields the commands since the last call; answers requests for help and invalid lines."""
+        """Yields the commands since the last call.
+
+        Prints the keys for `h`, and an error message for an invalid line.
+        """
         while True:
             try:
                 line = self._lines.get_nowait()
@@ -97,17 +100,17 @@ class Controls:
 
 
 class Terminal:
-    """Reads lines from the terminal: answers while a question is open, else commands.
+    """Reads lines from the terminal: answers while a question is open, otherwise commands.
 
-    A line that begins with `/` is always a command. Where participants answer in the terminal, no
-    other line is one: what they type before a question is there must not stop or skip anything.
+    A line that begins with `/` is always a command. If participants answer in the terminal, only
+    such lines are commands, so that early typing cannot stop or skip anything.
 
     Args:
         controls: Queue for the commands.
         source: Text stream to read; None reads standard input.
         answers: True if participants answer in this terminal. Lines that are typed while no
-            question is open are left out then; those of a file or a pipe, which come as fast as
-            they are read, answer the next questions.
+            question is open are then discarded. Lines of a file or a pipe arrive early, and are
+            stored as answers to the next questions.
     """
 
     def __init__(
@@ -116,8 +119,8 @@ class Terminal:
         self._controls, self._for_answers = controls, answers
         self._source = source or sys.stdin
         if isinstance(self._source, TextIOWrapper):
-            # What is typed in another encoding than the system's must not end the reading.
-            with suppress(UnsupportedOperation):  # once something has been read
+            # Bytes that are invalid in the system's encoding must not end the reading.
+            with suppress(UnsupportedOperation):  # the stream has been read from already
                 self._source.reconfigure(errors="replace")
         self._asking = threading.Event()
         self._answers: SimpleQueue[str | None] = SimpleQueue()
@@ -126,10 +129,10 @@ class Terminal:
         self._thread.start()
 
     def ask(self, poll: Callable[[], None] = lambda: None, tick: float = 0.05) -> str | None:
-        """Waits for an answer; returns None at the end of the input.
+        """Waits for an answer and returns it; returns None at the end of the input.
 
         Args:
-            poll: Called repeatedly while waiting; may raise an exception.
+            poll: Called repeatedly while waiting; its exceptions are passed on.
             tick: Time between two calls, s.
         """
         with self.form():
@@ -149,15 +152,18 @@ class Terminal:
         ended: Callable[[], StudyError] = lambda: StudyError("the input has ended"),
         experimenter: bool = False,
     ) -> int:
-        """Waits until one of some options is typed, as its word or its number; returns its place.
+        """Waits until an option is typed, as its word or its number; returns its index.
 
         Args:
             options: Words of the options.
-            show: Prints which there are, before each try.
+            show: Prints the prompt with the options, before each try.
             poll: See `ask`.
-            ended: Makes the error for the end of the input.
-            experimenter: True where the experimenter is asked, before the session runs: h shows the
-                keys, as it does later.
+            ended: Creates the error for the end of the input.
+            experimenter: True if the question is for the experimenter, before the session runs; h
+                then shows the keys, as it does during the session.
+
+        Raises:
+            StudyError: The input has ended.
         """
         with self.form():
             while True:
@@ -174,7 +180,7 @@ class Terminal:
 
     @contextmanager
     def form(self) -> Iterator[None]:
-        """Context in which lines are answers, also between two questions."""
+        """Context of a form: lines are answers, also between two questions."""
         was = self._asking.is_set()
         self._asking.set()
         try:
@@ -188,7 +194,7 @@ class Terminal:
             for line in self._lines():
                 text = line.rstrip("\n")
                 if text.strip() == "/h":
-                    # Showing the keys changes nothing, and so waits for no session.
+                    # The keys can be shown without waiting for the session's thread.
                     self._controls.show_keys()
                 elif text.startswith("/") or not (self._asking.is_set() or self._for_answers):
                     self._controls.type(text)
@@ -196,7 +202,8 @@ class Terminal:
                     self._answers.put(text)
                 elif text.strip():
                     self._controls.say(
-                        "no question is open, so this was left out; keys begin with /, as in /h"
+                        "no question is open, so this line was discarded; keys begin with /, "
+                        "as in /h"
                     )
         finally:
             self.ended = True

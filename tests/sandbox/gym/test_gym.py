@@ -416,7 +416,7 @@ def test_a_trial_with_another_number_of_objects_is_refused_and_no_object_is_seen
         try:
             seen, _ = env.reset(seed=seed)
         except InputError as error:
-            assert "lab-heap, seed" in str(error) and "another number of objects" in str(error)
+            assert "lab-heap, seed" in str(error) and "the number of objects" in str(error)
             assert "\n" not in str(error)
             with pytest.raises(gymnasium.error.ResetNeeded):
                 env.unwrapped.step(env.action_space.sample())

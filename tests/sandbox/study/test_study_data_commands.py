@@ -90,7 +90,7 @@ def test_nothing_is_deleted_unless_the_id_is_typed_again(
         assert withdraw(folder, first, answer) == 1
         assert "cannot be undone" in capsys.readouterr().out and (folder / first).exists()
     assert withdraw(folder, first) == 2
-    assert "nobody can type the id" in capsys.readouterr().err and (folder / first).exists()
+    assert "before the id was typed" in capsys.readouterr().err and (folder / first).exists()
 
 
 def rows(folder: Path) -> list[dict[str, str]]:
@@ -193,7 +193,7 @@ def test_who_takes_part_after_all_before_any_trial_gets_the_next_free_number(
             ["note", "{}", "--participant", "ZZZZZZ", "--release", "r"],
             "there lists all",
         ),
-        (["note", "{}", "--participant", "ZZZZZZ"], "one decision is needed"),
+        (["note", "{}", "--participant", "ZZZZZZ"], "exactly one decision is required"),
         (
             ["note", "{}", "--participant", "Z", "--trial", "1", "--release", "r"],
             "not a trial",
