@@ -1,13 +1,13 @@
 """The contract of devices: sources of touch frames and hand frames, and how they are opened.
 
 A device of this program is a folder in `sandbox/devices` with a `DeviceEntry`, and a line in
-`sandbox.devices.registry`. The entry says what the device is (`DeviceKind`), which options it has
-and how it is opened: `open(options, place) -> AnyDevice`, where `Place` says where and for whom.
+`sandbox.devices.registry`. The entry has the device's kind (`DeviceKind`), its options and the
+function that opens it: `open(options, place) -> AnyDevice`. `Place` has the surface and the person.
 
 A device overrides `poll` and the members that it supports; every other member has a default.
-Wrappers forward the members by `DeviceWrapper`. A device that was written elsewhere without these
-base classes gets the defaults when it is opened (`sandbox.devices.own_device`). Callers therefore
-never need `hasattr`.
+Wrappers forward the members by `DeviceWrapper`. A device from another package, without these base
+classes, gets the defaults when it is opened (`sandbox.devices.own_device`). Callers therefore never
+need `hasattr`.
 """
 
 from __future__ import annotations
@@ -48,7 +48,7 @@ else:
 
 
 PAUSE = 0.002
-"""s that the default `wait` sleeps, for devices that cannot signal the arrival of a frame."""
+"""Sleep of the default `wait`, for devices that cannot signal the arrival of a frame, s."""
 
 _NO_TRUTH: Mapping[int, int] = MappingProxyType({})
 
@@ -57,7 +57,7 @@ O = TypeVar("O")  # noqa: E741  (options of a device)
 
 
 class Sees(StrEnum):
-    """What a device sees of a hand: its touches, or the hand in the air."""
+    """Kind of a device's input: touches, or a hand in the air."""
 
     TOUCHES = "touches"
     LEAP = "leap"
@@ -66,7 +66,7 @@ class Sees(StrEnum):
 
 
 class Source(StrEnum):
-    """Where the frames of a device come from."""
+    """Origin of a device's frames."""
 
     LIVE = "live"
     SIMULATED = "simulated"
@@ -75,17 +75,17 @@ class Source(StrEnum):
 
 @dataclass(frozen=True)
 class DeviceKind:
-    """What a device is; known without opening it.
+    """Properties of a device that are available without opening it.
 
     Attributes:
         sees: Touches, or hands over a Leap, before a camera or in a headset.
         source: A person or another program (`LIVE`), which plays at the clock's speed; a simulated
             user; or a file. The last two are played as fast as the machine can.
-        labels: It can say which finger is which; otherwise the program always labels the fingers.
-        in_scene: It needs a scene: a window, objects to see, or a hand. Otherwise `sandbox touches`
-            takes it, too.
-        one_hand: It serves one hand; a task for two hands needs a second device.
-        guessed_size: It does not report the size of its surface, which is a guess without
+        labels: The device can label the fingers; otherwise the program always labels them.
+        in_scene: The device needs a scene: a window, visible objects, or a hand. Other devices can
+            also be used by `sandbox touches`.
+        one_hand: The device serves one hand; a task for two hands needs a second device.
+        guessed_size: The device does not report the size of its surface, which is a guess without
             --surface.
     """
 
@@ -98,35 +98,36 @@ class DeviceKind:
 
     @property
     def in_air(self) -> bool:
-        """True if it sees hands in the air."""
+        """True if the device tracks hands in the air."""
         return self.sees is not Sees.TOUCHES
 
     @property
     def live(self) -> bool:
-        """True if a person or another program drives it."""
+        """True if a person or another program drives the device."""
         return self.source is Source.LIVE
 
     @property
     def simulated(self) -> bool:
-        """True if a simulated user drives it."""
+        """True if a simulated user drives the device."""
         return self.source is Source.SIMULATED
 
 
 @dataclass(frozen=True)
 class Place:
-    """Where, and for whom, a device is opened.
+    """Surface, person and task for which a device is opened.
 
     Attributes:
         surface: The touch surface, placed in the world.
-        argument: What follows the colon of the device's name; the path of a file; empty without.
-        hand: Index of the hand in the scene; the first one if the device serves both.
+        argument: Text after the colon of the device's name, or the path of a file; empty without.
+        hand: Index of the hand in the scene; that of the first hand if the device serves both.
         sides: Sides of all hands that the device serves, `right` or `left`.
         person: The person whose hand it is.
-        task: The drawn task, for simulated users; None where no task is played.
-        seed: Seed of everything random about a simulated user.
-        labels: A device that can label contacts does so.
-        home: (2,) m in the world, centre of the hand's part of the surface; None for the whole.
-        at: (3,) m in the world, place of a simulated device that sees hands in the air.
+        task: The drawn task, for simulated users; None without a task.
+        seed: Seed of all random numbers of a simulated user.
+        labels: True if a device that can label contacts should do so.
+        home: Centre (2,) of the hand's part of the surface, m in the world; None for the whole
+            surface.
+        at: Place (3,) of a simulated device that tracks hands in the air, m in the world.
     """
 
     surface: Surface
@@ -149,7 +150,7 @@ class Place:
 
 @dataclass(frozen=True)
 class NoOptions:
-    """Options of a device without any."""
+    """Options class of a device that has no options."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -158,19 +159,20 @@ class UnitOptions:
 
     unit: str = field(default="", metadata={"metavar": "UNIT,..."})
     """Units of a recording, such as cm,ms: m, cm, mm or in; s, ms, us or ns; px or 0..1 for places
-    in a picture. Default: those in which the hand has a hand's size or touches lie on the surface,
-    and the recording has a possible rate; they are reported where they are not the format's own."""
+    in a picture. Default: the units in which the hand has a hand's size or touches lie on the
+    surface, and the recording's rate is possible. They are reported if they differ from the
+    format's units."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class PlayedOptions(UnitOptions):
-    """Options of a file that is played, and of somebody's own device."""
+    """Options of a file that is played, and of a user's own device."""
 
     user: UserConfiguration | None = None
-    """The simulated user who made the recording; None for a person, and where it is unknown."""
+    """The simulated user who made the recording; None for a person or an unknown origin."""
 
     own: Mapping[str, Any] = field(default_factory=dict)
-    """Options that somebody's own device declares, by name."""
+    """Options declared by a user's own device, by name."""
 
 
 def _anything(options: Any, argument: str) -> None:
@@ -178,36 +180,37 @@ def _anything(options: Any, argument: str) -> None:
 
 
 def _the_same(options: Any) -> Any:
-    """The options as they are."""
+    """Returns the options unchanged."""
     return options
 
 
 def _no_surface(options: Any, argument: str) -> Surface | None:
-    """None: the device reports no surface."""
+    """Returns None: the device reports no surface."""
     return None
 
 
 @dataclass(frozen=True)
 class DeviceEntry(Generic[O]):
-    """A device by its name: what it is, its options, and how it is opened.
+    """Registry entry of a device: its kind, its options, and the function that opens it.
 
     Attributes:
-        help: A phrase that says what it is, for lists.
-        open: Opens it; called with an object of `options` and the place.
-        options: Dataclass of its options, all with defaults. `--help` shows their docstrings; the
+        help: A phrase that describes the device, for lists.
+        open: Opens the device; called with an object of `options` and the place.
+        options: Dataclass of the options, all with defaults. `--help` shows their docstrings; the
             key `metavar` of a field's metadata names its value there. A header stores the values.
-        kind: What it is.
-        argument: What may follow its name and a colon, such as NODE; empty if nothing may.
+        kind: Properties of the device.
+        argument: Name of the argument that may follow the device's name and a colon, such as NODE;
+            empty without an argument.
         check: Checks options and argument before anything is built.
-        surface: The surface that it reports, by its options on the command line and its argument;
-            None if it reports none.
-        command_options: Dataclass of its options on the command line, where they are not `options`:
-            they say also how a hand in the air is seen. Members of the same name give the values
-            of `options`.
-        hand_input: For a device that sees hands in the air: how it sees a hand, by its options on
-            the command line, its argument and the hand's side.
-        for_second: The options of a second device of this kind beside the first, such as another
-            port.
+        surface: Returns the surface that the device reports, from its options on the command line
+            and its argument; None if it reports no surface.
+        command_options: Dataclass of the options on the command line, if these are not `options`:
+            for hands in the air, they add the placement and calibration of the device. Members of
+            the same name give the values of `options`.
+        hand_input: For a device that tracks hands in the air: returns the input settings of a hand
+            from the options on the command line, the argument and the hand's side.
+        for_second: Returns the options of a second device of this kind beside the first, such as
+            another port.
     """
 
     help: str
@@ -223,7 +226,7 @@ class DeviceEntry(Generic[O]):
 
     @property
     def on_command_line(self) -> type[Any]:
-        """Dataclass of its options on the command line."""
+        """Dataclass of the device's options on the command line."""
         return self.command_options or self.options
 
 
@@ -234,9 +237,9 @@ class AnyDevice(ABC):
     is called from the session's loop and must return at once.
 
     Attributes:
-        frame_ready: Event that the device sets when a frame has arrived and that `poll` clears, so
-            that a session need not wait for its next tick; None where the device has no such event.
-            Several devices may share one event.
+        frame_ready: Event that the device sets when a frame has arrived, so that a session need not
+            wait for its next tick; `poll` clears it. None if the device has no such event. Several
+            devices may share one event.
     """
 
     frame_ready: threading.Event | None = None
@@ -244,12 +247,12 @@ class AnyDevice(ABC):
 
     @default
     def name(self) -> str:
-        """Name in messages and logs; by default that of the class."""
+        """Name in messages and logs; by default the name of the class."""
         return type(self).__name__
 
     @abstractmethod
     def poll(self, now: float) -> Sequence[Frame]:
-        """Frames committed since the last call, oldest first.
+        """Returns the frames since the last call, oldest first; never waits.
 
         Args:
             now: Session time, seconds of simulated time. A live device ignores it; a device that
@@ -267,12 +270,12 @@ class AnyDevice(ABC):
 
     @default
     def lift(self) -> bool:
-        """True if its frames carry a lift control."""
+        """True if the device's frames carry a lift control."""
         return False
 
     @default
     def takes_snapshots(self) -> bool:
-        """True if it needs snapshots of the scene, passed to `show`."""
+        """True if the device needs snapshots of the scene, passed to `show`."""
         return False
 
     def show(self, snapshot: Snapshot) -> None:  # noqa: B027  (most devices ignore the scene)
@@ -280,7 +283,7 @@ class AnyDevice(ABC):
 
     @default
     def notices(self) -> Sequence[str]:
-        """Messages for the person now, such as why nothing moves; empty without a problem."""
+        """Current messages for the person, such as the reason why nothing moves; mostly empty."""
         return ()
 
     def mode_requests(self, now: float) -> Sequence[str]:
@@ -291,7 +294,7 @@ class AnyDevice(ABC):
         return ()
 
     def wait(self, seconds: float) -> bool:
-        """Waits for a frame, at most `seconds`; False if none came in time.
+        """Waits for a frame, at most `seconds`; returns False if no frame came in time.
 
         The default sleeps for up to `PAUSE` and returns True, as there may be a frame.
         """
@@ -300,7 +303,7 @@ class AnyDevice(ABC):
 
     @default
     def address(self) -> str:
-        """Address at which it listens, as a person types it; empty if it does not listen."""
+        """Address at which the device listens, as a person types it; empty without one."""
         return ""
 
     @default
@@ -310,7 +313,7 @@ class AnyDevice(ABC):
 
     @default
     def plays_file(self) -> bool:
-        """True if it plays recorded frames."""
+        """True if the device plays recorded frames."""
         return False
 
     @default
@@ -320,20 +323,20 @@ class AnyDevice(ABC):
 
     @default
     def report(self) -> ReaderReport | None:
-        """What it leaves out of its input and assumes about it; None if it keeps none."""
+        """Report of left-out input and of assumptions about it; None if the device has none."""
         return None
 
     @default
     def clock_origin(self) -> float | None:
-        """s on the machine's monotonic clock at which the time of its frames is 0.
+        """Origin of the frames' times on the machine's monotonic clock, s.
 
-        None where frames carry session time, in which nothing can be late.
+        None if frames carry session time, which has no latency.
         """
         return 0.0
 
     @default
     def latency(self) -> LatencyLog | None:
-        """Log of the time that its frames waited for the session; None if it keeps none."""
+        """Log of the time that frames waited for the session; None if the device has none."""
         return None
 
     @default
@@ -356,7 +359,7 @@ class AnyDevice(ABC):
             yield from part.within()
 
     def find(self, kind: type[D]) -> D | None:
-        """The first device of a class among this one and those inside it; None without one."""
+        """Returns the first device of a class among this device and those inside it, or None."""
         return next((device for device in self.within() if isinstance(device, kind)), None)
 
 
@@ -365,32 +368,32 @@ class Device(AnyDevice):
 
     @abstractmethod
     def poll(self, now: float) -> Sequence[TouchFrame]:
-        """Touch frames committed since the last call, oldest first; see `AnyDevice.poll`."""
+        """Returns the touch frames since the last call, oldest first; see `AnyDevice.poll`."""
 
 
 class HandDevice(AnyDevice):
-    """A source of hand frames, of hands tracked in the air."""
+    """A source of hand frames: hands tracked in the air."""
 
     @abstractmethod
     def poll(self, now: float) -> Sequence[HandFrame]:
-        """Hand frames since the last call, oldest first; see `AnyDevice.poll`."""
+        """Returns the hand frames since the last call, oldest first; see `AnyDevice.poll`."""
 
 
 class LandmarkDevice(AnyDevice):
-    """A source of landmark frames, of hands in a camera's pictures."""
+    """A source of landmark frames: hands in a camera's pictures."""
 
     @abstractmethod
     def poll(self, now: float) -> Sequence[LandmarkFrame]:
-        """Landmark frames since the last call, oldest first; see `AnyDevice.poll`."""
+        """Returns the landmark frames since the last call, oldest first; see `AnyDevice.poll`."""
 
 
 class FilePlayer(AnyDevice):
-    """Plays recorded frames at their times; the first one plays at session time 0.
+    """Plays recorded frames at their times; the first frame plays at session time 0.
 
     Args:
         frames: Frames in order of time.
         damage: Error that ended their file early; None without damage.
-        report: What the file's reader left out and assumed.
+        report: Left-out data and assumptions of the file's reader.
     """
 
     plays_file = True
@@ -412,7 +415,7 @@ class FilePlayer(AnyDevice):
         return self._next >= len(self._frames)
 
     def poll(self, now: float) -> Sequence[Any]:
-        """The frames due by `now`, oldest first."""
+        """Returns the frames due by `now`, oldest first."""
         first, start = self._next, self._frames[0].time if self._frames else 0.0
         while not self.finished and self._frames[self._next].time - start <= now:
             self._next += 1

@@ -1,18 +1,19 @@
-"""Collision avoidance of a hand that is solid all over: how it keeps clear of objects.
+"""Collision avoidance of a hand whose links are all solid.
 
-The touches decide where the touching fingertips are; all else of a hand may be anywhere plausible.
-The encoder's pose is taken as a guess, and of the poses that keep the fingertips and are clear of
-objects `CollisionAvoidance` commands the likeliest. Without an object near, that is the encoder's.
+The touches fix the places of the touching fingertips; the rest of the hand may take any plausible
+pose. Among the poses that keep these fingertips and are clear of objects, `CollisionAvoidance`
+commands the likeliest one, given the encoder's pose. Without a near object, this is the encoder's
+pose itself.
 
-Likely is what is near the encoder's pose, and near the pose before: where no pose is clear, what
-leads the hand changes from step to step, and without the second the hand would tremble. As the
-correction may go on from where it is, it ends where it would without.
+A pose is likely if it is near the encoder's pose and near the corrected pose of the step before. If
+no pose is clear, the active margins change from step to step, and without the second term the hand
+would tremble. The second term does not change where a correction finally settles.
 
-`HandDistances` measures how far the parts of the hand are from objects, by MuJoCo's collision
-detection in a copy of the scene, in which the hand is always there and never pushes anything.
+`HandDistances` measures the distances between parts of the hand and objects. It uses MuJoCo's
+collision detection in a copy of the scene, in which the hand is always present and pushes nothing.
 
-`SolidLinks` makes every part solid by itself, once the touching fingertips are solid and the part
-is clear of objects: a part that became solid inside an object would throw it.
+`SolidLinks` makes each part solid separately, once the touching fingertips are solid and the part
+is clear of objects. A part that became solid inside an object would throw the object.
 """
 
 from __future__ import annotations
@@ -44,47 +45,47 @@ from models.skeleton import Skeleton
 from models.surface import Surface
 
 MARGIN = 0.005
-"""m that parts of a hand without a touch keep from things: as far as a hand moves in a control
-period at 0.3 m/s."""
+"""Margin between objects and the parts of a hand that do not touch, m: the distance that a hand
+moves in a control period at 0.3 m/s."""
 BESIDE = 0.002
-"""m that the inner links of a touching finger keep, at most, from the things that its tip is at.
-The tip of a finger that presses is commanded into the thing; by this much its links stay behind."""
+"""Largest margin between the inner links of a touching finger and the object at its tip, m. The tip
+of a pressing finger is commanded into the object; its links stay behind by this margin."""
 NOTICED = 0.003
-"""m beyond its margin, from which on a part takes part: it must not be led into its margin. One
-that was led last takes part as far as distances are measured, or it would fall back once it is
-clear."""
+"""Distance beyond its margin within which a part is constrained, m, so that it is not moved into
+its margin. A part that was corrected in the last step stays constrained up to the largest measured
+distance; otherwise it would fall back as soon as it is clear."""
 
 BEND, SWAY, MOVE, TILT = 0.35, 0.12, 0.02, 0.12
-"""rad of a joint's flexion, rad of its two other components, m and rad of the palm: how far each is
-likely to be from the encoder's pose (standard deviations)."""
+"""Standard deviations around the encoder's pose: of a joint's flexion (rad), of its two other
+components (rad), of the palm's position (m) and of its rotation (rad)."""
 STEADY = 0.17
-"""The same deviations around the correction before, as a share of those around the encoder's
+"""Standard deviations around the previous correction, as a share of those around the encoder's
 pose."""
 TIP_SIGMA = 0.0002
-"""m, how exactly fingertips stay where they are."""
+"""Standard deviation of the touching fingertips' places, m."""
 CLEAR_SIGMA = 0.0005
-"""m, how exactly margins are kept."""
+"""Standard deviation of the margins, m."""
 
 AHEAD = 0.08
-"""s, how far a moving hand looks ahead: the correction and the servos follow late, by about as
-much."""
+"""Time by which distances of a moving hand are predicted, s: about the delay of the correction and
+the servos."""
 FAR = 0.02
-"""m, how far it looks ahead at most; beyond, things may lie on a link's other side."""
+"""Largest predicted movement, m; beyond it, objects may lie on a link's other side."""
 SLOW = 0.02
-"""m/s, below which a hand does not look ahead."""
+"""Speed below which nothing is predicted, m/s."""
 
 TAU = 0.02
-"""s, time constant with which the correction follows."""
+"""Time constant of the correction, s."""
 SPEED = 6.0
-"""rad/s (and a tenth of it, m/s), largest speed of the correction."""
+"""Largest speed of the correction, rad/s; for positions a tenth of this number, m/s."""
 
 _SLACK = 1e-6
 _SHORT = 1e-4
-"""m, by which a margin that was dropped may be broken."""
+"""Tolerated violation of a margin that was dropped, m."""
 _ROUNDS = 12
-"""Rounds in which joints may be held at the ends of their ranges."""
+"""Largest number of iterations that hold joints at the ends of their ranges."""
 _STILL = 1e-5
-"""rad (and m), below which a correction that is not needed has gone."""
+"""Size below which a correction that is no longer needed ends, rad and m."""
 
 
 class CollisionAvoidance:
@@ -109,12 +110,12 @@ class CollisionAvoidance:
         self._distances = distances
         self._skeleton, self._surface = skeleton, surface
         self._kinematics: dict[tuple[int, ...], SinglePose] = {}
-        # Of the hand's joint positions those of the palm and of touching fingers, and where they
-        # are in the scene's.
+        # By touching fingers: indices of the joint positions of the palm and these fingers, in the
+        # hand and in the scene.
         self._held: dict[tuple[int, ...], tuple[NDArray[np.int64], NDArray[np.int64]]] = {}
         self._start = int(scene.qpos_slice(hand).start)
-        # Of two normal distributions, around no correction and around the one before: the part of
-        # the one before that is likeliest, and the variance around it.
+        # The product of two normal distributions, around no correction and around the previous
+        # one, has its mean at this share of the previous correction, and a reduced variance.
         self._part = 1.0 / (1.0 + STEADY * STEADY)
         self._variance = STEADY * STEADY * self._part * _variance()
         self._share = -expm1(-CONTROL_PERIOD / TAU)
@@ -134,21 +135,21 @@ class CollisionAvoidance:
         self.reset()
 
     def reset(self) -> None:
-        """Forgets the correction."""
+        """Resets the correction to none."""
         self.offset: Array | None = None
-        # The parts that were led last.
+        # The parts that were corrected in the last step.
         self._led: frozenset[int] = frozenset()
         self._before: tuple[tuple[int, ...], Array] | None = None
 
     def step(
         self, data: mujoco.MjData, reconstruction: Reconstruction, ghost: bool = False
     ) -> Reconstruction:
-        """The reconstruction with the pose to command instead.
+        """Returns the reconstruction with the corrected pose to command.
 
         Args:
             data: Current state of the simulation.
             reconstruction: Current reconstruction from touches.
-            ghost: True while the hand passes through everything: nothing has to be kept clear of.
+            ghost: True while the hand passes through everything and need not avoid objects.
         """
         fingers = () if ghost else tuple(sorted(reconstruction.touches))
         wanted = self._clear_correction(data, reconstruction, fingers) if fingers else None
@@ -165,7 +166,7 @@ class CollisionAvoidance:
         return replace(reconstruction, q=q)
 
     def _towards(self, wanted: Array | None) -> Array | None:
-        """The next correction on the way to the wanted one; None is none."""
+        """Returns the next correction on the way to the target correction; None means none."""
         if self.offset is None and wanted is None:
             return None
         now = np.zeros(POSE_SIZE) if self.offset is None else self.offset
@@ -187,7 +188,7 @@ class CollisionAvoidance:
         reconstruction: Reconstruction,
         fingers: tuple[int, ...],
     ) -> Array | None:
-        """The likeliest correction (48,) at which the hand is clear; None without one."""
+        """Returns the likeliest correction (48,) that clears the hand; None if none is needed."""
         kinematics = self._kinematics.get(fingers)
         if kinematics is None:
             kinematics = self._kinematics[fingers] = SinglePose(self._skeleton, fingers)
@@ -202,11 +203,12 @@ class CollisionAvoidance:
             reached = kinematics.tips(q)
         qpos = kinematics.joint_positions()
         if reconstruction.down:
-            # What presses is held back: the palm and touching fingers are seen where they are.
+            # The simulated palm and touching fingers may lag behind the command when they press:
+            # measure distances at their simulated places.
             held, there = self._held[fingers]
             qpos[held] = data.qpos.take(there)
         else:
-            # The hand is seen where it will be once it is down.
+            # Measure distances at the place of the hand after its descent.
             qpos[ROOT_POSITION] += self._landing(reconstruction, fingers, at)
         velocity = self._velocity(reconstruction, fingers, at)
         near = self._distances.near(data, qpos)
@@ -215,7 +217,7 @@ class CollisionAvoidance:
         rows_ahead: list[int] = []
         speed = length(velocity)
         if speed > SLOW:
-            # Where everything goes.
+            # The predicted places of hand and objects.
             ahead = min(AHEAD, FAR / speed)
             qpos[ROOT_POSITION] += ahead * velocity
             near = self._distances.near(data, qpos, ahead)
@@ -224,7 +226,7 @@ class CollisionAvoidance:
             lacking += more
         if not lacking or (offset is None and max(lacking) <= 0.0):
             return None
-        # Of q, which was placed last.
+        # The jacobian at q, the pose placed last.
         J = kinematics.jacobian(q)
         gradients = [
             self._distances.gradients(some, ahead)
@@ -243,7 +245,7 @@ class CollisionAvoidance:
     def _velocity(
         self, reconstruction: Reconstruction, fingers: tuple[int, ...], at: Array
     ) -> Array:
-        """(3,) m/s of the commanded fingertips of a hand that is down."""
+        """Velocity (3,) of the commanded fingertips of a hand that is down, m/s."""
         middle: Array = np.add.reduce(at, 0) / len(at)
         before, self._before = self._before, (fingers, middle)
         if before is None or before[0] != fingers or not reconstruction.down:
@@ -254,16 +256,19 @@ class CollisionAvoidance:
     def _landing(
         self, reconstruction: Reconstruction, fingers: tuple[int, ...], at: Array
     ) -> Array:
-        """(3,) m from the commanded hand above the surface to where it comes down."""
+        """Displacement (3,) from the commanded hand above the surface to its landing place, m."""
         heights = (at - self._surface.corner) * self._up
         high = float(np.add.reduce(heights, None)) / len(fingers) - reconstruction.tip_height
         return -high * self._up
 
     def _lacking(self, near: Near, fingers: tuple[int, ...]) -> tuple[list[int], list[float]]:
-        """Contacts that matter, and how much of their margin each lacks, m; negative beyond it."""
+        """Returns the relevant contacts, and by how much each violates its margin, m.
+
+        A negative violation is the distance beyond the margin.
+        """
         ends, inner = self._touching(fingers)
         parts, distances, geoms = near
-        # How far each touching fingertip is from each object.
+        # Distance of each touching fingertip from each object, m.
         tips: dict[tuple[int, int], float] = {}
         for row, part in enumerate(parts):
             if part in ends:
@@ -284,7 +289,7 @@ class CollisionAvoidance:
         return rows, lacking
 
     def _touching(self, fingers: tuple[int, ...]) -> tuple[dict[int, int], dict[int, int]]:
-        """Fingers by the parts of touching ones: their tips, and what is not a tip."""
+        """Returns the finger of each part of the touching fingers: of tips, and of other parts."""
         roles = self._roles.get(fingers)
         if roles is None:
             ends = {part: f for part, f in self._end.items() if f in fingers}
@@ -295,20 +300,22 @@ class CollisionAvoidance:
         return roles
 
     def _likeliest(self, A: Array, r: Array, exact: int, q0: Array) -> tuple[Array, list[int]]:
-        """The likeliest correction (48,) whose tips stay, and whose margins are kept; and the
-        margins that lead it, by their places behind the tips' rows.
+        """Finds the likeliest correction that leaves the tips in place and keeps the margins.
 
-        Without tips and margins, the likeliest is a part of the correction before.
+        Without tips and margins, the likeliest correction is a share of the previous one.
 
-        An active-set search: a margin that would draw a part towards a thing is dropped, the
-        one of those dropped that the rest keeps least comes back, and a joint that would leave
-        its range is held at its end.
+        The method is an active-set search. A margin that would pull a part towards an object is
+        dropped. Of the dropped margins, the most violated one is added again. A joint that would
+        leave its range is held at the range's end.
 
         Args:
             A: (exact + n, 48) derivatives of tips and distances.
-            r: (exact + n,) m, how much each should change, seen from no correction.
+            r: (exact + n,) change that each row needs, relative to no correction, m.
             exact: Number of the tips' rows.
             q0: (48,) legal pose without the correction.
+
+        Returns:
+            The correction (48,), and the active margins as indices after the tips' rows.
         """
         variance = self._variance.copy()
         held = np.zeros(POSE_SIZE) if self.offset is None else self._part * self.offset
@@ -321,7 +328,7 @@ class CollisionAvoidance:
         moved = True
         for _ in range(3 * (len(r) - exact) + _ROUNDS):
             if moved:
-                # Of all rows; a part of them has the same numbers.
+                # For all rows: selecting rows afterwards gives the same numbers.
                 AV = A * variance
                 every = times_transposed(AV, A)
                 every.reshape(-1)[:: len(r) + 1] += noise
@@ -362,38 +369,40 @@ def _joints_of(skeleton: Skeleton, fingers: tuple[int, ...]) -> NDArray[np.int64
 
 
 _PALM = 7
-"""Joint positions of the palm: three slides and a quaternion. Those of bones follow, 4 each."""
+"""Number of the palm's joint positions: three slides and a quaternion. Those of the bones follow,
+four each."""
 
 
 def _variance() -> Array:
-    """(48,) of the pose around the encoder's."""
+    """Variance (48,) of the pose around the encoder's pose."""
     sigma = np.empty(POSE_SIZE)
     sigma[ROOT_POSITION] = MOVE
     sigma[ROOT_ROTATION] = TILT
     sigma[JOINTS] = SWAY
-    # The first component of a joint's turn is its flexion, the axis across the finger.
+    # The first component of a joint's rotation is its flexion, about the axis across the finger.
     sigma[JOINTS.start :: 3] = BEND
     return sigma * sigma
 
 
 REACH = 0.02
-"""m, farthest distance that is measured."""
+"""Largest measured distance, m."""
 
 _IDLE = (
     mujoco.mjtDisableBit.mjDSBL_LIMIT
     | mujoco.mjtDisableBit.mjDSBL_FRICTIONLOSS
     | mujoco.mjtDisableBit.mjDSBL_EQUALITY
 )
-"""Constraints that are no contacts."""
+"""Constraint types of MuJoCo other than contacts."""
 
 
 class Near(NamedTuple):
-    """Parts of a hand that are near things.
+    """Pairs of a part of the hand and a near geom.
 
     Attributes:
-        parts: Indices (n,) of geoms; a part may come twice, as for two ends of a capsule.
-        distances: (n,) m between surfaces, negative inside.
-        things: Indices (n,) of the geoms that they are near.
+        parts: Indices (n,) of the parts' geoms; a part may occur twice, as for two ends of a
+            capsule.
+        distances: Distances (n,) between surfaces, m; negative inside.
+        things: Indices (n,) of the near geoms, of objects or other hands.
     """
 
     parts: Sequence[int]
@@ -402,13 +411,13 @@ class Near(NamedTuple):
 
 
 class HandDistances:
-    """Measures how near the parts of one hand are to objects and to other hands.
+    """Measures the distances of one hand's parts to objects and to other hands.
 
-    The inner part of a last link, which its fingertip does not need, is a part of its own under the
-    link's geom; the fingertip is one under the link's `tip_geom`.
+    A last link has two parts: the fingertip, with the link's `tip_geom`, and the rest of the link,
+    with the link's geom.
 
     Args:
-        scene: The scene, as it was compiled: before any part of it was made a ghost.
+        scene: The scene as compiled, before any part became a ghost.
         hand: Index of the hand.
 
     Attributes:
@@ -421,7 +430,7 @@ class HandDistances:
         self._model = model = copy.copy(scene.model)
         parts = scene.parts(hand)
         self._parts = frozenset(parts)
-        # What hands meet at all, and the other hands.
+        # Geoms that can collide with hands, and the other hands' geoms.
         things = (model.geom_conaffinity & CONTACT_HAND) > 0
         for other in range(len(scene.spec.hands)):
             things[scene.parts(other)] = scene.spec.hands_collide
@@ -437,15 +446,15 @@ class HandDistances:
             if link.tip_geom != link.geom:
                 _shorten(model, model.geom(link.geom).id, link.solid_from)
         model.geom_margin[parts] = REACH
-        # Within a gap a contact has no row.
+        # A contact within its gap would have no constraint row.
         model.geom_gap[:] = 0.0
-        # MuJoCo looks at the parts of a body only where the body's own margin lets it.
+        # MuJoCo tests the geoms of a body only within the body's own margin.
         model.body_margin[model.geom_bodyid[parts]] = REACH
-        # One row for each contact: how its distance changes.
+        # One constraint row for each contact: the derivative of its distance.
         model.geom_condim[:] = 1
         model.opt.jacobian = mujoco.mjtJacobian.mjJAC_DENSE
         model.opt.disableflags |= int(_IDLE)
-        # Where everything is, and where it goes.
+        # Current and predicted places.
         self._now, self._ahead = mujoco.MjData(model), mujoco.MjData(model)
         start = int(model.joint(own.first_joint).dofadr[0])
         inside = [j for j in range(model.njnt) if model.jnt_qposadr[j] in _range(self._hand)]
@@ -454,12 +463,12 @@ class HandDistances:
         self.dofs = slice(start, int(ends))
 
     def near(self, data: mujoco.MjData, qpos: Array | None = None, ahead: float = 0.0) -> Near:
-        """Parts of the hand that are near things, and how near.
+        """Returns the parts of the hand near other geoms, with their distances.
 
         Args:
-            data: State of the simulation, where all things are.
-            qpos: Joint positions (m,) of the hand; None takes those of the state.
-            ahead: s for which things go on as they move now.
+            data: State of the simulation, with the places of all geoms.
+            qpos: Joint positions (m,) of the hand; None uses those of the state.
+            ahead: Time by which objects are moved on with their current velocity, s.
         """
         own = self._ahead if ahead else self._now
         own.qpos[:] = data.qpos
@@ -472,18 +481,17 @@ class HandDistances:
         if not own.ncon:
             return _NOTHING
         contact, mine = own.contact, self._parts
-        # MuJoCo orders two geoms by their kind.
+        # MuJoCo orders the two geoms of a contact by their type.
         pairs = [(a, b) if a in mine else (b, a) for a, b in contact.geom.tolist()]
         parts, things = zip(*pairs, strict=True)
         return Near(parts, contact.dist.tolist(), things)
 
     def gradients(self, rows: list[int], ahead: bool = False) -> Array:
-        """Derivatives (k, dofs) of some of the distances that `near` returned last, by the hand's
-        velocities.
+        """Returns derivatives (k, dofs) of distances with respect to the hand's joints.
 
         Args:
-            rows: Indices (k,) into them.
-            ahead: Of those that were returned for things that go on.
+            rows: Indices (k,) into the distances that `near` returned last.
+            ahead: True for the distances of the last call of `near` with predicted places.
         """
         model, own = self._model, self._ahead if ahead else self._now
         mujoco.mj_comPos(model, own)
@@ -503,23 +511,24 @@ def _range(part: slice) -> range:
 
 def _shorten(model: mujoco.MjModel, geom: int, share: float) -> None:
     """Makes a link's capsule end before its fingertip begins."""
-    # The capsule's axis is its own z, and its body's y.
+    # The capsule's axis is its own z axis, and the y axis of its body.
     half: float = model.geom_size[geom, 1]
     middle: NDArray[np.float64] = model.geom_pos[geom]
     model.geom_pos[geom] = share * middle
-    # MuJoCo takes a geom with the frame of its body's inertia to be there, wherever its own place.
+    # With another value, MuJoCo would use the frame of the body's inertia instead of the geom's.
     model.geom_sameframe[geom] = mujoco.mjtSameFrame.mjSAMEFRAME_NONE
     model.geom_size[geom, 1] = max(share * half, 1e-6)
 
 
 CLEARANCE = 0.0005
-"""m, least distance of a part from things when it becomes solid."""
+"""Smallest distance between a part and objects at which the part becomes solid, m."""
 
 INSIDE = 0.0015
-"""m, depth in a thing, by the thing's own distances, at which a part does not become solid."""
+"""Depth of a part in an object, by the object's own distance function, from which on the part does
+not become solid, m."""
 
 _ALONG = np.linspace(-1.0, 1.0, 9)
-"""Shares of half a capsule's length, from its middle, at which a ball covers it."""
+"""Places of the balls that cover a capsule, from its middle, as shares of half its length."""
 
 
 class SolidLinks:
@@ -532,14 +541,14 @@ class SolidLinks:
 
     Attributes:
         fingers: Labels of the fingers whose last link is solid, whether they touch or not.
-        signature: Which parts are solid: state outside MuJoCo's that affects the next step.
+        signature: The solid parts, as state outside MuJoCo that affects the next step.
     """
 
     def __init__(self, scene: Scene, hand: int, distances: HandDistances) -> None:
         self._scene, self._hand, self._distances = scene, hand, distances
         links, geom = scene.spec.hands[hand].links, scene.model.geom
         self._parts = tuple(scene.parts(hand))
-        # Of each finger: its links from the palm outwards, and the solid end of the last.
+        # For each finger: its links from the palm outwards, and the solid end of the last link.
         self._links: dict[int, list[int]] = {}
         for link in links:
             self._links.setdefault(link.finger, []).append(geom(link.geom).id)
@@ -551,7 +560,7 @@ class SolidLinks:
         self.fingers: frozenset[int] = frozenset()
         self._touching: frozenset[int] = frozenset()
         self._solid: frozenset[int] = frozenset()
-        # Pressing and touching fingers with which all parts are solid that may be; None before.
+        # The pressing and touching fingers for which all permitted parts are solid; None before.
         self._complete: tuple[frozenset[int], frozenset[int]] | None = None
         self.signature = self._mask()
 
@@ -560,7 +569,7 @@ class SolidLinks:
         return mask.to_bytes((len(self._parts) + 7) // 8, "little")
 
     def balls(self, data: mujoco.MjData) -> tuple[Array, Array]:
-        """Middles (n, 3) and radii (n,), m, of balls along all parts, which are capsules."""
+        """Returns centres (n, 3) and radii (n,), m, of balls that cover all parts (capsules)."""
         parts = list(self._parts)
         axes = data.geom_xmat[parts].reshape(-1, 3, 3)[:, :, 2]
         along = _ALONG[:, None] * self._halves
@@ -574,7 +583,7 @@ class SolidLinks:
 
         Args:
             data: Current state of the simulation.
-            pressing: Fingers whose tips are solid and touch; none makes the hand a ghost.
+            pressing: Fingers whose tips are solid and touch; without any, the hand is a ghost.
             touching: Fingers that touch.
         """
         if self._complete == (pressing, touching):
@@ -593,9 +602,9 @@ class SolidLinks:
     def _joined(
         self, data: mujoco.MjData, pressing: frozenset[int], touching: frozenset[int]
     ) -> frozenset[int]:
-        """The parts that are solid next."""
-        # A finger that begins to touch or is lifted begins anew: it may be inside of what it
-        # held, or on its way into something.
+        """Returns the parts that are solid in the next step."""
+        # A finger that begins to touch or is lifted starts as a ghost: it may be inside the object
+        # that it held, or about to enter an object.
         anew = touching ^ self._touching
         solid = {
             part
@@ -619,21 +628,21 @@ class SolidLinks:
         for f in self._links:
             last, end = self._links[f][-1], self._ends[f]
             if f not in pressing and end in blocked:
-                # The whole last link of a finger that does not touch must be out.
+                # The whole last link of a finger that does not touch must be clear.
                 blocked.add(last)
         joining = missing - blocked
         if joining:
             solid |= joining - self._inside(data)
         for f in self._links:
             if self._links[f][-1] in solid and self._ends[f] != self._links[f][-1]:
-                # The whole link takes the place of its end.
+                # The whole link replaces its end.
                 solid.discard(self._ends[f])
         return frozenset(solid)
 
     def _inside(self, data: mujoco.MjData) -> frozenset[int]:
-        """Parts that are inside of things, whatever MuJoCo says.
+        """Returns the parts that are inside objects, also where MuJoCo's distances miss it.
 
-        It takes a capsule for clear of a box that its axis goes right through.
+        MuJoCo reports a capsule as clear of a box if its axis passes through the whole box.
         """
         middles, radii = self.balls(data)
         far = (self._scene.clearance(data, middles) - radii).reshape(len(_ALONG), -1).min(axis=0)

@@ -1,4 +1,4 @@
-"""`sandbox devices show`: a table of what a device or a file sends, while it sends it."""
+"""`sandbox devices show`: a live table of the data of a device or a file."""
 
 from __future__ import annotations
 
@@ -40,20 +40,20 @@ from sandbox.devices.webcam import WebcamOptions
 from sandbox.trial.trial_options import COMMON
 
 _RECENT = 240
-"""Frames by which rate and sizes are shown."""
+"""Number of recent frames used for the rate and the sizes."""
 _LINES = 1.0
-"""s between two lines where the output is no terminal."""
+"""Time between two lines if the output is no terminal, s."""
 
 
 class DeviceTable:
-    """What a device sends: its rate, sizes, units, and what is left out and why.
+    """A table of a device's data: rate, sizes, units, and left-out data with the reasons.
 
-    On a terminal it is refreshed in place; otherwise its rows are printed as lines, each when it
-    has changed, once a second at most. A context manager that is entered when the device is open.
+    On a terminal it is refreshed in place. Otherwise a changed row is printed as a line, once a
+    second at most. It is a context manager, entered when the device is open.
 
     Args:
         device: The device.
-        in_place: False: nothing is drawn, and somebody else shows `table`.
+        in_place: False if the caller draws `table` itself.
     """
 
     def __init__(self, device: AnyDevice, in_place: bool = True) -> None:
@@ -84,11 +84,11 @@ class DeviceTable:
         self._print()
 
     def take(self, frames: Sequence[Frame]) -> None:
-        """Takes in the next frames; none if there are none."""
+        """Adds the next frames, if there are any."""
         for frame in frames:
             self._frames += 1
             at = frame.taken if isinstance(frame, LandmarkFrame) else frame.time
-            # A screen that nobody touches is silent.
+            # An untouched screen sends nothing.
             if self._last is not None and self._last[1]:
                 self._steps.append(at - self._last[0])
             self._last = at, not isinstance(frame, TouchFrame) or bool(frame.contacts)
@@ -100,7 +100,7 @@ class DeviceTable:
             self._print()
 
     def rows(self) -> dict[str, str]:
-        """What is shown: its name and its value."""
+        """Returns the rows: name and value."""
         rows = {"source": self._device.title, "frames": f"{self._frames:,}"}
         if self._steps and (step := math.fsum(self._steps) / len(self._steps)) > 0.0:
             bounds = TOUCH_STEP if isinstance(self._device, Device) else STEP
@@ -123,7 +123,7 @@ class DeviceTable:
         return rows
 
     def table(self) -> Group:
-        """The rows as a table."""
+        """Returns the rows as a table."""
         table = Table(show_header=False)
         for name, value in self.rows().items():
             table.add_row(Text(name), Text(value))
@@ -140,7 +140,7 @@ class DeviceTable:
 
 
 def _measured(frame: Frame) -> tuple[str, Mapping[Bounds, float]]:
-    """What is seen in a frame, in words, and the sizes of its first hand."""
+    """Returns a description of a frame in words, and the sizes of its first hand."""
     if isinstance(frame, TouchFrame):
         named = sum(c.label is not None for c in frame.contacts)
         seen = counted(len(frame.contacts), "touch", "touches") + f", {named} with a finger"
@@ -172,19 +172,19 @@ class Show(WebcamOptions, LeapOptions, TouchOptions):
     """Options of `sandbox devices show`."""
 
     device: Annotated[str, Parameter(group=COMMON, metavar="NAME|FILE")] = ""
-    """The device, which also stands without `--device`, before all options: leap, webcam, tuio,
-    web, evdev, a device of your own, or a file: a recording of a Leap, of landmarks, of touches or
-    of this program."""
+    """Device or file: leap, webcam, tuio, web, evdev, a device of your own, or a recording of a
+    Leap, of landmarks, of touches or of this program. Before all options, `--device` may be left
+    out."""
 
     seconds: Annotated[float, Parameter(group=COMMON)] = math.inf
     """Stop after this many seconds."""
 
 
 def show(options: Show = Show()) -> int:
-    """Shows what a device or a file sends: rate, sizes, units, what is left out and why.
+    """Shows the data of a device or a file: rate, sizes, units, and left-out data with reasons.
 
-    Where a hand does not move, is far away or not there at all, look here first. On a terminal the
-    table is refreshed in place until Ctrl-C or the end of the file; otherwise each row is a line.
+    Use it first if a hand does not move, is far away or is missing. On a terminal the table is
+    refreshed in place until Ctrl-C or the end of the file; otherwise each row is a line.
 
         sandbox devices show leap
 
@@ -192,10 +192,10 @@ def show(options: Show = Show()) -> int:
 
         sandbox devices show recording.json
 
-    Read it from above. No frames: nothing arrives, so look at cable, address and firewall. An
-    impossible number of frames a second, or sizes outside of the usual range: the sender's units
-    are others. `assumed` says in which units it is read instead; for a file, --unit cm,ms gives
-    them. `left out` counts what cannot be used, by its reason.
+    Read the table from the top. No frames: nothing arrives, so check cable, address and firewall.
+    An impossible number of frames a second, or sizes outside the usual range: the sender uses other
+    units. `assumed` has the units that are used instead; for a file, set them with --unit cm,ms.
+    `left out` counts unusable data by reason.
     """
     if not options.device and not options.is_page:
         raise InputError("which device or file?", expected=", ".join((*DEVICES, "or a file")))
@@ -218,7 +218,7 @@ def show(options: Show = Show()) -> int:
 
 
 def _opened(options: Show) -> AnyDevice | None:
-    """The device or the file; None if no browser has opened the page."""
+    """Opens the device or the file; returns None if no browser has opened the page."""
     kind = kind_of(options.device)
     path = Path(options.device)
     if kind.source is Source.FILE and kind.sees is Sees.LEAP:
@@ -246,5 +246,5 @@ def _follow(device: AnyDevice, table: DeviceTable, seconds: float) -> None:
     while (elapsed := time.monotonic() - begin) < seconds and not device.finished:
         if not device.plays_file:
             device.wait(min(0.1, seconds - elapsed))
-        # Of a file all is shown at once.
+        # A file is shown at once.
         table.take(device.poll(math.inf if device.plays_file else elapsed))

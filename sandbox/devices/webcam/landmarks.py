@@ -1,6 +1,4 @@
-"""Landmarks of hands in pictures as JSON: messages of the page, and files of them that play as a
-camera.
-"""
+"""Landmarks of hands in pictures as JSON: the page's messages, and files that play as a camera."""
 
 from __future__ import annotations
 
@@ -52,10 +50,10 @@ SOURCE = "webcam"
 MOST_SEEN = 4
 """Largest number of hands in a message; the page looks for three."""
 _LARGEST = 1e5
-"""Largest coordinate in pixels, or size of a picture; anything beyond is nonsense."""
+"""Largest plausible coordinate or size of a picture, px."""
 
 USUAL_SIZE = (640, 480)
-"""Pixels."""
+"""Width and height of a picture whose size is not stated, px."""
 
 Point = tuple[float, float]
 Vector = tuple[float, float, float]
@@ -63,7 +61,7 @@ Trouble = Literal["absent", "in use", "refused", "engine", "hidden"]
 
 
 class HandMessage(msgspec.Struct):
-    """A hand in a picture, as `models.frames.SeenHand` describes it; MediaPipe's names of sides are
+    """A hand in a picture (see `models.frames.SeenHand`); MediaPipe's names of sides begin with
     capitals."""
 
     side: Literal["right", "left", "Right", "Left"]
@@ -73,17 +71,17 @@ class HandMessage(msgspec.Struct):
 
 
 class PictureMessage(msgspec.Struct):
-    """What was seen in a picture (`models.frames.LandmarkFrame`), or why there is none.
+    """The hands in a picture (`models.frames.LandmarkFrame`), or the reason for a missing picture.
 
     Attributes:
-        time: s, when the page had found the hands, on its own clock; None for a trouble.
-        taken: s, when the picture was taken, on the same clock; without it, `time`.
-        size: Width and height of the picture in pixels; None if it is not stated.
+        time: Time at which the page had found the hands, on its own clock, s; None with `trouble`.
+        taken: Time at which the picture was taken, on the same clock, s; without it, `time`.
+        size: Width and height of the picture, px; None if it is not stated.
         seen: Hands in the picture.
-        trouble: Why there is no picture; None with one.
-        corners: px, a surface's corners that the person marked: top left, top right, bottom right,
+        trouble: Reason for a missing picture; None with a picture.
+        corners: Corners of a surface that the person marked, px: top left, top right, bottom right,
             bottom left; None in other messages.
-        unread: Number of hands that are not in `seen`, as they cannot be read.
+        unread: Number of unreadable hands, which `seen` lacks.
     """
 
     time: float | None = None
@@ -96,7 +94,7 @@ class PictureMessage(msgspec.Struct):
 
     @property
     def pixels(self) -> tuple[int, int]:
-        """Width and height of the picture, the usual ones where they are not stated."""
+        """Width and height of the picture, px; `USUAL_SIZE` if they are not stated."""
         return self.size or USUAL_SIZE
 
 
@@ -104,7 +102,7 @@ def picture_message(text: bytes | str, where: str = SOURCE) -> PictureMessage:
     """Reads a message of the page, or a line of a file.
 
     Raises:
-        DeviceError: It is neither a picture nor a trouble.
+        DeviceError: The message has neither a picture nor a reason for a missing one.
     """
     data = text.encode() if isinstance(text, str) else text
     try:
@@ -127,7 +125,7 @@ def picture_message(text: bytes | str, where: str = SOURCE) -> PictureMessage:
 
 
 def _readable(data: bytes) -> PictureMessage | None:
-    """A message without those of its hands that cannot be read; None where the rest cannot."""
+    """Reads a message without its unreadable hands; returns None if the rest is unreadable."""
     loose = loosely_decoded(data)
     if not (isinstance(loose, dict) and isinstance(loose.get("seen"), list)):
         return None
@@ -144,7 +142,7 @@ LANDMARK_UNITS: Units = {"length": "m", "time": "s", "image coordinate": "px"}
 
 
 def quantities(message: PictureMessage) -> dict[Bounds, float]:
-    """Sizes of the first hand of a message in its own units; empty without a hand."""
+    """Returns sizes of the first hand of a message, in its units; empty without a hand."""
     hand = next(iter(message.seen), None)
     if (
         hand is None
@@ -165,7 +163,7 @@ def quantities(message: PictureMessage) -> dict[Bounds, float]:
 
 
 def in_units(message: PictureMessage, units: Units) -> PictureMessage:
-    """A message in `LANDMARK_UNITS` of one in other units."""
+    """Converts a message from other units to `LANDMARK_UNITS`."""
     if units == LANDMARK_UNITS or message.time is None:
         return message
     metre, second = unit_size(units, "length"), unit_size(units, "time")
@@ -184,10 +182,10 @@ def in_units(message: PictureMessage, units: Units) -> PictureMessage:
 
 
 def frame_of(message: PictureMessage, where: str = SOURCE) -> LandmarkFrame:
-    """The frame of a picture, without the hands whose numbers are not valid.
+    """Returns the frame of a picture, without hands that have invalid numbers.
 
     Raises:
-        FrameError: Numbers are not valid for a frame, or none of the hands is.
+        FrameError: Numbers of the frame, or of all its hands, are invalid.
     """
     if message.time is None:
         raise FrameError("this is not a picture", where=where, got=message.trouble)
@@ -214,7 +212,7 @@ UNREADABLE = "hands that cannot be read"
 
 
 def _seen(hand: HandMessage, where: str) -> SeenHand:
-    """A hand of a message.
+    """Returns a hand of a message.
 
     Raises:
         FrameError: Its numbers are not valid.
@@ -226,7 +224,7 @@ def _seen(hand: HandMessage, where: str) -> SeenHand:
 
 
 def left_hands(message: PictureMessage, frame: LandmarkFrame) -> int:
-    """Number of hands of a message that its frame lacks."""
+    """Returns the number of hands that are in a message and not in its frame."""
     return len(message.seen) + message.unread - len(frame.hands)
 
 
@@ -235,8 +233,8 @@ OUTSIDE = "hands that are wholly beyond the picture"
 
 
 _STAYS = 0.02
-"""Share of the picture's width by which wrist and knuckle of a hand move together that nearly stays
-where it was."""
+"""Largest common movement of wrist and knuckle of a hand that hardly moves, as a share of the
+picture's width."""
 _MIDDLE = 9
 """Landmark of the middle finger's knuckle."""
 _NOWHERE = (math.inf, math.inf)
@@ -244,31 +242,31 @@ _SHORTEST, _LONGEST = PALM_AT_ONCE.least, PALM_AT_ONCE.most
 
 
 class PossibleHands:
-    """Leaves out of pictures what no hand is or does.
+    """Removes impossible hands from pictures.
 
     Attributes:
-        side: Doubt of the sides of the hands.
+        side: Check of the hands' sides.
     """
 
     def __init__(self) -> None:
         self.side = SideDoubt()
         self._jumps = HandJumps()
-        # px, wrist and middle knuckle of the only hand of the picture before.
+        # Wrist and middle knuckle of the only hand in the previous picture, px.
         self._wrist, self._knuckle = _NOWHERE, _NOWHERE
-        # That picture, if jumps were not looked for.
+        # The previous picture, if it was not checked for jumps.
         self._stayed: LandmarkFrame | None = None
 
     def only(self, frame: LandmarkFrame, left_out: Counter[str]) -> LandmarkFrame:
-        """A picture without hands that cannot be.
+        """Returns a picture without its impossible hands.
 
         Args:
             frame: The picture, in `LANDMARK_UNITS`.
-            left_out: Receives what is left out, by reason.
+            left_out: Receives the number of removed hands, by reason.
         """
         hands = frame.hands
         if len(hands) == 1:
-            # Most pictures have one hand, inside them, of a hand's size, and nearly where it was;
-            # the test is quick.
+            # Most pictures have a single hand, inside the picture, of a hand's size, that hardly
+            # moved; this case has a quick test.
             hand = hands[0]
             world, wrist, knuckle = hand.world, hand.image[0], hand.image[_MIDDLE]
             moved = math.dist(wrist, self._wrist) + math.dist(knuckle, self._knuckle)
@@ -296,7 +294,7 @@ class PossibleHands:
             self._jumps.find(self._stayed.taken, _places(self._stayed))
             self._stayed = None
         hands: list[SeenHand] = []
-        # Where an engine sees one hand twice, the more certain one counts.
+        # If the engine detects a hand twice, the detection with the higher score counts.
         for hand in sorted(frame.hands, key=lambda hand: -hand.score):
             reason = _impossible(hand, frame.size)
             if reason or any(_is_twice(hand, other) for other in hands):
@@ -316,7 +314,7 @@ class PossibleHands:
 
 
 def _with(frame: LandmarkFrame, hands: Sequence[SeenHand]) -> LandmarkFrame:
-    """The frame with some of its hands alone."""
+    """Returns the frame with only some of its hands."""
     if len(hands) == len(frame.hands):
         return frame
     kept = {id(hand) for hand in hands}
@@ -324,7 +322,7 @@ def _with(frame: LandmarkFrame, hands: Sequence[SeenHand]) -> LandmarkFrame:
 
 
 def _impossible(hand: SeenHand, size: tuple[int, int]) -> str:
-    """Why no hand can be as it is seen; empty for one that can."""
+    """Returns the reason why a hand is impossible; empty for a possible hand."""
     if not PALM_AT_ONCE.includes(math.dist(hand.world[0], hand.world[_MIDDLE])):
         return COLLAPSED
     x, y = hand.image[0]
@@ -342,16 +340,16 @@ def _is_twice(hand: SeenHand, other: SeenHand) -> bool:
 
 
 _ACROSS = (0, 5, 17)
-"""Landmarks that stay where they are in the palm: the wrist, and two knuckles."""
+"""Landmarks that are fixed in the palm: the wrist, and two knuckles."""
 
 
 def _rough_place(hand: SeenHand, size: tuple[int, int]) -> Vector:
-    """m, about where a hand is before a usual camera, by its size in the picture."""
+    """Returns the rough place of a hand before a usual camera, from its size in the picture, m."""
     wrist, index, little = (hand.image[n] for n in _ACROSS)
     a, b, c = (hand.world[n][:2] for n in _ACROSS)
     in_space = math.dist(b, a) + math.dist(c, a) + math.dist(c, b)
     in_picture = math.dist(index, wrist) + math.dist(little, wrist) + math.dist(little, index)
-    # m for a pixel; a usual camera's focal length is about the picture's longer side.
+    # m a pixel. The focal length of a usual camera is about the picture's longer side, px.
     scale = in_space / max(in_picture, 1.0)
     x = (wrist[0] + index[0] + little[0]) / len(_ACROSS)
     y = (wrist[1] + index[1] + little[1]) / len(_ACROSS)
@@ -359,9 +357,9 @@ def _rough_place(hand: SeenHand, size: tuple[int, int]) -> Vector:
 
 
 def _places(frame: LandmarkFrame) -> dict[Hashable, Vector]:
-    """Places of the hands by what identifies them.
+    """Returns the places of the hands by their key.
 
-    An only hand is the same one as before, whatever its side is named.
+    A single hand has the same key in all pictures, whichever side it is given.
     """
     numbers: Counter[str] = Counter()
     places: dict[Hashable, Vector] = {}
@@ -373,7 +371,7 @@ def _places(frame: LandmarkFrame) -> dict[Hashable, Vector]:
 
 
 def message_of(frame: LandmarkFrame) -> dict[str, Any]:
-    """JSON values of a frame, which `picture_message` and `frame_of` read back exactly."""
+    """Returns a frame as JSON values, which `picture_message` and `frame_of` read back exactly."""
     return {
         "time": frame.time,
         "taken": frame.taken,
@@ -387,15 +385,15 @@ def message_of(frame: LandmarkFrame) -> dict[str, Any]:
 
 VERSION = 1
 LONGEST_LINE = 1 << 16
-"""Bytes; four hands have about five thousand."""
+"""Largest length of a line, bytes; four hands have about five thousand."""
 
 
 class Header(msgspec.Struct):
-    """The first line.
+    """The first line of a file.
 
     Attributes:
         landmarks: Version of the format.
-        camera: The camera that took the pictures; None if nobody said.
+        camera: The camera that took the pictures; None if it is not stated.
     """
 
     landmarks: int
@@ -408,7 +406,7 @@ class LandmarkRecording:
 
     Attributes:
         frames: In order of time.
-        camera: The camera that took them; None if the file does not say.
+        camera: The camera that took the pictures; None if the file does not state it.
         damage: Error that ended the file early; None if it is undamaged.
         lines: Number of each frame's line.
         report: What was left out, and what is assumed.

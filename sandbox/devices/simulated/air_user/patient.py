@@ -1,10 +1,13 @@
-"""A simulated person before a device that errs by more than a hand can make good, such as a webcam.
+"""A simulated person before a device with large errors, such as a webcam.
 
-What is seen of a hand from above tells badly how far fingers are bent and how high they are. This
-person does what people do then: keeps the fingers as in any pinch, closes although one of them is
-not where it should be, goes on closing until the drawn fingers are at the thing, raises it until it
-is up, and lets go once it sinks no further. A thing that is alone on the table is held lightly and
-pushed to its place before; if it lies wrong then, the fingers are still about it, and close again.
+A view from above measures the bend and the height of fingers badly. This person reacts as people
+do:
+
+- It holds the fingers as in any pinch, and closes them even if the drawn fingers are misplaced.
+- It continues to close until the drawn fingers are at the object.
+- It raises the hand until the object is up, and lets go when the object sinks no further.
+- An object that is alone on the table is first held lightly and pushed to its place. If it then
+  lies wrong, the fingers, still around it, close again.
 """
 
 from __future__ import annotations
@@ -28,45 +31,45 @@ from tasks.task import Goal
 from tasks.user import Sight
 
 PATIENT = AirHabits(good=0.006, looks=4, placed=0.006, straight=radians(7.0), press=0.006)
-"""Habits of a person who knows that the drawn hand is not exact."""
+"""Habits of a person who expects the drawn hand to be inexact."""
 
 _FINGERS = (1, 2)
-"""Labels of those that oppose the thumb."""
+"""Labels of the fingers that oppose the thumb."""
 _AT, _HELD = 0.002, 0.004
-"""m between drawn pads and faces below which fingers are at a thing, and hold it."""
+"""Distances between drawn pads and faces below which fingers are at an object, and hold it, m."""
 _CLOSER, _FIRM = 0.006, 0.014
-"""m by which a gap is closed further where fingers are not at a thing, and once, where they are."""
+"""Further closing of the gap while the fingers are not at an object, and once when they are, m."""
 _NARROWEST = 0.010
-"""m, smallest own gap."""
+"""Smallest gap between the person's own fingers, m."""
 _RISEN = 0.75
-"""Share of the height to be raised by at which a thing is up, where others stand about."""
+"""Share of the intended height at which an object counts as raised, if other objects are near."""
 _TIMES = 6
-"""Most times that the hand is closed or raised further."""
+"""Largest number of times that the hand is closed or raised further."""
 _LEAST = 0.005
-"""m, least height by which it is raised further."""
+"""Smallest additional height, m."""
 _SINKS, _LOW = 0.002, 0.010
-"""m by which a thing must have sunk to be lowered on, once it is lower than the second above its
-place."""
+"""Smallest sinking of an object for which lowering continues, once the object is lower than the
+second value above its place, m."""
 _PUSHES = 2
-"""Most times that a thing is pushed to its place before it is let go."""
+"""Largest number of times that an object is pushed to its place before the hand lets go."""
 _UNDER = 0.003
-"""m below a thing's upper side at which a finger is beside it."""
+"""Depth below an object's upper side at which a finger counts as beside it, m."""
 
 
 class PatientPerson(AirPerson):
-    """Brings boxes to their goals by a drawn hand that follows badly."""
+    """Brings boxes to their goals by a drawn hand that follows inaccurately."""
 
     _most_bent = 0.010
 
     _closed = _raised = _pushed = 0
     _firm = _again = False
     _foot = 0.0
-    """m, height of the thing before it was gripped."""
+    """Height of the object before it was gripped, m."""
     _above_goal = float("inf")
     _let_go: tuple[Array, float] | None = None
-    """Shift (2,) m and turn, rad, to the goal when the thing was let go last."""
+    """Shift (2,), m, and turn, rad, from object to goal at the last release."""
     _dragged: tuple[Array, float] | None = None
-    """Shift (2,) m and turn, rad, of a thing by letting go, as seen so far."""
+    """Shift (2,), m, and turn, rad, of an object caused by a release, as observed so far."""
 
     def _around(self, sight: Sight, now: float) -> None:
         self._begin(sight)
@@ -74,7 +77,7 @@ class PatientPerson(AirPerson):
         super()._around(sight, now)
 
     def _begin(self, sight: Sight) -> None:
-        """Begins a grasp anew."""
+        """Begins a new grasp."""
         self._closed, self._raised, self._pushed, self._firm = 0, 0, 0, False
         self._foot, self._above_goal = float(self._hold(sight).position[2]), float("inf")
 
@@ -109,7 +112,7 @@ class PatientPerson(AirPerson):
                 up = np.array([0.0, 0.0, max(self._held - risen, _LEAST)])
                 self._go(replace(aim, centre=aim.centre + up), Stage.LIFTED, now, 1.2)
                 return
-            # It is held, however high it is.
+            # The object is held, at whatever height.
             self._stood = float(hold.position[2]) - self._held
         super()._carry(sight, now)
 
@@ -120,14 +123,14 @@ class PatientPerson(AirPerson):
             self._push(sight, now)
             return
         if down:
-            # A push would move what it stands on.
+            # A push would move the object below.
             self._open(now)
             return
         self._above_goal = above
         super()._lower(sight, now)
 
     def _push(self, sight: Sight, now: float) -> None:
-        """Pushes a thing that is down to its place; lets go of one that is there."""
+        """Pushes an object on the table to its place; lets go when it is there."""
         thing, goal, habits = self._seen_object(sight), self._goal(sight), self.habits
         self._above_goal = float(thing.position[2]) - goal.position[2]
         off, turn = remaining_motion(thing, goal)
@@ -150,7 +153,7 @@ class PatientPerson(AirPerson):
         at_height = abs(float(thing.position[2]) - goal.position[2]) < _LOW
         wrong = _alone(sight) and at_height and not at_goal(thing, goal)
         if wrong and self.grasps < self.habits.attempts and self._about(sight, hold):
-            # The hand is still about it: it need not be raised again.
+            # The hand is still around the object: it need not be raised again.
             self.grasps += 1
             self._begin(sight)
             self._again = True
@@ -162,7 +165,7 @@ class PatientPerson(AirPerson):
         super()._leave(sight, now)
 
     def _learn(self, before: tuple[Array, float], after: tuple[Array, float]) -> None:
-        """Remembers how letting go moved a thing."""
+        """Stores how the release moved an object."""
         shift, turn = before[0] - after[0], before[1] - after[1]
         if self._dragged is not None:
             shift = (shift + self._dragged[0]) / 2.0
@@ -170,7 +173,7 @@ class PatientPerson(AirPerson):
         self._dragged = shift, turn
 
     def _goal(self, sight: Sight) -> Goal:
-        """The goal, so far beside it that letting go brings the thing there."""
+        """Returns the goal, shifted so that the movement at the release ends at the goal."""
         goal = super()._goal(sight)
         if self._dragged is None:
             return goal
@@ -178,14 +181,14 @@ class PatientPerson(AirPerson):
         at = goal.position
         return replace(goal, position=(at[0] - x, at[1] - y, at[2]), yaw=goal.yaw - turn)
 
-    # What the person sees.
+    # Observations of the person.
 
     def _axis(self) -> Array:
-        """(3,) direction from the thumb to the fingers."""
+        """Direction (3,) from the thumb to the fingers."""
         return small_product(self._movement.aim.rotation, np.array([cos(AXIS), sin(AXIS), 0.0]))
 
     def _apart(self, sight: Sight) -> float:
-        """m between the drawn thumb's pad and that of the finger that is nearer to it."""
+        """Distance between the pads of the drawn thumb and of the finger nearest to it, m."""
         axis, thumb = self._axis(), sight.tips[0]
         return min(
             float(small_product(sight.tips[f] - thumb, axis) - self._radius[0] - self._radius[f])
@@ -193,7 +196,7 @@ class PatientPerson(AirPerson):
         )
 
     def _about(self, sight: Sight, hold: Hold) -> bool:
-        """True if the drawn thumb and one finger are beside opposite faces of a thing."""
+        """True if the drawn thumb and a finger are beside opposite faces of an object."""
         axis = self._axis()
 
         def beside(finger: int, side: float) -> bool:
@@ -204,10 +207,10 @@ class PatientPerson(AirPerson):
         return beside(0, -1.0) and any(beside(f, 1.0) for f in _FINGERS)
 
     def _holds(self, sight: Sight, hold: Hold) -> bool:
-        """True if a thing is between the drawn thumb and a finger that are at it."""
+        """True if an object is between the drawn thumb and a finger, and both are at it."""
         return self._apart(sight) - hold.width < _HELD and self._about(sight, hold)
 
 
 def _alone(sight: Sight) -> bool:
-    """True if a thing has the table to itself."""
+    """True if a single object is on the table."""
     return len(sight.objects) == 1
