@@ -269,7 +269,7 @@ class MjcfObject:
             )
         if not np.any((model.geom_bodyid == 1) & solid_geoms(model)):
             raise InputError(
-                "it has no solid geom",
+                "the object has no solid geom",
                 where=self._where,
                 expected="a geom with contype or conaffinity",
             )

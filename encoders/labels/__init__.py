@@ -1,1 +1,1 @@
-"""Labellers, which tell the finger of each contact."""
+"""Labellers decide which finger makes each contact."""

@@ -1,42 +1,40 @@
 """Labels with history: a probability for every labelling of the contacts that are down.
 
-A single frame with two or three touches often fits several labellings. But fingers come and go one
-or two at a time, and evidence from a frame with four touches still holds when two of them have
-left. So the labeller keeps a belief: a probability for every labelling of the current contacts.
+A single frame with two or three touches often fits several labellings. But fingers touch and lift
+one or two at a time, and evidence from a frame with four touches is still valid after two of them
+have lifted. The labeller therefore keeps a belief: a probability for every labelling of the current
+contacts. Three events change it.
 
-- Contacts stay: frames of one grasp repeat the same evidence, so the belief stays until the layout
-  has changed. A hand that turns, opens or pinches shows layouts that a wrong labelling explains
-  badly. Such a frame counts with a weight below 1, as its layout still depends on earlier ones.
-- Contacts leave: they are remembered at their last place for a while; then the belief is summed
-  over their labels. When one finger leaves and another comes, two contacts that never touched
-  together belong to one posture: the new finger lands near the place of the old one. So the place
-  of a lifted contact is shifted with the contacts that stayed, until these have moved too far for
-  it to be informative.
-- Contacts come: the belief about the old ones is kept, and the new ones are judged given those, by
-  p(all | layout) / p(old | layout). A remembered contact counts as an old one with another finger
-  than the new ones, unless it has come back. Old contacts that have moved since their last
-  evaluation are judged again.
+- Contacts stay down. Frames of one grasp repeat the same evidence, so the belief does not change
+  until the layout has changed. When a hand turns, opens or pinches, a wrong labelling explains the
+  new layout badly. Such a frame counts with a weight below 1, because its layout still depends on
+  earlier frames.
+- Contacts lift. They are remembered at their last place for a while; then the belief is summed over
+  their labels. When one finger lifts and another lands, the two contacts were never down together
+  but belong to one posture. A lifted contact's place is therefore shifted along with the contacts
+  that stayed, until these have moved so far that the place is no longer informative.
+- Contacts land. The belief about the old contacts is multiplied by
+  p(all | layout) / p(old | layout). A remembered contact counts as an old contact of a finger other
+  than the new ones, or as a finger that has returned. Old contacts that have moved since their last
+  evaluation are evaluated again.
 
-So the belief keeps early mistakes as uncertainty, which later frames can correct.
-
-Five contacts are named without error, also of people whom nobody knows. Such layouts are kept, and
-are evidence about fewer fingers (`OwnLayouts`).
+Early mistakes are thus stored as uncertainty, which later frames can correct.
 
 The evidence of a frame comes from a network that was trained on simulated people
-(`encoders.labels.pair_network`). `PopulationBelief` stores it, with the weights of the belief.
+(`encoders.labels.pair_network`). `PopulationBelief` stores it with the weights of the belief.
 
-A person's own layouts of five fingers are evidence about fewer fingers. Five touches of one hand
-are named without error even for strangers: there is one thumb, and the others follow it in order.
-So such layouts are kept, and all their parts are known layouts of this
-person's fingers. Nothing else is learned: a confident answer about two fingers may be wrong, and
-would confirm itself.
+A person's own layouts of five fingers are evidence about fewer fingers (`OwnLayouts`). Five touches
+of one hand are labelled without error, even for unknown people: there is one thumb, and the other
+fingers follow it in order. Such layouts are stored, and every part of one is a known layout of this
+person's fingers. Layouts of fewer fingers are not learned, because a confident answer about two
+fingers may be wrong, and would then confirm itself.
 
-The evidence is a kernel density of touch layouts. A layout is the positions of touches relative to
-their middle, so that the density does not depend on the hand's place on the surface. Every set of
-fingers has a kernel density over known layouts. Kernels are not round: hands rotate and open as
-wholes, and known layouts have only some of these rotations and openings, so each kernel is
-stretched along rotation and size of its layout. With layouts as complex vectors x and p, both
-directions follow from one inner product <p, x>, and a kernel costs as much as a round one.
+This evidence is a kernel density of touch layouts. A layout consists of the positions of touches
+relative to their mean, so that the density does not depend on the hand's place on the surface.
+Every set of fingers has a kernel density over known layouts. Hands rotate and open as a whole, and
+known layouts have only some of these rotations and openings. Each kernel is therefore stretched
+along the rotation and the size of its layout. With layouts as complex vectors x and p, both
+directions follow from one inner product <p, x>, so such a kernel costs no more than a round one.
 """
 
 from __future__ import annotations
@@ -84,12 +82,11 @@ from models.frames import FINGERS
 from models.surface import METRES_PER_INCH
 
 Layouts = NDArray[np.complex128]
-"""(S, M, k): for each of the S sets of `finger_sets(k)` M layouts, x + i y of the touches in the
-order of the fingers, inches, with the middle at 0."""
+"""Array (S, M, k): M layouts for each of the S sets of `finger_sets(k)`. A layout has the complex
+numbers x + i y of its touches in the order of the fingers, in inches, with their mean at 0."""
 
 _LEAST_SIZE = 1e-3
-"""inches, avoids a division by zero for contacts on one spot, which have no rotation and no
-size."""
+"""Least size (inches) of a layout as a divisor; contacts on one spot have the size 0."""
 
 
 @dataclass(frozen=True)
@@ -97,9 +94,9 @@ class KernelShape:
     """Width of the kernels of a layout density.
 
     Attributes:
-        width: Standard deviation of every coordinate, inches.
-        turn: Standard deviation of the rotation of a layout about its middle, rad.
-        size: Standard deviation of the logarithm of its size.
+        width: Standard deviation (inches) of every coordinate.
+        turn: Standard deviation (rad) of the rotation of a layout about its mean.
+        size: Standard deviation of the logarithm of a layout's size.
     """
 
     width: float = 0.1
@@ -108,34 +105,34 @@ class KernelShape:
 
 
 MOST = 24
-"""Layouts that are kept; the oldest makes room for a new one."""
+"""Most layouts that are stored; then a new layout replaces the oldest one."""
 
 NEW = 0.12
-"""inches, least root mean square distance of a new layout from all that are kept, after the best
-shift: the same posture again tells nothing new."""
+"""Least root mean square distance (inches) of a new layout from all stored layouts, after the best
+shift. A nearer layout is the same posture and adds no information."""
 
 SHAPE = KernelShape(width=0.25, turn=0.22, size=0.16)
-"""Kernel shape: how much a person's later layouts differ from the kept ones."""
+"""Kernel shape: how far a person's later layouts differ from the stored layouts."""
 
 FAR = (3.0, 4.0, 5.0)
-"""Standard deviations from a kept layout beyond which it has no say, for 2, 3 and 4 contacts."""
+"""Standard deviations beyond which a stored layout is no evidence, for 2, 3 and 4 contacts."""
 
 _WIDEST = 12.0
-"""inches, greatest distance of two touches of one hand."""
+"""Greatest distance (inches) of two touches of one hand."""
 
 _LEAST = 0.2
-"""inches, least distance of two fingertips' middles."""
+"""Least distance (inches) between the centres of two fingertips."""
 
 
 class OwnLayouts:
     """Layouts of a person's five fingers.
 
     Args:
-        layouts: (n, 5, 2) m, touches by finger on the surface, in the frame of a right hand; the
-            newest last. At most `MOST` are kept.
+        layouts: (n, 5, 2) m, touches by finger on the surface, in the frame of a right hand, the
+            newest last. At most `MOST` are stored.
 
     Attributes:
-        layouts: (n, 5, 2) inches, each with its middle at 0, rounded to a thousandth.
+        layouts: (n, 5, 2) inches, each with its mean at 0, rounded to a thousandth.
 
     Raises:
         EncoderError: A layout is not finite, or is not that of a right hand.
@@ -179,7 +176,7 @@ class OwnLayouts:
         return self.layouts * METRES_PER_INCH
 
     def with_new(self, xy: Array) -> OwnLayouts:
-        """These layouts and another one (5, 2) m by finger; the same object if it is not new."""
+        """These layouts and one more, (5, 2) m by finger; returns `self` if it is not new."""
         layout = _centred(np.asarray(xy, float) / METRES_PER_INCH)
         if not (_like_a_hand(layout) and _of_right_hand(layout)):
             return self
@@ -202,23 +199,24 @@ class OwnLayouts:
             parts = np.stack([z[:, fingers] for fingers in finger_sets(count)])
             parts = parts - parts.mean(axis=2, keepdims=True)
             density = LayoutDensity(parts, SHAPE)
-            # The density of the widest kernel's middle, and that `FAR` standard deviations away.
+            # Log density at the middle of the widest kernel, from which the density `FAR` standard
+            # deviations away follows.
             peak = -(2 * count - 2) * log(SHAPE.width * 2.5066282746310002) - log(len(z))
             densities[count] = density, peak - 0.5 * FAR[count - 2] ** 2
         return densities
 
 
 def _like_a_hand(layout: Array) -> bool:
-    """True if five touches (5, 2) in inches are no nearer and no farther than a hand's."""
+    """True if the distances between five touches (5, 2), in inches, are possible for one hand."""
     i, j = np.triu_indices(len(FINGERS), 1)
     between = np.sqrt(squared_lengths(layout[i] - layout[j]))
     return bool((between > _LEAST).all() and (between < _WIDEST).all())
 
 
 def _of_right_hand(layout: Array) -> bool:
-    """True if touches (5, 2), thumb first and y down, go clockwise about their middle.
+    """True if touches (5, 2), thumb first and y down, go clockwise about their mean.
 
-    The signed area of their pentagon is positive; so it is for all layouts of simulated people.
+    The signed area of their pentagon is then positive, as for all layouts of simulated people.
     """
     x, y = layout.T.tolist()
     after = [*range(1, len(FINGERS)), 0]
@@ -237,8 +235,8 @@ def _arrangement(count: int) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
     """Relation between hypotheses, finger sets and orders of contacts.
 
     Returns:
-        orders (k!, k): the contact in each place of the sorted set; and (P,): the index of each
-        labelling of `hypotheses(count)` in a table (S, k!).
+        Orders (k!, k), with the contact in each place of the sorted set; and indices (P,) of the
+        labellings of `hypotheses(count)` in a raveled table (S, k!).
     """
     orders = list(permutations(range(count)))
     order_of = [orders.index(tuple(order)) for order in np.argsort(hypotheses(count)).tolist()]
@@ -248,8 +246,8 @@ def _arrangement(count: int) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
 class LayoutDensity:
     """Kernel density of layouts of k touches given their labels.
 
-    With c = <p, x> and r = |p|, a kernel's exponent is a quadratic form in Re c (along the size)
-    and Im c (along the rotation) plus |x|^2, which is the same for all labellings.
+    With c = <p, x> and r = |p|, a kernel's exponent is the sum of |x|^2, which is the same for all
+    labellings, and of a quadratic form in Re c (along the size) and Im c (along the rotation).
 
     Args:
         layouts: (S, M, k) known layouts, k = 2 to 5; each gets a kernel.
@@ -273,7 +271,7 @@ class LayoutDensity:
         flat = layouts.reshape(-1, count).T
         along, across = np.vstack([flat.real, flat.imag]), np.vstack([-flat.imag, flat.real])
         self._directions = np.hstack([along, across])
-        # Both differences vanish with the size, faster than the divisor does.
+        # As the size goes to 0, both differences vanish faster than the divisor.
         divisor = np.maximum(r2, _LEAST_SIZE**2)
         columns = (
             0.5 * (1.0 / narrow - 1.0 / along_size) / divisor,
@@ -297,7 +295,7 @@ class LayoutDensity:
         places = inches - inches.mean(axis=0)
         arranged = places[self._orders]
         x = np.concatenate([arranged[..., 0], arranged[..., 1]], axis=1)
-        # Single precision is enough for the many kernels, and half as long to read.
+        # Single precision is enough for the many kernels, and takes half the memory bandwidth.
         both = matrix_product(x, self._directions).astype(np.float32)
         along, across = np.split(both, 2, axis=1)
         exponent = self._size2 * along
@@ -317,43 +315,44 @@ class LayoutDensity:
 
 
 _CERTAIN = 0.99
-"""Least probability at which a layout of five fingers is kept."""
+"""Least probability of its labelling at which a layout of five fingers is stored."""
 
 _LOOK_AGAIN = 0.5
 """Share of a layout that must be new before contacts that stay are evaluated again."""
 
 _REACH = 0.02
-"""m, root mean square movement of the contacts that stayed, after which a lifted one is forgotten.
-An assumption: about the distance of two neighbouring fingertips. Time does not count, since
-knowledge about a hand at rest stays valid."""
+"""Root mean square movement (m) of the contacts that stayed, after which a lifted contact is
+forgotten. Assumed to be about the distance of two neighbouring fingertips. Time does not count,
+since knowledge about a hand at rest stays valid."""
 
 _AT_ONCE = 0.05
-"""Probability that a contact which comes in the same frame in which another leaves is the same
-finger. An assumption: a finger cannot do so, but devices sometimes give a contact another id."""
+"""Probability that a contact which lands in the frame in which another contact lifts is the same
+finger. Assumed: a finger is not as fast, but devices sometimes change the id of a contact."""
 
 _LATER = 0.3
-"""The same probability for a contact that comes later. An assumption: fingers tap, but they also
-take turns."""
+"""The same probability for a contact that lands later. Assumed: fingers tap, but also alternate."""
 
 SCHEMA = 1
 """Version of the file's layout."""
 
 SHARPNESS = dict.fromkeys(range(2, len(FINGERS) + 1), 0.8)
-"""Factors on the network's log probabilities. Of 1, 0.8 and 0.65, this one costs people to choose
-on 0.2 points of names, and their probabilities err by 2.7 points, of 3.3 with 1."""
+"""Factors on the network's log probabilities, chosen from 1, 0.8 and 0.65 on the people of the
+selection set. It costs 0.2 points of correct labels, and lowers the error of the probabilities from
+3.3 points (with 1) to 2.7."""
 
 ETA, STAY = 0.5, 0.3
-"""Weights of new evaluations; see `PopulationBelief`. Chosen on people to choose on, where
-probabilities of the truth hardly depend on them."""
+"""Weights of new evaluations; see `PopulationBelief`. Chosen on the people of the selection set,
+for whom the probabilities of the true labels hardly depend on these weights."""
 
 ODD: Mapping[int, float] = {2: 0.2, 3: 0.05, 4: 0.01, 5: 0.0}
 """Share of people, by number of contacts, whose hands the trained evidence does not fit. Chosen on
-66 people to choose on, by labels that were trained without their generator: claims err by 2.2 and
-2.6 points for the two generators, of 5.7 and 1.9 without such people, and answers with a claim of
-0.99 are all right, of 97.6 and 99.9 %."""
+66 people of the selection set, with networks that were trained without the generator of these
+people. For the two generators, the claimed probabilities err by 2.2 and 2.6 points (5.7 and 1.9
+with a share of 0). All answers with a claim of 0.99 are right (97.6 and 99.9 % with a share of 0).
+"""
 
 FAINT = 0.2
-"""Factor on log probabilities for such people; chosen with `ODD`."""
+"""Factor on log probabilities for the share `ODD` of people; chosen together with it."""
 
 _ASSUMED = {
     "odd": [*ODD.values(), FAINT],
@@ -373,10 +372,10 @@ class PopulationBelief:
 
     Attributes:
         evidence: Evidence of a single frame.
-        eta: Weight of a new evaluation of old contacts that have moved, when others join them; 0 to
-            1.
-        stay: Weight of a new evaluation of contacts that stay and have moved; 0 to 1.
-        population: Digest of the people it was trained on.
+        eta: Weight, 0 to 1, of a new evaluation of old contacts that have moved, when further
+            contacts land.
+        stay: Weight, 0 to 1, of a new evaluation of contacts that stay down and have moved.
+        population: Digest of the people on whom the model was trained.
     """
 
     evidence: NetworkEvidence
@@ -406,13 +405,14 @@ class PopulationBelief:
         return hash_.hexdigest()
 
     def save(self, path: Path) -> None:
-        """Writes the model as npz; weights have half precision, which they were rounded to."""
+        """Writes the model as npz. The weights are stored in half precision, to which they were
+        rounded before."""
         weights = self.evidence.network.weights
         write_npz(path, self.header, {k: v.astype(np.float16) for k, v in weights.items()})
 
 
 def from_weights(weights: Mapping[str, NDArray[Any]], population: str) -> PopulationBelief:
-    """The belief of a network, whose weights are rounded as its file stores them."""
+    """The belief with a network's weights, rounded to the half precision of the file."""
     rounded = {k: np.asarray(v, np.float16).astype(float) for k, v in weights.items()}
     return PopulationBelief(NetworkEvidence(PairNetwork(rounded), SHARPNESS), ETA, STAY, population)
 
@@ -427,7 +427,7 @@ def load_population_belief(path: Path) -> PopulationBelief:
     header, arrays = read_npz(path, None, EncoderError, "names for any person", remedy)
     if header.get("schema") != SCHEMA:
         raise EncoderError(
-            "the names have another version",
+            "the labelling model has an unsupported version",
             where=str(path),
             got=header.get("schema"),
             expected=f"schema {SCHEMA}",
@@ -439,7 +439,7 @@ def load_population_belief(path: Path) -> PopulationBelief:
         population = str(header["population"])
     except (KeyError, TypeError, ValueError) as error:
         raise EncoderError(
-            "not names for any person, or they are damaged",
+            "the file is not a labelling model, or it is damaged",
             where=str(path),
             got=f"{type(error).__name__}: {error}",
             remedy=remedy,
@@ -455,21 +455,21 @@ def builtin_population_model() -> PopulationBelief:
 
 
 def builtin_population_belief(known: OwnLayouts | None = None) -> BeliefLabels:
-    """The belief trained on the population, without contacts.
+    """A labeller with the model trained on the population, without contacts.
 
     Args:
-        known: The person's own layouts of five fingers, where some are known.
+        known: The person's own layouts of five fingers; None if none are known.
     """
     return BeliefLabels(builtin_population_model(), known, learns=True)
 
 
 def claimed(belief: Array, count: int) -> Array:
-    """Log probabilities (P,) that are shown and recorded, of a belief (P,) about `count` contacts.
+    """Log probabilities (P,) to show and record, from a belief (P,) about `count` contacts.
 
-    The belief holds for people like those whom it was trained on. A hand that is unlike theirs
-    stays so from frame to frame, and the belief becomes sure of a wrong answer. So a share `ODD` of
-    all people counts as unlike, with logarithms of their probabilities `FAINT` times as large. The
-    order of the labellings stays.
+    The belief is valid for people like those on whom it was trained. A different hand is different
+    in every frame, so the belief becomes certain of a wrong answer. A share `ODD` of all people is
+    therefore assumed to be different, and log probabilities are multiplied by `FAINT` for them. The
+    order of the labellings does not change.
     """
     odd = ODD.get(count, 0.0)
     if not odd:
@@ -480,17 +480,17 @@ def claimed(belief: Array, count: int) -> Array:
 class BeliefLabels:
     """Labels contacts by a belief that is carried from frame to frame.
 
-    It may be called at every frame, or only when contacts come and go; calls at every frame let it
-    learn from a moving hand.
+    `assign` may be called at every frame, or only when contacts land or lift. Only calls at every
+    frame give evidence from a moving hand.
 
     Args:
-        trained: The trained model; may be shared, since the belief itself is kept in this object.
+        trained: The trained model. Labellers may share it, since each stores its own belief.
         known: The person's own layouts at the beginning of a trial.
-        learns: True adds layouts of five fingers to them during a trial.
+        learns: True adds layouts of five fingers to the known ones during a trial.
 
     Attributes:
         own: The person's own layouts so far.
-        odds: Log factors on the labellings, of the fingers that are in use
+        odds: Log factors on the labellings for the fingers that are in use
             (`encoders.labels.finger_use`). They restrict the answer, not the belief.
     """
 
@@ -507,7 +507,7 @@ class BeliefLabels:
         self.restart()
 
     def restart(self) -> None:
-        """Forgets all contacts, and all layouts but those known at the beginning."""
+        """Forgets all contacts, and all layouts learned since the beginning."""
         self.own = self.known
         self.reset()
 
@@ -515,13 +515,13 @@ class BeliefLabels:
         """Forgets all contacts."""
         self._ids: tuple[int, ...] = ()
         self._lifted: tuple[_LiftOff, ...] = ()
-        # Over labellings of the ids, then of the recent lift-offs.
+        # Log probabilities of the labellings of all ids, followed by the recent lift-offs.
         self._joint: Array = np.zeros(1)
         self._belief: Array = np.zeros(1)
         self._places: dict[int, Array] = {}
         self._looked: dict[int, Array] = {}
-        # Current positions of the contacts, where `_places` was not updated for lack of new
-        # evidence.
+        # Current positions of the contacts, in case `_places` was not updated because there was no
+        # new evidence.
         self._moved: dict[int, tuple[float, float]] = {}
         self._answered: tuple[dict[int, int], Labelling] | None = None
 
@@ -530,8 +530,8 @@ class BeliefLabels:
     ) -> Labelling:
         """See `Labeller.assign`.
 
-        Fixed labels restrict the answer but not the belief: evidence from the touches is kept even
-        where fixed labels contradict it for now. The probability is that of `claimed`, among the
+        Fixed labels restrict the answer but not the belief: evidence from the touches still counts
+        where fixed labels contradict it. The probability is that of `claimed`, restricted to the
         fingers that are in use.
         """
         if self._answered and fixed == self._answered[0] and self._nothing_new(contacts):
@@ -557,25 +557,26 @@ class BeliefLabels:
         return labelling
 
     def _claims(self, count: int) -> Array:
-        """What is claimed (P,) of `count` contacts, if they are by fingers that are in use."""
+        """Log probabilities (P,) of `claimed` for `count` contacts, restricted to the fingers in
+        use."""
         claims, odds = claimed(self._belief, count), self.odds[count]
         return claims if odds is None else normalised(claims + odds)
 
     def _learn(self, ids: tuple[int, ...], xy: Array) -> None:
-        """Keeps a layout of five fingers whose names are certain, whatever the fixed labels say."""
+        """Stores a layout of five fingers if its labels are certain, regardless of fixed labels."""
         best = int(np.argmax(self._belief))
         if self._belief[best] >= log(_CERTAIN):
             order = np.argsort(hypotheses(len(ids))[best])
             self.own = self.own.with_new(xy[order])
 
     def _log_posterior(self, xy: Array) -> Array:
-        """Evidence (P,) of a frame alone, with the person's own layouts."""
+        """Log probabilities (P,) from a single frame and the person's own layouts."""
         if not self._own_layouts_count(xy):
             return self.evidence.log_posterior(xy)
         return normalised(self._log_weights(xy))
 
     def _log_weights(self, xy: Array) -> Array:
-        """The same, not normalised."""
+        """Log weights (P,) from a single frame and the person's own layouts, not normalised."""
         if not self._own_layouts_count(xy):
             return self.evidence.log_posterior(xy)
         return self.evidence.log_posterior(xy) + self.own.log_evidence(xy)
@@ -631,7 +632,7 @@ class BeliefLabels:
         return {at: contact for at, contact in lifted.items() if contact.remembered(now)}
 
     def _believed(self, stayed: tuple[int, ...], lifted: Mapping[int, _LiftOff]) -> Array:
-        """The belief so far about contacts that stayed and some recent lift-offs, in this order."""
+        """The belief so far, for contacts that stayed and some recent lift-offs, in this order."""
         places = (*(self._ids.index(i) for i in stayed), *lifted)
         return summed(self._joint, len(self._ids) + len(self._lifted), places)
 
@@ -666,7 +667,8 @@ class BeliefLabels:
             apart = self._grown(stayed, others, came)
             touching = [*range(len(stayed)), *range(len(stayed) + len(others), count)]
             apart = summed(apart, count, touching)
-            # Both lack the density of their layouts, so that only shares can be compared.
+            # Neither has the density of its layout as a factor, so only normalised weights can be
+            # compared.
             apart, joint = normalised(apart), normalised(joint)
             back = _AT_ONCE if any(contact.just for contact in others.values()) else _LATER
             joint = arithmetic.log_sum_exp(log(1.0 - back) + apart, log(back) + joint)
@@ -677,10 +679,10 @@ class BeliefLabels:
     def _grown(
         self, stayed: tuple[int, ...], lifted: Mapping[int, _LiftOff], came: tuple[int, ...]
     ) -> Array:
-        """Log weights of labellings of contacts that stayed, that lifted, and that came.
+        """Log weights of labellings of contacts that stayed, that lifted, and that landed.
 
-        The belief about the old contacts, times the evidence of all contacts divided by that of the
-        old ones.
+        The weight is the belief about the old contacts, multiplied by the evidence of all contacts
+        and divided by the evidence of the old contacts.
         """
         old = [self._places[i] for i in stayed] + [contact.place for contact in lifted.values()]
         xy = np.array(old + [self._places[i] for i in came])
@@ -699,10 +701,10 @@ class BeliefLabels:
     def _freshness(
         self, places: Sequence[Sequence[float]], looked: Sequence[Sequence[float]]
     ) -> float:
-        """Share 0 to 1 of a layout (k, 2) that is new since the last evaluation, at `looked`.
+        """Share, 0 to 1, of a layout (k, 2) that is new since its last evaluation at `looked`.
 
-        Contacts that have hardly moved give no new evidence: when fingers land shortly one after
-        the other, the first ones must not count twice. Plain floats are quicker than arrays here.
+        Contacts that have hardly moved give no new evidence. When fingers land shortly after each
+        other, the first ones must not count twice. Plain floats are quicker than arrays here.
         """
         n = len(places)
         x = [a[0] - b[0] for a, b in zip(places, looked, strict=True)]
@@ -716,7 +718,7 @@ class BeliefLabels:
 
 
 def _marginals(ids: tuple[int, ...], belief: Array) -> dict[int, Array]:
-    """Probabilities (5,) of the fingers by contact id, of a belief (P,) about these contacts."""
+    """Probabilities (5,) of the fingers by contact id, from a belief (P,) about these contacts."""
     probability = arithmetic.exp(belief)
     labels = hypotheses(len(ids)) if ids else np.empty((0, 0), np.int64)
     return {
@@ -730,10 +732,10 @@ class _LiftOff:
     """A contact that was lifted recently.
 
     Attributes:
-        place: (2,) m on the surface, its last place, shifted with the contacts that stayed.
-        looked: (2,) m, its place when the layout was last evaluated.
-        since: Positions (2,) m of the contacts that stayed, by id, at the time when it left.
-        just: True if it has left since the last frame.
+        place: (2,) m on the surface: the last position, shifted with the contacts that stayed.
+        looked: (2,) m, position when the layout was last evaluated.
+        since: Positions (2,) m of the contacts that stayed, by id, when this contact lifted.
+        just: True if the contact has lifted since the last frame.
     """
 
     place: Array
@@ -742,7 +744,7 @@ class _LiftOff:
     just: bool = True
 
     def carried(self, shift: Array) -> _LiftOff:
-        """The lift-off, shifted with the others by (2,) m."""
+        """The lift-off, shifted by (2,) m with the contacts that stayed."""
         return replace(self, place=self.place + shift, just=False)
 
     def seen(self) -> _LiftOff:
@@ -750,13 +752,13 @@ class _LiftOff:
         return replace(self, looked=self.place)
 
     def remembered(self, now: Mapping[int, Array]) -> bool:
-        """True if its place is still informative, given the contacts' current positions."""
+        """True if the place is still informative, given the contacts' current positions."""
         ways = [now[i] - place for i, place in self.since.items() if i in now]
         return bool(ways) and float(np.mean(np.square(ways).sum(axis=1))) <= _REACH**2
 
 
 def _that_fit(lifted: Mapping[int, _LiftOff], room: int) -> Mapping[int, _LiftOff]:
-    """Chooses the lift-offs that can all be other fingers than those that touch.
+    """Selects lift-offs that can all belong to fingers that do not touch.
 
     Args:
         lifted: Recent lift-offs, under any keys.

@@ -1,11 +1,11 @@
-"""Which sets of fingers a person uses: as a text, and as prior odds of labellings.
+"""The finger sets that a person uses: as text, and as prior odds of labellings.
 
-Two touches fit a thumb with an index finger as well as two neighbouring fingers of a larger hand.
-The touches alone cannot decide that; a person who says which fingers they use can. Sets are
-declared as text, such as `thumb+index,thumb+index+middle:2`, where a number after a colon is how
-often a set is used in proportion to the others.
+Two touches fit a thumb and an index finger as well as two neighbouring fingers of a larger hand.
+The touches alone cannot decide between these. A person can therefore declare the finger sets they
+use as text, such as `thumb+index,thumb+index+middle:2`. The number after a colon is the frequency
+of a set relative to the other sets.
 
-A hand with fewer fingers, as a robot's, is another use: all sets of the fingers that it has.
+For a hand with fewer fingers, such as a robot's, all sets of its fingers are in use.
 """
 
 from __future__ import annotations
@@ -22,12 +22,12 @@ from models.errors import InputError, unknown_name
 from models.frames import FINGERS
 
 PARTIAL = 0.02
-"""How often a look at a set finds only some of its fingers down, in proportion to the looks that
-find all. An assumption: fingers that come together come within a tenth of a second, and stay down
-for seconds."""
+"""Number of frames in which only some fingers of a set are down, relative to the frames in which
+all are down. Assumed: fingers that land together land within a tenth of a second, and stay down for
+seconds."""
 
 IMPOSSIBLE = -700.0
-"""Log weight of labels that a hand cannot have; its exponential is still a number."""
+"""Log weight of labels that a hand cannot have; its exponential is above 0."""
 
 EXAMPLE = "thumb+index,thumb+index+middle"
 
@@ -39,14 +39,14 @@ LogOdds = tuple[Array | None, ...]
 def odds_of_sets(
     sets: Mapping[tuple[int, ...], float], usual: Mapping[tuple[int, ...], float]
 ) -> LogOdds:
-    """Log factors from the usual odds of labellings to those of a person who uses some sets.
+    """Log factors that turn the usual odds of labellings into the odds for declared finger sets.
 
-    With more contacts than any set has fingers, all fingers may touch.
+    With more contacts than the largest set has fingers, all fingers may touch.
 
     Args:
-        sets: Likelihood, above 0, by set: fingers (thumb 0 .. little 4) in rising order. Only
-            their proportion counts.
-        usual: Odds of sets without a declared use, relative to any other set of as many fingers.
+        sets: Set of fingers (thumb 0 to little 4, in rising order) -> likelihood above 0. Only the
+            ratios of the likelihoods count.
+        usual: Odds of sets without a declared use, relative to other sets of as many fingers.
     """
     return tuple(_odds_of_sets(sets, usual, count) for count in range(len(FINGERS) + 1))
 
@@ -71,7 +71,7 @@ def _odds_of_sets(
 
 @cache
 def odds_of_first(number: int) -> LogOdds:
-    """Log factors for a hand that has only so many fingers, the thumb first, as a robot's may.
+    """Log factors for a hand that has only the first fingers, from the thumb on, as a robot's may.
 
     With more contacts than fingers, all fingers may touch.
 
@@ -87,11 +87,11 @@ def odds_of_first(number: int) -> LogOdds:
 
 
 def parse_finger_sets(text: str) -> dict[tuple[int, ...], float]:
-    """Likelihood by set of fingers of a text such as `thumb+index:2,thumb+index+middle`.
+    """Parses a text such as `thumb+index:2,thumb+index+middle` to likelihoods by set of fingers.
 
     Raises:
-        InputError: The text names no finger, a finger or a set twice, or a likelihood is not a
-            number above 0.
+        InputError: A name is not a finger's, a finger or a set occurs twice, or a likelihood is not
+            a number above 0.
     """
     sets: dict[tuple[int, ...], float] = {}
     for part in text.split(","):

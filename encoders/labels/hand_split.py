@@ -1,9 +1,9 @@
 """Assigns contacts to two hands on one surface, before any labelling.
 
-A contact is assigned to a hand once, shortly after it came down, together with all others that came
-down with it, and keeps it until it is lifted: a change during a grip would drop the object. Of all
-assignments of new contacts, the one is chosen that keeps each hand's contacts together, near the
-present or last place of that hand.
+A contact is assigned to a hand once, shortly after its touch-down, together with all contacts that
+landed at about the same time. It stays with this hand until it lifts, because a change during a
+grip would drop the object. The chosen assignment of new contacts is the one in which each hand's
+contacts are close together, and near the present or last place of this hand.
 """
 
 from __future__ import annotations
@@ -24,13 +24,14 @@ class SplitSettings:
     """Settings of the assignment to hands.
 
     Attributes:
-        settle: s that a new contact waits for others of its hand, before it is reported.
-        span: m, largest distance between two contacts of one hand.
+        settle: Time (s) for which a new contact waits for others of its hand before it is reported.
+        span: Largest distance (m) between two contacts of one hand.
         pull: Weight of the squared distance per contact to the expected place of a lifted hand,
             relative to squared distances between contacts.
-        begin: m2, cost of bringing down a lifted hand.
-        crossed: m2, cost of hands that come down crossed.
-        memory: s that a lifted hand is expected at its last place, and after that at its home.
+        begin: Cost (m2) of bringing down a lifted hand.
+        crossed: Cost (m2) of hands that come down crossed.
+        memory: Time (s) for which a lifted hand is expected at its last place. After this time it
+            is expected at its home.
     """
 
     settle: float = 0.048
@@ -44,16 +45,16 @@ class SplitSettings:
 _TOO_FAR = 1.0
 """Cost in m2 per m beyond the span."""
 _MOST = 10
-"""Maximum number of contacts assigned at once; of more, the first ones. Beyond all free fingers it
-is one more, so that the one which fits worst is left out."""
+"""Most contacts assigned at once; of more contacts, the first ones are assigned. One contact more
+than there are free fingers is considered, so that the contact that fits worst can be left out."""
 
 
 class HandSplitter:
     """Assigns the contacts of one surface to two hands, frame by frame.
 
     Args:
-        homes: (2, 2) m on the surface, default place of each hand: the right hand's to the right of
-            the left hand's.
+        homes: (2, 2) m on the surface, default place of each hand. The right hand's place is to the
+            right of the left hand's.
         settings: See `SplitSettings`.
     """
 
@@ -72,8 +73,8 @@ class HandSplitter:
     def step(self, frame: TouchFrame) -> tuple[TouchFrame, TouchFrame]:
         """Splits a frame into one per hand.
 
-        A contact that waits, or belongs to neither hand (both have five fingers down), is left out.
-        A cancelled contact is reported to its hand; both hands get the lift control.
+        A contact is left out while it waits, and if both hands already have five fingers down. A
+        cancelled contact is reported to its hand. Both hands get the lift control.
 
         Args:
             frame: All contacts of the surface.
@@ -90,7 +91,7 @@ class HandSplitter:
         return self._part(frame, 0), self._part(frame, 1)
 
     def hand(self, contact: int) -> int | None:
-        """The hand (0 or 1) of a contact that is down; None while it waits or if it has none."""
+        """The hand (0 or 1) of a contact that is down; None while it waits or has no hand."""
         hand = self._hand.get(contact, -1)
         return None if hand < 0 else hand
 
@@ -116,7 +117,7 @@ class HandSplitter:
         first = sorted(self._since, key=lambda i: (self._since[i], i))
         held = [self._held(hand) for hand in (0, 1)]
         room = [len(FINGERS) - len(h) for h in held]
-        # Every further one would double or triple the time, which a session waits for.
+        # Every further contact would double or triple the time, and the session waits for it.
         most = min(sum(room) + 1, _MOST)
         new, rest = first[:most], first[most:]
         places = np.array([self._places[i] for i in new])
@@ -143,14 +144,14 @@ class HandSplitter:
         now: float,
         parts: list[dict[tuple[int, ...], _Part]],
     ) -> float:
-        """Cost in m2 of an assignment of contacts; the least is the most likely.
+        """Cost (m2) of an assignment of contacts; the assignment with the least cost is chosen.
 
         Args:
             shares: Hand of each new contact, or -1.
-            places: (n, 2) m, their positions.
-            held: Positions of each hand's contacts.
-            now: s, time of the frame.
-            parts: What each hand adds, by its new contacts, where it is known.
+            places: (n, 2) m, positions of the new contacts.
+            held: Positions (n, 2) m of each hand's contacts so far.
+            now: Time (s) of the frame.
+            parts: Cache for each hand: new contacts of this hand -> contribution to the cost.
         """
         total, middles, begins = 0.0, [], False
         for hand in (0, 1):
@@ -170,7 +171,7 @@ class HandSplitter:
         return total
 
     def _part_of(self, hand: int, new: Array, held: Array, now: float) -> _Part:
-        """What a hand with some new contacts adds to the cost."""
+        """Contribution to the cost of a hand with some new contacts."""
         s = self.settings
         mine = np.vstack([held, new])
         middle = mine.mean(axis=0)
@@ -188,12 +189,12 @@ class HandSplitter:
 
 
 class _Part(NamedTuple):
-    """What a hand adds to the cost of an assignment.
+    """Contribution of a hand to the cost of an assignment.
 
     Attributes:
-        middle: (2,) m, mean of its contacts.
-        terms: m2, in the order in which they are added.
-        begins: True if it comes down.
+        middle: (2,) m, mean of the hand's contacts.
+        terms: Terms of the cost (m2), in the order in which they are added.
+        begins: True if the hand was lifted and comes down.
     """
 
     middle: Array
@@ -202,9 +203,9 @@ class _Part(NamedTuple):
 
 
 def all_shares(n: int, room: list[int]) -> Iterator[tuple[int, ...]]:
-    """All ways to give n contacts to two hands with room for some, in a fixed order.
+    """All assignments of n contacts to two hands with limited room, in a fixed order.
 
-    With more contacts than room, as many as are too many get no hand (-1).
+    The contacts in excess of the room get no hand (-1).
     """
     left = [*room, max(n - sum(room), 0)]
     shares: list[int] = []

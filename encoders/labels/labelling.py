@@ -28,7 +28,7 @@ LEAST = 1e-7
 """Lower bound of a labelling's probability, so that every mistake can be corrected."""
 
 _NEVER = 1e-300
-"""Stands for the probability 0 in logarithms."""
+"""Log probability that stands for the probability 0."""
 
 
 @dataclass(frozen=True)
@@ -36,11 +36,11 @@ class Labelling:
     """The fingers of all contacts.
 
     Attributes:
-        labels: Finger (thumb 0 .. little 4) by contact id; no finger occurs twice. Read-only, as
+        labels: Contact id -> finger (thumb 0 to little 4); no finger occurs twice. Read-only, since
             labellers may return the same object again.
         probability: Probability of all labels together, 0 to 1.
         chances: Function that returns the probabilities (5,) of the fingers by contact id; None if
-            only that of all labels together is known.
+            only the probability of all labels together is known.
     """
 
     labels: Mapping[int, int]
@@ -59,7 +59,7 @@ class Labelling:
 
 
 class Labeller(Protocol):
-    """Contract of labellers; called whenever the set of contacts has changed.
+    """Contract of labellers, which are called whenever the set of contacts has changed.
 
     Attributes:
         remembers: True for a labeller with history, which may be called at every frame.
@@ -75,8 +75,8 @@ class Labeller(Protocol):
 
         Args:
             contacts: Position (x, y) m on the surface, x right and y down, by id; 1 to 5 contacts.
-            fixed: Labels that must be kept (by id), those of a hand that is down. The other
-                contacts get the remaining fingers.
+            fixed: Labels by contact id that must not change, as for a hand that is already down.
+                The other contacts get the remaining fingers.
 
         Raises:
             EncoderError: Contacts or fixed labels do not follow this description.
@@ -98,7 +98,7 @@ def hypotheses(count: int) -> Labels:
     """
     if count not in range(1, len(FINGERS) + 1):
         raise EncoderError(
-            "a hand does not have so many fingers", got=count, expected="1 to 5 contacts"
+            "a hand cannot make this number of contacts", got=count, expected="1 to 5 contacts"
         )
     table = np.array(list(permutations(range(len(FINGERS)), count)), np.int64)
     table.flags.writeable = False
@@ -137,13 +137,15 @@ def arranged(
     """
     if not 1 <= len(contacts) <= len(FINGERS):
         raise EncoderError(
-            "cannot label so many contacts", got=len(contacts), expected="1 to 5 contacts"
+            "a hand cannot make this number of contacts",
+            got=len(contacts),
+            expected="1 to 5 contacts",
         )
     ids = tuple(sorted(contacts, key=lambda i: (*contacts[i], i)))
     xy = np.array([contacts[i] for i in ids], float)
     if xy.shape != (len(ids), 2) or not np.isfinite(xy).all():
         raise EncoderError(
-            "contacts must have finite places", got=xy.tolist(), expected="(x, y) in metres"
+            "contacts must have finite positions", got=xy.tolist(), expected="(x, y) in metres"
         )
     strangers = [i for i in fixed if i not in contacts]
     given = list(fixed.values())
@@ -157,7 +159,7 @@ def arranged(
 
 
 def allowed(ids: tuple[int, ...], fixed: Mapping[int, int]) -> NDArray[np.bool_]:
-    """Booleans (P,): the labellings of the contacts, in their order, that keep the fixed labels."""
+    """Booleans (P,): True for the labellings of the contacts that agree with the fixed labels."""
     table = hypotheses(len(ids))
     keeps = np.ones(len(table), bool)
     for place, contact in enumerate(ids):
@@ -168,8 +170,8 @@ def allowed(ids: tuple[int, ...], fixed: Mapping[int, int]) -> NDArray[np.bool_]
 
 @cache
 def rows_of(count: int, places: tuple[int, ...]) -> NDArray[np.intp]:
-    """Row (P,) in `hypotheses(len(places))` with the same labels of the contacts at these places,
-    for every labelling of `count` contacts."""
+    """For every labelling of `count` contacts, the row (P,) of `hypotheses(len(places))` that has
+    the same labels for the contacts at these places."""
     if not places:
         return np.zeros(len(hypotheses(count)), np.intp)
     weights = len(FINGERS) ** np.arange(len(places))
@@ -181,7 +183,7 @@ def rows_of(count: int, places: tuple[int, ...]) -> NDArray[np.intp]:
 
 
 def summed(log_weights: Array, count: int, places: Sequence[int]) -> Array:
-    """Sums log weights of labellings over the labels of the contacts that are dropped.
+    """Marginalises log weights of labellings over the contacts that are dropped.
 
     Args:
         log_weights: (P,) log weights of the labellings of `count` contacts.

@@ -1,16 +1,16 @@
 """Evidence of a single frame: a small network that scores the labels of pairs of contacts.
 
     context = mean over contacts i of  g(contact i)
-    s_ij    = f(context, contact i, contact j, what lies between them)      (5, 5) scores
+    s_ij    = f(context, contact i, contact j, features of the pair)        (5, 5) scores
     score of a labelling = sum over ordered pairs i, j of s_ij[label i, label j]
 
-g and f are perceptrons with rectifiers. A labelling's probability is its share of the exponentials
-of all scores, which are at most 120, so nothing is approximated. The answer does not depend on the
-order of the contacts, and all numbers of contacts share the weights. `python -m training names`
-in a checkout trains it.
+g and f are perceptrons with rectifiers. The probabilities of the labellings are the softmax of
+their scores. There are at most 120 labellings, so the sum is exact. The answer does not depend on
+the order of the contacts, and the weights are the same for all numbers of contacts.
+`python -m training names` in a checkout trains the network.
 
-`NetworkEvidence` calibrates the network's probabilities, and multiplies them by the usual sets of
-fingers.
+`NetworkEvidence` calibrates the network's probabilities, and multiplies them by prior odds of the
+usual finger sets.
 """
 
 from __future__ import annotations
@@ -30,10 +30,10 @@ from models.frames import FINGERS
 from models.surface import METRES_PER_INCH
 
 CONTACT_FEATURES, PAIR_FEATURES = 6, 6
-"""Numbers that describe a contact, and a pair beside its two contacts."""
+"""Number of features of a contact, and of a pair in addition to those of its two contacts."""
 
 LEAST_SPREAD = 0.05
-"""inches, least spread and distance of contacts in features, which divide by them."""
+"""Least spread and distance (inches) of contacts as divisors in features."""
 
 SHAPES: dict[str, tuple[int | str, int | str]] = {
     "g1": (CONTACT_FEATURES, "g"),
@@ -45,10 +45,11 @@ SHAPES: dict[str, tuple[int | str, int | str]] = {
     "f2": ("f", "h"),
     "f3": ("h", len(FINGERS) ** 2),
 }
-"""Rows and columns of the weights; names stand for sizes that are free."""
+"""Rows and columns of the weight matrices; a name stands for a size that the file decides."""
 
 BIASES = {"g1": "g1_bias", "g2": "g2_bias", "f_context": "f1_bias", "f2": "f2_bias"}
-"""Bias of a layer by one of its weights. The scores need none: it would be the same for all."""
+"""Name of a layer's weights -> name of its bias. The scores have no bias, because it would be the
+same for all labellings."""
 
 
 @cache
@@ -61,7 +62,7 @@ def ordered_pairs(count: int) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
 
 @cache
 def score_places(count: int) -> NDArray[np.intp]:
-    """Places (P, pairs) in the raveled scores (pairs, 25) that a labelling sums."""
+    """Indices (P, pairs), in the raveled scores (pairs, 25), of the scores a labelling sums."""
     first, second = ordered_pairs(count)
     labels = hypotheses(count)
     number = len(FINGERS)
@@ -113,7 +114,7 @@ def pair_features(places: Array) -> Array:
 
 
 class PairNetwork:
-    """The network with its weights; computed in fixed order, so that every machine agrees.
+    """The network with its weights. It computes in fixed order, so that all machines agree.
 
     Args:
         weights: Matrices of `SHAPES` and their biases, by name.
@@ -185,8 +186,8 @@ def _check_weights(weights: Mapping[str, NDArray[Any]]) -> None:
 
 
 LONE_FINGER = (0.15, 0.40, 0.25, 0.10, 0.10)
-"""Probability that a single contact is this finger. Assumed: captures have no single contacts.
-People point with the index finger, or with the middle one."""
+"""Probability of each finger for a single contact. Assumed, since captures have no single contacts:
+people point with the index finger or the middle finger."""
 
 USUAL_SETS: Mapping[tuple[int, ...], float] = {
     (0, 1): 8.0,
@@ -203,11 +204,11 @@ others, 2016), and slide neighbouring fingers together. Assumed, with `benchmark
 view."""
 
 FRESH = 0.12
-"""inches, root mean square change of a layout that makes most of it new evidence."""
+"""Root mean square change (inches) of a layout at which about 40 % of it counts as new evidence."""
 
 
 def set_prior(usual: Mapping[tuple[int, ...], float] = USUAL_SETS) -> dict[int, Array]:
-    """Log probabilities (P,) of the labellings before anything is seen, by number of contacts."""
+    """Prior log probabilities (P,) of the labellings, by number of contacts."""
     prior = {1: np.array([log(p) for p in LONE_FINGER])}
     for count in range(2, len(FINGERS) + 1):
         weights = np.array([log(usual.get(finger_set, 1.0)) for finger_set in finger_sets(count)])
@@ -216,12 +217,13 @@ def set_prior(usual: Mapping[tuple[int, ...], float] = USUAL_SETS) -> dict[int, 
 
 
 class NetworkEvidence:
-    """Probabilities of labellings: the network's, calibrated, times the usual sets of fingers.
+    """Probabilities of labellings: the network's calibrated probabilities times prior odds of the
+    finger sets.
 
     Args:
-        network: Trained on finger sets that are equally frequent.
-        sharpness: Factor on the network's log probabilities by number of contacts, 2 to 5, which
-            makes them true for people it was not trained on.
+        network: Network that was trained on equally frequent finger sets.
+        sharpness: Number of contacts, 2 to 5 -> factor on the network's log probabilities, which
+            calibrates them for people on whom it was not trained.
         usual: Prior odds of finger sets.
     """
 

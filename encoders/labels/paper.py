@@ -1,19 +1,19 @@
 """The paper's labelling rule, with the exact search that it needs.
 
-`PaperLabels` labels as section 2 of Chung, Kim, Han and Pollard (2015) says: reconstruct the hand
-for every labelling, and take the one whose reconstruction lies closest to some pose of the training
+`PaperLabels` follows section 2 of Chung, Kim, Han and Pollard (2015). It reconstructs the hand for
+every labelling, and takes the labelling whose reconstruction is closest to a pose of the training
 data.
 
 `NearestNeighbour` finds the closest pair of a query and a point without comparing all pairs.
-Labelling needs only the one of 120 queries that has the closest nearest neighbour. The nearest
-neighbours of the other 119 do not matter, so one bound, the best distance so far, serves all
-queries at once.
+Labelling needs only the one query of 120 that has the closest nearest neighbour. One bound, the
+best distance so far, therefore serves all queries at once.
 
-Poses vary much in few directions and little in many. So points are first compared by eight numbers:
-their first principal components, and the length of the remainder. This reduced distance never
-exceeds the true one (remainders differ at least as much as their lengths), and few pairs pass it.
-Points are grouped in cells with a centre and a radius; a pair of query and cell whose distance
-minus the radius exceeds the bound is skipped. Pairs that pass both tests are compared in full.
+Poses vary much in few directions and little in many. Points are therefore compared first by eight
+numbers: their first principal components, and the length of the remainder. This reduced distance
+never exceeds the true distance, because remainders differ at least as much as their lengths. Few
+pairs have a reduced distance within the bound. Points are also grouped in cells with a centre and a
+radius, and a pair of query and cell is skipped if its distance minus the radius exceeds the bound.
+Pairs that pass both tests are compared in full.
 """
 
 from __future__ import annotations
@@ -40,22 +40,22 @@ METRICS = ("joints", "pose", "mahalanobis", "touches")
 """Metrics of `PaperLabels` for the distance between a reconstruction and a training frame."""
 
 _FLAG_SCALE = 20.0
-"""inches, weight of a contact flag in the metric `touches`: more than the length of a hand, so that
-layouts of the same fingers are always closer than layouts of other fingers."""
+"""Weight (inches) of a contact flag in the metric `touches`. It exceeds the length of a hand, so
+that layouts of the same fingers are always closer than layouts of other fingers."""
 
 _Single = NDArray[np.float32]
 _Indices = NDArray[np.intp]
 
 _REDUCED = 8
-"""Numbers in the reduced comparison; with fewer, more pairs pass; with more, each costs more (16
-took about twice as long, at 7,083 and 396,648 poses)."""
+"""Count of numbers in the reduced comparison. With fewer numbers, more pairs pass; with more, each
+comparison costs more (16 took about twice as long, at 7,083 and 396,648 poses)."""
 
 _CELLS = 6.0
-"""Number of cells per square root of the number of points; neither centres nor opened points
-dominate the time."""
+"""Number of cells, divided by the square root of the number of points. With this number, neither
+the comparison of centres nor that of points in cells dominates the time."""
 
 _LLOYD_STEPS = 6
-"""Rounds of k-means for the cells, which need not be optimal, only small."""
+"""Rounds of k-means for the cells, which must be small but not optimal."""
 
 _SAMPLE = 20
 """Points per cell that k-means uses."""
@@ -64,7 +64,7 @@ _TRIED = 4
 """Number of queries whose nearest cell gives the first bound."""
 
 _FIRST, _AT_ONCE = 1 << 10, 1 << 16
-"""Number of pairs compared before the bound is updated: first value, and maximum."""
+"""Number of pairs compared before the bound is updated: initial value and maximum."""
 
 _ONES = np.ones(_REDUCED, np.float32)
 
@@ -86,17 +86,18 @@ _TIES = 1e-12
 class PaperLabels:
     """The paper's rule: the labelling whose reconstruction has the closest training pose.
 
-    The search is exact and without history. The reported probability is always 1. The paper has no
-    rule for a single contact, which has no layout and does not occur in its data. Here it is
-    labelled as the index finger.
+    The search is exact and has no history. The reported probability is always 1. The paper has no
+    rule for a single contact, which has no layout and does not occur in the paper's data. This
+    class labels it as the index finger.
 
     Args:
         model: Trained encoder and its training frames.
-        metric: Distance between poses; the paper does not say which. `joints`: Euclidean over the
-            42 ball joint components in degrees. `pose`: all 48, centimetres and degrees.
-            `mahalanobis`: all 48, by the covariance of the training poses. `touches`: not poses,
-            but contact vectors in inches, compared with training frames of the same fingers; the
-            paper's rule for inverse kinematics (its section 3).
+        metric: Distance between poses, which the paper does not specify. `joints`: Euclidean
+            distance of the 42 ball joint components in degrees. `pose`: Euclidean distance of all
+            48 components in centimetres and degrees. `mahalanobis`: distance of all 48 components
+            by the covariance of the training poses. `touches`: distance of contact vectors in
+            inches from training frames of the same fingers, the paper's rule for inverse kinematics
+            (its section 3).
 
     Raises:
         EncoderError: The metric is unknown.
@@ -134,7 +135,7 @@ class PaperLabels:
         """Does nothing: the rule has no history."""
 
     def restart(self) -> None:
-        """Does nothing, likewise."""
+        """Does nothing: the rule has no history."""
 
     def _closest(self, xy: Array, labels: Labels) -> int:
         U = labelled_contact_vectors(xy, labels)
@@ -143,7 +144,7 @@ class PaperLabels:
 
 
 def _pose_map(metric: str, frames: Array) -> Array:
-    """Matrix (48, d) that turns a metric of poses into the Euclidean distance."""
+    """Matrix (48, d) that maps poses so that the metric becomes the Euclidean distance."""
     width = frames.shape[1]
     if metric == "mahalanobis":
         covariance = np.cov(frames, rowvar=False)
@@ -187,7 +188,7 @@ class Closest(NamedTuple):
 
 
 class _Reduction:
-    """Maps points to eight numbers whose distances never exceed those of the points.
+    """Maps points to eight numbers whose distances never exceed the distances of the points.
 
     Attributes:
         longest: Greatest length of a reduced point.
@@ -227,8 +228,8 @@ class NearestNeighbour:
     """Searches the closest pair of queries and stored points, by Euclidean distance.
 
     Args:
-        points: (T, d); kept, not copied.
-        cells: Number of cells; by default some 6 sqrt(T).
+        points: (T, d) points; the array is stored without a copy.
+        cells: Number of cells; None takes about 6 sqrt(T).
 
     Raises:
         EncoderError: No point is given, or one is not finite.
@@ -253,8 +254,10 @@ class NearestNeighbour:
         self._centres = np.vstack([-2.0 * centres.T, np.ones(count), squares]).astype(np.float32)
 
     def closest(self, queries: Array) -> Closest:
-        """Finds the query (of (P, d), P >= 1) with the smallest distance to any point, and that
-        point.
+        """Finds the query with the smallest distance to any point, and this point.
+
+        Args:
+            queries: (P, d), P at least 1.
 
         Raises:
             EncoderError: A query is not finite.
@@ -304,7 +307,7 @@ class NearestNeighbour:
         return np.repeat(query, size), row
 
     def _near(self, reduced: _Single, query: _Indices, row: _Indices, limit: Array) -> _Indices:
-        """Booleans: the pairs of query and row whose reduced distance is within the query's
+        """Indices of the pairs of query and row whose reduced distance is within the query's
         limit."""
         # `take` copies whole rows, ten times as fast as indexing.
         apart = self._reduced.take(row, axis=0)
@@ -333,8 +336,8 @@ def _checked_queries(queries: Array, points: Array) -> Array:
     """Checks queries (P, d).
 
     Raises:
-        EncoderError: No query is given, they have another width than the points, or one is not
-            finite.
+        EncoderError: No query is given, the width of the queries differs from that of the points,
+            or a query is not finite.
     """
     shape = queries.shape
     if len(shape) != 2 or not shape[0] or shape[1] != points.shape[1]:
@@ -351,7 +354,7 @@ def _moderate(array: Array) -> bool:
 
 
 def _first_of_closest(query: _Indices, point: _Indices, squares: Array) -> Closest:
-    """Selects the closest of some pairs; of equal ones the first query and its first point."""
+    """Selects the closest pair; among equal pairs, the first query and its first point."""
     first = np.lexsort((point, query, squares))[0]
     return Closest(int(query[first]), int(point[first]), float(np.sqrt(squares[first])))
 

@@ -1,4 +1,4 @@
-"""The description of a mechanism, compiled by MuJoCo and checked."""
+"""Compiles the MJCF description of a mechanism with MuJoCo and checks it."""
 
 from __future__ import annotations
 
@@ -13,12 +13,12 @@ from models.errors import InputError
 from models.mjcf_object import GEOM_KINDS, described_in, read_mjcf, solid_geoms, unreadable
 
 PROBE = "hand sandbox probe"
-"""Name of the ball with which distances to shapes without a formula are measured."""
+"""Name of the probe: a ball with which MuJoCo measures distances to shapes without a formula."""
 PROBE_RADIUS = 1e-3
-"""m; the result is corrected by it."""
+"""Radius (m) of the probe; measured distances are corrected by it."""
 
 _BASE_MASS, _BASE_INERTIA = 1e-3, 1e-6
-"""kg and kg m2, of a fixed base that is described without mass."""
+"""Mass (kg) and inertia (kg m2) given to a fixed base that is described without mass."""
 
 _HINGE, _SLIDE = mujoco.mjtJoint.mjJNT_HINGE, mujoco.mjtJoint.mjJNT_SLIDE
 _FREE = mujoco.mjtJoint.mjJNT_FREE
@@ -29,9 +29,9 @@ class Compiled:
     """A compiled description.
 
     Attributes:
-        model: MuJoCo's model; its bodies from 1 on are the mechanism's, but for the last, the
-            probe. The first one carries all others.
-        fixed: The first body has no joint of its own.
+        model: MuJoCo's model. Body 0 is the world and the last body is the probe. All bodies
+            between them belong to the mechanism, and the first of these carries the others.
+        fixed: True if the description gives the first body no joint.
     """
 
     model: Any
@@ -48,7 +48,7 @@ def compile_mechanism(mjcf: str | Path, name: str) -> Compiled:
 
     Args:
         mjcf: A whole description, or the path of a file.
-        name: Name of the mechanism, for messages.
+        name: Name of the mechanism, for error messages.
 
     Raises:
         InputError: MuJoCo refuses the description, or it is not a mechanism.
@@ -56,7 +56,7 @@ def compile_mechanism(mjcf: str | Path, name: str) -> Compiled:
     where = described_in(mjcf, name)
     try:
         spec = read_mjcf(mjcf, "Mechanism")
-        # Bodies welded to each other become one.
+        # MuJoCo merges bodies that are welded to each other.
         spec.compiler.fusestatic = True
         roots = list(spec.worldbody.bodies)
         if len(roots) != 1:
@@ -68,7 +68,7 @@ def compile_mechanism(mjcf: str | Path, name: str) -> Compiled:
         _check_joints(spec, where)
         fixed = not roots[0].joints
         if fixed:
-            # Welded to the world, its geoms would become the world's.
+            # Without a joint, MuJoCo would merge the first body's geoms into the world.
             roots[0].add_freejoint()
         probe = spec.worldbody.add_body(name=PROBE, mocap=True)
         size = [PROBE_RADIUS, 0.0, 0.0]
@@ -78,8 +78,9 @@ def compile_mechanism(mjcf: str | Path, name: str) -> Compiled:
         except ValueError:
             if not fixed:
                 raise
-            # A base of no mass is no body of a free joint to MuJoCo. In a scene it is fixed, so
-            # that its inertia is of no effect; any other mistake is told by the second try.
+            # MuJoCo refuses a free joint on a body without mass. The base is fixed in a scene, so
+            # its mass and inertia have no effect there. If the description has another mistake,
+            # the second attempt raises it.
             base = roots[0]
             base.explicitinertial, base.mass, base.inertia = True, _BASE_MASS, [_BASE_INERTIA] * 3
             base.ipos, base.iquat = [0.0, 0.0, 0.0], [1.0, 0.0, 0.0, 0.0]
@@ -92,8 +93,12 @@ def compile_mechanism(mjcf: str | Path, name: str) -> Compiled:
 
 
 def _check_joints(spec: Any, where: str) -> None:
-    """Raises unless every body with a joint has a name, and every hinge and slide a range, or says
-    that it has none."""
+    """Checks that every jointed body but the first has a name, and that every hinge and slide has
+    a range or `limited="false"`.
+
+    Raises:
+        InputError: A name or range is missing, or a range begins with its highest value.
+    """
     world = spec.worldbody.name
     for body in spec.bodies:
         if body.joints and not body.name and body.parent.name != world:
@@ -129,7 +134,12 @@ def _check_joints(spec: Any, where: str) -> None:
 
 
 def _check_bodies(compiled: Compiled, where: str) -> None:
-    """Raises unless every body is joined by one hinge or slide, and has shapes we know."""
+    """Checks that every body has one hinge or slide (the first body may have a free joint) and
+    supported geoms only, and that one geom is solid.
+
+    Raises:
+        InputError: A check fails, or the description has an equality, tendon or actuator.
+    """
     model = compiled.model
     more = {"equality": model.neq, "tendon": model.ntendon, "actuator": model.nu}
     if any(more.values()):
@@ -160,15 +170,20 @@ def _check_bodies(compiled: Compiled, where: str) -> None:
     inside = np.isin(model.geom_bodyid, list(compiled.bodies))
     if not np.any(inside & solid_geoms(model)):
         raise InputError(
-            "it has no solid geom", where=where, expected="a geom with contype or conaffinity"
+            "the mechanism has no solid geom",
+            where=where,
+            expected="a geom with contype or conaffinity",
         )
 
 
 def _check_losses(model: Any, body: int, called: str, where: str) -> None:
-    """Raises if a body's joint would give energy away for nothing.
+    """Checks that a body's joint cannot create energy.
 
-    MuJoCo takes a negative damping, and the joint then drives itself. A negative stiffness is none
-    of this: it is that of a switch, which snaps over.
+    MuJoCo accepts a negative damping, with which a joint drives itself. A negative stiffness is
+    allowed: it describes a switch that snaps over.
+
+    Raises:
+        InputError: Damping, friction loss or armature is negative or not finite.
     """
     own = model.dof_bodyid == body
     for what, values in (

@@ -1,7 +1,8 @@
-"""Mechanisms from MJCF: knobs, keys, drawers and lids, bodies joined by hinges and slides.
+"""Mechanisms from MJCF, such as knobs, keys, drawers and lids: bodies joined by hinges and slides.
 
-MuJoCo compiles the description on its own, as that of a `MjcfObject`. Every body of it becomes an
-object of the scene, so that tasks, views and hands treat it as they treat any other thing.
+MuJoCo compiles the description separately from the scene, as it does for a `MjcfObject`. Every body
+of the mechanism then becomes an object of the scene, so that tasks, views and hands treat it as
+they treat any other object.
 """
 
 from __future__ import annotations
@@ -37,37 +38,40 @@ from models.mjcf_object import (
 from models.objects import Joint, MechanismPart, mjcf_text
 
 TOUCH = 0.0005
-"""m between surfaces, up to which a finger touches a part: one that presses a key bounces by less
-between two steps. Forces begin at the surface: in MuJoCo 4, contacts within a gap have none."""
+"""Largest gap (m) between surfaces at which a finger counts as touching a part. A finger that
+presses a key bounces by less than this between two steps. Contacts within the gap exert no force in
+MuJoCo 4; forces begin at the surface."""
 _FAR = 100.0
-"""m, largest distance that is measured."""
+"""Largest distance (m) that is measured."""
 _LONGEST = 1.0
-"""m, longest range of a slide: longer than any reach: one written in mm or degrees by mistake."""
+"""Longest range (m) of a slide. A longer range exceeds any reach, and was probably written in mm or
+degrees by mistake."""
 _DEGREES = 'Angles in MJCF are degrees unless it says <compiler angle="radian"/>; a start is in rad'
 _FIXED_BITS = (CONTACT_OBJECT, CONTACT_HAND | CONTACT_OBJECT)
 _FREE_BITS = (CONTACT_OBJECT | CONTACT_TABLE, CONTACT_HAND | CONTACT_OBJECT | CONTACT_TABLE)
-"""Collision bits. Parts of a fixed mechanism, such as a key, may move into the table's plane."""
+"""MuJoCo's contype and conaffinity of parts of fixed and of free mechanisms. Parts of a fixed
+mechanism do not collide with the table, since a part such as a key may move below its surface."""
 
 
 @dataclass(frozen=True)
 class Mechanism:
-    """Bodies from MJCF, joined by hinges and slides: one that stands in the world, and what it
-    carries.
+    """Bodies from MJCF that are joined by hinges and slides: a first body, which stands in the
+    world, and the bodies that it carries.
 
-    Taken from the description: bodies, their geoms, masses and friction as for a `MjcfObject`, the
-    margins of geoms, which are skins around them, and of every joint its axis, place, range,
-    stiffness, springref, damping, frictionloss, armature and ref. The first body is fixed where it
-    stands, unless it has a free joint, a hinge or a slide of its own. Parts of one mechanism meet
-    only through their joints, and those of a fixed one do not meet the table.
+    The description gives bodies, geoms, masses and friction as for a `MjcfObject`, the margins of
+    geoms (skins around them), and for every joint its axis, position, range, stiffness, springref,
+    damping, frictionloss, armature and ref. The first body is fixed in place unless it has a free
+    joint, a hinge or a slide. Parts of one mechanism do not collide with each other, and parts of a
+    fixed mechanism do not collide with the table.
 
     Attributes:
         name: Name of the first body. Another body is called NAME/BODY.
         mjcf: A whole description, `<mujoco>...`, or the path of a file, such as
-            `Path(__file__).parent / "desk.xml"`; a relative one is from the current folder.
+            `Path(__file__).parent / "desk.xml"`. A relative path starts at the current folder.
         position: (3,) m, origin of the first body.
         yaw: rad about the vertical, of the first body.
-        start: rad or m, where a joint starts, by the name of its body in the description; joints
-            that are not named start where they are described.
+        start: Name of a body in the description -> value (rad or m) at which its joint starts.
+            Other joints start as described.
         size: Factor on all lengths.
         mass: Factor on all masses.
         resistance: Factor on stiffness, damping and friction of all joints.
@@ -133,7 +137,7 @@ class Mechanism:
 
     @cached_property
     def parts(self) -> tuple[Part, ...]:
-        """Its bodies as objects of a scene, carriers first; a task needs all of them."""
+        """The bodies as objects of a scene, carriers first; a task needs all of them."""
         return tuple(Part(self, number) for number in range(len(self.compiled.bodies)))
 
     def part(self, body: str) -> Part:
@@ -153,7 +157,7 @@ class Mechanism:
         )
 
     def body(self) -> NoReturn:
-        """Refuses to be one object of a scene, whose MJCF this would be: its parts are objects.
+        """Always raises: the parts of a mechanism are objects of a scene, the mechanism is not.
 
         Raises:
             InputError: Always.
@@ -165,7 +169,7 @@ class Mechanism:
         )
 
     def scaled(self, size: float) -> Mechanism:
-        """The same mechanism in another size, standing on the same place."""
+        """The same mechanism with all lengths multiplied by a factor, on the same place."""
         slides = {
             self._described(part.number)
             for part in self.parts
@@ -192,7 +196,7 @@ class Part(MechanismPart):
 
     Attributes:
         mechanism: The mechanism.
-        number: Index of the body, 0 for the first.
+        number: Index of the body, 0 for the first body.
     """
 
     mechanism: Mechanism
@@ -200,7 +204,7 @@ class Part(MechanismPart):
 
     @cached_property
     def name(self) -> str:
-        """Name of its body and of its joint in the scene."""
+        """Name of the body and of its joint in the scene."""
         own = self.mechanism
         return f"{own.name}/{own._described(self.number)}" if self.number else own.name
 
@@ -211,41 +215,41 @@ class Part(MechanismPart):
 
     @cached_property
     def position(self) -> tuple[float, float, float]:
-        """(3,) m, origin of its body at the start."""
+        """Origin (3,) m of the body at the start."""
         x, y, z = self._start[0].tolist()
         return x, y, z
 
     @cached_property
     def yaw(self) -> float:
-        """rad about the vertical, of its x axis at the start."""
+        """Yaw (rad) of the body's x axis about the vertical at the start."""
         rotation = self._start[1]
         return atan2(rotation[1, 0], rotation[0, 0])
 
     @property
     def mjcf(self) -> str | Path:
-        """Description of its mechanism."""
+        """Description of the mechanism."""
         return self.mechanism.mjcf
 
     @cached_property
     def carrier(self) -> str | None:
-        """Name of the part that carries it; None for the first body."""
+        """Name of the part that carries this part; None for the first body."""
         if not self.number:
             return None
         return self.mechanism.parts[int(self._model.body_parentid[self._body]) - 1].name
 
     @cached_property
     def together(self) -> tuple[str, ...]:
-        """Names of all parts of its mechanism."""
+        """Names of all parts of the mechanism."""
         return tuple(part.name for part in self.mechanism.parts)
 
     @property
     def fixed(self) -> bool:
-        """True for the body that a fixed mechanism stands on."""
+        """True for the first body of a fixed mechanism."""
         return self.number == 0 and self.mechanism.compiled.fixed
 
     @cached_property
     def joint(self) -> Joint | None:
-        """Its hinge or slide; None for the first body, if it is fixed or free."""
+        """Hinge or slide of this part; None for a first body that is fixed or free."""
         at = self._joint_index
         if at is None:
             return None
@@ -261,11 +265,11 @@ class Part(MechanismPart):
         )
 
     def placed(self, value: float) -> tuple[tuple[float, float, float], float]:
-        """Position (3,) m and yaw, rad, of its body with its joint at a value, rad or m, and all
+        """Position (3,) m and yaw (rad) of the body with its joint at a value (rad or m) and all
         other joints at their starts.
 
         Raises:
-            InputError: It has no joint.
+            InputError: The part has no joint.
         """
         if self.joint is None:
             raise InputError("this part has no joint", where="Part.placed", got=self.name)
@@ -275,7 +279,7 @@ class Part(MechanismPart):
 
     @cached_property
     def lowest(self) -> float:
-        """Height in m of its lowest solid point at the start; infinite without a solid geom."""
+        """Height (m) of the lowest solid point at the start; infinite without a solid geom."""
         position, rotation = self._start
         size, lowest = self.mechanism.size, np.inf
         for kind, place, turn, dimensions, geom in self._solid:
@@ -310,7 +314,7 @@ class Part(MechanismPart):
         return changed.parts[self.number]
 
     def body(self) -> Element:
-        """MJCF of the body, with all that it carries."""
+        """MJCF of the body and of all bodies that it carries."""
         model, own, at = self._model, self.mechanism, self._body
         position, turn = self._local(None if self.joint is None else self.joint.start)
         body = Element(
@@ -348,19 +352,19 @@ class Part(MechanismPart):
         return body
 
     def assets(self) -> list[Element]:
-        """MJCF assets of the meshes of its whole mechanism; the first body has them."""
+        """MJCF mesh assets of the whole mechanism, from its first body; empty for other parts."""
         if self.number:
             return []
         geoms = [geom for part in self.mechanism.parts for geom in part._geoms]
         return mesh_assets(self._model, geoms, self.mechanism.name, self.mechanism.size)
 
     def clearance(self, points: ArrayLike, position: Array, rotation: Array) -> Array:
-        """Signed distances (n,) m of world points (n, 3) to its solid geoms, negative inside.
+        """Signed distances (n,) m of world points to the part's solid geoms, negative inside.
 
         Args:
-            points: World points.
-            position: (3,) m, current position of its body.
-            rotation: (3, 3) current rotation.
+            points: (n, 3) m, points in the world.
+            position: (3,) m, current position of the body.
+            rotation: (3, 3) current rotation of the body.
         """
         size = self.mechanism.size
         away = np.atleast_2d(np.asarray(points, float)) - position
@@ -378,8 +382,8 @@ class Part(MechanismPart):
 
     @cached_property
     def bounds(self) -> tuple[Array, Array]:
-        """Lowest and highest corner (3,), (3,) m of a box around its solid geoms, in its frame;
-        both at its origin without any."""
+        """Lowest and highest corner (3,), (3,) m of a box around the solid geoms, in the body's
+        frame; both at its origin if it has no solid geom."""
         corners = [] if self._solid else [np.zeros(3)]
         for _, place, turn, _, geom in self._solid:
             middle, half = self._model.geom_aabb[geom, :3], self._model.geom_aabb[geom, 3:]
@@ -399,7 +403,7 @@ class Part(MechanismPart):
 
     @property
     def _joint_index(self) -> int | None:
-        """Index of its hinge or slide; None without."""
+        """MuJoCo's index of the hinge or slide; None if the body has neither."""
         at = int(self._model.body_jntadr[self._body])
         free = at < 0 or self._model.jnt_type[at] == mujoco.mjtJoint.mjJNT_FREE
         return None if free else at
@@ -410,7 +414,7 @@ class Part(MechanismPart):
 
     @cached_property
     def _solid(self) -> list[tuple[str, Array, Array, Array, int]]:
-        """Of every solid geom: kind, place (3,) m and turn (3, 3) in the body, size, index."""
+        """Every solid geom: kind, position (3,) m and rotation (3, 3) in the body, size, index."""
         model, solid = self._model, []
         for geom in self._geoms:
             if solid_geoms(model)[geom]:
@@ -425,7 +429,7 @@ class Part(MechanismPart):
         return self._pose(None if self.joint is None else self.joint.start)
 
     def _pose(self, value: float | None) -> tuple[Array, Array]:
-        """Position (3,) m and rotation (3, 3) in the world, its own joint at a value."""
+        """Position (3,) m and rotation (3, 3) in the world, with the part's joint at a value."""
         position, turn = self._local(value)
         if not self.number:
             return position, _matrix(turn)
@@ -435,7 +439,7 @@ class Part(MechanismPart):
         return base + stacked_applied(rotation, position), own
 
     def _local(self, value: float | None) -> tuple[Array, Array]:
-        """Position (3,) m and quaternion (4,) in its carrier, its joint at a value, rad or m."""
+        """Position (3,) m and quaternion (4,) in the carrier, the joint at a value (rad or m)."""
         model, own = self._model, self.mechanism
         if self.number:
             position = own.size * model.body_pos[self._body]
@@ -450,7 +454,7 @@ class Part(MechanismPart):
         if model.jnt_type[at] == mujoco.mjtJoint.mjJNT_SLIDE:
             moved = (value - own.size * ref) * axis
             return position + stacked_applied(_matrix(turn), moved), turn
-        # About the hinge's place, which stays.
+        # The body turns about the hinge, whose position does not change.
         place = own.size * model.jnt_pos[at]
         about, turned, away = np.empty(4), np.empty(4), np.empty(3)
         mujoco.mju_axisAngle2Quat(about, axis, value - ref)
@@ -459,7 +463,7 @@ class Part(MechanismPart):
         return position + stacked_applied(_matrix(turn), place - away), turned
 
     def _joint_element(self, at: int) -> Element:
-        """MJCF of its hinge or slide, angles in degrees."""
+        """MJCF of the hinge or slide, with angles in degrees."""
         model, own, joint = self._model, self.mechanism, self.joint
         assert joint is not None
         hinge = joint.kind == "hinge"
@@ -495,7 +499,7 @@ class Part(MechanismPart):
         return element
 
     def _measured(self, local: Array, geom: int) -> Array:
-        """Distances (n,) of points (n, 3) in its body's frame to a shape without a formula."""
+        """Distances (n,) m of points (n, 3) m in the body's frame to a geom without a formula."""
         model, data = self._model, self._measuring
         probe = int(model.geom(PROBE).id)
         rotation = data.xmat[self._body].reshape(3, 3)
@@ -515,13 +519,13 @@ class Part(MechanismPart):
 
 
 def _polynomial(linear: float, higher: Array) -> list[float]:
-    """Coefficients of a spring or damper as MJCF has them: the linear one, and those of higher
-    orders if there are any (MuJoCo 4)."""
+    """Coefficients of a spring or damper for MJCF: the linear coefficient, then those of higher
+    orders if any is not zero (MuJoCo 4)."""
     return [float(linear), *(higher.tolist() if np.any(higher) else ())]
 
 
 def _matrix(quaternion: Array) -> Array:
-    """(3, 3) rotation of a quaternion (4,)."""
+    """Rotation (3, 3) of a quaternion (4,)."""
     flat = np.empty(9)
     mujoco.mju_quat2Mat(flat, quaternion)
     return flat.reshape(3, 3)

@@ -1,10 +1,10 @@
 """The hand in motion formats: a wrist, fourteen joints below it, and keys of their rotations.
 
-Formats differ in the frames of joints. BVH and ASF define none: at zero rotation every joint has
-the frame of the file. So each writer chooses a *zero pose*: fingers straight and side by side,
-the thumb at its reference pose, the whole hand turned so that the first letter of the Euler order
-is flexion and the last the back of the hand (`zero_frame`). Angles are then anatomical, and far
-from the poles of their order.
+Formats differ in the frames of joints. BVH and ASF define no joint frames: at zero rotation every
+joint has the frame of the file. Each writer therefore chooses a *zero pose*, with the fingers
+straight and side by side and the thumb at its reference pose. The whole hand is turned so that the
+first axis of the Euler order is the flexion axis and the last one points out of the back of the
+hand (`zero_frame`). Angles are then anatomical, and far from the poles of their order.
 """
 
 from __future__ import annotations
@@ -25,18 +25,20 @@ from models.rotations import exp
 from models.skeleton import Skeleton
 
 WRIST = "wrist"
-"""Name of the root."""
+"""Name of the root joint."""
 
 Y_UP = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, -1.0, 0.0]])
-"""File from world where up is y: x right, y up, z towards the person."""
+"""Rotation file from world for a file with y up: x right, y up, z towards the person."""
 Z_UP = np.eye(3)
-"""File from world where up is z: x right, y away from the person, z up; the world itself."""
+"""Rotation file from world for a file with z up: x right, y away from the person, z up, which are
+the world's axes."""
 
 ORDERS = ("XYZ", "XZY", "YXZ", "YZX", "ZXY", "ZYX")
-"""Euler orders; turns apply in this order about axes that turn along."""
+"""Euler orders: the three rotations apply from left to right, each about the axis that the earlier
+ones have rotated (intrinsic rotations)."""
 
 CHUNK = 512
-"""Keys per batch: enough to be quick, few enough to need little memory."""
+"""Keys per batch; larger batches need more memory and are hardly faster."""
 
 
 class Keys(NamedTuple):
@@ -44,7 +46,7 @@ class Keys(NamedTuple):
 
     Attributes:
         root: (n, 3) m, the wrist.
-        turns: (n, 15, 3, 3) rotations parent from joint: the palm's in the world, then the bones'.
+        turns: (n, 15, 3, 3) rotations: world from palm first, then parent from joint for each bone.
     """
 
     root: Array
@@ -53,10 +55,10 @@ class Keys(NamedTuple):
 
 @dataclass(frozen=True)
 class Armature:
-    """Fifteen joints, parents before children: the wrist, then the skeleton's bones in its order.
+    """Fifteen joints, parents before children: the wrist, then the joints of the skeleton's bones.
 
     Attributes:
-        skeleton: The skeleton that has these bones.
+        skeleton: The skeleton, whose order of bones is the order of the joints.
     """
 
     skeleton: Skeleton
@@ -88,7 +90,7 @@ class Armature:
 
     @cached_property
     def children(self) -> tuple[tuple[int, ...], ...]:
-        """Children of each joint."""
+        """Indices of each joint's children."""
         return tuple(
             tuple(j for j, parent in enumerate(self.parents) if parent == i)
             for i in range(len(self.parents))
@@ -101,7 +103,7 @@ class Armature:
 
     @cached_property
     def ends(self) -> Array:
-        """Fingertips (15, 3) m in the frames of the last joints; NaN for other joints."""
+        """Fingertip (15, 3) m in each last joint's frame; NaN rows for joints with a child."""
         out = np.full((len(self.names), 3), np.nan)
         for j, bone in enumerate(self.skeleton.bones, start=1):
             if not self.children[j]:
@@ -115,8 +117,12 @@ class Armature:
         return self.of_turns(q[:, ROOT_POSITION], exp(vectors))
 
     def of_turns(self, root: Array, turns: Array) -> Keys:
-        """Keys from wrists (n, 3) and rotations (n, 15, 3, 3) of palm and joints from their
-        rest."""
+        """Keys from wrist positions and rotations relative to the rest pose.
+
+        Args:
+            root: (n, 3) m, wrists in the world.
+            turns: (n, 15, 3, 3) rotations of the palm in the world and of each joint from its rest.
+        """
         return Keys(root, self._rests @ turns)
 
     def place(self, keys: Keys) -> tuple[Array, Array]:
@@ -135,24 +141,28 @@ class Armature:
     def zero(self, order: str) -> Array:
         """Rotations (15, 3, 3) file from joint, in the zero pose of an Euler order.
 
-        Turns from it, in the file's frame, are `zero[parent] @ turns @ zero.T`.
+        A joint's rotation from the zero pose, in the file's frame, is
+        `zero[parent] @ turns @ zero.T`.
         """
         base = zero_frame(order)
         out = np.tile(base, (len(self.names), 1, 1))
-        # The thumb's frame is rotated so far relative to the palm's that its angles would pass the
-        # poles of the order; relative to its reference pose, no legal rotation exceeds 65 degrees.
+        # The thumb is rotated so far from the palm that its angles would pass the poles of the
+        # order. Relative to its reference pose, no rotation within its limits exceeds 65 degrees.
         for j, bone in enumerate(self.skeleton.bones, start=1):
             if bone.finger == 0:
                 out[j] = out[self.parents[j]] @ bone.rest
         return out
 
     def relative(self, keys: Keys, zero: Array, up: Array) -> tuple[Array, Array]:
-        """Wrist (n, 3) m and turns (n, 15, 3, 3) from a zero pose, in the frame of a file.
+        """Wrist positions and rotations from the zero pose, in the frame of a file.
 
         Args:
-            keys: In the world.
-            zero: From `zero`.
-            up: File from world: `Y_UP` or `Z_UP`.
+            keys: Keys in the world.
+            zero: (15, 3, 3) zero pose, as `zero` returns it.
+            up: (3, 3) file from world: `Y_UP` or `Z_UP`.
+
+        Returns:
+            Wrists (n, 3) m and rotations (n, 15, 3, 3).
         """
         above = zero[list(self.parents)].copy()
         above[0] = up
@@ -166,13 +176,16 @@ class Armature:
 def zero_frame(order: str) -> Array:
     """Rotation (3, 3) file from hand in the zero pose of an Euler order.
 
-    The first letter's axis is that of flexion (the hand's x), the last one's points out of the back
-    of the hand (z), the middle one's along the fingers (y) or against them. With `ZXY` the hand
-    lies flat, palm down, its fingers along +x.
+    The first letter names the file's axis for flexion (the hand's x), the last letter the axis out
+    of the back of the hand (z), and the middle letter the axis along the fingers (y) or against
+    them. With `ZXY` the hand lies flat, palm down, with its fingers along +x.
 
-    Orders that begin with Y would put a flat hand at their pole, since up is Y in the files that
-    have an order; for them the last letter is the fingers' axis and the middle one the axis out of
-    the back.
+    Orders that begin with Y swap the last two: the last letter names the fingers' axis, and the
+    middle letter the axis out of the back. Y is up in the files that have an Euler order, so a flat
+    hand would otherwise be at the pole of such an order.
+
+    Raises:
+        MotionError: The order is not in `ORDERS`.
     """
     if order not in ORDERS:
         raise MotionError("not an Euler order", got=order, expected=", ".join(ORDERS))
@@ -187,6 +200,6 @@ def zero_frame(order: str) -> Array:
 
 
 def chunks(armature: Armature, q: Array) -> Iterator[Keys]:
-    """Yields keys of world poses (n, 48) in batches."""
+    """Yields the keys of world poses (n, 48) in batches of at most `CHUNK`."""
     for a in range(0, len(q), CHUNK):
         yield armature.keys(q[a : a + CHUNK])

@@ -169,7 +169,7 @@ def test_a_file_with_its_mesh_beside_it_is_the_same_from_any_folder(
         (mjcf(SPHERE).replace("</worldbody>", f"<body>{SPHERE}</body></worldbody>"), "one rigid"),
         (mjcf(SPHERE + f'<body><joint type="hinge"/>{SPHERE}</body>'), "one rigid body"),
         (mjcf('<joint type="slide"/>' + SPHERE), "one rigid body .*joints: 1.*use Mechanism"),
-        (mjcf('<geom size=".1" contype="0" conaffinity="0"/>'), "it has no solid geom"),
+        (mjcf('<geom size=".1" contype="0" conaffinity="0"/>'), "has no solid geom"),
         ("/no/such/file.xml", "no such file"),
     ],
 )

@@ -1,7 +1,7 @@
 """Converts recordings of touches and hands to captures.
 
-The inputs are touches as a `TouchLog`, and poses as a `JointTrack` or as points on the hand, to
-which a skeleton is fitted. All functions work on arrays; `sandbox capture` reads the files.
+The inputs are touches as a `TouchLog`, and poses as a `JointTrack`. Where a recording has points on
+the hand instead of poses, a skeleton is fitted to them.
 """
 
 from encoders.captures.conversion.assemble import capture_from_poses as capture_from_poses

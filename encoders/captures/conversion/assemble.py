@@ -25,7 +25,7 @@ from models.errors import CaptureError
 from models.frames import FINGERS
 
 _ROUNDING = 1e-6
-"""s, tolerance for rounded times."""
+"""Tolerance (s) for rounded times."""
 
 
 def assemble(
@@ -38,14 +38,14 @@ def assemble(
 ) -> Capture:
     """Creates the capture.
 
-    Frames with one finger are dropped, as in the paper: one touch does not determine the hand.
-    Frames without a pose, and frames with a touch away from its finger, are dropped as well: a
-    missing touch would be a wrong training example.
+    Frames with one finger are dropped, as in the paper, because one touch does not determine the
+    hand. Frames without a pose, and frames with a touch away from its finger, are dropped as well:
+    a frame that lacks a touch would be a wrong training example.
 
     Args:
-        tracks: Contacts with their fingers; no two of one finger at a time.
+        tracks: Contacts with their fingers; a finger has at most one contact at a time.
         joints: Poses, on their own clock.
-        offset: s, the poses' clock minus the touches' clock.
+        offset: Poses' clock minus touches' clock (s).
         rules: `rate`, `gap`, `reach`, `pause`, `longest_take`.
         report: Receives the counts.
         meta: Metadata of the capture; rate and report are added.
@@ -95,13 +95,14 @@ def whole_frames(
     labelled: list[LabelledTrack],
     report: ConversionReport,
 ) -> Capture:
-    """Selects the frames in which every touch is labelled: a missing touch would be a wrong
-    training example.
+    """Selects the frames in which every touch is labelled.
+
+    A frame that lacks a touch would be a wrong training example.
 
     Args:
         capture: The capture.
         tracks: All contacts.
-        labelled: Those with a name.
+        labelled: The contacts that have a label.
         report: Receives the counts.
 
     Raises:
@@ -114,15 +115,15 @@ def whole_frames(
             keep &= (capture.time < one.start) | (capture.time >= one.end)
     report.drop_frames("with a touch that has no name", int((~keep).sum()))
     if not keep.any():
-        raise CaptureError("no frame is left in which all touches have names")
+        raise CaptureError("no frame is left in which all touches have labels")
     kept = capture if keep.all() else capture.select(keep)
     report.notes["kept_frames"] = len(kept)
     return replace(kept, meta={**capture.meta, "conversion": report.as_json()})
 
 
 def _takes(time: Array, rules: ConversionRules) -> NDArray[np.int64]:
-    """Take number (T,) of every frame: a new take begins after a pause, and when one gets too
-    long."""
+    """Take number (T,) of every frame. A new take begins after a pause, and when a take reaches its
+    longest duration."""
     starts = np.flatnonzero(np.diff(time, prepend=-np.inf) > rules.pause + _ROUNDING)
     take = np.zeros(len(time), np.int64)
     number = 0
@@ -156,9 +157,9 @@ def capture_from_touches(
         log: The touches; x of a left hand is already mirrored.
         joints: The poses.
         sync: `clock`: both clocks differ by `offset`. `tap`: the offset is estimated from taps.
-        offset: s, the poses' clock minus the touches' clock.
+        offset: Poses' clock minus touches' clock (s).
         rules: Rules for dropping contacts and frames.
-        report: Receives the counts of dropped ones.
+        report: Receives the counts of dropped contacts and frames.
         meta: Metadata of the capture.
 
     Raises:
@@ -190,7 +191,7 @@ def capture_from_touches(
     apart = float(np.median([one.distance for one in labelled]))
     report.notes["touch_to_fingertip_mm"] = round(1000 * apart, 2)
     capture = assemble(labelled, joints, clock_offset.offset, rules, report, meta)
-    # What is near no fingertip may be a palm, and takes no frames with it.
+    # A contact near no fingertip may be a palm, and its frames are not dropped.
     doubtful = [one for one in tracks if is_in_doubt(one, joints, clock_offset.offset, rules)]
     return whole_frames(capture, doubtful, labelled, report)
 
@@ -206,13 +207,13 @@ def capture_from_poses(
 
     Args:
         joints: Poses in the frame of the surface.
-        threshold: m above a touching fingertip's height at which a touch begins.
+        threshold: Height (m) above a touching fingertip's height at which a touch begins.
         rules: Rules for dropping contacts and frames.
-        report: Receives the counts of dropped ones.
+        report: Receives the counts of dropped contacts and frames.
         meta: Metadata of the capture.
 
     Raises:
-        CaptureError: No finger comes near the surface, or never two at a time.
+        CaptureError: No finger comes near the surface, or two fingers never do so together.
     """
     if not 0 < threshold < 0.05:
         raise CaptureError(

@@ -1,4 +1,4 @@
-"""Labels contacts by the fingertip that is nearest to them."""
+"""Labels each contact with the finger whose tip is nearest to it."""
 
 from __future__ import annotations
 
@@ -15,12 +15,12 @@ from models.arithmetic import Array
 from models.frames import FINGERS
 
 RESTING = 0.012
-"""m, greatest height of the centre of a touching fingertip: its radius plus some error."""
+"""Greatest height (m) of the centre of a touching fingertip: its radius plus a margin."""
 
 
 @dataclass(frozen=True)
 class LabelledTrack:
-    """A contact, its finger (thumb 0 .. little 4), and its median distance from the tip, m."""
+    """A contact, its finger (thumb 0 to little 4), and its median distance (m) from the tip."""
 
     track: ContactTrack
     finger: int
@@ -36,14 +36,14 @@ def label_contacts(
 ) -> list[LabelledTrack]:
     """Labels contacts by the nearest fingertip at the same time.
 
-    A contact is dropped, and counted, if no fingertip is near it, if it is nearer to another finger
-    for more than the share `doubt` of its life, or if its finger has a nearer contact at the same
-    time.
+    A contact is dropped and counted in three cases: no fingertip is near it; another finger is
+    nearer for more than the share `doubt` of the contact's life; or its finger has a nearer contact
+    at the same time.
 
     Args:
         tracks: Contacts.
         joints: Poses, on their own clock.
-        offset: s, the poses' clock minus the touches' clock.
+        offset: Poses' clock minus touches' clock (s).
         rules: `reach`, `doubt`, `gap`, `rate`.
         report: Receives the counts.
     """
@@ -64,7 +64,7 @@ def label_contacts(
 
 
 def sample_times(track: ContactTrack, rate: float) -> Array:
-    """Sample times (m,) s in a contact's life, including its first."""
+    """Sample times (m,) s during a contact's life, beginning with its touch-down."""
     return track.start + np.arange(max(1, int((track.end - track.start) * rate))) / rate
 
 
@@ -75,9 +75,9 @@ def distances(
     offset: float,
     rules: ConversionRules,
 ) -> tuple[Array, NDArray[np.bool_]]:
-    """Distances (m, 5) m from a contact to every fingertip, and when they are known.
+    """Distances (m, 5) m from a contact to every fingertip, and booleans (m,): True where known.
 
-    A fingertip in the air counts as farther away than one that rests beside it.
+    The height of a fingertip above its resting height adds to its distance.
     """
     tips, known = joints.tips_at(times + offset, rules.gap)
     xy = track.at(times, rules.gap)
@@ -89,7 +89,8 @@ def distances(
 def is_in_doubt(
     track: ContactTrack, joints: JointTrack, offset: float, rules: ConversionRules
 ) -> bool:
-    """True if a contact is a finger's, and it cannot be told which; see `label_contacts`."""
+    """True if a contact is near a fingertip, but another finger is nearer for too much of its life;
+    see `label_contacts`."""
     vote = _vote(track, joints, offset, rules)
     return vote is not None and vote.distance <= rules.reach and vote.share < 1 - rules.doubt
 
@@ -98,9 +99,9 @@ class _Vote(NamedTuple):
     """The fingertip that is nearest to a contact for most of its life.
 
     Attributes:
-        finger: Its finger.
-        share: Share of the life in which it is the nearest.
-        distance: m, median.
+        finger: Finger of this tip.
+        share: Share of the contact's life in which this tip is the nearest.
+        distance: Median distance (m) between contact and tip.
     """
 
     finger: int
@@ -111,7 +112,7 @@ class _Vote(NamedTuple):
 def _vote(
     track: ContactTrack, joints: JointTrack, offset: float, rules: ConversionRules
 ) -> _Vote | None:
-    """Asks which finger a contact is of; None if there is no pose at its time."""
+    """Finds the fingertip that is nearest to a contact; None if there is no pose at its time."""
     times = sample_times(track, rules.rate)
     distance, known = distances(track, times, joints, offset, rules)
     if not known.any():
@@ -125,7 +126,8 @@ def _vote(
 def _without_overlaps(
     labelled: list[LabelledTrack], report: ConversionReport
 ) -> list[LabelledTrack]:
-    """Keeps at most one contact per finger at a time; of two that overlap, the nearer one."""
+    """Leaves at most one contact per finger at a time: of overlapping contacts, the one nearest to
+    the fingertip."""
     kept: list[LabelledTrack] = []
     for one in sorted(labelled, key=lambda contact: contact.distance):
         rival = any(

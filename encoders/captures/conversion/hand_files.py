@@ -1,4 +1,4 @@
-"""Reads hands from files of motion capture, and mapping files for their names."""
+"""Reads hands from motion capture files, and the mapping files that explain their names."""
 
 from __future__ import annotations
 
@@ -56,7 +56,7 @@ SKELETONS = {"amc": ".asf", "v": ".vsk"}
 
 _Coordinate = Annotated[float, Meta(ge=-1e9, le=1e9)]
 Place = tuple[_Coordinate, _Coordinate, _Coordinate]
-"""Three coordinates in a recording's units."""
+"""A point: three coordinates in the recording's units."""
 
 
 class _Corners(Struct, forbid_unknown_fields=True):
@@ -79,10 +79,10 @@ class Mapping:
     """Content of a mapping file.
 
     Attributes:
-        points: Name in the recording -> site, or a table with bone and position; empty: names are
-            recognised.
-        corners: Corners of the surface, each three numbers in the recording's units or the name of
-            a point; empty: unknown.
+        points: Name in the recording -> site, or a table with bone and position. Empty if the
+            names are to be recognised.
+        corners: Corners of the surface, each as three numbers in the recording's units or as the
+            name of a point. Empty if they are unknown.
     """
 
     points: dict[str, Any] = field(default_factory=dict)
@@ -134,14 +134,16 @@ def read_hand(
         mapping: Meaning of the names in the file.
         report: Collects residuals and counts.
         left: True for a left hand, which is mirrored into a right one.
-        unit: Units of the file, such as `cm`, `cm,ms` or a number of metres. Others are those of
-            its format if the hand has a hand's size in them, and else those in which it has.
-        scale: Size of the hand in a CSV file relative to the adult hand; else the size is fitted.
+        unit: Units of the file, such as `cm`, `cm,ms` or a number of metres. A unit that is not
+            given is the format's usual unit if the hand has a plausible size in it, or else the
+            unit in which the hand has a plausible size.
+        scale: Size of the hand in a CSV file relative to the adult hand. In other files the size
+            is fitted.
         find_surface: True if an unknown surface may be estimated from fingertips.
-        tolerance: m; distance from that surface within which a fingertip rests on it.
+        tolerance: Distance (m) from the estimated surface within which a fingertip rests on it.
         progress: Called with the share done, 0 to 1.
-        skeleton_file: `.asf` of an `.amc`, `.vsk` of a `.v`; None: the file of the same name.
-        rate: Hz of an `.amc`, which does not store it.
+        skeleton_file: `.asf` of an `.amc`, `.vsk` of a `.v`; None takes the file of the same name.
+        rate: Frame rate (Hz) of an `.amc`, which does not store it.
 
     Raises:
         InputError: The file is unusable.
@@ -170,7 +172,7 @@ def read_hand(
     except CaptureError as error:
         if not read.report:
             raise
-        # What the reader noticed is the likely reason.
+        # Frames that the reader left out or assumptions that it made are the likely reason.
         raise CaptureError(
             error.what,
             where=error.where or str(path),
@@ -187,9 +189,9 @@ class HandPoints:
     Attributes:
         time: (T,) s.
         points: Name -> (T, 3) m, NaN where a point was not seen.
-        sites: Name -> place on the hand, of the points that are used.
-        unit: m, the file's unit of length.
-        report: What was left out and assumed.
+        sites: Name -> place on the hand, for the points that are used.
+        unit: The file's unit of length (m).
+        report: Rows that were left out, and assumptions that were made.
     """
 
     time: Array
@@ -210,7 +212,7 @@ def read_points(
     """Reads the points of the hand in a file other than a table of poses; see `read_hand`.
 
     Raises:
-        InputError: The file is unusable, or the hand has a hand's size in no unit.
+        InputError: The file is unusable, or the hand has a plausible size in no unit.
     """
     metres, given = _given(unit)
     suffix = _kind(path)
@@ -228,7 +230,7 @@ def read_points(
         points = {name: tracks.places[:, m] for m, name in enumerate(tracks.names)}
     else:
         raise InputError(
-            "this kind of file is not known",
+            "files of this kind cannot be read",
             where=str(path),
             expected=".bvh, .amc, .v, .csv, .tsv, .tsv.gz",
             remedy="A skeleton (.asf, .vsk) does not move; give the motion (.amc, .v)"
@@ -250,13 +252,13 @@ def read_points(
             seen[HAND] = lengths / metre
             declared["length"] = named[0]
         elif len(lengths) and not HAND.includes(length := float(np.median(lengths))):
-            # The skeleton states a unit without a name, for which no other one can stand.
+            # The skeleton states its unit as a number, so no named unit can replace it.
             raise MotionError(
                 f"{HAND.name} is impossible in the unit that the skeleton states",
                 where=str(path),
                 got=f"{length:.3g} m",
                 expected=f"{HAND.least:g} to {HAND.most:g} m",
-                remedy="--unit says which unit it is: m, cm, mm, in, or a number of metres",
+                remedy="Give the unit with --unit: m, cm, mm, in, or a number of metres",
             )
     units = find_units(seen, declared, given, where=str(path), report=reading, error=MotionError)
     if "length" in units:
@@ -273,12 +275,12 @@ def read_points(
 def _without_jumps(
     time: Array, points: dict[str, Array], reading: ReaderReport
 ) -> dict[str, Array]:
-    """Points (T, 3) m of a hand, NaN where they jump, which is counted."""
+    """Points (T, 3) m of a hand, with NaN where they jump; jumps are counted in `reading`."""
     places = np.stack(list(points.values()), axis=1)
     jumped = find_jumps(time, places)
     if not jumped.any():
         return points
-    # Most points of a hand jump together or not at all.
+    # If more than half of the visible points jump in a frame, the whole frame is left out.
     seen = np.isfinite(places).all(axis=2)
     whole = jumped.any(axis=1) & (2 * jumped.sum(axis=1) > seen.sum(axis=1))
     reading.leave_out(JUMPED, int(whole.sum()))
@@ -290,12 +292,14 @@ def _without_jumps(
 
 
 _SHOWING = (("mcp",), ("pip", "dip"), ("dip", "pip"), ("tip",))
-"""Points of a finger that show how it is bent; a second one stands for one that a file lacks."""
+"""Points of a finger that show how it bends; the second name is used if a file lacks the first."""
 
 
 def _side_doubt(side: str, points: dict[str, Array], sites: dict[str, Site]) -> str:
-    """What is doubted of the side of a hand; empty without a doubt, and for points that do not show
-    how two fingers are bent."""
+    """Sentence about a doubt that the hand has the given side.
+
+    Empty without a doubt, and if the points do not show how at least two fingers bend.
+    """
     named = {site.name: name for name, site in sites.items()}
     fingers = []
     for finger, end in product(FINGERS[1:], ("", "_skin")):
@@ -311,12 +315,16 @@ def _side_doubt(side: str, points: dict[str, Array], sites: dict[str, Site]) -> 
 
 
 def _kind(path: Path) -> str:
-    """The kind of a file by the end of its name, packed or not."""
+    """The suffix of a file without its dot, in lower case and without a final `.gz`."""
     return path.name.lower().removesuffix(".gz").rpartition(".")[2]
 
 
 def _given(unit: str) -> tuple[float | None, dict[str, str]]:
-    """The unit of length in m, None if it is not given, and all units that have a name."""
+    """The unit of length (m), None if it is not given, and the named units by quantity.
+
+    Raises:
+        InputError: The text is not a list of units.
+    """
     numbers = [part for part in unit.split(",") if part.strip()[:1].isdigit()]
     if not numbers:
         given = parse_units(unit)
@@ -337,7 +345,7 @@ def _given(unit: str) -> tuple[float | None, dict[str, str]]:
 
 
 def _sampled(count: int) -> slice:
-    """Some of `count` frames, by which units are found."""
+    """Slice of about `_SAMPLE` of `count` frames, from which units are determined."""
     return slice(None, None, count // _SAMPLE + 1)
 
 
@@ -345,7 +353,7 @@ _SAMPLE = 200
 
 
 def _hand_lengths(points: dict[str, Array], sites: dict[str, Site]) -> Array:
-    """(n,) m, length of a hand whose palm is that of each frame, by its outermost points."""
+    """Hand lengths (n,) m, estimated in each frame from the two palm points farthest apart."""
     palm = {name: site.at for name, site in sites.items() if site.bone == PALM}
     a, b = max(combinations(palm, 2), key=lambda pair: math.dist(palm[pair[0]], palm[pair[1]]))
     some = _sampled(len(points[a]))
@@ -354,16 +362,16 @@ def _hand_lengths(points: dict[str, Array], sites: dict[str, Site]) -> Array:
 
 
 _ADULT_LENGTH = 0.19
-"""m, length of the hand with the program's skeleton."""
+"""Length (m) of a hand with the adult skeleton."""
 
 
 def read_poses(path: Path, unit: str, reading: ReaderReport) -> tuple[Array, Array]:
-    """Times (T,) s and poses (T, 48) of a table of poses, which may be in other units.
+    """Reads times (T,) s and poses (T, 48) from a table of poses in any units.
 
     Args:
         path: The file.
-        unit: Units that a person gave.
-        reading: Receives what is left out and assumed.
+        unit: Units given by the user.
+        reading: Receives the rows left out and the assumptions made.
 
     Raises:
         MotionError: The table is unusable, or its poses are possible in no unit.
@@ -390,7 +398,7 @@ def read_poses(path: Path, unit: str, reading: ReaderReport) -> tuple[Array, Arr
 def _with_skeleton(
     path: Path, kind: str, skeleton: Path | None, unit: float | None, rate: float | None
 ) -> tuple[Motion, float]:
-    """Reads a motion and the skeleton in another file; also returns their unit of length, m."""
+    """Reads a motion and its skeleton from two files; also returns their unit of length (m)."""
     beside = skeleton or path.with_suffix(SKELETONS[kind])
     if not beside.exists():
         raise InputError(
@@ -407,7 +415,7 @@ def _with_skeleton(
 
 
 def _points_of(motion: Motion) -> dict[str, Array]:
-    """Returns positions of joints by name, and of the ends of bones as `NAME end`."""
+    """Positions of joints by name, and positions of the ends of bones as `NAME end`."""
     placed = motion.place()
     points = {name: placed.positions[:, j] for j, name in enumerate(motion.names)}
     for j, name in enumerate(motion.names):
@@ -432,7 +440,7 @@ def _surface(
 
 
 def _corner(corner: str | Place, points: dict[str, Array], unit: float) -> Array:
-    """Returns a corner (3,), m, given by three numbers or by the name of a point on it."""
+    """A corner (3,) m, from three numbers or from the name of a point at the corner."""
     if not isinstance(corner, str):
         return unit * np.array(corner)
     seen = points.get(corner, np.full((1, 3), np.nan))

@@ -23,25 +23,26 @@ from models.rotations import exp, exp_and_left_jacobian, log, skew
 from models.skeleton import Skeleton
 
 ACCURACY = 0.0015
-"""m, accuracy of an observed point, which sets the weight of the pull to mid-range."""
+"""Accuracy (m) of an observed point, which sets the weight of the pull of joints to mid-range."""
 
 _ROUNDS, _STEPS = 25, 2
-"""Rounds of estimating size and places alternating with poses; Gauss-Newton steps within one."""
+"""Rounds that alternate between estimating size and places and estimating poses, and Gauss-Newton
+steps in each round."""
 
 _FINAL_STEPS = 8
 """Gauss-Newton steps from the nearest key frame."""
 
 _KEYS = 150
-"""Number of frames from which size and places are estimated."""
+"""Number of key frames, from which size and places are estimated."""
 
 _CHUNK = 500
 """Number of frames solved at once, limited by memory."""
 
 _LONGEST_STEP = 0.4
-"""rad, largest rotation of a joint in one step."""
+"""Largest rotation (rad) of a joint in one Gauss-Newton step."""
 
 _TRUST = 0.005
-"""m; a point's mean error on its bone counts as one observation of this accuracy."""
+"""Accuracy (m) of a point's mean position on its bone, which counts as one observation."""
 
 _SIZES = (0.6, 1.5)
 """Least and greatest size of a hand relative to the skeleton's."""
@@ -53,11 +54,12 @@ class FittedHand:
 
     Attributes:
         skeleton: Skeleton scaled to the person's hand.
-        scale: Its size relative to the given skeleton.
-        surprise: (M,) deviation of the points on their bones from their expected places, in
+        scale: Size of this skeleton relative to the given one.
+        surprise: (M,) distances of the points from their expected places on their bones, in
             standard deviations.
         q: (T, 48) poses in the frame of the points; NaN where the hand could not be seen.
-        residual: (T, M) m, distance between observed and modelled points; NaN where not seen.
+        residual: (T, M) m, distance between observed and modelled points; NaN where a point was
+            not seen.
     """
 
     skeleton: Skeleton
@@ -82,7 +84,7 @@ def fit_skeleton(
         progress: Called with the share done, 0 to 1.
 
     Raises:
-        CaptureError: The hand is hardly ever seen, or its size is impossible.
+        CaptureError: No frame shows the whole hand, or its size is impossible.
     """
     usable = _whole_enough(points, sites, skeleton)
     frames = np.flatnonzero(usable)
@@ -114,7 +116,8 @@ def fit_skeleton(
         chunk = frames[a : a + _CHUNK]
         nearest = np.abs(keys[None, :] - chunk[:, None]).argmin(axis=1)
         poses, seen = q[nearest], points[chunk]
-        # The hand may have moved since: its root is estimated again, its joints are kept.
+        # The hand may have moved since the nearest key frame, so its root is estimated again. The
+        # joints start from the key frame.
         poses = model.placed_root(poses, seen)
         for _ in range(_FINAL_STEPS):
             poses = model.step(poses, seen)
@@ -154,7 +157,7 @@ class _Model:
                 self._moves[m, bone] = True
                 bone = parent[bone]
         self._middle = np.concatenate([np.zeros(6), (skeleton.lower + skeleton.upper) / 2])
-        # The root has no pull; the range of a joint is taken as four standard deviations.
+        # The root is not pulled. A joint's range counts as four standard deviations.
         self._pull = np.concatenate([np.zeros(6), 16 / (skeleton.upper - skeleton.lower) ** 2])
 
     @property
@@ -219,7 +222,7 @@ class _Model:
         rest = points - root - (rotation @ self._moved[:, :, None])[..., 0]
         count = np.maximum(seen.sum(axis=1), 1)[:, None, None]
         mask = seen[..., None]
-        # Without each frame's mean, so that the root's position does not affect the size.
+        # Each frame's mean is subtracted, so that the root's position does not affect the size.
         unit_off = np.where(mask, unit - np.where(mask, unit, 0).sum(1, keepdims=True) / count, 0)
         rest_off = np.where(mask, rest - np.where(mask, rest, 0).sum(1, keepdims=True) / count, 0)
         self.scale = float((unit_off * rest_off).sum() / (unit_off**2).sum())
@@ -232,7 +235,8 @@ class _Model:
         self._moved = self._shrink[:, None] * mean
 
     def _frames(self, q: Array) -> tuple[Array, Array, Array, Array]:
-        """Origins (n, M, 3) and rotations (n, M, 3, 3) of the points' bones; joints; rotations."""
+        """Origins (n, M, 3) and rotations (n, M, 3, 3) of the points' bones, then positions of all
+        joints and rotations of all bones."""
         placement = self.kinematics.place(q)
         palm = exp(q[:, ROOT_ROTATION])[:, None]
         # The palm is stored behind the last bone, at index -1.
@@ -269,27 +273,28 @@ class _Model:
 
 
 def _parents(skeleton: Skeleton) -> list[int]:
-    """Index of every bone's parent, `PALM` for a finger's first."""
+    """Index of every bone's parent; `PALM` for the first bone of a finger."""
     fingers = [bone.finger for bone in skeleton.bones]
     return [i - 1 if i and fingers[i - 1] == f else PALM for i, f in enumerate(fingers)]
 
 
 _KEPT = 2e-6
-"""s by which a touch lasts longer than its last pose, so that this one is within it; times are
-rounded to half of that."""
+"""Time (s) by which a touch ends after its last pose, so that this pose lies within the touch.
+Times are rounded to half of it."""
 
 ON_SURFACE = 0.006
-"""m, height of a touching fingertip's centre: its radius minus the compressed flesh."""
+"""Height (m) of a touching fingertip's centre: its radius minus the compression of the flesh."""
 
 POOR_FIT = 0.010
-"""m, root mean square distance between observed and modelled points beyond which a frame is
+"""Root mean square distance (m) between observed and modelled points beyond which a frame is
 dropped."""
 
 SURPRISE = 3.0
 """Standard deviations from its expected place beyond which a point does not belong to the hand."""
 
 LETS_GO = 1.5
-"""Factor between the heights at which a touch ends and begins, so that touches do not flicker."""
+"""Height at which a touch ends, divided by the height at which it begins. The difference stops
+touches from flickering."""
 
 
 def joints_from_points(
@@ -314,7 +319,7 @@ def joints_from_points(
         skeleton: Our skeleton, whose size is fitted.
         report: Receives residuals and counts.
         left: True for a left hand, which is mirrored into a right one.
-        tolerance: m from an estimated plane within which a fingertip rests on it.
+        tolerance: Distance (m) from an estimated plane within which a fingertip rests on it.
         progress: Called with the share done, 0 to 1.
 
     Raises:
@@ -369,10 +374,10 @@ def joints_from_points(
 
 
 def _middle(palm: Array) -> Array:
-    """Middle (T, 3) of points of the palm (T, n, 3), where all of them are seen.
+    """Mean (T, 3) of points of the palm (T, n, 3); NaN in frames that lack a point.
 
-    If they never are, as one of them may be missing in a whole recording, it is that of the points
-    that are.
+    If every frame lacks a point, as when one is missing in a whole recording, the mean of the
+    points that are seen in a frame is returned.
     """
     middle: Array = palm.mean(axis=1)
     if not np.isnan(middle).any(axis=1).all():
@@ -400,8 +405,14 @@ def _tip_points(sites: list[Site], skeleton: Skeleton) -> list[int]:
 
 
 def _on_the_surface(joints: JointTrack, resting: NDArray[np.bool_]) -> JointTrack:
-    """Shifts the poses to the height at which resting tips (J, 5) touch, since the plane was that
-    of markers."""
+    """Shifts the poses so that resting fingertips touch the surface.
+
+    The surface was estimated from markers, which lie above the fingertips' centres.
+
+    Args:
+        joints: The poses.
+        resting: (J, 5) booleans, True where a fingertip rests on the surface.
+    """
     q = joints.q.copy()
     q[:, 2] += ON_SURFACE - np.median(joints.tips[..., 2][resting])
     return JointTrack(joints.time, q, joints.skeleton)
@@ -414,8 +425,8 @@ def touches_from_tips(
 
     Args:
         joints: Poses in the frame of the surface.
-        threshold: m above the height of a touching fingertip's centre at which a touch begins; it
-            ends at one and a half times that.
+        threshold: Height (m) above a touching fingertip's centre at which a touch begins. The touch
+            ends at `LETS_GO` times this height.
         rules: `shortest`, `gap`.
         report: Receives the counts.
     """

@@ -52,7 +52,7 @@ class JointTrack:
 
     @cached_property
     def period(self) -> float:
-        """s, median time between two poses."""
+        """Median time (s) between two poses."""
         return float(np.median(np.diff(self.time)))
 
     @cached_property
@@ -61,22 +61,32 @@ class JointTrack:
         return self.kinematics.tips(self.q)
 
     def at(self, times: Array, gap: float) -> tuple[Array, NDArray[np.bool_]]:
-        """Interpolates poses (m, 48), with booleans of where they are known: not in gaps longer
-        than `gap`."""
+        """Interpolates poses (m, 48) at times (m,) s.
+
+        Also returns booleans (m,): True unless a time lies in a gap longer than `gap` (s).
+        """
         before, share, known = self._between(times, gap)
         a, b = self.q[before], self.q[before + 1].copy()
-        # Neighbours in time, written as rotation vectors, may differ by a whole turn.
+        # Rotation vectors of successive poses may differ by a whole turn.
         b[:, ROOT_ROTATION] = unwrap_near(b[:, ROOT_ROTATION], a[:, ROOT_ROTATION])
         return a + share[:, None] * (b - a), known
 
     def tips_at(self, times: Array, gap: float) -> tuple[Array, NDArray[np.bool_]]:
-        """Interpolates fingertips (m, 5, 3), with booleans of where they are known."""
+        """Interpolates fingertips at times (m,) s.
+
+        Returns:
+            Positions (m, 5, 3) m, and booleans (m,): True where they are known.
+        """
         before, share, known = self._between(times, gap)
         a, b = self.tips[before], self.tips[before + 1]
         return a + share[:, None, None] * (b - a), known
 
     def tip_at(self, finger: int, times: Array, gap: float) -> tuple[Array, NDArray[np.bool_]]:
-        """Interpolates one fingertip (m, 3) as it was measured, with booleans of where it was."""
+        """Interpolates one fingertip, as it was measured, at times (m,) s.
+
+        Returns:
+            Positions (m, 3) m, and booleans (m,): True where they are known.
+        """
         tips, known = self.tips_at(times, gap)
         return tips[:, finger], known
 

@@ -13,16 +13,18 @@ class ConversionRules:
     """Rules for dropping contacts and frames, and for cutting frames into takes.
 
     Attributes:
-        rate: Hz, frames of the capture.
-        shortest: s; a contact that lives less is a glitch.
-        fastest: m/s, greatest speed of a finger on a surface; a faster contact has jumped.
-        stuck: s; for a contact that never ends and has not moved for longer, the lift was missed.
-        reach: m, largest distance between a touch and its fingertip.
-        doubt: Greatest share of a contact's life that it may be nearer to another finger than to
-            its own.
-        gap: s, longest gap of a recording that is bridged by a straight line.
-        pause: s without a frame after which a new take begins.
-        longest_take: s; longer ones are cut, because validation splits a capture by takes.
+        rate: Frame rate (Hz) of the capture.
+        shortest: Shortest life of a contact (s); shorter ones are dropped as glitches.
+        fastest: Greatest speed (m/s) of a finger on a surface; a faster movement is a jump.
+        stuck: Longest rest (s) at the end of a contact that never ends. After a longer rest, the
+            device is assumed to have missed the lift.
+        reach: Largest distance (m) between a touch and its fingertip.
+        doubt: Largest share of a contact's life in which another finger may be nearer than the
+            contact's own finger.
+        gap: Longest gap (s) of a recording that is interpolated linearly.
+        pause: Time (s) without a frame after which a new take begins.
+        longest_take: Longest take (s). Longer takes are cut, because validation splits a capture by
+            takes.
     """
 
     rate: float = 30.0
@@ -43,8 +45,8 @@ class ConversionReport:
     Attributes:
         contacts: Number of contacts dropped whole, by reason.
         frames: Number of dropped frames, by reason.
-        parts: Number of pieces cut off from contacts or the log, by reason.
-        notes: Estimated values by name, such as scale, residuals and clock offset; JSON values.
+        parts: Number of parts cut from contacts or from the log, by reason.
+        notes: Estimated values by name, such as scale, residuals and clock offset, as JSON values.
     """
 
     contacts: dict[str, int] = field(default_factory=dict)
@@ -61,11 +63,11 @@ class ConversionReport:
         _add(self.frames, reason, count)
 
     def drop_parts(self, reason: str, count: int = 1) -> None:
-        """Counts dropped pieces."""
+        """Counts parts cut from contacts or from the log."""
         _add(self.parts, reason, count)
 
     def add_reading(self, reading: ReaderReport) -> None:
-        """Adds what the reader of a file left out and assumed."""
+        """Adds the rows that a file's reader left out and the assumptions that it made."""
         for reason, count in reading.left_out.items():
             self.drop_parts(reason, count)
         if reading.assumed:

@@ -16,21 +16,21 @@ from models.json_input import checked
 from models.skeleton import Skeleton
 
 PALM = -1
-"""Index that stands for the palm with the wrist, which is not one of the 14 bones."""
+"""Index of the palm with the wrist, which is not one of the 14 bones."""
 
 _JOINT, _TIP, _SKIN, _BACK = 0.006, 0.008, 0.008, 0.025
-"""m, accuracy of the known place on the hand, by kind of point."""
+"""Accuracy (m) of a point's place on the hand: joint, fingertip, skin marker, back of the hand."""
 
 _MARKER = 0.006
-"""m, from the skin to the middle of a marker."""
+"""Distance (m) from the skin to the middle of a marker."""
 
 _BACK_OF_HAND = {
     "back_front": (0.0, 0.078, 0.016),
     "back_left": (-0.015, 0.035, 0.018),
     "back_right": (0.015, 0.035, 0.018),
 }
-"""m in the hand frame: a plate of three markers on the back of a hand. Left and right are those of
-a right hand, seen from its wrist."""
+"""Positions (m) in the hand frame of a plate of three markers on the back of a hand. Left and right
+are those of a right hand, seen from its wrist."""
 
 
 _Metres = Annotated[float, Meta(ge=-1e3, le=1e3)]
@@ -49,10 +49,10 @@ class Site:
     """A point that moves with one bone.
 
     Attributes:
-        name: Its name.
+        name: Name of the point.
         bone: Index of the bone, or `PALM`.
-        at: (3,) m in the bone's frame, for a hand of the skeleton's size.
-        spread: m, standard deviation of that position.
+        at: (3,) m, position in the bone's frame, for a hand of the skeleton's size.
+        spread: Standard deviation (m) of this position.
     """
 
     name: str
@@ -64,8 +64,9 @@ class Site:
 def sites_of(skeleton: Skeleton) -> dict[str, Site]:
     """All named sites.
 
-    `wrist`; every joint by its bone's name; `thumb_ip`; `FINGER_tip`; for each of these except the
-    wrist `..._skin`, a marker on the skin above it; and a plate on the back of the hand.
+    They are `wrist`; every joint, by the name of its bone; `thumb_ip`; `FINGER_tip` for every
+    finger; a marker on the skin above each of these except the wrist, with the ending `_skin`; and
+    a plate on the back of the hand.
     """
     sites = [Site("wrist", PALM, np.zeros(3), _JOINT)]
     for finger, name in enumerate(FINGERS):
@@ -75,7 +76,7 @@ def sites_of(skeleton: Skeleton) -> dict[str, Site]:
             sites.append(Site(bone.name, parent, np.array(bone.anchor), _JOINT))
         last = skeleton.bones[chain[-1]]
         if finger == 0:
-            # The bone holds both phalanges of the thumb, their joint a little past its middle.
+            # The thumb's last bone contains two phalanges; their joint is a little past its middle.
             sites.append(Site("thumb_ip", chain[-1], np.array([0, 0.55 * last.length, 0]), _JOINT))
         sites.append(Site(f"{name}_tip", chain[-1], np.array([0, last.length, 0]), _TIP))
     for site in sites[1:]:
@@ -103,18 +104,21 @@ def _mixamo(side: str) -> dict[str, str]:
         stem = hand + ("Pinky" if finger == "little" else finger.capitalize())
         for i, level in enumerate(levels.get(finger, ("mcp", "pip", "dip")), start=1):
             names[f"{stem}{i}"] = f"{finger}_{level}"
-        # Mixamo's own skeleton has a joint at the tip; without it, that is the end of the third.
+        # Mixamo's own skeleton has a joint at the tip. A rig without it has the third bone's end.
         names[f"{stem}4"] = names[f"{stem}3 end"] = f"{finger}_tip"
     return names
 
 
 def recognised(names: Sequence[str], side: str, skeleton: Skeleton) -> dict[str, str]:
-    """Finds the sites of known names, by the recording's name.
+    """Recognises common names of points.
 
-    Known names are our own, those of Qualisys glove recordings (`index_middle`, `hand_top`, ..) and
-    those of Mixamo rigs (`RightHandIndex1`, ..), each with or without a prefix before a colon. The
-    end of a joint's bone is named after the joint: `RightHandIndex3 end`. A joint at the tip is
-    `RightHandIndex4`.
+    Recognised are the names of `sites_of`, those of Qualisys glove recordings (such as
+    `index_middle` and `hand_top`) and those of Mixamo rigs (such as `RightHandIndex1`), each with
+    or without a prefix before a colon. In a Mixamo rig, `RightHandIndex3 end` is the end of the
+    bone of joint `RightHandIndex3`, and `RightHandIndex4` is a joint at the tip.
+
+    Returns:
+        Name in the recording -> name of a site.
 
     Raises:
         CaptureError: None of the three sets of names fits.
@@ -139,11 +143,11 @@ def recognised(names: Sequence[str], side: str, skeleton: Skeleton) -> dict[str,
 
 
 def mapped(mapping: Mapping[str, Any], names: Sequence[str], skeleton: Skeleton) -> dict[str, Site]:
-    """Finds the sites of a mapping file, by the recording's name.
+    """Sites of a mapping file, by the names in the recording.
 
     Args:
-        mapping: Name -> name of a site, or a table with `bone` (a joint's name or "palm"), `at`
-            (three numbers, m in that bone's frame) and `spread` (m, optional).
+        mapping: Name in the recording -> name of a site, or a table with `bone` (a joint's name or
+            "palm"), `at` (three numbers, m in this bone's frame) and `spread` (m, optional).
         names: The recording's names.
         skeleton: The hand's skeleton.
 
@@ -188,7 +192,7 @@ def _site(name: str, table: dict[str, Any], skeleton: Skeleton) -> Site:
 def _unseen(
     names: Mapping[str, str], skeleton: Skeleton, sites: Mapping[str, Site] | None = None
 ) -> str:
-    """Missing points without which the whole hand cannot be seen; empty if none."""
+    """Text that lists the points missing for a whole hand; empty if none is missing."""
     known = sites_of(skeleton)
     chosen = list(sites.values()) if sites is not None else [known[n] for n in names.values()]
     lacking = [

@@ -1,7 +1,7 @@
 """Frame of the touch surface in a recorder's frame, from its corners or from fingertips.
 
-Fingertips cannot pass through a surface. So a surface on which fingertips rested repeatedly is a
-plane with many fingertip positions on it and hardly any beyond it.
+Fingertips cannot pass through a surface. A surface on which fingertips rested repeatedly is
+therefore a plane with many fingertip positions on it and hardly any beyond it.
 """
 
 from __future__ import annotations
@@ -15,16 +15,16 @@ from models.arithmetic import Array
 from models.errors import CaptureError
 
 ON_PLANE = 0.005
-"""m from a plane within which a fingertip lies on it; a soft surface needs more."""
+"""Distance (m) from a plane within which a fingertip lies on it; a soft surface needs more."""
 
 BEYOND = 0.02
-"""Greatest share of fingertip positions farther beyond the plane, which are noise."""
+"""Greatest share of fingertip positions beyond the plane; they count as noise."""
 
 TOUCHING = 0.15
 """Least share of fingertip positions on the plane."""
 
 EXTENT = 0.01
-"""m, least standard deviation of those positions along the plane's narrower side."""
+"""Least standard deviation (m) of the positions on the plane, along the plane's narrower side."""
 
 _TRIALS = 400
 _MOST_PLACES = 4000
@@ -35,8 +35,8 @@ class SurfaceFrame:
     """The 3-D surface frame in a recorder's frame.
 
     Attributes:
-        origin: (3,) m, the top left corner, or the middle of the touches where it is unknown.
-        rotation: (3, 3), its columns the directions right, up the surface, and out of it.
+        origin: (3,) m, the top left corner, or the middle of the touches if the corner is unknown.
+        rotation: (3, 3); its columns point right, up the surface, and out of the surface.
     """
 
     origin: Array
@@ -69,12 +69,12 @@ def frame_from_corners(
 
 
 def frame_from_fingertips(tips: Array, palm: Array, tolerance: float = ON_PLANE) -> SurfaceFrame:
-    """Frame of the plane on which fingertips rest; up the surface is the direction of the hand.
+    """Frame of the plane on which fingertips rest; y points in the direction of the hand.
 
     Args:
         tips: (T, 5, 3) m, NaN where not seen.
         palm: (T, 3) m, middle of the palm, which is on the person's side of the surface.
-        tolerance: m from the plane within which a fingertip lies on it.
+        tolerance: Distance (m) from the plane within which a fingertip lies on it.
 
     Raises:
         CaptureError: No plane meets the conditions.
@@ -102,7 +102,7 @@ def frame_from_fingertips(tips: Array, palm: Array, tolerance: float = ON_PLANE)
         raise CaptureError(
             "no plane fits the resting fingertips",
             where="surface",
-            got=f"{share:.0f} % of their places on the best one",
+            got=f"{share:.0f} % of their positions on the best plane",
             expected=f"{100 * TOUCHING:g} %, spread out, and hardly any beyond it",
             remedy="Give the surface's corners in the --mapping file",
         )
@@ -117,7 +117,7 @@ def frame_from_fingertips(tips: Array, palm: Array, tolerance: float = ON_PLANE)
 
 
 def _plane(places: Array, above: Array) -> tuple[Array, Array]:
-    """Fits a plane to positions: a point on it, and its normal, which faces a given point."""
+    """Fits a plane to positions; returns a point on it and its normal, on the side of `above`."""
     middle = places.mean(axis=0)
     normal = np.linalg.svd(places - middle)[2][2] if len(places) < 50 else _least(places - middle)
     return middle, normal * (1.0 if (above - middle) @ normal >= 0 else -1.0)

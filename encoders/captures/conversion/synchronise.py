@@ -1,9 +1,9 @@
 """Estimates the offset between the clocks of touches and poses from taps.
 
 The offset is the poses' clock minus the touches' clock. Every touch-down belongs to a landing, the
-moment when a fingertip comes down to the surface. The offset at which most of them agree is
-searched among all differences; then, since touches and fingertips move together, it is refined by
-their movement.
+moment when a fingertip reaches the surface. The search takes all time differences between landings
+and touch-downs, and finds the offset at which most touch-downs have a landing. Touches and
+fingertips then move together, so their movement refines the offset.
 """
 
 from __future__ import annotations
@@ -20,39 +20,40 @@ from models.arithmetic import Array
 from models.errors import CaptureError
 
 AGREES = 0.04
-"""s, largest difference between a touch-down and its landing."""
+"""Largest time difference (s) between a touch-down and its landing."""
 
 NEEDED = 0.6
 """Least share of touch-downs that must have a landing."""
 
 RIVAL = 0.8
-"""Share of the best offset's agreements from which on another offset makes the result ambiguous."""
+"""The result is ambiguous if another offset reaches this share of the best offset's agreements."""
 
 _APART = 0.15
-"""s, offsets nearer than this count as the same result."""
+"""Offsets nearer than this (s) count as the same result."""
 
 _NEAR, _FAR = 0.003, 0.008
-"""m above its lowest height: below the first a tip has landed, above the second it was lifted."""
+"""Heights (m) above a tip's lowest height: below the first the tip has landed, above the second it
+was lifted."""
 
 _LOW = 5.0
 """Percentile of a tip's heights that counts as its height on the surface."""
 
 _FINE = 0.1
-"""s around the first result that the refinement searches."""
+"""Range (s) to either side of the first result in which the refinement searches."""
 
 _STEP = 0.0025
-"""s, its grid."""
+"""Step (s) of the refinement's grid."""
 
 
 @dataclass(frozen=True)
 class ClockOffset:
-    """The poses' clock minus the touches' clock, s, with its precision.
+    """The poses' clock minus the touches' clock (s), with its precision.
 
     Attributes:
-        offset: s, the clock offset.
-        precision: s, its standard error.
-        agreeing: Number of touch-downs with a landing.
-        taps: Number of touch-downs that could have one.
+        offset: The clock offset (s).
+        precision: Standard error (s) of the offset.
+        agreeing: Number of touch-downs that have a landing.
+        taps: Number of touch-downs that could have a landing, because poses are known there.
     """
 
     offset: float
@@ -68,8 +69,8 @@ def offset_by_taps(
 
     Args:
         tracks: Contacts.
-        joints: Poses, z the height above the surface up to a constant.
-        within: s, greatest possible offset; None allows any.
+        joints: Poses, whose z is the height above the surface up to a constant.
+        within: Greatest possible offset (s); None allows any.
 
     Raises:
         CaptureError: There are no taps, too few agree, or two offsets explain them about equally.
@@ -109,10 +110,10 @@ def offset_by_taps(
 def refined_by_motion(
     coarse: ClockOffset, tracks: list[LabelledTrack], joints: JointTrack, rules: ConversionRules
 ) -> ClockOffset:
-    """Estimates the offset at which the movement of touches matches that of their fingertips best.
+    """Refines an offset to the one at which touches and their fingertips move alike.
 
-    Each contact's mean distance is subtracted, so that only movement counts. If fingers hardly
-    move, the offset by taps is kept.
+    The mean displacement of each contact from its fingertip is subtracted, so that only movement
+    counts. The given offset is returned if the fingers hardly move.
     """
     offsets = coarse.offset + np.arange(-_FINE, _FINE + _STEP / 2, _STEP)
     error = np.zeros(len(offsets))
@@ -162,7 +163,8 @@ def tip_landings(joints: JointTrack) -> Array:
 def _agreeing(
     downs: Array, landings: Array, offset: float, joints: JointTrack
 ) -> tuple[Array, int]:
-    """Time differences of touch-downs with a landing, and the number that could have one."""
+    """Time differences (s) of the touch-downs that have a landing, and the number of touch-downs
+    that could have one."""
     inside = (downs + offset > joints.time[0]) & (downs + offset < joints.time[-1])
     wanted = downs[inside] + offset
     after = np.clip(np.searchsorted(landings, wanted), 1, max(1, len(landings) - 1))

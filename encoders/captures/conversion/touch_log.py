@@ -1,7 +1,7 @@
-"""A device's log of touches, and the extraction of contacts without its glitches.
+"""A device's log of touches, and the extraction of contacts without the device's glitches.
 
-`ConversionRules` contains the rules for glitches; the paper of 2015 removed "brief glitches due to
-noise", and logs of real tablets are full of touches that never end and of time running backwards.
+`ConversionRules` contains the rules for glitches. The paper of 2015 removed "brief glitches due to
+noise". Logs of real tablets also have many touches that never end, and times that run backwards.
 """
 
 from __future__ import annotations
@@ -17,10 +17,10 @@ from models.arithmetic import Array
 from models.errors import CaptureError
 
 LEAP = 2.0
-"""s; a frame that is ahead of the one after it by more has a wrong time, as of a Leap."""
+"""A frame more than this (s) ahead of the next frame has a wrong time, as some frames of a Leap."""
 
 _STILL = 1e-4
-"""m, movement below which a contact rests."""
+"""Movement (m) below which a contact rests."""
 
 
 @dataclass(frozen=True)
@@ -50,9 +50,9 @@ class TouchLog:
                 expected="(F,), (R,), (R,), (R, 2)",
             )
         if not rows:
-            raise CaptureError("the log holds no touch", where="touches")
+            raise CaptureError("the log has no touch", where="touches")
         if not (np.isfinite(self.time).all() and np.isfinite(self.xy).all()):
-            raise CaptureError("times and places must be finite", where="touches")
+            raise CaptureError("times and positions must be finite", where="touches")
         if (np.diff(self.frame) < 0).any() or not (
             self.frame[0] >= 0 and self.frame[-1] < len(self.time)
         ):
@@ -64,10 +64,10 @@ class ContactTrack:
     """One contact from touch-down to touch-up.
 
     Attributes:
-        id: The device's id.
-        time: (n,) s, times of its samples, increasing.
+        id: The device's id of the contact.
+        time: (n,) s, times of the samples, increasing.
         xy: (n, 2) m, positions.
-        end: s, first frame without it.
+        end: Time (s) of the first frame without the contact.
     """
 
     id: int
@@ -77,14 +77,14 @@ class ContactTrack:
 
     @property
     def start(self) -> float:
-        """Time of the first sample, s."""
+        """Time (s) of the first sample."""
         return float(self.time[0])
 
     def at(self, times: Array, gap: float) -> Array:
-        """Positions (m, 2) m at times within its life.
+        """Positions (m, 2) m at times (m,) s within the contact's life.
 
-        Interpolated linearly between two samples. In gaps longer than `gap` the finger rested,
-        since devices report only moving fingers.
+        Positions are interpolated linearly between two samples. In a gap longer than `gap` (s), the
+        contact rests until `gap` before the next sample, since devices report only moving fingers.
         """
         after = np.clip(np.searchsorted(self.time, times, side="right"), 1, len(self.time) - 1)
         if len(self.time) == 1:
@@ -93,7 +93,7 @@ class ContactTrack:
         span = self.time[after] - self.time[before]
         begin = np.maximum(self.time[before], self.time[after] - gap)
         share = np.clip((times - begin) / np.minimum(span, gap), 0, 1)[:, None]
-        # At or after the last sample it stays where it was.
+        # From the last sample on, the contact stays in place.
         share[times >= self.time[-1]] = 1.0
         return self.xy[before] + share * (self.xy[after] - self.xy[before])
 
@@ -101,8 +101,8 @@ class ContactTrack:
 def valid_contacts(
     log: TouchLog, rules: ConversionRules, report: ConversionReport
 ) -> list[ContactTrack]:
-    """Extracts the contacts of a log without its glitches, by time; counts dropped ones."""
-    # A single time that is far ahead would make all later ones run backwards.
+    """Extracts a log's contacts without glitches, in order of time; counts dropped contacts."""
+    # A single time that is far ahead would make all later times seem to run backwards.
     ahead = np.append(log.time[:-1] - log.time[1:] > LEAP, False)
     ahead[1:] &= log.time[1:] - log.time[:-1] > LEAP
     time = np.where(ahead, -np.inf, log.time)
@@ -124,10 +124,10 @@ def valid_contacts(
 
 
 def _period(time: Array, rules: ConversionRules) -> float:
-    """Period in s between frames of an active device.
+    """Period (s) between frames of an active device.
 
-    Frames without time stamps have the times of their arrival, and arrive in bunches: a movement
-    within a period must not appear instantaneous.
+    Frames without time stamps have their arrival times, and several frames may arrive at once. With
+    the period as the least time difference, movements between such frames have a finite speed.
     """
     steps = np.diff(time)
     steps = steps[steps < rules.gap]
@@ -135,7 +135,7 @@ def _period(time: Array, rules: ConversionRules) -> float:
 
 
 def _lives(log: TouchLog, good: NDArray[np.bool_]) -> list[tuple[ContactTrack, bool]]:
-    """Contacts, cut where a frame lacks them, with booleans of whether their end was seen."""
+    """Contacts, cut where a frame lacks them, each with a boolean: True if its end was recorded."""
     order = np.flatnonzero(good)
     number = np.full(len(log.time), -1)
     number[order] = np.arange(len(order))

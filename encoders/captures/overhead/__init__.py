@@ -1,8 +1,8 @@
-"""A camera over a touch surface names touches: each gets the finger whose tip is nearest to it in
-the picture, or no name where two fingers are about as near.
+"""A camera over a touch surface labels touches. Each touch gets the finger whose tip is nearest to
+it in the picture, or no label where two fingers are about as near.
 
     picture_track         landmarks of one hand over time
-    tablet_plane          where on the surface a point of the picture is, by corners or by touches
+    tablet_plane          map from picture to surface, from the surface's corners or from touches
     lifts                 common clock of touches and pictures, from taps
     names                 belief over the fingers of all contacts, from picture to picture
     live_names            the same while a person touches

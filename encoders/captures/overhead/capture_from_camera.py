@@ -1,11 +1,13 @@
 """Converts touches and the pictures of a camera over the surface to a capture.
 
-1. Lifts of the hand, seen as the palm's size, give the clocks' offset roughly.
-2. The surface in the picture is found by its corners, or by the touches themselves.
-3. Every contact gets the finger whose pad is nearest, or no name in doubt.
-4. The offset at which touches move like their fingers refines the clock; 2 and 3 follow again.
-5. Poses are fitted to the landmarks (`encoders.air`), at the size at which touching fingertips
-   are on the surface, and corrected so that they are at their touches.
+1. Lifts of the hand, which make the palm larger in the picture, give a rough offset of the clocks.
+2. The surface is located in the picture from its corners, or from the touches themselves.
+3. Every contact gets the finger whose pad is nearest, or no label if two fingers are about as near.
+4. The clocks' offset is refined to the one at which touches move like their fingers. Steps 2 and 3
+   are then repeated.
+5. Poses are fitted to the landmarks (`encoders.air`). The hand has the size at which touching
+   fingertips lie on the surface. Each pose is then corrected so that fingertips are at their
+   touches.
 """
 
 from __future__ import annotations
@@ -54,25 +56,26 @@ from models.rotations import exp, log
 from models.skeleton import ADULT, Skeleton
 
 POSE_ERROR = (0.02, np.deg2rad(8.0), np.deg2rad(15.0))
-"""m, rad, rad: standard deviation of a pose by the landmarks in position, rotation and joints
-(docs/webcam.md)."""
+"""Standard deviations of a pose fitted to landmarks: position (m), rotation and joints (rad). See
+docs/webcam.md."""
 
 _ROUNDS = 2
 _SIZE_ROUNDS = 3
 _SIZES = (0.7, 1.4)
 _SIZE_PICTURES = 150
-"""Pictures by which the hand's size is found; more take longer without a better result."""
+"""Number of pictures from which the hand's size is estimated; more pictures take longer without a
+better result."""
 
 
 @dataclass(frozen=True)
 class NamedTouches:
-    """A camera's account of the touches of a recording.
+    """Contacts of a recording with the fingers that the camera assigned to them.
 
     Attributes:
-        contacts: All valid contacts, by their beginning, with their fingers.
+        contacts: All valid contacts with their fingers, in order of touch-down.
         clock: The pictures' clock minus the touches' clock.
-        plane: The surface in the picture.
-        pictures: The hand in the pictures.
+        plane: Location of the surface in the picture.
+        pictures: Landmarks of the hand in the pictures.
         seen: Share of the pictures that show the hand.
     """
 
@@ -84,7 +87,7 @@ class NamedTouches:
 
     @property
     def labelled(self) -> list[LabelledTrack]:
-        """The contacts that have a name."""
+        """The contacts that have a label."""
         return [one for one in (c.labelled() for c in self.contacts) if one is not None]
 
 
@@ -100,18 +103,18 @@ def name_touches(
     offset: float | None = None,
     naming: NamingRules | None = None,
 ) -> NamedTouches:
-    """Names the touches of a recording.
+    """Labels the touches of a recording with fingers.
 
     Args:
         log: The touches; x of a left hand is already mirrored.
         frames: The camera's pictures.
-        time: (F,) s at which they were taken; on one clock with the touches, up to latencies.
+        time: (F,) s, times of the pictures, on the touches' clock up to latencies.
         side: `right` or `left`.
         rules: Rules for dropping contacts.
-        report: Receives the counts of dropped ones.
-        corners: The surface by its corners; None finds it by the touches.
-        offset: s, the pictures' clock minus the touches' clock, if known; None estimates it.
-        naming: What a look tells.
+        report: Receives the counts of dropped contacts.
+        corners: The surface located by its corners; None locates it by the touches.
+        offset: Pictures' clock minus touches' clock (s), if known; None estimates it.
+        naming: Rules that turn a sample into evidence; None takes the defaults.
 
     Raises:
         CaptureError: The recordings do not match; the error gives the reason.
@@ -156,14 +159,14 @@ def capture_from_camera(
     Args:
         log: The touches; x of a left hand is already mirrored.
         frames: The camera's pictures.
-        time: (F,) s at which they were taken; on one clock with the touches, up to latencies.
+        time: (F,) s, times of the pictures, on the touches' clock up to latencies.
         side: `right` or `left`.
         rules: Rules for dropping contacts and frames.
-        report: Receives the counts of dropped ones, and estimated values.
+        report: Receives the counts of dropped contacts and frames, and estimated values.
         meta: Metadata of the capture.
-        camera: The camera's field of view; None takes that of the corners, or the usual one.
-        corners: The surface by its corners; None finds it by the touches.
-        offset: s, the pictures' clock minus the touches' clock, if known; None estimates it.
+        camera: The camera's field of view; None derives it from the corners, or takes the default.
+        corners: The surface located by its corners; None locates it by the touches.
+        offset: Pictures' clock minus touches' clock (s), if known; None estimates it.
 
     Raises:
         CaptureError: The recordings do not match; the error gives the reason.
@@ -186,13 +189,13 @@ def capture_from_camera(
 
 
 def _flat_track(pictures: PictureTrack, plane: TabletPlane) -> HandTrack:
-    """Pads on the surface as a track without poses."""
+    """Track of the finger pads on the surface; its poses are zero."""
     seen = _pads(pictures, plane)
     return HandTrack(pictures.time, np.zeros((len(seen), 48)), ADULT, seen)
 
 
 def _pads(pictures: PictureTrack, plane: TabletPlane) -> Array:
-    """(J, 5, 3) m, where fingers would touch, y up the surface."""
+    """Positions (J, 5, 3) m at which fingers would touch, y up the surface."""
     pads = plane.pads(pictures.image[:, TIPS], pictures.image[:, LAST_JOINTS])
     seen = np.full((*pads.shape[:2], 3), PAD_HEIGHT)
     seen[..., :2] = pads * [1.0, -1.0]
@@ -202,7 +205,7 @@ def _pads(pictures: PictureTrack, plane: TabletPlane) -> Array:
 def _posed(
     named: NamedTouches, place: CameraPlace, size: float, rows: NDArray[np.intp]
 ) -> HandTrack:
-    """Poses of pictures in the surface frame, with the pads as seen."""
+    """Poses fitted to some pictures, in the surface frame, with the pads observed in them."""
     pictures = named.pictures
     skeleton = _skeleton(size)
     fit = LandmarkFit(skeleton)
@@ -227,7 +230,7 @@ def _skeleton(size: float) -> Skeleton:
 
 
 def _hand_size(named: NamedTouches, place: CameraPlace) -> float:
-    """Size of the hand at which touching fingertips are as far from the camera as the surface."""
+    """Hand size at which touching fingertips are as far from the camera as the surface."""
     times = np.concatenate([sample_times(one.track, 5.0) for one in named.labelled])
     pictures = named.pictures
     near = np.clip(
@@ -255,7 +258,7 @@ def _hand_size(named: NamedTouches, place: CameraPlace) -> float:
 
 
 def _away(place: CameraPlace, point: Array) -> float:
-    """m from the lens along its line of sight."""
+    """Distance (m) of a point from the lens along the line of sight."""
     return float(place.seen(point)[2])
 
 

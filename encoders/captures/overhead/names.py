@@ -1,12 +1,12 @@
-"""Belief over the fingers of all contacts on the surface, from one look to the next.
+"""Belief over the fingers of all contacts on the surface, updated from sample to sample.
 
-A state is an assignment of different fingers to the contacts that are down: 120 of them at most.
-Every look at the hand tells how far each contact is from each fingertip, and makes assignments more
-or less likely. A contact that lands takes a free finger, each as likely; one that is lifted is
-summed over. What is known of a contact is its finger's share of the belief.
+A state assigns different fingers to the contacts that are down; there are at most 120 states. Every
+sample has the distance of each contact from each fingertip, which makes states more or less likely.
+A contact that lands takes any free finger with equal probability. A contact that lifts is summed
+out. The probability of a contact's finger is the sum over all states with this finger.
 
-Going forward gives names while a person touches; going forward and back gives what is known in the
-end. Sums are in log space, in fixed order.
+The forward pass labels contacts while a person touches. The forward and backward passes together
+label them from the whole recording. Sums are taken in log space and in fixed order.
 """
 
 from __future__ import annotations
@@ -21,19 +21,21 @@ from models.arithmetic import Array
 from models.frames import FINGERS
 
 MOST = len(FINGERS)
-"""Contacts that are named at a time; what lands beyond them has no name."""
+"""Most contacts labelled at a time; further contacts get no label."""
 
 
 @dataclass(frozen=True)
 class NamingRules:
-    """Evidence that one look gives.
+    """Rules that turn a sample of distances into evidence for fingers.
 
     Attributes:
-        spread: m, standard deviation of a touch about the pad of its finger in the picture.
-        tail: Degrees of freedom of Student's distribution: the lower, the less a far one says.
-        look: s of looking that tells as much as one independent look; errors last.
-        least: Least probability of a name; below it a contact is unnamed.
-        reach: m, farthest median distance of a contact from its finger's pad.
+        spread: Standard deviation (m) of a touch about the pad of its finger in the picture.
+        tail: Degrees of freedom of Student's t-distribution; the lower, the less weight a far
+            contact has.
+        look: Time (s) of samples that counts as one independent sample, since errors of the camera
+            persist from picture to picture.
+        least: Least probability of a label; below it a contact has no label.
+        reach: Largest median distance (m) of a contact from its finger's pad.
     """
 
     spread: float = 0.005
@@ -43,14 +45,14 @@ class NamingRules:
     reach: float = 0.02
 
     def evidence(self, off: Array) -> Array:
-        """Logarithm of how likely distances (n, 5) m are, up to a constant; 0 where not known."""
+        """Log likelihoods (n, 5) of distances (n, 5) m, up to a constant; 0 where a row has NaN."""
         told = -0.5 * (self.tail + 2.0) * np.log1p((off / self.spread) ** 2 / self.tail)
         return np.where(np.isfinite(off).all(axis=-1, keepdims=True), told, 0.0)
 
 
 @dataclass(frozen=True)
 class _Belief:
-    """Logarithms (P,) of the belief in assignments (P, n) of contacts in order."""
+    """Log weights (P,) of assignments (P, n): each row has the fingers of n contacts in order."""
 
     contacts: tuple[int, ...]
     fingers: Array
@@ -61,10 +63,10 @@ _NOTHING = _Belief((), np.zeros((1, 0), int), np.zeros(1))
 
 
 class Belief:
-    """Belief over the contacts that are down; one look after another.
+    """Belief over the fingers of the contacts that are down, updated sample by sample.
 
     Args:
-        rules: What a look tells.
+        rules: Rules that turn a sample into evidence.
     """
 
     def __init__(self, rules: NamingRules) -> None:
@@ -72,12 +74,12 @@ class Belief:
         self._now = _NOTHING
 
     def update(self, off: Mapping[int, Array], seconds: float) -> None:
-        """Takes in a look.
+        """Updates the belief with a sample.
 
         Args:
-            off: For each contact that is down, by its number: distances (5,) m from the fingers'
-                pads; NaN where the hand is not seen.
-            seconds: Time for which this look stands.
+            off: Contact number -> distances (5,) m from the fingers' pads, for each contact that is
+                down; NaN where the hand is not seen.
+            seconds: Time (s) that this sample represents.
         """
         before = self._now.contacts
         self._now = _followed(self._now, tuple(off))
@@ -91,12 +93,13 @@ class Belief:
 def names_of(
     looks: Sequence[Mapping[int, Array]], seconds: Sequence[float], rules: NamingRules
 ) -> dict[int, Array]:
-    """Probabilities (5,) of the fingers of every contact, from all looks.
+    """Probabilities (5,) of the fingers of every contact, from all samples.
 
     Args:
-        looks: One after another, for each contact that is down, by its number: distances (5,) m.
-        seconds: Time for which each look stands.
-        rules: What a look tells.
+        looks: Samples in order of time: contact number -> distances (5,) m from the fingers' pads,
+            for each contact that is down.
+        seconds: Time (s) that each sample represents.
+        rules: Rules that turn a sample into evidence.
     """
     before: list[_Belief] = []
     now = _NOTHING
@@ -108,7 +111,7 @@ def names_of(
     for i in range(len(looks) - 1, -1, -1):
         here = before[i]
         whole = _Belief(here.contacts, here.fingers, here.weight + after.weight)
-        # The belief of the last look of a contact holds all there is to know about it.
+        # The belief at a contact's last sample contains all evidence about the contact.
         for contact, share in _shares(whole).items():
             shares.setdefault(contact, share)
         if i:
@@ -118,7 +121,7 @@ def names_of(
 
 
 def _followed(now: _Belief, contacts: tuple[int, ...]) -> _Belief:
-    """The belief after contacts were lifted and others have landed."""
+    """The belief after some contacts lifted and others landed."""
     kept = [c for c in now.contacts if c in contacts]
     new = [c for c in contacts if c not in now.contacts][: MOST - len(kept)]
     if len(kept) == len(now.contacts) and not new:
@@ -138,7 +141,7 @@ def _followed(now: _Belief, contacts: tuple[int, ...]) -> _Belief:
 
 
 def _back(later: _Belief, earlier: _Belief) -> _Belief:
-    """Evidence of later looks for the assignments of an earlier one."""
+    """Evidence of later samples for the assignments of an earlier sample."""
     if earlier.contacts == later.contacts:
         return later
     shared = [c for c in earlier.contacts if c in later.contacts]
@@ -159,10 +162,13 @@ def _updated(
     seconds: float,
     known: tuple[int, ...],
 ) -> _Belief:
-    """The belief after a look; the first one at a contact, which was not known, is a whole look."""
+    """The belief after a sample.
+
+    The first sample of a contact counts as a whole independent sample, later ones as their share.
+    """
     if not now.contacts:
         return now
-    # A look after a long pause is one look, too.
+    # A sample after a long pause counts as one sample, not more.
     again = min(seconds / rules.look, 1.0)
     looks = np.array([[again if c in known else 1.0] for c in now.contacts])
     evidence = looks * rules.evidence(np.array([off[c] for c in now.contacts]))
@@ -191,6 +197,6 @@ def _log_sum(terms: Array) -> float:
 
 
 def chosen(share: Array, rules: NamingRules) -> int | None:
-    """The finger of probabilities (5,), or None in doubt."""
+    """The most probable finger of probabilities (5,); None if it is below `rules.least`."""
     finger = int(share.argmax())
     return finger if share[finger] >= rules.least else None

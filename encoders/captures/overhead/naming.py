@@ -1,4 +1,4 @@
-"""Names of the contacts of a recording, by the fingertips in the picture."""
+"""Labels the contacts of a recording from the fingertips in the camera's pictures."""
 
 from __future__ import annotations
 
@@ -17,19 +17,20 @@ from models.arithmetic import Array
 from models.frames import FINGERS
 
 LOOK = 1.0 / 30.0
-"""s between two looks at a recording."""
+"""Interval (s) between two samples of a recording."""
 
 
 @dataclass(frozen=True)
 class NamedContact:
-    """A contact, and what the camera says of it.
+    """A contact with the finger that the camera assigned to it.
 
     Attributes:
         track: The contact.
         share: (5,) probabilities of the fingers.
-        finger: Its finger, thumb 0 to little 4; None in doubt.
-        distance: m, median distance from that finger's pad; NaN where the hand was not seen.
-        why: Why it has no name; empty with one.
+        finger: Label, thumb 0 to little 4; None if the contact has no label.
+        distance: Median distance (m) from the most probable finger's pad; NaN where the hand was
+            not seen.
+        why: Reason why the contact has no label; empty if it has one.
     """
 
     track: ContactTrack
@@ -39,7 +40,7 @@ class NamedContact:
     why: str
 
     def labelled(self) -> LabelledTrack | None:
-        """The contact with its finger, or None."""
+        """The contact with its finger; None if it has no label."""
         return (
             None if self.finger is None else LabelledTrack(self.track, self.finger, self.distance)
         )
@@ -48,7 +49,7 @@ class NamedContact:
 def moments_of(
     tracks: Sequence[ContactTrack], pictures: PictureTrack, offset: float, gap: float
 ) -> list[Moment]:
-    """Looks at hand and touches at the times of the pictures."""
+    """Pairs of hand landmarks and touches at the times of the pictures."""
     moments = []
     for row, time in enumerate((pictures.time - offset).tolist()):
         down = [t for t in tracks if t.start <= time < t.end][:MOST]
@@ -67,15 +68,15 @@ def name_contacts(
     gap: float,
     rules: NamingRules,
 ) -> list[NamedContact]:
-    """Names contacts.
+    """Labels contacts with fingers.
 
     Args:
-        tracks: Contacts, by their beginning.
-        pictures: The hand in the pictures.
-        plane: The surface in the picture.
-        offset: s, the pictures' clock minus the touches' clock.
-        gap: s without a sample of a contact that is bridged by a straight line.
-        rules: What a look tells.
+        tracks: Contacts, in order of touch-down.
+        pictures: Landmarks of the hand in the pictures.
+        plane: Location of the surface in the picture.
+        offset: Pictures' clock minus touches' clock (s).
+        gap: Longest time (s) between two samples of a contact that is interpolated.
+        rules: Rules that turn a sample into evidence.
     """
     looks: list[dict[int, Array]] = []
     seconds: list[float] = []
@@ -132,7 +133,7 @@ def _pads(
 
 
 def _times(tracks: Sequence[ContactTrack]) -> list[float]:
-    """Times of looks: a grid, and the beginning of contacts that are shorter than its step."""
+    """Sample times (s): a regular grid, and the starts of contacts shorter than its step."""
     if not tracks:
         return []
     begin, end = min(t.start for t in tracks), max(t.end for t in tracks)

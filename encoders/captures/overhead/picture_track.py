@@ -1,4 +1,4 @@
-"""Landmarks of one hand over time, as of a right hand, and their common clock with the touches."""
+"""Landmarks of one hand over time, mirrored to a right hand, and their clock's offset."""
 
 from __future__ import annotations
 
@@ -17,23 +17,24 @@ from models.frames import LandmarkFrame, SeenHand
 
 TIPS = (4, 8, 12, 16, 20)
 LAST_JOINTS = (3, 7, 11, 15, 19)
-"""Landmarks of the ends of the fingers, thumb first, and of the joints before them."""
+"""Landmark indices of the fingertips and of each finger's last joint, thumb first."""
 
 LONGEST_GAP = 0.25
-"""s between two pictures that is bridged by a straight line."""
+"""Longest time (s) between two pictures that is interpolated linearly."""
 _LEAST_SHARE = 0.05
 _LONGEST_FOLLOWED = 0.5
-"""s for which a hand that the engine calls the other one is still taken for this one."""
+"""Longest time (s) for which a hand that the engine labels with the other side still counts as the
+followed hand."""
 
 
 @dataclass(frozen=True)
 class PictureTrack:
-    """One hand in a film; a left one as a mirror shows it.
+    """Landmarks of one hand in J pictures; a left hand is mirrored.
 
     Attributes:
-        time: (J,) s at which the pictures were taken, increasing.
-        image: (J, 21, 2) px.
-        world: (J, 21, 3) m, the engine's guess in space, in the camera's axes.
+        time: (J,) s, times of the pictures, increasing.
+        image: (J, 21, 2) px, landmarks in the picture.
+        world: (J, 21, 3) m, the engine's estimate of the landmarks in space, in the camera's axes.
         size: Width and height of the pictures in px.
     """
 
@@ -43,12 +44,16 @@ class PictureTrack:
     size: tuple[int, int]
 
     def pads(self, share: float) -> Array:
-        """(J, 5, 2) px where fingers touch: a share of the last bone before its end."""
+        """Finger pads (J, 5, 2) px, at a share of the way from the fingertip to the last joint."""
         tips, joints = self.image[:, TIPS], self.image[:, LAST_JOINTS]
         return np.asarray(tips + share * (joints - tips))
 
     def between(self, values: Array, times: Array) -> tuple[Array, NDArray[np.bool_]]:
-        """Values (J, ...) of the pictures at times (m,) between them, and where they are known."""
+        """Interpolates values (J, ...) of the pictures at times (m,) s.
+
+        Returns:
+            Values (m, ...), and booleans (m,): True where no gap of the pictures is too long.
+        """
         after = np.searchsorted(self.time, times, side="right")
         before = np.clip(after - 1, 0, len(self.time) - 2)
         span = self.time[before + 1] - self.time[before]
@@ -65,14 +70,14 @@ def picture_track(
 
     Args:
         frames: All pictures.
-        time: (F,) s at which they were taken, on the wanted clock.
+        time: (F,) s, times of the pictures, on the clock that the track is to have.
         side: `right` or `left`.
 
     Returns:
         The track, and the share of pictures that show the hand.
 
     Raises:
-        CaptureError: The hand is hardly seen.
+        CaptureError: Too few pictures show the hand.
     """
     rows: list[int] = []
     image, world = [], []
@@ -103,8 +108,8 @@ def picture_track(
 def _chosen(
     frame: LandmarkFrame, side: str, before: tuple[float, Array] | None, now: float
 ) -> SeenHand | None:
-    """The hand of a side; a single one of the other side where this one just was: from above, the
-    engine mistakes the side of a hand for moments."""
+    """The hand with the given side, or the only hand in the picture if it is where the followed
+    hand just was. Seen from above, the engine mistakes the side of a hand for short times."""
     own = [h for h in frame.hands if h.side == side]
     if before is not None and now - before[0] <= _LONGEST_FOLLOWED:
         place = before[1]
@@ -123,13 +128,14 @@ def _chosen(
 
 
 _STEP = 0.02
-"""s of the grid."""
+"""Step (s) of the grids of times and offsets."""
 _WINDOW = 4.0
-"""s over which the palm's size is compared with its usual one."""
+"""Window (s) of the median against which the palm's size is compared."""
 _LEAST = 0.25
-"""Least correlation of lifts in the picture with those of touches."""
+"""Least correlation between lifts in the pictures and lifts of the touches."""
 _RIVAL, _APART = 0.9, 0.25
-"""Another offset, so many s away, that correlates so well, as a share, leaves the clocks open."""
+"""The result is ambiguous if an offset more than `_APART` (s) away reaches the share `_RIVAL` of
+the best correlation."""
 _PALM = (0, 5, 9, 13, 17)
 
 
@@ -138,18 +144,18 @@ def offset_by_lifts(
 ) -> ClockOffset:
     """Estimates the pictures' clock minus the touches' clock, from taps and lifts.
 
-    From above, a picture does not show when a fingertip lands. But a hand that is lifted comes
-    nearer to the camera, and its palm is larger in the picture. Touches are gone at the same
-    moments: the offset at which both agree best is the difference of the clocks, to some hundredths
-    of a second, which the motion of touches and fingers then refines.
+    A picture from above does not show when a fingertip lands. But a lifted hand comes nearer to the
+    camera, and its palm becomes larger in the picture, while no touch is down. The offset at which
+    both signals correlate best is the difference of the clocks, to some hundredths of a second. The
+    motion of touches and fingers refines it later.
 
     Args:
         tracks: Contacts.
-        pictures: The hand in the pictures.
-        within: s, greatest possible offset.
+        pictures: Landmarks of the hand in the pictures.
+        within: Greatest possible offset (s).
 
     Raises:
-        CaptureError: Nothing was lifted, or lifts do not match.
+        CaptureError: The hand was never lifted, or lifts in the pictures and touches do not match.
     """
     begin = min(t.start for t in tracks) - 1.0
     grid = np.arange(begin, max(t.end for t in tracks) + 1.0, _STEP)
@@ -177,7 +183,7 @@ def offset_by_lifts(
 
 
 def _palm_size(image: Array) -> Array:
-    """(J,) px, root mean square distance of the palm's landmarks from their middle."""
+    """Root mean square distance (J,) px of the palm's landmarks from their centroid."""
     palm = image[:, _PALM]
     away = palm - palm.mean(axis=1, keepdims=True)
     return np.sqrt((away**2).sum(axis=2).mean(axis=1))

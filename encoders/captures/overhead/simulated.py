@@ -1,8 +1,9 @@
 """SIMULATED pictures of a camera over a tablet: landmarks of a simulated person's hand, projected.
 
-Nothing is drawn and no engine looks: landmarks are those of our own hand with errors that last a
-moment. It tries the conversion, and says nothing of how well a camera sees hands; films of the
-drawn hand did (`benchmarks.camera_touches` at commit db485e42).
+No picture is rendered and no landmark engine runs. The landmarks are those of our hand model, with
+errors that are correlated in time. The simulation tests the conversion. It does not measure how
+well an engine finds hands; `benchmarks.camera_touches` at commit db485e42 measured that with films
+of the drawn hand.
 """
 
 from __future__ import annotations
@@ -27,15 +28,15 @@ class OverheadConfiguration:
     """The camera and its errors.
 
     Attributes:
-        camera: The camera, in the world in whose middle the surface lies.
-        rate: Hz of pictures.
-        bias: px, standard deviation of a landmark's constant error.
-        noise: px, of its error that changes.
-        lasts: s, time constant of that.
-        latency: s from the picture to its stamp, which nobody can tell.
-        works: s, mean time in which the page finds the hand.
-        jitter: s, mean of its part that differs (exponential).
-        zero: s, the page's clock at the host's zero.
+        camera: The camera, in a world whose origin is the middle of the surface.
+        rate: Picture rate (Hz).
+        bias: Standard deviation (px) of a landmark's constant error.
+        noise: Standard deviation (px) of a landmark's varying error.
+        lasts: Time constant (s) of the varying error.
+        latency: Delay (s) from exposure to the picture's time stamp; it cannot be measured.
+        works: Constant part (s) of the time in which the page finds the hand.
+        jitter: Mean (s) of the random, exponentially distributed part of that time.
+        zero: Time (s) on the page's clock at time zero of the host's clock.
     """
 
     camera: Camera = field(
@@ -59,8 +60,8 @@ class OverheadPictures:
     """Messages of the camera's page.
 
     Attributes:
-        frames: On the page's clock; `time` when the hand was found, `taken` when the browser had
-            the picture.
+        frames: Landmarks, with two times on the page's clock: `taken` when the browser received
+            the picture, `time` when the hand was found.
         arrived: (n,) s, arrival times on the host's clock.
         corners: (4, 2) px, the surface's corners: top left, top right, bottom right, bottom left.
         configuration: The camera.
@@ -125,7 +126,7 @@ def simulate_overhead(
 
 
 def _seen(side: str, image: Array, points: Array, camera: Camera) -> SeenHand:
-    """The hand as the engine tells it: in space as if it were in the picture's middle."""
+    """The hand as an engine reports it, rotated in space as if it were in the picture's middle."""
     x, y = camera.rays(image, SIZE).mean(axis=0).tolist()
     across = max(hypot(x, y), 1e-9)
     axis = atan(across) / across * np.array([-y, x, 0.0])

@@ -1,14 +1,15 @@
-"""Where on the surface a point of the picture is, and where the camera.
+"""Homography from a camera's picture to the touch surface, and the camera's position.
 
-A camera without distortion sees a plane by a homography, eight numbers. Four corners in the picture
-tell them. So do the touches: of five that are down together, only one assignment to the five
-fingertips in the picture is nearly a rotation with a scale; then touches and tips are paired all
-over the surface, in turn with the numbers that fit them best.
+A camera without distortion maps a plane to its picture by a homography, which has eight parameters.
+Four corners of the surface in the picture determine it. So do the touches. When five touches are
+down, only one assignment to the five fingertips in the picture is close to a rotation with a scale.
+From this start, two steps alternate: all touches are paired with fingertips, and the homography is
+fitted to the pairs.
 
-A finger touches with its pad, which is a share of its last bone before the tip in the picture; the
-share is found with them.
+A finger touches with its pad, which lies between the tip and the last joint in the picture. Its
+position, as a share of the last bone, is fitted together with the homography.
 
-The homography of a plane of known size also gives the camera's place and its field of view.
+The homography of a plane of known size also gives the camera's position and its field of view.
 """
 
 from __future__ import annotations
@@ -27,11 +28,11 @@ from models.errors import CaptureError, InputError
 from models.frames import FINGERS
 
 MOST_MISS = 0.012
-"""m, largest median distance of touches from their fingers' pads: half the distance of neighbouring
-fingers."""
+"""Largest median distance (m) of touches from their fingers' pads: half the distance of
+neighbouring fingers."""
 MIRRORED = 0.6
-"""A picture whose mirror image fits touches this much better, as a share of the miss, is a
-mirror's."""
+"""A picture counts as mirrored if its mirror image brings the median distance between touches and
+fingers below this share."""
 
 _SHARES = tuple(np.linspace(-0.2, 0.8, 11).tolist())
 _FIRST_SHARE = 0.3
@@ -40,15 +41,15 @@ _SEEDS = 12
 _ROUNDS = 8
 _AFFINE_ROUNDS = 3
 _NEAR = 0.004
-"""m of a miss from which on a pair counts less (Cauchy's weights)."""
+"""Scale (m) of the Cauchy weights: pairs farther apart than this count less."""
 
 
 class Moment(NamedTuple):
-    """A look at hand and touches at once.
+    """Hand landmarks and touches at one time.
 
     Attributes:
-        tips: (5, 2) px, ends of the fingers.
-        joints: (5, 2) px, the joints before them.
+        tips: (5, 2) px, fingertips.
+        joints: (5, 2) px, the last joint of each finger.
         touches: (n, 2) m, x right and y down.
     """
 
@@ -57,19 +58,19 @@ class Moment(NamedTuple):
     touches: Array
 
     def pads(self, share: float) -> Array:
-        """(5, 2) px where fingers touch."""
+        """Finger pads (5, 2) px, at a share of the way from the fingertip to the last joint."""
         return self.tips + share * (self.joints - self.tips)
 
 
 @dataclass(frozen=True)
 class TabletPlane:
-    """The surface in a camera's picture.
+    """Location of the surface in a camera's picture.
 
     Attributes:
         matrix: (3, 3) homography from pixels to m on the surface, x right and y down.
-        share: Share of the last bone by which pads are before tips.
-        miss: m, median distance between touches and pads; NaN before there was a touch.
-        pairs: Number of touches that it was found by.
+        share: Position of the pads between tip (0) and last joint (1).
+        miss: Median distance (m) between touches and pads; NaN without touches.
+        pairs: Number of touches to which the plane was fitted.
     """
 
     matrix: Array
@@ -78,24 +79,26 @@ class TabletPlane:
     pairs: int = 0
 
     def on_surface(self, pixels: Array) -> Array:
-        """Points (..., 2) m of the surface that are seen at (..., 2) px."""
+        """Points (..., 2) m on the surface at pixels (..., 2)."""
         return applied(self.matrix, pixels)
 
     def pads(self, tips: Array, joints: Array) -> Array:
-        """(..., 5, 2) m where fingers touch, of landmarks (..., 5, 2) px."""
+        """Finger pads (..., 5, 2) m on the surface, from landmarks (..., 5, 2) px."""
         return self.on_surface(tips + self.share * (joints - tips))
 
 
 def applied(matrix: Array, points: Array) -> Array:
-    """Points (..., 2) by a homography (3, 3)."""
+    """Points (..., 2) transformed by a homography (3, 3)."""
     flat = points @ matrix[:2, :2].T + matrix[:2, 2]
     return np.asarray(flat / (points @ matrix[2, :2] + matrix[2, 2])[..., None])
 
 
 def homography(here: Array, there: Array, weight: Array | None = None) -> Array:
-    """The (3, 3) that brings points (n, 2) to points (n, 2), n at least 4; least squares.
+    """Homography (3, 3) that maps points `here` (n, 2) to `there` (n, 2) with the least squared
+    error; n is at least 4.
 
-    Hartley and Zisserman, Multiple View Geometry (2004), algorithm 4.2: both are scaled first.
+    Hartley and Zisserman, Multiple View Geometry (2004), algorithm 4.2: both sets are normalised
+    first.
     """
     a, b = _scaling(here), _scaling(there)
     x, y = applied(a, here).T
@@ -120,15 +123,15 @@ def _scaling(points: Array) -> Array:
 
 
 def plane_of_corners(corners: Array, size: Array) -> TabletPlane:
-    """The surface whose corners (4, 2) px are seen: top left, top right, bottom right, bottom left,
-    as the person at it calls them.
+    """Locates the surface in the picture from its corners.
 
     Args:
-        corners: (4, 2) px.
+        corners: (4, 2) px: top left, top right, bottom right, bottom left, named from the view of
+            the person at the surface.
         size: (2,) m, width and height of the surface.
 
     Raises:
-        InputError: No camera sees a rectangle so.
+        InputError: The corners cannot be those of a rectangle, or they run the wrong way round.
     """
     width, height = size.tolist()
     there = np.array([[0.0, 0.0], [width, 0.0], [width, height], [0.0, height]])
@@ -145,21 +148,21 @@ def plane_of_corners(corners: Array, size: Array) -> TabletPlane:
         )
     if (turns < 0).all():
         raise InputError(
-            "the corners run the other way round: the camera's picture is a mirror's, or two are "
-            "swapped",
+            "the corners run the wrong way round: the camera's picture is mirrored, or two corners "
+            "are swapped",
             where="--corners",
-            remedy="Tick in the camera's page that it mirrors its picture, or mark them again",
+            remedy="Tick in the camera's page that it mirrors its picture, or mark corners again",
         )
     return TabletPlane(homography(corners, there))
 
 
 def plane_of_touches(moments: Sequence[Moment], start: TabletPlane | None = None) -> TabletPlane:
-    """The surface on which fingers in the picture touch.
+    """Locates the surface in the picture from touches and the fingers that make them.
 
     Args:
-        moments: Looks at hand and touches.
-        start: The surface by its corners: then only its place by some mm and the pads' share are
-            found, since tips are seen above the glass. None finds all by the touches.
+        moments: Pairs of hand landmarks and touches.
+        start: The surface located by its corners. Then only a shift of some mm and the pads' share
+            are fitted, since the tips in the picture lie above the glass. None fits everything.
 
     Raises:
         CaptureError: Touches and fingers do not match, or there are too few.
@@ -169,7 +172,7 @@ def plane_of_touches(moments: Sequence[Moment], start: TabletPlane | None = None
         raise CaptureError(
             "too few touches to find the surface in the picture",
             got=f"{len(used)} moments with a hand in the picture and two fingers down",
-            expected=f"{_LEAST_LOOKS}, of them some with all five",
+            expected=f"{_LEAST_LOOKS}, some of them with all five fingers",
             remedy="Touch all over the surface, with several fingers at a time",
         )
     if start is not None:
@@ -193,16 +196,16 @@ def _some(moments: list[Moment]) -> list[Moment]:
 
 
 def _first(moments: list[Moment]) -> TabletPlane:
-    """A rotation, scale and shift, found by the moments with most touches.
+    """First estimate: a rotation, scale and shift, from the moments with the most touches.
 
     Raises:
-        CaptureError: The picture is a mirror's, or there are never three fingers down.
+        CaptureError: The picture is mirrored, or three fingers are never down together.
     """
     most = sorted(range(len(moments)), key=lambda i: -len(moments[i].touches))
     many = [i for i in most if len(moments[i].touches) >= 3]
     if not many:
         raise CaptureError(
-            "three fingers are never down together: the surface is not found in the picture",
+            "the surface cannot be located in the picture: three fingers are never down together",
             remedy="Tap with all five fingers first, or mark the tablet's corners",
         )
     top = [i for i in many if len(moments[i].touches) == len(moments[many[0]].touches)]
@@ -216,9 +219,9 @@ def _first(moments: list[Moment]) -> TabletPlane:
                 best[mirrored] = miss, matrix
     if best[True][0] < MIRRORED * best[False][0]:
         raise CaptureError(
-            "the camera's picture is a mirror's",
-            got=f"mirrored, touches are {1000 * best[True][0]:.0f} mm from fingers, otherwise "
-            f"{1000 * best[False][0]:.0f}",
+            "the camera's picture is mirrored",
+            got=f"touches are {1000 * best[False][0]:.0f} mm from fingers, and "
+            f"{1000 * best[True][0]:.0f} mm in the mirror image",
             remedy="Tick in the camera's page that it mirrors its picture, or add --webcam "
             "mirrored; check --side",
         )
@@ -226,8 +229,8 @@ def _first(moments: list[Moment]) -> TabletPlane:
 
 
 def _similarity(moment: Moment, mirrored: bool) -> Array:
-    """The (3, 3) rotation, scale and shift by which fingers are nearest to touches, whichever they
-    are."""
+    """Rotation, scale and shift (3, 3) that bring fingers nearest to the touches, over all
+    assignments of fingers to touches."""
     count = len(moment.touches)
     orders = np.array(list(permutations(range(len(FINGERS)), count)))
     pads = moment.pads(_FIRST_SHARE) * ([-1.0, 1.0] if mirrored else [1.0, 1.0])
@@ -245,12 +248,13 @@ def _similarity(moment: Moment, mirrored: bool) -> Array:
 
 
 def _misses(moments: list[Moment], matrix: Array) -> Array:
-    """(R,) m between each touch and its finger."""
+    """Distances (R,) m between each touch and its finger."""
     return np.concatenate([_paired(m, TabletPlane(matrix))[1] for m in moments])
 
 
 def _paired(moment: Moment, plane: TabletPlane) -> tuple[Array, Array]:
-    """Fingers (n,) of touches, all different, and their distances (n,) m; the least sum."""
+    """Assigns different fingers (n,) to touches with the least sum of distances; also returns the
+    distances (n,) m."""
     pads = plane.pads(moment.tips, moment.joints)
     off = np.linalg.norm(moment.touches[:, None] - pads, axis=2)
     count = min(len(off), len(FINGERS))
@@ -266,7 +270,7 @@ _ORDERS = {
 
 
 def _refined(moments: list[Moment], plane: TabletPlane, fixed: bool) -> TabletPlane:
-    """Pairs touches with fingers, and fits plane and share, in turn."""
+    """Alternates between pairing touches with fingers and fitting the plane and the pads' share."""
     for turn in range(_ROUNDS):
         tips, joints, touches = [], [], []
         for moment in moments:
@@ -317,15 +321,15 @@ def _affine(here: Array, there: Array, weight: Array) -> Array:
 
 
 def mirrored_plane(plane: TabletPlane, width: int) -> TabletPlane:
-    """The plane of a mirrored picture of a width in px, with x of the surface of other sign."""
+    """The plane of the mirrored picture of a width (px), with the surface's x negated."""
     picture = np.array([[-1.0, 0.0, float(width)], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]])
     matrix = np.diag([-1.0, 1.0, 1.0]) @ plane.matrix @ picture
     return replace(plane, matrix=matrix / matrix[2, 2])
 
 
 LEAST_LEAN = 0.05
-"""Least change of scale over the picture, relative to the scale, at which a field of view follows
-from a plane: looked at straight, a plane looks alike through any lens."""
+"""Least change of scale over the picture, relative to the scale, at which a plane determines the
+field of view. A plane seen straight from the front looks the same through any lens."""
 
 
 @dataclass(frozen=True)
@@ -333,7 +337,7 @@ class CameraPlace:
     """A camera in the 3-D surface frame (x right, y up the surface, z out of it).
 
     Attributes:
-        camera: Its field of view; its own place is not used.
+        camera: Field of view; the position stored in it is not used.
         rotation: (3, 3) camera from surface.
         shift: (3,) m, the surface's origin in the camera's frame.
     """
@@ -344,32 +348,32 @@ class CameraPlace:
 
     @property
     def at(self) -> Array:
-        """(3,) m, the lens in the surface frame."""
+        """Position (3,) m of the lens in the surface frame."""
         return np.asarray(-self.rotation.T @ self.shift)
 
     def seen(self, points: Array) -> Array:
-        """Points (..., 3) of the surface frame in the camera's."""
+        """Transforms points (..., 3) m from the surface frame to the camera's frame."""
         return np.asarray(points @ self.rotation.T + self.shift)
 
     def unseen(self, points: Array) -> Array:
-        """Points (..., 3) of the camera's frame in the surface's."""
+        """Transforms points (..., 3) m from the camera's frame to the surface frame."""
         return np.asarray((points - self.shift) @ self.rotation)
 
 
 def place_of_camera(matrix: Array, size: tuple[int, int], camera: Camera) -> CameraPlace:
-    """Where a camera is that sees the surface by a homography.
+    """Position and orientation of a camera, from its homography to the surface.
 
     Args:
         matrix: (3, 3) from pixels to m on the surface, x right and y down.
         size: Width and height of the picture in px.
-        camera: Its field of view.
+        camera: Field of view of the camera.
 
     Raises:
-        CaptureError: No camera sees a plane so.
+        CaptureError: The homography shows the surface from below.
     """
     columns = np.linalg.inv(_lens(size, camera)) @ np.linalg.inv(matrix)
     scale = sqrt(float(np.linalg.norm(columns[:, 0]) * np.linalg.norm(columns[:, 1])))
-    # The surface is before the camera.
+    # The sign is chosen so that the surface is in front of the camera.
     columns = columns / (scale if columns[2, 2] > 0 else -scale)
     x, y = columns[:, 0], -columns[:, 1]
     u, _, v = np.linalg.svd(np.stack([x, y, np.cross(x, y)], axis=1))
@@ -379,16 +383,17 @@ def place_of_camera(matrix: Array, size: tuple[int, int], camera: Camera) -> Cam
         raise CaptureError(
             "the surface in the picture is seen from below",
             got=np.round(place.at, 3).tolist(),
-            remedy="The camera's picture may be a mirror's, or corners may be swapped",
+            remedy="The camera's picture may be mirrored, or corners may be swapped",
         )
     return place
 
 
 def field_of_view(matrix: Array, size: tuple[int, int]) -> float | None:
-    """Degrees across the picture, from a plane that is not looked at straight; None if it is.
+    """Field of view (degrees) across the width of the picture, from the homography of a plane.
 
-    The two directions of the plane are at right angles and equally long, whatever the lens
-    (Zhang, A flexible new technique for camera calibration, 2000): two equations for one unknown.
+    None if the plane is seen nearly straight from the front, since any lens then gives the same
+    picture. The two axes of the plane are perpendicular and equally long in space, which gives two
+    equations for one unknown (Zhang, A flexible new technique for camera calibration, 2000).
 
     Args:
         matrix: (3, 3) homography from pixels to m on the plane.
