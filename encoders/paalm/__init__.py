@@ -1,4 +1,4 @@
-"""PAALM (2013): phalangeal angles from the directions and lengths that a Leap sees."""
+"""PAALM (2013): joint angles from the directions and lengths of fingers that a Leap measures."""
 
 from encoders.paalm.coupling import EQUAL as EQUAL
 from encoders.paalm.coupling import TWO_THIRDS as TWO_THIRDS

@@ -1,10 +1,10 @@
 """Named joint angles, and their computation from the positions of joints.
 
-Fingers: MCP flexion and spread, PIP and DIP flexion. Thumb: CMC flexion and spread, MCP and IP
-flexion. Degrees. Flexion closes the hand; spread is positive towards the thumb. The first joint is
-rotated by flexion first, about the palm's line of knuckles, then by spread, so that neither is
-singular for any pose of a finger. Zero is the direction of the palm; of the thumb, its rest in
-`models.skeleton`.
+A finger has the angles MCP flexion and spread, PIP flexion and DIP flexion. The thumb has CMC
+flexion and spread, MCP flexion and IP flexion. All are in degrees. Flexion closes the hand; spread
+is positive towards the thumb. The first joint is rotated by flexion first, about the palm's line of
+knuckles, then by spread, so that neither angle is singular for any pose of a finger. A finger's
+angles are zero in the direction of the palm, and the thumb's in its rest pose of `models.skeleton`.
 """
 
 from __future__ import annotations
@@ -18,7 +18,8 @@ from models.frames import FINGERS
 from models.skeleton import ADULT
 
 PARTS = ("flexion", "spread", "pip", "dip")
-"""Columns of a table of angles (5, 4): first joint's flexion and spread, second, third joint."""
+"""Columns of a table of angles (5, 4): the first joint's flexion and spread, then the flexion of
+the second and the third joint."""
 
 NAMES: tuple[tuple[str, str, str, str], ...] = (
     ("thumb_cmc_flexion", "thumb_cmc_spread", "thumb_mcp_flexion", "thumb_ip_flexion"),
@@ -30,7 +31,8 @@ NAMES: tuple[tuple[str, str, str, str], ...] = (
 """Name of every angle, by finger and column."""
 
 FRAMES: Array = np.stack([ADULT.bones[0].rest, *np.tile(np.eye(3), (4, 1, 1))])
-"""(5, 3, 3) palm from each finger's zero direction (y), dorsal side (z)."""
+"""Rotations (5, 3, 3) palm from finger. In the finger's frame, y is the zero direction and z points
+to the dorsal side."""
 
 
 def by_name(table: ArrayLike) -> dict[str, float]:
@@ -43,9 +45,9 @@ def by_name(table: ArrayLike) -> dict[str, float]:
 def angles_of_joints(joints: ArrayLike) -> Array:
     """Angles (..., 5, 4), degrees, of joints (..., 5, 4, 3) in palm coordinates.
 
-    Joints are knuckle, PIP, DIP, tip of each finger. A bone of length 0, as the last of a thumb
-    with two bones, has the angle 0. The angle between two bones is the full angle, not its part in
-    the plane of flexion; its sign gives the side of the bend.
+    The joints are knuckle, PIP, DIP and tip of each finger. A bone of length 0, as the last bone of
+    a thumb with two bones, has the angle 0. The angle between two bones is the full angle, not its
+    part in the plane of flexion. Its sign gives the side to which the finger bends.
     """
     joints = np.asarray(joints, float)
     bones = np.einsum("fji,...fbj->...fbi", FRAMES, np.diff(joints, axis=-2))
@@ -61,7 +63,7 @@ def angles_of_joints(joints: ArrayLike) -> Array:
         before, after = bones[..., bone - 1, :], bones[..., bone, :]
         across = np.cross(before, after)
         bend = np.arctan2(np.linalg.norm(across, axis=-1), np.sum(before * after, axis=-1))
-        # Towards the palm of the bone before: its own palmar side, turned with it.
+        # The palmar side of the bone before, which turns with this bone.
         side = np.sum(palmar * after, axis=-1)
         out.append(np.where(side < 0.0, -bend, bend))
         palmar = palmar - np.sum(palmar * after, axis=-1, keepdims=True) * after

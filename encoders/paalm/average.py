@@ -1,5 +1,6 @@
-"""Calibration of hands that were not held open: an average hand, the device's own bones, or the
-open hands that a recording shows.
+"""Calibration of hands that were not held open for it.
+
+It uses an average hand, the device's own bones, or frames of a recording with an open hand.
 """
 
 from __future__ import annotations
@@ -30,22 +31,22 @@ from models.frames import FINGERS, SIDES, HandFrame, TrackedHand
 from models.skeleton import ADULT
 
 OPEN_SPREAD = (10.0, 6.0, 1.0, -5.0, -14.0)
-"""Degrees, spread of an open hand's fingers."""
+"""Spread (degrees) of the fingers of an open hand."""
 
 
 def average_calibration(
     frames: Sequence[HandFrame], side: str, options: PaalmOptions | None = None
 ) -> HandCalibration:
-    """Calibration for a hand that was not measured; its angles are less accurate.
+    """Calibration for a hand that was not measured, with less accurate angles.
 
-    Where the device knows the hand's joints, standard lengths are those of its stretched bones;
-    otherwise they are those that the device would see of an average open hand, whose palm is where
-    the first software sees it (`encoders.paalm.seen_palm`).
+    If the device reports joints, a finger's standard length is that of its stretched bones.
+    Otherwise it is the length that the device would measure of an average open hand. The palm is
+    then shifted to the place at which the first software reports it (`encoders.paalm.seen_palm`).
 
     Args:
         frames: Frames of the hand; only its joints are read.
         side: `right` or `left`.
-        options: Options with the share of the first bones that the device hides.
+        options: Options; they contain the share of the first bones that the device leaves out.
     """
     options = options or PaalmOptions()
     lengths = np.array(bone_lengths())
@@ -85,18 +86,18 @@ def average_calibration(
 
 
 def knows_bones(frames: Sequence[HandFrame], side: str) -> bool:
-    """True if the device reports all joints of a hand in some frame, so that it needs no open
-    hand."""
+    """True if the device reports all joints of a hand in some frame. No open hand is needed
+    then."""
     return _joints(frames, side) is not None
 
 
 def with_reported_coupling(
     calibration: HandCalibration, frames: Sequence[HandFrame]
 ) -> HandCalibration:
-    """The calibration with the coupling that the device reports in frames in which the hand moves.
+    """The calibration, with the coupling fitted to the joints that the device reports.
 
-    A person's joints, and a device's model of them, differ from the average of their dialect. The
-    calibration stays as it is where the device reports no joints, or where they hardly bend.
+    A person's joints, and a device's model of them, differ from the average of the dialect. The
+    calibration is returned unchanged if the device reports no joints, or if they hardly bend.
     """
     joints = _joints(frames, calibration.side)
     return (
@@ -105,7 +106,7 @@ def with_reported_coupling(
 
 
 def _joints(frames: Sequence[HandFrame], side: str) -> Array | None:
-    """The device's own joints (n, 5, 4, 3), m; None where it reports none."""
+    """Joints (n, 5, 4, 3) m that the device reports; None if it reports no joints."""
     found = []
     for frame in frames:
         for hand in frame.hands:
@@ -116,7 +117,7 @@ def _joints(frames: Sequence[HandFrame], side: str) -> Array | None:
 
 
 OPEN_FRAMES = 100
-"""Number of frames of a hand that is held open that are used."""
+"""Number of frames of an open hand that are used."""
 
 
 def calibrate_on_recording(paalm: Paalm, frames: Sequence[HandFrame], hands: Hands) -> str:
@@ -128,7 +129,7 @@ def calibrate_on_recording(paalm: Paalm, frames: Sequence[HandFrame], hands: Han
         hands: Sides of the hands.
 
     Returns:
-        Why an average hand stands in for the recorded one; empty if it does not.
+        Reason why an average hand replaces the recorded hand; empty if it does not.
     """
     sides = SIDES if hands == "both" else (hands,)
     if all(knows_bones(frames, side) for side in sides):
@@ -153,15 +154,18 @@ def calibrate_on_recording(paalm: Paalm, frames: Sequence[HandFrame], hands: Han
 def measured_in(
     samples: Sequence[tuple[float, TrackedHand | None]], side: str, options: PaalmOptions
 ) -> HandCalibration:
-    """Measures a hand in a recording, wherever it shows its fingers; by lengths, at its beginning.
+    """Measures a hand in a recording.
+
+    A hand that is solved by its tips is measured in all frames with five fingers, a hand that is
+    solved by lengths at the beginning of the recording.
 
     Args:
-        samples: (time in s, the hand or None where it is not seen), one a frame.
+        samples: (time in s, the hand or None where it is not seen), one for each frame.
         side: `right` or `left`.
         options: Options of PAALM.
 
     Raises:
-        EncoderError: The hand is hardly ever open.
+        EncoderError: The hand is open in too few frames.
     """
     if options.solve == "lengths":
         return calibrated(samples, side, OPEN_FRAMES, ENOUGH)

@@ -1,4 +1,4 @@
-"""Calibration: the mean length of every finger of a hand held open, as in the paper."""
+"""Calibration measures the mean length of every finger of an open hand, as in the paper."""
 
 from __future__ import annotations
 
@@ -18,37 +18,37 @@ from models.frames import FINGERS, TrackedFinger, TrackedHand, Vector
 PAPER_FRAMES = 1000
 
 MOST_SPREAD = 0.12
-"""Greatest robust spread of a finger's length, as a share of it."""
+"""Greatest robust standard deviation of a finger's length, as a share of the length."""
 
 LEAST_APART = 0.012
-"""m, least distance between neighbouring tips of a spread hand; the device merges nearer ones."""
+"""Least distance (m) between neighbouring tips of a spread hand; the device merges nearer tips."""
 MOST_TURNED = 50.0
-"""Degrees between a finger and the palm's direction in an open hand; the thumb may be at 100."""
+"""Greatest angle (degrees) between a finger and the palm's direction in an open hand; the thumb may
+be at 100 degrees."""
 MOST_BENT = 60.0
-"""Degrees, PIP and DIP together, of an open hand whose joints the device knows."""
+"""Greatest sum of PIP and DIP (degrees) in an open hand whose joints the device reports."""
 LEAST_USABLE = 0.5
 """Share of frames in which five fingers must be seen."""
 
 EQUAL_BENDS = 0.1
-"""Degrees. If PIP and DIP differ by less on average, they are equal by construction, as in Leap
-v2."""
+"""Mean difference (degrees) between PIP and DIP below which they are equal by construction, as in
+Leap v2."""
 
 ENOUGH = 20
-"""Number of frames with five fingers, in which each finger is seen at its full length, that measure
-a hand."""
+"""Number of frames with five fingers at their full lengths that suffice to measure a hand."""
 LONGEST, NEARLY = 90.0, 0.93
-"""Percentile of the lengths that is a standard, and share of it above which all of a finger is
-seen."""
+"""Percentile of a finger's lengths that is its standard length, and share of the standard length
+above which the whole finger counts as seen."""
 
 _HOLD_OPEN = "Hold the hand open, palm down, fingers spread, 20 cm above the device"
 
 _OUTLIER = 3.0
-"""Median deviations beyond which a length is an outlier."""
+"""Number of median deviations beyond which a length is an outlier."""
 
 
 @dataclass(frozen=True)
 class HandCalibration:
-    """One hand, measured open.
+    """Measurements of one open hand.
 
     Attributes:
         side: `right` or `left`.
@@ -56,18 +56,18 @@ class HandCalibration:
         spread: (5,) m, robust standard deviation of the lengths.
         tips: (5, 3) m, mean positions of the tips in palm coordinates.
         directions: (5, 3) mean directions in palm coordinates.
-        bones: (5, 3) m, where the device knows joints; None otherwise.
+        bones: (5, 3) m, lengths of the bones if the device reports joints; None otherwise.
         frames: Number of frames used.
-        seconds: Time from the first to the last.
-        left_out: Number of unused frames, by reason.
-        dialect: Version of the device's software, see `HandFrame`; it decides the coupling of
-            joints. None where it is unknown.
-        by_tip: Fingers are solved from the knuckle to the tip, whatever length is seen of them; see
-            `longest_calibration`.
+        seconds: Time (s) from the first to the last frame used.
+        left_out: Reason -> number of frames not used.
+        dialect: Version of the device's software (see `HandFrame`), which decides the coupling of
+            joints. None if it is unknown.
+        by_tip: True if fingers are solved from the knuckle to the tip, regardless of their measured
+            lengths; see `longest_calibration`.
         palm_shift: (3,) m in palm coordinates, from the device's centre of the palm to that of the
-            average hand, whose knuckles then count; None leaves the device's.
-        coupling: Coupling of this hand as its device reports it, which then decides instead of the
-            dialect. None where it was not measured.
+            average hand, whose knuckles are then used. None uses the device's centre.
+        coupling: Coupling fitted to the joints that the device reports of this hand; it replaces
+            the dialect's coupling. None if it was not fitted.
     """
 
     side: str
@@ -86,7 +86,7 @@ class HandCalibration:
 
     @property
     def measured(self) -> bool:
-        """False for the calibration of an average hand, or of the device's own bones."""
+        """False if the calibration is from an average hand or from the device's own bones."""
         return self.frames > 0
 
     @property
@@ -105,14 +105,14 @@ def calibrated(
     """Calibrates one hand.
 
     Args:
-        samples: (time in s, the hand or None where it is not seen), one a frame.
+        samples: (time in s, the hand or None where it is not seen), one for each frame.
         side: `right` or `left`.
-        wanted: Number of frames with five fingers that are used.
-        least: Number of them that is enough; None is all of `wanted`.
+        wanted: Number of frames with five fingers to use.
+        least: Least number of such frames; None requires all of `wanted`.
         dialect: Dialect of the frames.
 
     Raises:
-        EncoderError: Too few frames, a hand that was not open, or lengths that vary too much.
+        EncoderError: There are too few frames, the hand was not open, or lengths vary too much.
     """
     left_out: Counter[str] = Counter()
     times: list[float] = []
@@ -162,19 +162,20 @@ def calibrated(
 def longest_calibration(
     samples: Iterable[tuple[float, TrackedHand | None]], side: str, least: int
 ) -> HandCalibration:
-    """Calibrates a hand on all frames that show five fingers, wherever they are in a recording.
+    """Calibrates a hand on all frames of a recording that show five fingers.
 
-    The first software sees more or less of a finger that does not move: in the real recording
-    v1-hands, lengths shrink by half while fingertips stay within 5 mm of their place in the palm.
-    So the standard is the longest length seen, not the mean, and fingers are solved by their tips.
+    The first software reports varying lengths even of a finger that does not move. In the real
+    recording v1-hands, lengths shrink by half while fingertips stay within 5 mm of their place in
+    the palm. The standard is therefore the longest length, not the mean, and fingers are solved by
+    their tips.
 
     Args:
         samples: As in `calibrated`.
         side: `right` or `left`.
-        least: Number of long frames of every finger that is needed.
+        least: Least number of frames in which each finger has its full length.
 
     Raises:
-        EncoderError: Too few frames, or a hand that was not open in them.
+        EncoderError: There are too few frames, or the hand was not open in them.
     """
     times: list[float] = []
     rows: list[list[tuple[float, ...]]] = []
@@ -187,7 +188,7 @@ def longest_calibration(
         ordered = in_order(hand, side)
         times.append(time)
         rows.append([(measure(f), *palm.place(f.end), *palm.turn(pointing(f))) for f in ordered])
-    # Without a frame, no finger is long in any.
+    # Without frames, a single row stands in; the count of long frames then raises the error below.
     table = np.array(rows or np.ones((1, len(FINGERS), 7)))
     lengths = table[:, :, 0]
     standard = np.percentile(lengths, LONGEST, axis=0)
@@ -221,10 +222,10 @@ def longest_calibration(
 
 
 def in_order(hand: TrackedHand, side: str) -> list[TrackedFinger]:
-    """The fingers from thumb to little finger, by the device's labels or else by their order.
+    """The fingers from thumb to little finger, by the device's labels or else by their order in x.
 
-    The paper orders by the device's x, which names the fingers of a turned hand wrongly. Here x is
-    the palm's, which points towards the little finger of either hand, however it is turned.
+    The paper orders by the device's x, which labels the fingers of a turned hand wrongly. Here x is
+    the palm's axis, which points towards the little finger in any orientation of either hand.
     """
     named: dict[int, TrackedFinger] = {f.finger: f for f in hand.fingers if f.finger is not None}
     if len(named) == len(hand.fingers):
@@ -234,10 +235,10 @@ def in_order(hand: TrackedHand, side: str) -> list[TrackedFinger]:
 
 
 def dialect_of_bones(dialect: str | None, joints: Array) -> str | None:
-    """The dialect of joints (n, 5, 4, 3) that the device reported.
+    """The dialect of a device, corrected from the joints (n, 5, 4, 3) that it reported.
 
-    Packed recordings of v2 and v3 have the same fields. They differ in that the two last joints of
-    a v2 hand bend equally.
+    Packed recordings of v2 and v3 have the same fields. Only in v2 do the two last joints of a
+    finger bend equally.
     """
     apart = float(np.abs(np.diff(_bends(joints), axis=2)).mean())
     return "v3" if dialect == "v2" and apart > EQUAL_BENDS else dialect
@@ -259,7 +260,7 @@ def coupling_of_joints(joints: Array) -> Coupling | None:
 
 
 def _bends(joints: Array) -> Array:
-    """PIP and DIP (n, 4, 2), degrees without sign, of the fingers in joints (n, 5, 4, 3)."""
+    """Unsigned PIP and DIP angles (n, 4, 2), degrees, of the fingers in joints (n, 5, 4, 3)."""
     bones = np.diff(joints[:, 1:], axis=2)
     bones /= np.maximum(np.linalg.norm(bones, axis=3, keepdims=True), 1e-9)
     cosines = (bones[:, :, 1:] * bones[:, :, :-1]).sum(axis=3)
@@ -267,7 +268,7 @@ def _bends(joints: Array) -> Array:
 
 
 def measure(finger: TrackedFinger) -> float:
-    """The finger's length in m for PAALM, which decreases as the finger bends."""
+    """Length (m) of a finger for PAALM, which decreases as the finger bends."""
     if finger.joints is None:
         return finger.length
     a, b = finger.joints[0], finger.joints[3]
@@ -304,7 +305,11 @@ def _inliers(lengths: Array) -> NDArray[np.bool_]:
 
 
 def _check_open(c: HandCalibration) -> None:
-    """Raises an error for a hand that was not held open and still."""
+    """Checks that a hand was held open and still.
+
+    Raises:
+        EncoderError: A length varies too much, or a finger is turned, bent or too near to the next.
+    """
     remedy = "Hold the hand open, palm down, fingers spread and still, and calibrate again"
     for finger, name in enumerate(FINGERS):
         share = c.spread[finger] / c.standard[finger]
@@ -336,7 +341,7 @@ def _check_open(c: HandCalibration) -> None:
         )
     if c.bones is not None:
         share = c.standard / c.bones.sum(axis=1)
-        # Equal bends of half MOST_BENT leave this share of the length.
+        # With PIP and DIP at half of MOST_BENT each, this share of the length remains.
         if share[1:].min() < np.cos(np.deg2rad(MOST_BENT / 2.0)):
             raise EncoderError(
                 f"the hand was not open: the {FINGERS[1 + int(share[1:].argmin())]} was bent",

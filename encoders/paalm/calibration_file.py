@@ -1,4 +1,4 @@
-"""A calibration as a JSON file, so that a hand is measured once."""
+"""Reads and writes calibrations as JSON files, so that a hand needs to be measured only once."""
 
 from __future__ import annotations
 
@@ -54,7 +54,7 @@ class _HandRecord(Struct):
 
 
 class _CalibrationHead(Struct):
-    """The fields that tell a calibration from other files, whatever they hold."""
+    """Fields that distinguish a calibration from other files; their values are not checked."""
 
     schema: Any = None
     paalm_calibration: Any = None
@@ -143,7 +143,7 @@ def read_calibration(path: Path) -> dict[str, HandCalibration]:
 
 
 def is_calibration(path: Path) -> bool:
-    """Tells a file with calibrations for PAALM from others; the calibrations may be damaged."""
+    """True if a file has calibrations for PAALM, even if they are damaged."""
     try:
         data = read_bytes(path, EncoderError, what="", largest=_LARGEST)
         head = decoded(data, dict[str, Any], EncoderError, what="", where=str(path))
@@ -156,7 +156,7 @@ def read_hand(path: Path, side: str) -> HandCalibration:
     """Reads one hand's calibration from a file.
 
     Raises:
-        EncoderError: As in `read_calibration`, or the file has only another hand.
+        EncoderError: As in `read_calibration`, or the file has only the other hand.
     """
     known = read_calibration(path)
     if side not in known:
@@ -169,7 +169,7 @@ def read_hand(path: Path, side: str) -> HandCalibration:
 def _hand(side: str, record: _HandRecord, where: str) -> HandCalibration:
     if side not in SIDES:
         raise EncoderError(
-            "no hand of this name", where=where, got=side[:40], expected=" or ".join(SIDES)
+            "no such side of a hand", where=where, got=side[:40], expected=" or ".join(SIDES)
         )
     return HandCalibration(
         side,

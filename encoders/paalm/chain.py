@@ -1,9 +1,9 @@
-"""Inverse kinematics of one finger: a length and a direction give four angles, in closed form.
+"""Inverse kinematics of one finger: a length and a direction give four angles.
 
-With DIP coupled to PIP, the distance from the base to the tip is a decreasing function of PIP
-alone. It is tabulated once and inverted; the direction then gives the first joint, because the
-tip's position in the finger's plane is known. If the first joint is beyond its limit, it is set to
-the limit, and PIP is chosen again for the least error of the tip.
+DIP is coupled to PIP, so the distance from the base to the tip is a decreasing function of PIP
+alone. This function is tabulated once and inverted. The tip's position in the finger's plane is
+then known, and the direction gives the angles of the first joint. If the first joint is beyond its
+limit, it is set to the limit, and PIP is recomputed for the least error of the tip.
 """
 
 from __future__ import annotations
@@ -23,15 +23,14 @@ _ENTRIES = 512
 _STEPS = 4
 _NOTHING = 1e-12
 _AT_KNUCKLE = 1e-9
-"""m, distance from the knuckle below which a target has no direction."""
+"""Distance (m) from the knuckle below which a target has no direction."""
 _DEGREES, _RADIANS = 180.0 / pi, pi / 180.0
-"""Factors with which `math.degrees` and `math.radians` multiply, to the bit; a product is quicker
-than a call."""
+"""The exact factors of `math.degrees` and `math.radians`; a product is quicker than a call."""
 
 
 @dataclass(frozen=True)
 class FingerLimits:
-    """Ranges of the joints, degrees: the usual clinical ones, as in `models.skeleton`."""
+    """Ranges of the joints (degrees): usual clinical ranges, as in `models.skeleton`."""
 
     flexion: tuple[float, float] = (-20.0, 90.0)
     spread: tuple[float, float] = (-25.0, 25.0)
@@ -44,7 +43,7 @@ THUMB_LIMITS = FingerLimits((-40.0, 40.0), (-40.0, 40.0), (0.0, 75.0), (-10.0, 8
 
 
 class Bend(NamedTuple):
-    """Angles of a finger, degrees, and the distance of its tip from the target, m."""
+    """Angles (degrees) of a finger, and the distance (m) of its tip from the target."""
 
     flexion: float
     spread: float
@@ -57,11 +56,11 @@ class FingerChain:
     """Three bones with coupled bending.
 
     Args:
-        lengths: m, from the knuckle outwards; the last may be 0.
+        lengths: Lengths (m) of the bones, from the knuckle outwards; the last may be 0.
         coupling: Relation of DIP to PIP.
         limits: Ranges of the joints.
-        hidden: Share of the first bone, from the knuckle, that lengths and directions leave out:
-            0 measures from the knuckle.
+        hidden: Share of the first bone, next to the knuckle, that lengths and directions leave out.
+            With 0 they start at the knuckle.
     """
 
     def __init__(
@@ -77,7 +76,7 @@ class FingerChain:
                 "the bone lengths are out of range", got=(lengths, hidden), expected="lengths > 0"
             )
         self.lengths, self.coupling, self.limits, self.hidden = lengths, coupling, limits, hidden
-        # Read for every finger of every frame: plain numbers beside the objects that they are of.
+        # Copies of the coupling and limits as plain numbers, which are read in every frame.
         self._bending = (coupling.slope, coupling.offset, *limits.dip)
         self._first_limits = (*limits.flexion, *limits.spread)
         self._seen = first * (1.0 - hidden)
@@ -91,8 +90,8 @@ class FingerChain:
         )
         below = second * arithmetic.sin(pip) + third * arithmetic.sin(pip + dip)
         chord = np.sqrt(along * along + below * below)
-        # Past the shortest distance, or before the longest, a length has two bends: the first
-        # piece that falls is kept.
+        # Before the longest and past the shortest distance, two PIP angles give the same length.
+        # Only the first decreasing piece is used.
         start = int(np.argmax(chord))
         rising = np.nonzero(np.diff(chord[start:]) >= 0.0)[0]
         piece = slice(start, start + int(rising[0]) + 1 if len(rising) else len(chord))
@@ -100,39 +99,38 @@ class FingerChain:
         self._least, self._most = float(self._pip[0]), float(self._pip[-1])
         self._along, self._below = along[piece], below[piece]
         self.longest, self.shortest = float(chord[piece][0]), float(chord[piece][-1])
-        # Near the stretched finger, PIP is proportional to the square root of the missing length:
-        # even steps of that root are accurate everywhere.
+        # Near the stretched finger, PIP is proportional to the square root of the missing length.
+        # A table in equal steps of this root is therefore accurate everywhere.
         root = np.sqrt(self.longest - chord[piece])
         self._per_root = (_ENTRIES - 1) / float(root[-1])
         even = np.linspace(0.0, root[-1], _ENTRIES)
         self._inverse: list[float] = np.interp(even, root, self._pip).tolist()
 
     def chord(self, pip: float) -> float:
-        """Distance in m from the (visible) base to the tip of a finger with a PIP angle in
-        degrees."""
+        """Distance (m) from the visible base to the tip of a finger, for a PIP angle in degrees."""
         along, below = self._plane(radians(pip))
         return sqrt(along * along + below * below)
 
     def dip(self, pip: float) -> float:
-        """Angle of the last joint, degrees."""
+        """Angle (degrees) of the last joint for a PIP angle in degrees."""
         slope, offset, low, high = self._bending
         dip = slope * pip + offset
         return low if dip < low else high if dip > high else dip
 
     def solve(self, target: Vector) -> Bend:
-        """Computes angles that bring the tip to a target, m, from the base in the finger's zero
-        frame."""
+        """Computes angles that bring the tip to a target (m), relative to the base in the finger's
+        zero frame."""
         x, y, z = target
         chord = sqrt(x * x + y * y + z * z)
         if chord < _AT_KNUCKLE:
             raise EncoderError("a target at the knuckle has no direction", got=target)
-        # A target out of reach keeps its direction.
+        # The direction of a target out of reach is kept; only its distance is limited.
         reached = min(max(chord, self.shortest), self.longest)
         scale = reached / chord
         x, y, z = x * scale, y * scale, z * scale
         pip = self._bend(reached)
         along, below = self._plane(pip)
-        # Straight below the knuckle, spread has no effect and is kept.
+        # For a tip straight below the knuckle, spread has no effect and is 0.
         spread = asin(min(max(-x / along, -1.0), 1.0)) if abs(along) > _NOTHING else 0.0
         flexion = (atan2(-z, y) - atan2(below, along * cos(spread))) * _DEGREES
         spread *= _DEGREES
@@ -153,10 +151,10 @@ class FingerChain:
         return Bend(held_flexion, held_spread, pip, self.dip(pip), miss)
 
     def _bend(self, chord: float) -> float:
-        """PIP in rad for a reachable length.
+        """PIP (rad) for a reachable length.
 
-        The table is off by up to half an entry where DIP comes to its limit and the length has a
-        bend in its course; Newton's steps make every length exact.
+        Where DIP reaches its limit, the length as a function of PIP has a kink, and the table is
+        off by up to half an entry. Newton's steps make every length exact.
         """
         at = sqrt(max(self.longest - chord, 0.0)) * self._per_root
         index = min(int(at), _ENTRIES - 2)
@@ -165,7 +163,7 @@ class FingerChain:
         _, second, third = self.lengths
         seen, least, most = self._seen, self._least, self._most
         slope, offset, low, high = self._bending
-        # What `_plane` and `dip` say, and how far the last bone turns with the middle one.
+        # Values as in `_plane` and `dip`, and the derivative of DIP with respect to PIP.
         for _ in range(_STEPS):
             free = slope * (pip * _DEGREES) + offset
             dip = low if free < low else high if free > high else free
@@ -176,7 +174,7 @@ class FingerChain:
             turning = third * (1.0 + slope if low < free < high else 1.0)
             falls = below * (second * cos_pip + turning * cos_bend)
             falls -= along * (second * sin_pip + turning * sin_bend)
-            if falls > -_NOTHING:  # Stretched, or at its shortest: the table is exact there.
+            if falls > -_NOTHING:  # At the longest or shortest length, where the table is exact.
                 break
             step = 0.5 * (chord * chord - along * along - below * below) / falls
             pip += step
@@ -194,7 +192,7 @@ class FingerChain:
         )
 
     def _closest(self, flexion: float, spread: float, target: Vector) -> float:
-        """PIP in rad that brings the tip nearest to a target with a fixed first joint."""
+        """PIP (rad) that brings the tip nearest to a target while the first joint is fixed."""
         y = self._along * cos(spread)
         dx = -self._along * sin(spread) - target[0]
         dy = y * cos(flexion) - self._below * sin(flexion) - target[1]

@@ -1,9 +1,8 @@
-"""Coupling of the last joint to the middle one, which makes a chain of three bones solvable.
+"""Coupling of the last joint to the middle joint, which makes a chain of three bones solvable.
 
 A fingertip's position does not determine how a bend is shared between PIP and DIP. The paper leaves
-this to an animation program's inverse kinematics; here DIP = slope * PIP + offset. Devices
-that model bones have a coupling of their own, which shows in what they report, and so does that of
-a person's hand.
+this to an animation program's inverse kinematics. Here DIP = slope * PIP + offset. The joints that
+a device reports show its own coupling, or that of the person's hand.
 """
 
 from __future__ import annotations
@@ -18,8 +17,8 @@ from models.errors import EncoderError
 from models.frames import TrackedHand, Vector
 
 LEAST_BENT = 15.0
-"""Degrees of PIP above which a finger counts: an angle without sign says little about a straight
-one."""
+"""Least PIP (degrees) of a finger that counts. Unsigned angles of a straight finger are mostly
+noise."""
 
 
 @dataclass(frozen=True)
@@ -56,7 +55,7 @@ class Coupling:
 
 
 TWO_THIRDS = Coupling(2.0 / 3.0)
-"""The textbook's tendon coupling."""
+"""Coupling by the tendons, from textbooks."""
 EQUAL = Coupling(1.0)
 """Both joints bend equally, as Leap v2 assumes."""
 ORION = Coupling(0.52)
@@ -64,7 +63,7 @@ ORION = Coupling(0.52)
 
 BY_DIALECT = {"v1": TWO_THIRDS, "v2": EQUAL, "v3": ORION, "bridge": ORION}
 """Coupling of every dialect. v1 reports no joints. v2's PIP and DIP differ by 0.002 degrees in four
-real recordings. The bridge speaks for the hand model of v3 and its successors."""
+real recordings. The bridge reports the hand model of v3 and its successors."""
 
 
 def coupling_of(dialect: str | None) -> Coupling:
@@ -73,31 +72,33 @@ def coupling_of(dialect: str | None) -> Coupling:
 
 
 SLOPE_SPREAD, OFFSET_SPREAD = 0.15, 4.0
-"""Standard deviations of slope and of offset, degrees, about the assumed coupling."""
+"""Standard deviations of the slope and of the offset (degrees) about the assumed coupling."""
 STRAY = 8.0
-"""Degrees, standard deviation of DIP about the line of its hand."""
+"""Standard deviation (degrees) of DIP about the line of its hand."""
 ALIKE = 30
-"""Number of bends in successive frames that say as much as one: a hand moves slowly."""
+"""Number of successive frames that count as one independent observation, since hands move
+slowly."""
 EVERY = 8
-"""Frames after which the coupling in use moves."""
+"""Number of frames between two updates of the coupling in use."""
 SLOPE_STEP, OFFSET_STEP = 0.02, 0.5
-"""Largest move of slope and of offset, degrees, at a time: a fingertip does not jump."""
+"""Largest change of the slope and of the offset (degrees) in one update, so that fingertips do not
+jump."""
 HARDLY_SLOPE, HARDLY_OFFSET = 0.005, 0.2
-"""Differences of slope and of offset, degrees, for which the chains are not made anew."""
+"""Differences of slope and offset (degrees) that are too small to rebuild the chains."""
 
 
 class LearnedCoupling:
     """Learns the coupling of one hand from the joints that its device reports.
 
-    Persons differ in how far DIP follows PIP, and so do devices. A device that reports joints shows
-    it in every frame in which a finger is bent. The line DIP = slope * PIP + offset is fitted to
-    all of them by ridge regression towards the coupling that is assumed at first.
+    People and devices differ in how far DIP follows PIP. A device that reports joints shows this in
+    every frame with a bent finger. The line DIP = slope * PIP + offset is fitted to all these
+    frames by ridge regression towards the assumed coupling.
 
     Args:
-        assumed: The coupling at first.
+        assumed: The initial coupling.
 
     Attributes:
-        used: The coupling in use, on its way to the learned one.
+        used: The coupling in use, which approaches the learned coupling in small steps.
     """
 
     def __init__(self, assumed: Coupling) -> None:
@@ -150,7 +151,7 @@ def _minus(a: Vector, b: Vector) -> Vector:
 
 
 def _bend(a: Vector, b: Vector) -> float:
-    """Angle between two bones, degrees; 0 where one has no length."""
+    """Angle (degrees) between two bones; 0 if a bone has no length."""
     far = sqrt(_dot(a, a) * _dot(b, b))
     return degrees(acos(min(max(_dot(a, b) / far, -1.0), 1.0))) if far > 1e-12 else 0.0
 

@@ -17,20 +17,20 @@ from models.rotations import log_of_axes, matrix_to_quaternion, quaternion_log
 from models.skeleton import ADULT, Skeleton
 
 PALM_CENTRE = (0.0, 0.055, -0.005)
-"""m, palm centre of the average hand in its own frame: between wrist and knuckles, on the palm's
-side. Devices do not document the exact place of a palm's centre."""
+"""Palm centre (m) of the average hand in the hand's frame, between wrist and knuckles on the palmar
+side. Devices do not document the exact position of their palm centre."""
 
 _HALF = 0.5 * np.deg2rad(1.0)
-"""rad in half a degree: quaternions hold half the angle."""
+"""Half a degree in rad, because quaternions contain half the angle."""
 _COLUMNS = (0, 2, 3)
 """Columns of a table of angles that bend a finger's first, second and third bone."""
 
 
 class HandPoser:
-    """Computes poses of one skeleton's hand, all joints in one calculation.
+    """Computes poses of a hand with one skeleton, with all joints in one array operation.
 
     A bone is rotated from its rest by flexion about its x axis and then, for a finger's first bone,
-    by spread about its z axis. The rotation between the bone's rest and the frame of those angles
+    by spread about its z axis. The rotation between the bone's rest and the frame of these angles
     is constant.
 
     Args:
@@ -45,11 +45,11 @@ class HandPoser:
             first = bone.finger != last
             row, last = (0 if first else row + 1), bone.finger
             flexion.append(4 * last + _COLUMNS[row])
-            # Behind the table is an angle 0, the spread of all bones but the first.
+            # A 0 is appended to the table as the spread of all bones but the first.
             spread.append(4 * last + 1 if first else 4 * len(FINGERS))
             between.append(stacked_product(bone.rest.T, FRAMES[last]) if first else bone.rest.T)
         self._flexion, self._spread = np.array(flexion), np.array(spread)
-        # (n, 4, 4): the product with the constant quaternion from the left.
+        # Matrices (n, 4, 4) that multiply by the constant quaternion from the left.
         w, x, y, z = matrix_to_quaternion(np.array(between)).T
         self._between = np.array(
             [[w, -x, -y, -z], [x, w, -z, y], [y, z, w, -x], [z, -y, x, w]]
@@ -84,7 +84,7 @@ class HandPoser:
 
 
 def _root(palm: Palm, side: str, device: Vector, size: float) -> tuple[Vector, Vector]:
-    """Position in m and rotation vector of the root of a palm, as of a right hand."""
+    """Position (m) and rotation vector (rad) of the root for a palm, mirrored to a right hand."""
     # A left hand's pose is the mirror image of a right one's.
     flip = -1.0 if side == "left" else 1.0
     a, f, d = palm.across, palm.forward, palm.dorsal
@@ -116,15 +116,15 @@ def hand_pose(
 ) -> Array:
     """The pose (48,) in the world, within the skeleton's limits.
 
-    A left hand's pose is the mirror image of a right hand's, as everywhere. The thumb's last joint
-    is left out, since the skeleton does not have it.
+    A left hand's pose is mirrored to a right hand's, as everywhere in this program. The thumb's
+    last joint is left out, since the skeleton does not have it.
 
     Args:
         table: (5, 4) degrees, see `encoders.paalm.angles`.
         palm: The palm in the device's frame.
         side: `right` or `left`; the skeleton is always given as a right hand.
-        device: m, position of the device in the world; its axes are the world's.
-        skeleton: A right hand.
+        device: Position (m) of the device in the world; its axes are the world's.
+        skeleton: Skeleton of a right hand.
         size: Length of the posed hand relative to the skeleton.
     """
     make = _ADULT if skeleton is ADULT else HandPoser(skeleton)

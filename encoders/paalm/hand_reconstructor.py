@@ -1,8 +1,8 @@
-"""PAALM as a reconstructor: it turns hand frames, one after another, into poses of the whole hand.
+"""PAALM as a reconstructor: it turns successive hand frames into poses of the whole hand.
 
-It has the interface of `encoders.reconstruction.reconstructor`, so that whatever drives a
-hand by touches can drive one by a Leap: `step(frame)`, `reset()`, `commanded`, and a
-`Reconstruction`.
+It has the interface of `encoders.reconstruction.reconstructor`: `step(frame)`, `reset()`,
+`commanded` and a `Reconstruction`. Code that drives a hand by touches can therefore drive a hand by
+a Leap.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ from models.skeleton import ADULT
 from models.surface import Surface
 
 NOTICE_LASTS = 1.0
-"""s that a notice to the person stays after its cause has ended."""
+"""Time (s) for which a notice to the person stays after its cause has ended."""
 
 
 @dataclass(frozen=True)
@@ -35,11 +35,11 @@ class HandReconstructorSettings:
     """Settings of the steps between hand frames and pose.
 
     Attributes:
-        device: m, position of the device in the world. Its axes are the world's.
+        device: Position (m) of the device in the world. Its axes are the world's.
         rate: Speed limits of the commanded pose.
-        size: Length of the simulated hand relative to the average one.
-        root_smoothing: s, time constant of the palm's position and rotation; 0 switches it off.
-            PAALM smooths fingers itself.
+        size: Length of the simulated hand relative to the average hand.
+        root_smoothing: Time constant (s) of the smoothing of the palm's position and rotation; 0
+            switches it off. PAALM smooths fingers itself.
         patience, rise, rise_speed, near, floor: See `FollowingSettings`.
     """
 
@@ -76,11 +76,11 @@ class HandReconstructor:
         side: `right` or `left`.
         settings: Settings of all steps.
         surface: Workspace of a task; None is the default tablet.
-        assume: True lets an uncalibrated hand be treated as average, or be measured by the device's
-            own bones, when it is first seen.
+        assume: True calibrates an uncalibrated hand when it is first seen, by the device's own
+            bones or as an average hand.
 
     Attributes:
-        empty: The frame that stands for a device before its first one.
+        empty: Frame that is used until the device has sent its first frame.
 
     Raises:
         EncoderError: PAALM has not measured that hand, and `assume` is false.
@@ -116,7 +116,7 @@ class HandReconstructor:
 
     @property
     def commanded(self) -> Array:
-        """The pose last commanded (48,), in the world."""
+        """The last commanded pose (48,), in the world."""
         return self._hand.commanded
 
     @property
@@ -127,7 +127,7 @@ class HandReconstructor:
         return self._hand.notice(self.side)
 
     def reset(self) -> None:
-        """Returns to the initial state: an open hand 20 cm over the device."""
+        """Resets to the initial state, an open hand 20 cm above the device."""
         if self._assume:
             self.paalm.use({})
         self.paalm.reset()
@@ -141,8 +141,8 @@ class HandReconstructor:
     def step(self, frame: HandFrame) -> Reconstruction:
         """Processes a hand frame; called once per control step, even if nothing has changed.
 
-        A lost hand keeps its pose for a moment, then rises as a ghost, since its position is
-        unknown.
+        A hand that the device has lost holds its pose for the time `patience`, then rises as a
+        ghost, since its position is unknown.
         """
         dt = 0.0 if self._time is None else max(frame.time - self._time, 0.0)
         self._time = frame.time if self._time is None else max(frame.time, self._time)

@@ -1,11 +1,16 @@
-"""Identity of what a device sees: which hand is the right one, and which finger is which.
+"""Decides the sides of the hands and the labels of the fingers that a device reports.
 
-For the fingers, the paper sorts by x and counts from the thumb. When a finger vanishes, every later
-one gets its neighbour's label. The tracked identity weighs, for every visible finger and every
-label: the finger's last position (an unseen finger is assumed to stay, in palm coordinates), the
-distance of the finger's line from that finger's knuckle, the device's own id, and whether the
-visible length exceeds that finger's length. The most likely assignment of all fingers together is
-chosen.
+The paper sorts fingers by x and counts from the thumb. When a finger vanishes, every later finger
+gets its neighbour's label. The tracked identity instead weighs four pieces of evidence for every
+visible finger and every label:
+
+- the distance from the last position of the finger with this label (an unseen finger is assumed to
+  stay, in palm coordinates);
+- the distance of the visible finger's line from the knuckle with this label;
+- the device's own id;
+- how far the visible length exceeds the full length of the finger with this label.
+
+It chooses the most likely assignment of all fingers together.
 """
 
 from __future__ import annotations
@@ -30,37 +35,39 @@ _ASSIGNMENTS = [
     np.array(list(permutations(range(_FIVE), k)), dtype=np.intp).reshape(perm(_FIVE, k), k)
     for k in range(_FIVE + 1)
 ]
-"""All labellings of k fingers, at most 120: trying them all is quicker than a solver."""
+"""All labellings of k fingers, at most 120; testing all of them is quicker than a solver."""
 _BACKWARDS = [
     ((ways[:, :, None] < ways[:, None]) & (ways[:, :, None] > 0)).reshape(len(ways), -1)
     for ways in _ASSIGNMENTS
 ]
-"""(n, k * k) booleans: true for two of k fingers whose labels are in the order of the hand, the
-thumb left out."""
+"""Booleans (n, k * k) for n labellings: True for each pair of k fingers, except the thumb, whose
+labels are in the order of the hand."""
 
 _SIDEWAYS, _IN_PLANE, _THUMB = 0.004, 0.010, 0.020
-"""m, spread of the distance of a finger's line from its own knuckle: sideways, within its plane of
-bending (the line of a bent finger's visible part does not pass through the knuckle), and in any
-direction for the thumb, whose visible part begins at the end of its first bone."""
+"""Standard deviations (m) of the distance between a finger's line and its own knuckle. The first is
+for the distance sideways. The second is for the distance in the plane of bending, since the line of
+a bent finger's visible part does not pass through the knuckle. The third is for the thumb in any
+direction, since its visible part begins at the end of its first bone."""
 _STILL, _LOST = 0.006, 0.030
-"""m, spread of a tip's step from frame to frame, and of a tip that has been unseen for long."""
+"""Standard deviations (m) of a tip's step from frame to frame, and of a long unseen tip."""
 _LOST_AFTER = 0.15
-"""s in which the spread of an unseen tip grows most of the way."""
+"""Time constant (s) with which the standard deviation of an unseen tip grows."""
 _LOOK_AGAIN = 0.1
-"""s after which labels are evaluated again although nothing seems to have changed."""
+"""Time (s) after which labels are evaluated again even if nothing seems to have changed."""
 _JUMP = 0.015
-"""m. A tip that moved farther since the last frame may be another finger with the same id."""
+"""Largest step (m) of a tip; after a larger step, the same id may belong to another finger."""
 _SAME_ID = 16.0
 """Weight of the device's id, relative to half-squared deviations; finite, since devices swap
 ids."""
 _ABREAST = 0.012
-"""m across the palm by which two fingertips may be in the wrong order."""
+"""Distance (m) across the palm by which two fingertips may be in the wrong order."""
 _CROSSED = 100.0
-"""Weight of two fingers that are farther in the wrong order: more than all else of both."""
+"""Weight of two fingers that are farther in the wrong order. It exceeds all other evidence on both.
+"""
 _TOO_LONG = 0.06
-"""Share, spread of a length beyond a finger's standard."""
+"""Standard deviation, as a share, of a length beyond a finger's standard length."""
 _CAP = 30.0
-"""Limit of each piece of evidence, so that none decides alone."""
+"""Limit of each piece of evidence, so that no single one decides."""
 
 
 def paper_order(fingers: Sequence[TrackedFinger], side: str) -> list[int]:
@@ -96,10 +103,10 @@ class TrackedIdentity:
         self._ids: list[int | None] = [None] * _FIVE
 
     def learn(self, by: Vector, standard: ArrayLike) -> None:
-        """Takes over what was learned of the hand.
+        """Updates the hand's knuckles and lengths.
 
         Args:
-            by: (3,) m by which the knuckles are elsewhere than they were calibrated.
+            by: (3,) m, shift of the knuckles from their calibrated positions.
             standard: (5,) m, full lengths.
         """
         self._knuckles = self._first_knuckles + by
@@ -131,8 +138,7 @@ class TrackedIdentity:
     def _unchanged(
         self, fingers: Sequence[TrackedFinger], places: list[Vector], time: float
     ) -> list[int] | None:
-        """The previous labels, if ids and positions give no reason to evaluate them again; else
-        None."""
+        """The previous labels, or None if ids or positions require a new evaluation."""
         if time - self._looked_at > _LOOK_AGAIN or any(f.id not in self._ids for f in fingers):
             return None
         names = [self._ids.index(f.id) for f in fingers]
@@ -169,7 +175,7 @@ class TrackedIdentity:
     def _missed(self, tips: Array, lines: Array) -> Array:
         """Squared deviations (k, 5) of fingers' lines from knuckles."""
         to = self._knuckles - tips[:, None]
-        # The nearest point of the line, in the plane of bending.
+        # Nearest point of the line in the plane of bending.
         flat = squared_lengths(lines[:, 1:]) + 1e-3
         at = (to[..., 1] * lines[:, None, 1] + to[..., 2] * lines[:, None, 2]) / flat[:, None]
         rest = to - at[..., None] * lines[:, None]
@@ -181,50 +187,52 @@ class TrackedIdentity:
 
 
 def _crossed(across: Array) -> Array:
-    """Weights (n,) of all assignments of k fingers in which fingers change places.
+    """Costs (n,) of all n assignments of k fingers, for fingers in the wrong order.
 
-    The tips of the four fingers are in the order of the fingers; the thumb may pass under the palm.
+    The tips of the four fingers are in the order of the fingers. The thumb is exempt, since it may
+    pass under the palm.
 
     Args:
-        across: (k,) m, the tips' places across the palm.
+        across: (k,) m, positions of the tips across the palm.
     """
     beyond = across[:, None] - across > _ABREAST
     return np.asarray(_CROSSED * (_BACKWARDS[len(across)] & beyond.ravel()).sum(axis=1))
 
 
 _FAR = 0.30
-"""m, distance from a hand's last place beyond which a new hand does not take over its side while
-both are possible."""
+"""Distance (m) from a hand's last place beyond which a new hand does not get this hand's side while
+both sides are possible."""
 _NEAR = 0.10
-"""m from a hand's last place within which it is the same one, if the device names its other side
-for a moment."""
+"""Distance (m) from a hand's last place within which a hand is the same hand, although the device
+reports the other side for a moment."""
 _THUMB_BEHIND = 0.020
-"""m by which a thumb's tip is nearer to the palm than those of the fingers."""
+"""Least distance (m) by which a thumb's tip is nearer to the palm than the fingertips."""
 _SURE = 5
-"""Frames, more on one side than on the other, that decide by the thumb."""
+"""Majority of frames for one side at which the thumb decides the side."""
 _MOST = 50
-"""Limit of these frames, so that a mistake can be mended."""
+"""Limit of this majority, so that a mistake can be corrected."""
 _ENOUGH, _CONTRARY = 50, 0.25
-"""Frames of a recording that must show a side, and share of these that may show the other one."""
+"""Least number of frames of a recording that show a side, and greatest share of these frames that
+may show the other side."""
 _REMEMBERED = 64
-"""Number of the device's ids beyond which those of hands that are gone are forgotten."""
+"""Number of stored ids beyond which the ids of vanished hands are forgotten."""
 
 
 class HandSides:
-    """Tracks the sides of hands by thumb, id and position, where the device does not know them.
+    """Tracks the sides of hands by thumb, id and position, if the device does not report them.
 
-    A hand whose thumb has been seen has the side of its thumb. Otherwise two hands seen at once are
-    distinguished by x, since arms do not cross in the paper. A side, once given to a hand's id,
-    stays with it until its thumb says otherwise; a new id gets the side whose last place is
-    nearest.
+    A hand whose thumb has been seen has the side of its thumb. Without thumbs, two hands seen at
+    once are distinguished by x, since arms do not cross in the paper. An id keeps its side until
+    its thumb shows the other side. A new id gets the side whose last place is nearest.
 
-    A device that knows sides mistakes them for moments: a hand of the same id, or a single one,
-    near its last place keeps its side for up to `_MOST` frames. Of two hands of one side, the one
-    that was chosen before stays, and else the device's more certain one.
+    A device that reports sides confuses them for short times. A hand with the same id, or a single
+    hand near the last place, therefore keeps its side for up to `_MOST` frames. Of two hands with
+    the same side, the previously chosen hand is chosen again, or else the hand of which the device
+    is more certain.
 
     Args:
-        sides: The wanted sides.
-        counts: Receives numbers of hands that are left out or mended, by reason.
+        sides: Sides of the hands to track.
+        counts: Receives the numbers of hands that were left out or corrected, by reason.
     """
 
     def __init__(self, sides: tuple[str, ...], counts: Counter[str] | None = None) -> None:
@@ -240,7 +248,7 @@ class HandSides:
         self._mistaken: Counter[str] = Counter()
 
     def choose(self, frame: HandFrame) -> dict[str, TrackedHand]:
-        """The wanted hands that are visible, by side."""
+        """The tracked hands that are visible, by side."""
         chosen: dict[str, TrackedHand] = {}
         hands = [self._steady(hand, len(frame.hands) == 1) for hand in frame.hands]
         for side in self.sides:
@@ -277,7 +285,7 @@ class HandSides:
         return chosen
 
     def _steady(self, hand: TrackedHand, alone: bool) -> TrackedHand:
-        """The hand, of the side that it just had."""
+        """The hand, with its previous side if the device confuses sides for a moment."""
         for side, known in self._ids.items():
             if (
                 (alone or known == hand.id)
@@ -293,7 +301,7 @@ class HandSides:
         return hand
 
     def _by_thumb(self, hand: TrackedHand) -> str:
-        """Side of a hand by its thumb in this and in past frames; empty where it is not known."""
+        """Side of a hand by its thumb in this and past frames; empty if it is unknown."""
         if len(self._thumbs) > _REMEMBERED:
             self._thumbs = {i: self._thumbs[i] for i in self._ids.values() if i in self._thumbs}
         now = self._thumbs.get(hand.id, 0) + _thumb_side(hand)
@@ -303,7 +311,7 @@ class HandSides:
     def _nearest(
         self, chosen: dict[str, TrackedHand], unknown: list[TrackedHand], free: list[str]
     ) -> None:
-        # Without a past, the right hand is the one farther right.
+        # Without earlier frames, the hand farther to the right is the right hand.
         guess = {"right": (0.12, 0.0, 0.2), "left": (-0.12, 0.0, 0.2)}
         while unknown and free:
             pairs = [
@@ -322,8 +330,8 @@ def side_by_thumb(frames: Sequence[HandFrame]) -> str:
     """Side of the only hand of a recording by its thumb.
 
     Args:
-        frames: Frames of a device that does not know sides. Those with another number of hands than
-            one, and hands whose side is known, do not count.
+        frames: Frames of a device that does not report sides. Only frames with one hand, whose side
+            is unknown, count.
 
     Returns:
         `right` or `left`; empty where too few frames show the thumb, or they contradict each other.
@@ -337,7 +345,7 @@ def side_by_thumb(frames: Sequence[HandFrame]) -> str:
 
 
 def _thumb_side(hand: TrackedHand) -> int:
-    """1 if the thumb is where a right hand has it, -1 for a left hand, 0 if it cannot be told."""
+    """1 if the thumb is on the side of a right hand's, -1 for a left hand, 0 if this is unclear."""
     if len(hand.fingers) < 4:
         return 0
     palm = palm_of(hand, "right")

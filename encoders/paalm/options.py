@@ -20,23 +20,24 @@ class PaalmOptions:
         identity: `paper`: rank by x among the visible fingers. `tracked`: the most likely
             assignment to the fingers' last positions and to their knuckles.
         direction: Source of a finger's target. `device`: the device's direction and length ratio,
-            as printed. `thumb`: that of the thumb goes from its knuckle, as calibrated in the palm,
-            to its tip. Fingers with joints have a knuckle and always use it.
-        hidden, thumb_hidden: Share of the first bone that the device's length leaves out; 0 as in
-            the paper, which takes the length from the knuckle.
-        behind: Share of the first bone by which a finger's knuckle is taken to be behind what is
-            seen of it, where fingers are solved by their tips. It is less than `hidden`, since a
-            finger that is a little bent does not point back to its knuckle.
-        open_bend: Degrees of PIP of an open hand, at a ratio of 1; 0 as in the paper.
-        coupling: Relation of DIP to PIP; None is that of the device's dialect
+            as in the paper. `thumb`: the same for the fingers, but the thumb's target goes from its
+            calibrated knuckle in the palm to its tip. Fingers with joints always use their knuckle.
+        hidden, thumb_hidden: Share of the first bone that the device's length leaves out. The paper
+            has 0, since it takes the length from the knuckle.
+        behind: Distance from a finger's visible part back to its knuckle, as a share of the first
+            bone, if fingers are solved by their tips. It is less than `hidden`, since a slightly
+            bent finger does not point back to its knuckle.
+        open_bend: PIP (degrees) of an open hand at a length ratio of 1; 0 in the paper.
+        coupling: Relation of DIP to PIP; None takes that of the device's dialect
             (`encoders.paalm.coupling`).
-        solve: What a finger without joints is solved by: `tips`, from its knuckle to its tip
-            (`calibration.longest_calibration`), or `lengths` and directions, as printed.
-        learns: Learns the coupling of each hand while its device reports joints, unless a coupling
-            is chosen (`encoders.paalm.coupling`); of a hand without joints that was not
-            measured, where the device sees its palm (`encoders.paalm.average`).
-        smoothing: s, time constant of lengths and directions; 0 switches it off.
-        longest: s, upper limit of that constant, which grows with the device's noise, finger by
+        solve: Input for solving a finger without joints. `tips`: the line from its knuckle to its
+            tip (`calibration.longest_calibration`). `lengths`: length and direction, as in the
+            paper.
+        learns: True learns the coupling of each hand whose joints the device reports, unless a
+            coupling is chosen (`encoders.paalm.coupling`). For an unmeasured hand without joints,
+            it learns the position of the palm (`encoders.paalm.seen_palm`).
+        smoothing: Time constant (s) of the smoothing of lengths and directions; 0 switches it off.
+        longest: Upper limit (s) of this time constant, which grows with the device's noise for each
             finger (`encoders.paalm.paalm`).
     """
 
@@ -53,7 +54,7 @@ class PaalmOptions:
     longest: float = 0.15
 
     def coupling_for(self, dialect: str | None) -> Coupling:
-        """The chosen coupling, or that of a dialect."""
+        """The chosen coupling; without one, the coupling of a dialect."""
         return self.coupling or coupling_of(dialect)
 
     def __post_init__(self) -> None:
@@ -65,7 +66,7 @@ class PaalmOptions:
         for name, allowed in choices.items():
             if getattr(self, name) not in allowed:
                 raise EncoderError(
-                    "no such choice",
+                    "no such value of an option",
                     where=name,
                     got=getattr(self, name),
                     expected=", ".join(allowed),
@@ -80,7 +81,10 @@ class PaalmOptions:
         ):
             if not 0.0 <= getattr(self, name) <= most:
                 raise EncoderError(
-                    "out of range", where=name, got=getattr(self, name), expected=f"0 to {most}"
+                    "an option is out of range",
+                    where=name,
+                    got=getattr(self, name),
+                    expected=f"0 to {most}",
                 )
 
 
@@ -95,5 +99,5 @@ PAPER = PaalmOptions(
     learns=False,
     smoothing=0.0,
 )
-"""The paper's choices as far as it states them; the paper uses an animation program's inverse
-kinematics, we use that of `chain`."""
+"""The paper's choices, as far as it states them. The paper uses an animation program's inverse
+kinematics; this package uses the inverse kinematics of `chain`."""

@@ -1,10 +1,10 @@
 """PAALM (2013), section 4: joint angles from the directions and lengths of fingers.
 
-Calibration measures the length of every finger of an open hand, its standard. From then on the
-length ratio, a finger's length divided by its standard, gives the distance of its tip from its
-knuckle. Distance and direction give a target, and inverse kinematics of the finger's chain gives
-angles. Fingers are labelled first; a vanished one stays in its place, in palm coordinates, until it
-is seen again.
+Calibration measures the standard length of every finger of an open hand. In later frames, a
+finger's length divided by its standard length (the length ratio) gives the distance of its tip from
+its knuckle. Distance and direction give a target, and the inverse kinematics of the finger's chain
+gives angles. Fingers are labelled first. A finger that is no longer seen stays in place, in palm
+coordinates, until it is seen again.
 """
 
 from __future__ import annotations
@@ -46,26 +46,26 @@ from models.errors import EncoderError
 from models.frames import FINGERS, HandFrame, TrackedHand, Vector
 
 STEADY = 0.007
-"""m of second differences of a fingertip that are accepted at a time constant of one frame. A
+"""Mean second difference (m) of a fingertip that is acceptable at a time constant of one frame. A
 low-pass with time constant T reduces white noise of variance v to v dt / 2T, so T grows with the
 square of the noise."""
 TIP_STEADY = 0.003
-"""m, the same for fingers that are solved by their tips."""
+"""Acceptable mean second difference (m) for fingers that are solved by their tips."""
 _SHARE = 1.0 / 16.0
-"""Weight of a new difference in the running mean; a quarter of a second in a session."""
+"""Weight of a new difference in the running mean; the mean covers about a quarter of a second."""
 _JUMP = 3.0
-"""Largest difference that counts, as a multiple of the mean: a finger that was lost for a moment
-jumps once."""
+"""Limit of a difference, as a multiple of the mean, since a finger that was lost for a moment jumps
+once."""
 
 
 class FingertipNoise:
     """Measures the noise of one fingertip.
 
     Args:
-        steady: m of second differences that are accepted, see `STEADY`.
+        steady: Acceptable mean second difference (m), see `STEADY`.
 
     Attributes:
-        mean: m, mean of its second differences.
+        mean: Running mean (m) of the fingertip's second differences.
     """
 
     __slots__ = ("_before", "_last", "_steady", "mean")
@@ -81,7 +81,7 @@ class FingertipNoise:
         self._before: Vector | None = None
 
     def add(self, place: Vector) -> None:
-        """Adds the next frame's position, m."""
+        """Adds the position (m) in the next frame."""
         a, b = self._before, self._last
         self._before, self._last = b, place
         if a is None or b is None:
@@ -95,17 +95,17 @@ class FingertipNoise:
         self.mean += _SHARE * ((most if difference > most else difference) - mean)
 
     def constant(self, dt: float, least: float, most: float) -> float:
-        """Time constant in s of a low-pass that makes the fingertip steady.
+        """Time constant (s) of a low-pass that makes the fingertip steady.
 
         Args:
-            dt: s between frames.
-            least, most: s, limits of the time constant.
+            dt: Time (s) between frames.
+            least, most: Limits (s) of the time constant.
         """
         return min(max(dt * (self.mean / self._steady) ** 2, least), most)
 
 
 TIP_SMOOTHING = 1.0 / 3.0
-"""Share of the smoothing of fingers that are solved by their tips."""
+"""Smoothing of fingers that are solved by their tips, as a share of that by lengths."""
 
 
 @dataclass(frozen=True)
@@ -114,14 +114,15 @@ class PaalmHand:
 
     Attributes:
         side: `right` or `left`.
-        bends: 5 bends of fingers.
+        bends: Angles of the five fingers.
         ratios: Length divided by standard length, by finger; the last ratio for held fingers.
         ids: The device's id by finger; None for a held finger.
         held: Fingers that are not seen now.
-        hand_id: The device's id of the hand; of a hand that is not seen now, the last one.
-        palm: Palm of the hand in the device's frame, where its knuckles are those of the rig; the
-            device's own centre may be elsewhere (`HandCalibration.palm_shift`).
-        places: 5 places of 3 m in the rig's scale, from each finger's base, in palm axes.
+        hand_id: The device's id of the hand, or its last id if it is not seen now.
+        palm: Palm of the hand in the device's frame, with its centre placed so that its knuckles
+            are those of the rig. The device's centre may differ (`HandCalibration.palm_shift`).
+        places: Target (3,) m of each of the five fingers, in the rig's scale, from the finger's
+            base in palm axes.
         seen: True if the hand is seen now.
     """
 
@@ -137,7 +138,7 @@ class PaalmHand:
 
     @cached_property
     def table(self) -> Array:
-        """(5, 4) degrees: flexion and spread of the first joint, second joint, third joint."""
+        """Angles (5, 4), degrees: first joint's flexion and spread, then second and third joint."""
         return np.array([bend[:4] for bend in self.bends])
 
     @cached_property
@@ -147,13 +148,12 @@ class PaalmHand:
 
     @cached_property
     def miss(self) -> Array:
-        """(5,) m in the rig's scale, distances of tips from their targets because of joint
-        limits."""
+        """Distances (5,) m, in the rig's scale, by which joint limits keep tips from targets."""
         return np.array([bend.miss for bend in self.bends])
 
     @property
     def angles(self) -> dict[str, float]:
-        """Degrees by name: `index_mcp_flexion`, `index_mcp_spread`, `index_pip_flexion`, ..."""
+        """Angles (degrees) by name, such as `index_mcp_flexion`, `index_mcp_spread`."""
         return by_name(self.table)
 
 
@@ -162,7 +162,7 @@ class PaalmFrame:
     """Results for all configured hands at one moment.
 
     Attributes:
-        time: s, the device's time.
+        time: The device's time (s).
         hands: Hands by side; a hand that was never seen is missing.
         refused: Reason why this frame was ignored; empty if it was used.
     """
@@ -199,8 +199,8 @@ class Paalm:
     ) -> dict[str, HandCalibration]:
         """Measures hands that are held open: palm down, fingers spread.
 
-        A hand without joints that is solved by its tips is measured by its longest lengths, of
-        which it needs `ENOUGH`.
+        A hand without joints that is solved by its tips is measured by its longest lengths. This
+        needs `ENOUGH` frames in which each finger has its full length.
 
         Args:
             frames: Frames; reading ends when there are enough.
@@ -333,7 +333,7 @@ class _Hand:
         self._bends = [Bend(0.0, 0.0, 0.0, 0.0, 0.0)] * len(FINGERS)
         self._ratios = [1.0] * len(FINGERS)
         self._unseen = [0.0] * len(FINGERS)
-        # What a tip says is quieter than what a length says. Older sessions knew no difference.
+        # Tips are less noisy than lengths. Older sessions used the same limit for both.
         steady = TIP_STEADY if self._calibration.by_tip and options.solve == "tips" else STEADY
         self._noise = [FingertipNoise(steady) for _ in FINGERS]
         self._palm: Palm | None = None
@@ -411,7 +411,7 @@ class _Hand:
         return self._result(palm, ids, True)
 
     def _learn(self, learned: LearnedPalm, hand: TrackedHand, palm: Palm, names: list[int]) -> None:
-        """Learns from this frame where the palm is; the next frame's names know it."""
+        """Learns the palm's position from this frame; the labels of the next frame use it."""
         for finger, name in zip(hand.fingers, names, strict=True):
             place = palm.place(finger.tip)
             learned.add(name, finger.length, place, palm.turn(finger.direction))
@@ -431,14 +431,14 @@ class _Hand:
         self._bends[name] = rigged.bend((x, y, z))
 
     def _hold(self, name: int, dt: float, slip: float) -> None:
-        """Holds a finger that is not seen; in the paper it stays in the same position.
+        """Holds a finger that is not seen at its last position, as in the paper.
 
-        Its place in the palm is that of the last frame that showed it, with that frame's slip.
-        Older sessions took the slip of the frame that no longer shows it.
+        Position and slip are those of the last frame that showed the finger. Older sessions took
+        the slip of the frame that no longer shows it.
         """
         held = self._options.solve == "tips"
         if self._unseen[name] == 0.0:
-            # Its last measured place, not the smoothed one.
+            # The last measured position, not the smoothed position.
             x, y, z = self._latest[name]
             self._targets[name] = x, y + (slip if held else 0.0), z
             self._solve(name, held)
@@ -464,6 +464,6 @@ class _Hand:
 
 
 def stacked_hands(frame: HandFrame) -> bool:
-    """True if one hand of a frame is above another, so that the frame is of no use."""
+    """True if one hand of a frame is above another, so that the frame is unusable."""
     hands = frame.hands
     return any(stacked(a, b) for i, a in enumerate(hands) for b in hands[:i])

@@ -11,10 +11,10 @@ from models.arithmetic import Array, distance
 from models.frames import TrackedHand, Vector
 
 STACKED = 0.10
-"""m, distance of two palms' centres, seen from above, below which they are on top of each other: a
-palm is about 0.085 m wide, and the lower one hides the other from the device."""
+"""Horizontal distance (m) of two palms' centres below which one is above the other. A palm is about
+0.085 m wide, and the lower palm hides the upper one from the device."""
 BEHIND = 0.020
-"""m behind the palm's centre, where no fingertip of a hand is that the first software sees."""
+"""Distance (m) behind the palm's centre. The first software reports no fingertip farther back."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -22,9 +22,9 @@ class Palm:
     """Origin and axes of a palm, represented as a right hand.
 
     Attributes:
-        origin: m, centre of the palm.
-        across: Unit vector towards the little finger, for either hand. So the three axes of a left
-            hand are left-handed: its coordinates are those of its mirror image.
+        origin: Centre (m) of the palm.
+        across: Unit vector towards the little finger, for either hand. The axes of a left hand are
+            therefore left-handed, and its coordinates are those of its mirror image.
         forward: Unit vector towards the fingers.
         dorsal: Unit vector out of the back of the hand.
     """
@@ -35,7 +35,7 @@ class Palm:
     dorsal: Vector
 
     def place(self, point: Vector) -> Vector:
-        """Palm coordinates (across, forward, dorsal), m, of a position."""
+        """Palm coordinates (across, forward, dorsal), m, of a position in the device's frame."""
         u, v, w = self.origin
         x, y, z = point[0] - u, point[1] - v, point[2] - w
         a, f, d = self.across, self.forward, self.dorsal
@@ -46,7 +46,7 @@ class Palm:
         )
 
     def turn(self, v: Vector) -> Vector:
-        """Palm coordinates of a direction."""
+        """Palm coordinates of a direction in the device's frame."""
         a, f, d = self.across, self.forward, self.dorsal
         return (
             v[0] * a[0] + v[1] * a[1] + v[2] * a[2],
@@ -55,7 +55,7 @@ class Palm:
         )
 
     def back(self, v: Vector) -> Vector:
-        """The direction with these palm coordinates."""
+        """Direction in the device's frame, from its palm coordinates."""
         a, f, d = self.across, self.forward, self.dorsal
         x, y, z = v
         return (
@@ -65,7 +65,7 @@ class Palm:
         )
 
     def shifted(self, shift: Vector) -> Palm:
-        """The palm with its centre at a place in palm coordinates, m."""
+        """The palm with its centre moved to a position (m) given in palm coordinates."""
         x, y, z = self.back(shift)
         a, b, c = self.origin
         return Palm((a + x, b + y, c + z), self.across, self.forward, self.dorsal)
@@ -73,12 +73,13 @@ class Palm:
     @property
     def rotation(self) -> Array:
         """Matrix (3, 3) device from palm: a rotation for a right hand, a reflection for a left
-        one."""
+        hand.
+        """
         return np.array([self.across, self.forward, self.dorsal]).T
 
 
 def palm_of(hand: TrackedHand, side: str) -> Palm:
-    """The frame of a seen hand; its direction is made exactly perpendicular to its normal."""
+    """Palm of a hand, with its direction made exactly perpendicular to its normal."""
     nx, ny, nz = hand.normal
     dx, dy, dz = hand.direction
     along = nx * dx + ny * dy + nz * dz
@@ -87,7 +88,7 @@ def palm_of(hand: TrackedHand, side: str) -> Palm:
     fx, fy, fz = fx / length, fy / length, fz / length
     ux, uy, uz = -nx, -ny, -nz
     if _reversed(hand, (fx, fy, fz)):
-        # Turned about the line across the palm, as the software then sees it.
+        # Undo the half turn about the line across the palm with which the software reports it.
         fx, fy, fz, ux, uy, uz = -fx, -fy, -fz, -ux, -uy, -uz
     # Forward x dorsal points towards the little finger of a right hand whose palm faces down.
     ax, ay, az = fy * uz - fz * uy, fz * ux - fx * uz, fx * uy - fy * ux
@@ -97,10 +98,10 @@ def palm_of(hand: TrackedHand, side: str) -> Palm:
 
 
 def _reversed(hand: TrackedHand, forward: Vector) -> bool:
-    """True if most fingertips are well behind the palm, and point there.
+    """True if most fingertips are well behind the palm and point backwards.
 
-    The first software, which does not know the arm, sometimes takes the wrist for the fingers' end
-    of a hand that has just come into view. Fingers whose joints are known never look so.
+    The first software does not detect the arm. It sometimes takes the wrist of a hand that has just
+    come into view for the side of the fingers. Hands with joints are never reported like this.
     """
     x, y, z = hand.palm
     behind = 0
@@ -116,7 +117,7 @@ def _reversed(hand: TrackedHand, forward: Vector) -> bool:
 
 
 def stacked(a: TrackedHand, b: TrackedHand) -> bool:
-    """True if one hand is above the other, so that the device cannot tell their fingers apart."""
+    """True if one hand is above the other, so that the device cannot separate their fingers."""
     return distance(a.palm[:2], b.palm[:2]) < STACKED
 
 

@@ -1,4 +1,4 @@
-"""The finger chains that calibrated fingers are mapped to: the paper's Maya-fingers."""
+"""Finger chains to which calibrated fingers are mapped; the paper calls them Maya-fingers."""
 
 from __future__ import annotations
 
@@ -20,8 +20,7 @@ _ZERO_FRAMES = [tuple(map(tuple, f.tolist())) for f in FRAMES]
 
 
 def bone_lengths(skeleton: Skeleton = ADULT) -> list[tuple[float, float, float]]:
-    """Bone lengths of every finger in m; 0 for the thumb's third bone, which the skeleton does not
-    have."""
+    """Bone lengths (m) of every finger; 0 for the thumb's third bone, which the skeleton lacks."""
     out = []
     for finger in range(len(FINGERS)):
         own = [b.length for b in skeleton.bones if b.finger == finger]
@@ -32,15 +31,16 @@ def bone_lengths(skeleton: Skeleton = ADULT) -> list[tuple[float, float, float]]
 
 @dataclass(frozen=True)
 class RiggedFinger:
-    """One finger: converts its visible part to a target of its chain.
+    """One finger, whose visible part is converted to a target of its chain.
 
     Attributes:
-        finger: 0 to 4.
-        chain: Bones in rig metres.
-        open_length: m in the rig's scale, length at a length ratio of 1.
-        knuckle: m, position in palm coordinates.
-        from_knuckle: True measures targets from the knuckle, False by direction and length ratio.
-        scale: Rig metres per metre of the person's hand.
+        finger: Finger, thumb 0 to little 4.
+        chain: Chain of bones, in metres of the rig.
+        open_length: Length (m, in the rig's scale) at a length ratio of 1.
+        knuckle: Position (m) of the knuckle in palm coordinates.
+        from_knuckle: True if targets are measured from the knuckle, False if they are given by
+            direction and length ratio.
+        scale: Metres of the rig per metre of the person's hand.
     """
 
     finger: int
@@ -59,13 +59,13 @@ class RiggedFinger:
         return x * a + y * d + z * g, x * b + y * e + z * h, x * c + y * f + z * i
 
     def bend(self, target: Vector) -> Bend:
-        """Angles for a target in palm axes, from the base, m in the rig's scale."""
+        """Angles for a target (m, in the rig's scale) relative to the base, in palm axes."""
         return self.chain.solve(self.local(target))
 
 
 def assumed_coupling(calibration: HandCalibration, options: PaalmOptions) -> Coupling:
-    """The coupling of a hand as far as it is known: the chosen one, the hand's own, or that of its
-    device's dialect."""
+    """The initial coupling of a hand: the coupling of the options, else that of the calibration,
+    else that of the device's dialect."""
     return options.coupling or calibration.coupling or options.coupling_for(calibration.dialect)
 
 
@@ -99,7 +99,7 @@ def rig(calibration: HandCalibration, options: PaalmOptions) -> list[RiggedFinge
             chain = FingerChain(rest[finger], coupling, limits)
             open_length = chain.chord(options.open_bend)
         if finger and calibration.palm_shift is not None:
-            # The pose is that of the average hand: its knuckles, and the device's own metres.
+            # Targets start at the average hand's knuckles, and the rig has the device's scale.
             x, y, z = average_knuckle(finger)
             a, b, c = calibration.palm_shift
             knuckle, scale = (x + a, y + b, z + c), 1.0
@@ -108,15 +108,16 @@ def rig(calibration: HandCalibration, options: PaalmOptions) -> list[RiggedFinge
 
 
 def with_palm_shift(calibration: HandCalibration, options: PaalmOptions) -> HandCalibration:
-    """The calibration with the shift that brings the average hand's knuckles to those measured."""
+    """The calibration with the palm shift that brings the average hand's knuckles to the measured
+    knuckles."""
     measured = np.array([r.knuckle for r in rig(calibration, options)])[1:]
     average = np.array([average_knuckle(finger) for finger in range(1, len(FINGERS))])
     return replace(calibration, palm_shift=vector_of((measured - average).mean(axis=0)))
 
 
 def shares_behind(options: PaalmOptions) -> list[float]:
-    """Distances (5,) from a finger's visible part back to its knuckle, as shares of the longest
-    length that is seen."""
+    """Distances (5,) from each finger's visible part back to its knuckle, as shares of its longest
+    visible length."""
     shares = []
     for finger, bones in enumerate(bone_lengths()):
         limits, hidden = FINGER_LIMITS, options.hidden
@@ -129,7 +130,7 @@ def shares_behind(options: PaalmOptions) -> list[float]:
 
 
 def average_knuckle(finger: int) -> Vector:
-    """Knuckle of the average hand, m, in palm coordinates."""
+    """Knuckle (m) of a finger of the average hand, in palm coordinates."""
     x, y, z = ADULT.bones[ADULT.first_bone[finger]].anchor
     a, b, c = PALM_CENTRE
     return x - a, y - b, z - c

@@ -1,14 +1,14 @@
-"""Where the first software sees a palm: in front of the average hand's, and not always there.
+"""Learns the shift of the palm's centre that the first Leap software reports.
 
-Its centre of the palm is in front of the average hand's by an amount that differs from hand to
-hand. A finger that is seen at its full length points back to its knuckle, and the knuckles say
-where the palm is. `LearnedPalm` learns this while a hand is seen that was not measured. How long a
-finger is at its full length is learned, too: it is the longest length so far, since the device
-often sees less of it. Only past frames count.
+The reported centre is in front of the average hand's centre, by a distance that differs from hand
+to hand. A finger at its full length points back to its knuckle, and the knuckles determine the
+position of the palm. `LearnedPalm` learns the shift while an unmeasured hand is seen. It also
+learns each finger's full length, which is the longest length so far, since the device often reports
+shorter ones. Only past frames count.
 
-The centre also wanders towards the fingers: by 6 cm where a hand leaves the view of the real
-recording v1-hands. Each finger then seems to end too near to its knuckle without being lowered,
-which only a claw could do. All fingers say the same, so their median is the `slip`.
+The centre also moves towards the fingers for a time, by 6 cm in the real recording v1-hands when a
+hand leaves the view. Every finger then seems to end too near to its knuckle without being lowered,
+which only a claw could do. The median of this error over all fingers is the `slip`.
 """
 
 from __future__ import annotations
@@ -22,18 +22,18 @@ from models.arithmetic import total
 from models.frames import FINGERS, Vector
 
 FIRST_SHIFT = (0.007, -0.031, 0.005)
-"""m in palm coordinates, from the device's centre of the palm to the average hand's, before
-anything is learned: that of both hands in the real recording v1-hands, on average, if knuckles are
-as far behind what is seen of a finger as the device hides (`PaalmOptions.hidden`)."""
+"""Initial shift (m, in palm coordinates) from the device's centre of the palm to the average
+hand's. It is the mean of both hands in the real recording v1-hands, if the distance from a finger's
+visible part to its knuckle is the part that the device leaves out (`PaalmOptions.hidden`)."""
 PRIOR = 60.0
-"""Frames that the first guess is worth: about half a second of a finger at its full length."""
+"""Weight of the initial guess, in frames: about half a second of a finger at its full length."""
 STEP = 0.0002
-"""m by which the shift in use moves in a frame at most: no fingertip jumps."""
+"""Largest change (m) of the shift in use in one frame, so that fingertips do not jump."""
 FAR = 0.04
-"""m from the shift in use beyond which a frame does not count: the palm is the wrong way round, or
-the hand leaves the view."""
+"""Distance (m) from the shift in use beyond which a frame does not count, because the palm is the
+wrong way round or the hand leaves the view."""
 _BIN = 0.001
-"""m, accuracy of the longest length."""
+"""Resolution (m) of the longest length."""
 _BINS = 160
 
 
@@ -41,15 +41,15 @@ class LearnedPalm:
     """Learns the palm's shift and the fingers' full lengths of one hand.
 
     Args:
-        shift: (3,) m, the first guess, see `HandCalibration.palm_shift`.
-        standard: (5,) m, the average hand's full lengths.
+        shift: (3,) m, initial guess of the shift, see `HandCalibration.palm_shift`.
+        standard: (5,) m, full lengths of the average hand's fingers.
         behind: (5,) distances from a finger's visible part back to its knuckle, as shares of its
             full length.
-        knuckles: (5, 3) m, the average hand's, from its palm's centre.
+        knuckles: (5, 3) m, knuckles of the average hand relative to its palm's centre.
 
     Attributes:
-        shift: The shift in use, on its way to the learned one.
-        standard: Full lengths, m.
+        shift: The shift in use, which approaches the learned shift in small steps.
+        standard: Full lengths (m) of the fingers.
     """
 
     def __init__(
@@ -70,10 +70,10 @@ class LearnedPalm:
         """Learns from a finger in a frame.
 
         Args:
-            name: 0 to 4.
-            length: m that is seen of it.
-            tip: m, in palm coordinates.
-            along: Its direction in palm coordinates.
+            name: Finger, thumb 0 to little 4.
+            length: Visible length (m) of the finger.
+            tip: Tip (m) in palm coordinates.
+            along: Direction of the finger in palm coordinates.
         """
         full = self.standard[name] = self._lengths[name].add(length)
         if name == 0 or length < NEARLY * full:
@@ -98,10 +98,10 @@ class LearnedPalm:
 
 
 class _Longest:
-    """The length that most lengths so far do not exceed.
+    """High percentile (`LONGEST`) of the lengths so far.
 
     Args:
-        guess: m, worth `PRIOR` lengths.
+        guess: Initial guess (m), which counts as `PRIOR` lengths.
     """
 
     def __init__(self, guess: float) -> None:
@@ -121,23 +121,24 @@ class _Longest:
 
 
 LEVEL = 10.0
-"""Degrees below the palm's direction to which a straight finger may point."""
+"""Largest angle (degrees) below the palm's direction to which a straight finger may point."""
 
 
 OVERREACH = 0.004
-"""m by which a finger may end short of where it is seen, because of the average hand's bones."""
+"""Distance (m) by which a finger's chain may end short of the visible tip, since it has the average
+hand's bones."""
 
 
 def slip(fingers: Sequence[tuple[FingerChain, Vector]], overreach: float = inf) -> float:
-    """The slip of a palm, m forward; negative if it is seen too far back.
+    """The slip (m) of a palm's centre towards the fingers; negative if it is too far back.
 
-    A finger that bends is lowered about as much as its PIP is bent. No finger may have to be longer
-    than it is, or its tip would miss its place.
+    A finger that bends is lowered by about the angle of its PIP. The slip is limited so that no tip
+    is farther away than its finger can reach.
 
     Args:
-        fingers: Chain and tip, m from the knuckle in palm axes, of every finger that is seen, the
-            thumb left out.
-        overreach: m by which a finger may end short of its tip.
+        fingers: Chain and tip (m from the knuckle, in palm axes) of every visible finger except the
+            thumb.
+        overreach: Distance (m) by which a chain may end short of the tip.
     """
     slips = []
     most = inf

@@ -1,8 +1,8 @@
 """Simulated hands in the air, with the true poses that recordings of the first Leap software lack.
 
-A hand is held open over the device, then gestures: fingers fold together and one by one, spread,
-close, pinch, while the palm turns and moves about. Persons differ in size, proportions and in the
-coupling of their last joints. All data are simulated, not recorded.
+A hand is held open over the device, and then makes gestures: fingers fold together or one by one,
+spread, close and pinch, while the palm turns and moves. People differ in hand size, in proportions
+and in the coupling of their last joints. All data are simulated, not recorded.
 """
 
 from __future__ import annotations
@@ -24,14 +24,14 @@ from models.rotations import exp
 from models.skeleton import ADULT, Skeleton
 
 _OVER_DEVICE = np.array([0.0, 0.0, 0.20])
-"""m, position at which hands are held."""
+"""Position (m) at which hands are held."""
 
 
 _SPLAY = np.array([5.0, 6.0, 1.0, -5.0, -14.0])
-"""Degrees, spread of an open hand's fingers."""
+"""Spread (degrees) of the fingers of an open hand."""
 
 _HELD_OPEN = 2.0
-"""s of the open hand before a take made from a capture."""
+"""Duration (s) of the open hand before a take that is made from a capture."""
 
 
 @dataclass(frozen=True)
@@ -39,14 +39,14 @@ class AirConfiguration:
     """Settings of simulated hands. Angles in degrees, lengths in m, times in s.
 
     Attributes:
-        rate: Hz of the frames.
+        rate: Frame rate (Hz).
         open_seconds: Duration of the open hand at the beginning, long enough for 1000 frames.
-        seconds: Duration of the gestures after it.
-        gesture: Mean duration of one.
-        size, proportion: Spread of hand size, and of single bones, as shares.
+        seconds: Duration of all gestures together.
+        gesture: Mean duration of a single gesture.
+        size, proportion: Standard deviations of hand size and of single bones, as shares.
         open_bend: Mean and spread of PIP of an open hand.
         slope, offset: Mean and spread over persons of DIP = slope * PIP + offset.
-        stray: Slowly changing spread of a joint about the angle given by gesture and coupling.
+        stray: Spread of a joint's slow deviation from the angle given by gesture and coupling.
         turn: Spread of the palm's roll, pitch and yaw.
         wander: Spread of the palm's position.
     """
@@ -75,8 +75,8 @@ class AirTake:
     Attributes:
         time: (T,) s.
         origin: (T, 3) m, palm centre in the device's frame.
-        rotation: (T, 3, 3) device from palm; palms of left hands are represented as right ones, so
-            theirs are reflections.
+        rotation: (T, 3, 3) device from palm. Palms of left hands are represented as right palms, so
+            their matrices are reflections.
         joints: (T, 5, 4, 3) m, knuckle, PIP, DIP, tip in palm coordinates.
         open: (T,) booleans, frames in which the hand is held open to be measured.
         side: `right` or `left`.
@@ -91,7 +91,7 @@ class AirTake:
 
     @property
     def angles(self) -> Array:
-        """Joint angles (T, 5, 4), degrees."""
+        """Joint angles (T, 5, 4) in degrees."""
         return angles_of_joints(self.joints)
 
 
@@ -149,10 +149,10 @@ def turned(take: AirTake, rotation: Array) -> AirTake:
 
 
 def takes_of_capture(capture: Capture, skeleton: Skeleton = ADULT) -> Iterator[AirTake]:
-    """Converts the takes of a capture of touches to hands over the device, one trial after another.
+    """Converts the takes of a capture of touches to hands over the device, trial by trial.
 
-    Hands on a surface are never held open, so every take begins with the same hand held open for
-    2 s, to be measured, which closes within half a second to what the capture begins with.
+    Hands on a surface are never held open. Every take therefore begins with the same hand held open
+    for 2 s, for calibration. Within half a second it then closes to the first pose of the capture.
     """
     kinematics = Kinematics(skeleton)
     for trial in np.unique(capture.trial):
@@ -198,7 +198,7 @@ def _opened(joints: Array, step: float) -> Array:
 
 
 def body_of(rng: np.random.Generator, c: AirConfiguration) -> tuple[Array, Array]:
-    """Knuckles (5, 3) in palm coordinates and bones (5, 3) of a person, m."""
+    """Knuckles (5, 3) m in palm coordinates, and bone lengths (5, 3) m, of a random person."""
     size = float(np.clip(1.0 + c.size * rng.standard_normal(), 0.8, 1.2))
     knuckles = np.array([ADULT.bones[i].anchor for i in ADULT.first_bone]) - PALM_CENTRE
     lengths = np.zeros((5, 3))
@@ -225,7 +225,7 @@ def _gestures(
             level[:] = rng.uniform(0.4, 1.0)
         elif kind == 2:  # some fingers fold, others point
             level[:] = rng.uniform(0.5, 1.0) * (rng.random(5) < 0.5)
-        elif kind == 3:  # every finger as it likes
+        elif kind == 3:  # every finger at random
             level[:] = rng.uniform(0.0, 1.0, 5)
         elif kind == 4:  # flexed at the knuckles, or clawed
             level[:] = rng.uniform(0.3, 0.8)

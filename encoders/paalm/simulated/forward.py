@@ -1,8 +1,8 @@
 """A forward model of the Leap: it computes the device's frames for a hand with known poses.
 
-`v1` is the first software (`FirstSoftware`), which PAALM (2013) reads; `v3` is the later one with
-labelled joints. `ForwardLeap` sees a hand that moves live; `leap_take` makes whole takes with it.
-The configuration is frozen.
+`v1` is the first software (`FirstSoftware`), whose data PAALM (2013) used. `v3` is the later
+software, which reports labelled joints. `ForwardLeap` computes frame by frame for a hand that moves
+live; `leap_take` computes whole takes with it. The configuration is frozen.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from models.frames import FINGERS, HandFrame, TrackedFinger, TrackedHand
 from models.rotations import exp as rotation_exp
 
 QUANTILES = (0.0, 0.01, 0.05, 0.1, 0.25, 0.4, 0.5, 0.6, 0.75, 0.9, 1.0)
-"""Shares of the time that `LeapConfiguration.seen` counts."""
+"""Quantiles at which `LeapConfiguration.seen` gives its values."""
 
 
 @dataclass(frozen=True)
@@ -30,34 +30,36 @@ class LeapConfiguration:
     """Settings of the device. Lengths in m, angles in degrees, times in s.
 
     Attributes:
-        joint: Spread of the later software's joints.
-        palm_place, palm_turn: Spread of its palm's frame.
-        hidden: Share of the first bone that the first software counts as palm, for fingers and for
-            the thumb. All from here on is the first software's. In the recording, greatest lengths
-            are 71 to 82 mm of index, middle and ring finger and 52 to 55 of the thumb, which of an
-            average hand leave out about these shares.
-        seen: Share of the rest that is seen, from the tip on, at each of `QUANTILES`. It says
-            nothing about how far the finger is bent.
-        seen_seconds: Time constant with which that share changes, smoothly.
+        joint: Standard deviation of the later software's joint positions.
+        palm_place, palm_turn: Standard deviations of the later software's palm frame. All other
+            settings are those of the first software.
+        hidden, thumb_hidden: Share of the first bone that counts as palm, for fingers and for the
+            thumb. In the recording, the greatest lengths are 71 to 82 mm for index, middle and ring
+            finger and 52 to 55 mm for the thumb. An average hand has these lengths if about these
+            shares are left out.
+        seen: Share of the remaining finger that is seen, from the tip on, at each of `QUANTILES`.
+            It does not depend on how far the finger is bent.
+        seen_seconds: Time constant with which this share changes smoothly.
         seen_alike: Correlation between the shares of two fingers.
-        length_slow: Spread of slow errors of a length, as a share of it.
-        tip, length, direction: Spread of tips, lengths and directions from frame to frame.
-        aside, aside_seconds: Spread and time constant of slow errors of a direction.
-        centre: Palm's centre that the device reports, in palm coordinates; its x is that of either
-            hand, towards the little finger.
-        centre_wanders, wander_seconds: Spread and time constant of that centre's wandering forwards
-            and backwards.
-        centre_place, centre_turn: Spread of the palm's frame from frame to frame.
+        length_slow: Standard deviation of slow errors of a length, as a share of the length.
+        tip, length, direction: Standard deviations of tips, lengths and directions from frame to
+            frame.
+        aside, aside_seconds: Standard deviation and time constant of slow errors of a direction.
+        centre: Reported centre of the palm, in palm coordinates. For either hand, x points towards
+            the little finger.
+        centre_wanders, wander_seconds: Standard deviation and time constant of the centre's slow
+            movement forwards and backwards.
+        centre_place, centre_turn: Standard deviations of the palm's frame from frame to frame.
         reversed_share, reversed_for: Share of the hands that come into view with the palm the wrong
-            way round, and for how long.
-        folded: A finger that is bent to less than this share of its length is not seen.
-        turned_in: Nor is one that points more than this away from the palm's direction.
-        merged: Two tips closer than this are seen as one.
-        lost_rate, lost: Hz at which a visible finger is lost without a reason, and its duration in
-            s: every order of magnitude is equally likely.
-        fresh: Share of the lost fingers that come back with a new id.
-        back: s that a hidden finger must be visible before the device reports it again.
-        swapped: Hz at which two neighbours exchange their ids.
+            way round, and the duration of this error.
+        folded: Share of its length below which a bent finger is not seen.
+        turned_in: Angle from the palm's direction beyond which a finger is not seen.
+        merged: Distance below which two tips are reported as one.
+        lost_rate, lost: Rate (Hz) at which a visible finger is lost without a reason, and range of
+            the duration (s), in which every order of magnitude is equally likely.
+        fresh: Share of the lost fingers that return with a new id.
+        back: Time (s) for which a hidden finger must be visible before it is reported again.
+        swapped: Rate (Hz) at which two neighbours exchange their ids.
     """
 
     joint: float = 0.0005
@@ -110,19 +112,19 @@ PRINTED_LEAP = LeapConfiguration(
     fresh=1.0,
     swapped=0.0,
 )
-"""The device that the paper describes, in which a finger's length says how far it is bent. No real
-recording looks so; what the paper prints can be tested on it."""
+"""The device that the paper describes, in which a finger's length shows how far it is bent. No real
+recording is like this. The configuration serves to test the paper's method as published."""
 
 
 DIALECTS = ("v3", "v1")
 
 BALL = 0.23
-"""Share of the last bone by which the later software's `tipPosition` is before the bone's end: that
-of every finger in the real recording pinch-57fps (4.2 mm on average). On real v3 hands the two are
-6.5 mm apart, and not along the bone alone."""
+"""Distance from the bone's end back to the later software's `tipPosition`, as a share of the last
+bone. Every finger in the real recording pinch-57fps has this share (4.2 mm on average). On real v3
+hands the two points are 6.5 mm apart, and not along the bone only."""
 
 _Seen = tuple[TrackedHand, dict[int, int]]
-"""A hand as the device reports it, and the finger of every id of it."""
+"""A hand as the device reports it, and the finger of every id."""
 
 
 @dataclass(frozen=True)
@@ -154,7 +156,7 @@ class ForwardLeap:
         side: `right` or `left`.
         dialect: `v1` or `v3`.
         configuration: Settings of the device.
-        drop_outs: False sees every finger always (v1).
+        drop_outs: False reports every finger in every frame (v1).
 
     Raises:
         EncoderError: The dialect is unknown.
@@ -180,10 +182,10 @@ class ForwardLeap:
     def see(
         self, time: float, origin: Array, rotation: Array, joints: Array
     ) -> tuple[HandFrame, dict[int, int]]:
-        """The device's frame for a hand, and the finger of every id in it.
+        """The device's frame for a hand, and the finger of every id in this frame.
 
         Args:
-            time: s, time of the frame.
+            time: Time (s) of the frame.
             origin: (3,) m, palm centre in the device's frame.
             rotation: (3, 3) device from palm; a reflection for a left hand.
             joints: (5, 4, 3) m, knuckle, PIP, DIP, tip in palm coordinates.
@@ -202,7 +204,7 @@ class ForwardLeap:
         self._first.lose()
 
     def _without_names(self, step: float, origin: Array, rotation: Array, joints: Array) -> _Seen:
-        """The hand in the first software's frame, `step` s after the last one."""
+        """The hand in the first software's frame, at a time `step` (s) after the last frame."""
         seen = self._first.see(step, origin, rotation, joints)
         shown = [f for f in self._rng.permutation(len(FINGERS)).tolist() if seen.ids[f]]
         fingers = tuple(
@@ -275,7 +277,7 @@ def leap_take(
         take: The hand.
         seed: Seed of noise, order and drop-outs.
         dialect: `v1` or `v3`.
-        drop_outs: False sees every finger always (v1).
+        drop_outs: False reports every finger in every frame (v1).
         configuration: Settings of the device.
     """
     device = ForwardLeap(seed, take.side, dialect, configuration, drop_outs)
@@ -285,7 +287,7 @@ def leap_take(
 
 
 def balls(world: Array) -> Array:
-    """The later software's fingertips (..., 5, 3) of joints (..., 5, 4, 3)."""
+    """Fingertips (..., 5, 3) that the later software reports for joints (..., 5, 4, 3)."""
     end = world[..., 3, :]
     # A thumb of two bones has its last joint at its end.
     start = np.concatenate([world[..., :1, 1, :], world[..., 1:, 2, :]], axis=-2)
@@ -294,14 +296,14 @@ def balls(world: Array) -> Array:
 
 _FIVE = len(FINGERS)
 _SLOW = 0.5
-"""s, time constant of the slow errors of lengths."""
+"""Time constant (s) of the slow errors of lengths."""
 _FINE = 4
-"""Steps of a smooth process per time constant, at least."""
+"""Least number of steps of a smooth process per time constant."""
 _LONG = 20
-"""Most steps for one frame: after a longer gap nothing is left of what was before."""
+"""Most steps for one frame. After a longer gap, no correlation with earlier values is left."""
 _SCORES = np.array([NormalDist().inv_cdf(min(max(q, 1e-4), 1.0 - 1e-4)) for q in QUANTILES])
 _ROUND = np.diag([1.0, -1.0, -1.0])
-"""Turns a palm round, about the line across it."""
+"""Half turn of a palm about the line across it."""
 
 
 @dataclass(frozen=True)
@@ -311,9 +313,10 @@ class SeenHand:
     Attributes:
         origin: (3,) m, centre of the palm.
         axes: (3, 3) device from palm.
-        ids: (5,) ids by finger; 0 is a finger that is not seen.
-        tips, along: (5, 3) m, tips; directions.
-        lengths: (5,) m.
+        ids: (5,) ids by finger; 0 for a finger that is not seen.
+        tips: (5, 3) m, fingertips.
+        along: (5, 3) directions of the fingers.
+        lengths: (5,) m, visible lengths.
     """
 
     origin: Array
@@ -327,14 +330,14 @@ class SeenHand:
 class FirstSoftware:
     """One hand as the first Leap software reports it, frame by frame.
 
-    Fingers come in no order, with direction and length of what is seen of them. How much that is
-    changes slowly, whether a finger moves or not, and without steepening its direction: so it is in
-    the only recording of real hands (see `leap_configuration`).
+    Fingers are reported in no order, with the direction and length of their visible part. The
+    visible length changes slowly, even if the finger does not move, and the direction does not
+    change with it. This is how the only recording of real hands behaves (see `LeapConfiguration`).
 
     Args:
-        rng: Chance.
+        rng: Random generator.
         configuration: Settings of the device.
-        drop_outs: False sees every finger always.
+        drop_outs: False reports every finger in every frame.
     """
 
     def __init__(
@@ -346,7 +349,7 @@ class FirstSoftware:
         c = configuration
         self._rng, self._c, self._drop_outs = rng, c, drop_outs
         self._hidden = np.array([c.thumb_hidden, *[c.hidden] * (_FIVE - 1)])
-        # One share for all fingers, one for each.
+        # One process that all fingers share, and one for each finger.
         self._share = _Smooth(rng, 1 + _FIVE, c.seen_seconds)
         self._wander = _Smooth(rng, 1, c.wander_seconds)
         self._aside = _Smooth(rng, 3 * _FIVE, c.aside_seconds)
@@ -367,7 +370,7 @@ class FirstSoftware:
         """The device's view of a hand.
 
         Args:
-            step: s since the last one.
+            step: Time (s) since the last frame.
             origin: (3,) m, palm centre of the average hand in the device's frame.
             rotation: (3, 3) device from palm; a reflection for a left hand.
             joints: (5, 4, 3) m, knuckle, PIP, DIP, tip in palm coordinates.
@@ -419,7 +422,7 @@ class FirstSoftware:
         return np.asarray(visible & ~merged.any(axis=1))
 
     def _name(self, visible: NDArray[np.bool_], tips: Array, step: float) -> None:
-        """Loses fingers and finds them again, and exchanges the ids of neighbours."""
+        """Updates the ids: loses fingers, finds them again, and swaps ids of neighbours."""
         rng, c = self._rng, self._c
         hazard = rng.random(_FIVE) < c.lost_rate * step
         span = np.exp(rng.uniform(log(c.lost[0]), log(c.lost[1]), _FIVE))
@@ -446,22 +449,22 @@ class FirstSoftware:
 
 
 class _Smooth:
-    """Processes of spread 1 without corners: low-passed white noise, low-passed again.
+    """Smooth random processes with a standard deviation of 1: white noise, low-passed twice.
 
     Args:
-        rng: Chance.
-        count: How many.
-        seconds: s, time constant of both low-passes.
+        rng: Random generator.
+        count: Number of processes.
+        seconds: Time constant (s) of both low-passes.
     """
 
     def __init__(self, rng: np.random.Generator, count: int, seconds: float) -> None:
         self._rng, self._seconds = rng, seconds
         self._first = rng.standard_normal(count)
-        # Half of the variance passes a second low-pass; the two are correlated.
+        # Half of the variance passes the second low-pass, and both stages are correlated.
         self._second = 0.5 * self._first + 0.5 * rng.standard_normal(count)
 
     def after(self, step: float) -> Array:
-        """The values a number of seconds later."""
+        """The values at a time `step` (s) later."""
         steps = min(ceil(_FINE * step / self._seconds), _LONG) if step > 0.0 else 0
         for _ in range(steps):
             keep = exp(-step / steps / self._seconds)

@@ -400,7 +400,7 @@ def test_fingers_held_together_are_not_measured() -> None:
 def test_the_hand_to_calibrate_must_be_specified() -> None:
     with pytest.raises(EncoderError, match="hand to calibrate"):
         Paalm().calibrate(take(0).frames, "neither", 10)  # type: ignore[arg-type]
-    with pytest.raises(EncoderError, match="no such choice"):
+    with pytest.raises(EncoderError, match="no such value of an option"):
         PaalmOptions(identity="guess")  # type: ignore[arg-type]
 
 
