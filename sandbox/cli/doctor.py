@@ -12,10 +12,8 @@ from rich.table import Table
 
 from sandbox.cli.common.command_line import parse
 from sandbox.doctor.check import Check
-from sandbox.doctor.devices import device_checks
-from sandbox.doctor.graphics import graphics_checks
-from sandbox.doctor.packages import package_checks
-from sandbox.doctor.system import speed_check, system_checks
+from sandbox.doctor.devices import device_checks, graphics_checks
+from sandbox.doctor.system import package_checks, speed_check, system_checks
 from sandbox.recording.versions import versions
 
 SCHEMA = 1

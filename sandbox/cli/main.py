@@ -111,8 +111,6 @@ IN_FOLDERS = {
     "devices",
     "evaluate",
     "hand",
-    "paalm",
-    "replay",
     "study",
     "touches",
 }

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ast
 import threading
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
@@ -48,7 +49,7 @@ from tasks.registry import find_task
 if TYPE_CHECKING:
     from sandbox.trial.assembly import DeviceMakers
     from sandbox.trial.settings import Settings
-import ast
+
 
 HERE = Path(__file__).parent
 PARTS = {

@@ -9,23 +9,33 @@ from __future__ import annotations
 import gzip
 import json
 import zlib
+from collections import Counter
 from collections.abc import Callable, Iterator
+from dataclasses import replace
+from itertools import pairwise
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 from msgspec import Struct
 
+from encoders.air.camera import Camera
+from encoders.air.landmark_reconstructor import WITHOUT, LandmarkReconstructor
 from encoders.capture import Capture
+from encoders.reconstruction.followed_hand import FollowingSettings
+from encoders.reconstruction.hand_motion import RateLimit
 from encoders.store import load_capture
 from models.arithmetic import Array
 from models.errors import InputError, RecordingError
+from models.frames import SIDES
 from models.json_input import checked, decoded_record
 from models.motion.armature import CHUNK, Armature
 from models.motion.sampling import Poses
+from models.person import Person
+from models.reader_report import ReaderReport
 from models.skeleton import ADULT
-from sandbox.devices.webcam.landmarks import is_landmark_file
-from sandbox.export.leap_source import Hand, open_leap
+from sandbox.devices.webcam.landmarks import LandmarkRecording, is_landmark_file, read_landmarks
+from sandbox.export.leap_source import FEW, Hand, open_leap
 from sandbox.export.motion_source import MotionSource, PoseCallback, poses_of, together
 from sandbox.recording.recording import (
     GZIP,
@@ -43,19 +53,7 @@ from sandbox.trial.settings import Settings, recorded_settings
 if TYPE_CHECKING:
     from sandbox.session.messages import Snapshot
     from sandbox.session.session import Session
-from collections import Counter
-from dataclasses import replace
-from itertools import pairwise
 
-from encoders.air.camera import Camera
-from encoders.air.landmark_reconstructor import WITHOUT, LandmarkReconstructor
-from encoders.reconstruction.followed_hand import FollowingSettings
-from encoders.reconstruction.hand_motion import RateLimit
-from models.frames import SIDES
-from models.person import Person
-from models.reader_report import ReaderReport
-from sandbox.devices.webcam.landmarks import LandmarkRecording, read_landmarks
-from sandbox.export.leap_source import FEW
 
 STRAIGHT = FollowingSettings(
     rate=RateLimit(linear=1e3, angular=1e3),

@@ -6,10 +6,12 @@ a CI server.
 
 from __future__ import annotations
 
+import shlex
 import sys
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from math import ceil
+from pathlib import Path
 from time import perf_counter
 from typing import TYPE_CHECKING
 
@@ -20,24 +22,21 @@ from rich.table import Table
 
 from models.message import counted
 from sandbox.regress import statistics
+from sandbox.regress.baseline import Baseline
 from sandbox.regress.comparison import Change, Comparison, groups, level_of
 from sandbox.regress.execute import CRASHED
 from sandbox.regress.measures import DECIDING, SUCCESS, TIME
-from sandbox.regress.report import Crashes, Report
-
-if TYPE_CHECKING:
-    from sandbox.regress.power import Power
-    from sandbox.regress.sweep import Curve, Point, Sweep
-import shlex
-from contextlib import ExitStack
-from pathlib import Path
-
-from sandbox.regress.baseline import Baseline
 from sandbox.regress.plan import file_name, registered
+from sandbox.regress.report import Crashes, Report
 from sandbox.session.session import Session
 from sandbox.system.files import write_whole
 from sandbox.trial.driver import View, play_trial
 from sandbox.views.film import FilmView
+
+if TYPE_CHECKING:
+    from sandbox.regress.power import Power
+    from sandbox.regress.sweep import Curve, Point, Sweep
+
 
 PAGE = "films.md"
 """Name of the page that shows the films."""

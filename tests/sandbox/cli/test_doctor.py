@@ -23,8 +23,14 @@ from sandbox.cli.play import PlayOptions
 from sandbox.cli.run import RunOptions
 from sandbox.doctor.check import Check, run_probe
 from sandbox.doctor.devices import port_check
-from sandbox.doctor.packages import DEVELOPERS, USES, declared, package_checks, within
-from sandbox.doctor.system import folder_check
+from sandbox.doctor.system import (
+    DEVELOPERS,
+    USES,
+    declared,
+    folder_check,
+    package_checks,
+    within,
+)
 from tasks.registry import TASKS
 from tests.support.processes import ROOT
 
@@ -106,7 +112,7 @@ def test_every_extra_is_looked_at_by_its_own_packages(found: list[Check]) -> Non
 
 
 def test_a_package_that_is_too_old_counts_as_missing(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("sandbox.doctor.packages.version", lambda name: "0.0.1")
+    monkeypatch.setattr("sandbox.doctor.system.version", lambda name: "0.0.1")
     packages = next(c for c in package_checks() if c.name == "packages")
     assert not packages.ok and "mujoco 0.0.1 is not" in packages.found
 

@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 
 from models.errors import DivergenceError
+from sandbox.cli import replay as replay_command
 from sandbox.cli import run as run_command
-from sandbox.cli.replay import command as replay_command
 from sandbox.recording.recording import load_recording
 from sandbox.regress.execute import run_job
 from sandbox.regress.plan import TrialJob

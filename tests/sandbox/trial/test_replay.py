@@ -16,7 +16,7 @@ from threadpoolctl import threadpool_info
 
 from models.arithmetic import Array
 from models.errors import RecordingError
-from sandbox.cli.replay import command
+from sandbox.cli import replay as replay_command
 from sandbox.devices.device import AnyDevice
 from sandbox.recording.recording import (
     GRAIN,
@@ -142,7 +142,7 @@ def test_elsewhere_the_command_says_so_and_does_not_fail(
     recorded: tuple[dict[int, Snapshot], TrialResult, Path], capsys: pytest.CaptureFixture[str]
 ) -> None:
     _, result, path = recorded
-    assert command.main([str(forged(path, "other.jsonl", impulse=0.02))]) == 0
+    assert replay_command.main([str(forged(path, "other.jsonl", impulse=0.02))]) == 0
     said = " ".join(capsys.readouterr().out.split())
     assert (
         "the system's libm (musl 1.2, 0123456789ab there" in said and "its recorded poses" in said
@@ -180,13 +180,13 @@ def test_a_trial_that_was_left_is_called_broken_off_by_its_replay(
         for _ in range(60):
             trial.step()
         trial.end()
-    assert command.main([str(path)]) == 0
+    assert replay_command.main([str(path)]) == 0
     assert "broken off after" in capsys.readouterr().out
     other = forged(path, "left-elsewhere.jsonl")
     lines = other.read_text().splitlines()
     first = next(found["hash"] for found in map(json.loads, lines[1:]) if "hash" in found)
     other.write_text("\n".join(lines).replace(first, "0" * len(first)) + "\n")
-    assert command.main([str(other), "--verify"]) == 0
+    assert replay_command.main([str(other), "--verify"]) == 0
     assert "the same outcome" in capsys.readouterr().out
 
 
@@ -199,7 +199,7 @@ def test_on_the_same_machine_a_difference_still_fails(
     header["settings"]["physics"]["impulse"] = 0.02
     other = path.with_name("same.jsonl")
     other.write_text("\n".join([json.dumps(header), *lines[1:]]) + "\n")
-    assert command.main([str(other)]) == 1
+    assert replay_command.main([str(other)]) == 1
 
 
 def test_poses_of_another_scene_are_refused_in_one_line(
