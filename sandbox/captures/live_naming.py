@@ -1,4 +1,4 @@
-"""Names of touches while they are recorded under a camera, as far as they are known."""
+"""Names touches live during a recording under a camera."""
 
 from __future__ import annotations
 
@@ -25,17 +25,20 @@ from models.surface import Surface
 from sandbox.devices.device import Closeable
 
 KEPT = 2.0
-"""s for which touches are kept, for pictures that arrive late."""
+"""Time for which touches are stored, for pictures that arrive late, s."""
 _LONGEST = 0.25
-"""s for which one picture stands at most."""
+"""Longest time for which a single picture counts, s."""
 _RESTS = 0.1
-"""s between two frames of touches beyond which fingers rested in between."""
+"""Time between two touch frames from which on the fingers are assumed to rest in between, s."""
 _UNKNOWN = np.full(len(FINGERS), np.nan)
 
 
 def hand_in(frame: LandmarkFrame, side: str) -> Array | None:
-    """(21, 2) px of the hand of a side, or of a single one of the other side, which the engine may
-    have mistaken; None without one. A left hand is as a mirror shows it."""
+    """Returns the landmarks (21, 2) of the hand of a side, px; None without one.
+
+    A single hand of the other side is accepted, since the engine may mistake the side. A left hand
+    is mirrored.
+    """
     own = [h for h in frame.hands if h.side == side]
     hands = own or (list(frame.hands) if len(frame.hands) == 1 else [])
     if not hands:
@@ -45,19 +48,21 @@ def hand_in(frame: LandmarkFrame, side: str) -> Array | None:
 
 
 class ArrivalClock:
-    """The host's time of a device's times, by the earliest arrival: what arrives cannot be late by
-    less than nothing."""
+    """Converts a device's times to the host's clock.
+
+    The offset comes from the message with the smallest delay, since no delay is negative.
+    """
 
     def __init__(self) -> None:
         self._least = np.inf
 
     def host(self, device: float, stamp: float, arrived: float) -> float:
-        """Host time, s, of a moment on the device's clock.
+        """Converts a time on the device's clock to the host's clock, s.
 
         Args:
-            device: s, the moment.
-            stamp: s on the same clock, when the message was sent.
-            arrived: s, when it arrived, on the host's clock.
+            device: The time, s.
+            stamp: Time at which the message was sent, on the same clock, s.
+            arrived: Time at which it arrived, on the host's clock, s.
         """
         self._least = min(self._least, arrived - stamp)
         return device + self._least
@@ -70,8 +75,8 @@ class LiveName:
     Attributes:
         id: The device's id of the contact.
         finger: Thumb 0 to little 4.
-        share: Its probability.
-        since: s from the landing's arrival to that of the picture.
+        share: Probability of the name.
+        since: Time from the arrival of the touch-down to that of the picture, s.
     """
 
     id: int
@@ -87,20 +92,20 @@ class TouchHistory:
         self._frames: deque[tuple[float, dict[int, tuple[float, float]]]] = deque()
 
     def add(self, frame: TouchFrame, arrived: float) -> None:
-        """Takes in touches that arrived at a time, s on the host's clock."""
+        """Adds touches that arrived at a time on the host's clock, s."""
         self._frames.append((arrived, {c.id: (c.x, c.y) for c in frame.contacts}))
         while len(self._frames) > 2 and self._frames[1][0] < arrived - KEPT:
             self._frames.popleft()
 
     def at(self, time: float) -> dict[int, Array]:
-        """Places (2,) m of the contacts that were down at a time, by their ids."""
+        """Returns the places (2,) of the contacts that were down at a time, by id, m."""
         before: tuple[float, dict[int, tuple[float, float]]] | None = None
         for entry in self._frames:
             if entry[0] > time:
                 if before is None:
                     return {}
                 span = entry[0] - before[0]
-                # A device that says nothing for long has fingers that rest.
+                # If a device sends nothing for long, its fingers rest.
                 share = (time - before[0]) / max(span, 1e-9) if span < _RESTS else 0.0
                 return {
                     i: np.array(p) + share * (np.array(entry[1].get(i, p)) - np.array(p))
@@ -111,17 +116,17 @@ class TouchHistory:
 
 
 class LiveNames:
-    """Names touches by pictures, both as they arrive.
+    """Names touches by pictures, both live.
 
     Args:
-        plane: The surface in the picture; of a left hand, both mirrored.
+        plane: The surface in the picture; for a left hand, both are mirrored.
         side: `right` or `left`.
-        offset: s by which pictures are later than touches.
-        rules: What a look tells.
+        offset: Delay of pictures relative to touches, s.
+        rules: Rules that turn a picture into probabilities of names.
 
     Attributes:
-        names: Fingers of the contacts that are down and have a name, by the device's ids.
-        plane: The surface in the picture; may be set anew.
+        names: Fingers of the named contacts that are down, by the device's ids.
+        plane: The surface in the picture; may be changed.
     """
 
     def __init__(
@@ -141,11 +146,11 @@ class LiveNames:
         self._last: float | None = None
 
     def touch(self, frame: TouchFrame, arrived: float) -> None:
-        """Takes in touches.
+        """Adds touches.
 
         Args:
             frame: The frame; x of a left hand is already mirrored.
-            arrived: s on the host's clock.
+            arrived: Time of arrival on the host's clock, s.
         """
         self._touches.add(frame, arrived)
         down = [c.id for c in frame.contacts]
@@ -153,12 +158,12 @@ class LiveNames:
         self.names = {i: f for i, f in self.names.items() if i in down}
 
     def picture(self, frame: LandmarkFrame, taken: float, arrived: float) -> list[LiveName]:
-        """Takes in a picture; returns the names that it gave.
+        """Adds a picture; returns the new names.
 
         Args:
             frame: The picture.
-            taken: s on the host's clock.
-            arrived: s on the host's clock.
+            taken: Time at which the picture was taken, on the host's clock, s.
+            arrived: Time of arrival on the host's clock, s.
         """
         pads = self._pads(frame)
         off: dict[int, Array] = {}
@@ -180,7 +185,7 @@ class LiveNames:
         return given
 
     def _pads(self, frame: LandmarkFrame) -> Array | None:
-        """(5, 2) m, where fingers would touch; None without the hand."""
+        """Returns the places (5, 2) where the fingers would touch, m; None without the hand."""
         image = hand_in(frame, self._side)
         if image is None:
             return None
@@ -188,9 +193,10 @@ class LiveNames:
 
 
 USUAL_DELAY = 0.05
-"""s by which pictures are usually later than touches, until a recording is complete."""
+"""Assumed delay of pictures relative to touches during a recording, s."""
 _ENOUGH, _MOST, _AGAIN = 40, 300, 100
-"""Looks at touches before a search for the surface, kept for it, and before the next search."""
+"""Numbers of observations: before the first search for the surface, used for a search at most, and
+before the next search."""
 
 
 class LiveNaming(Closeable):
@@ -201,7 +207,7 @@ class LiveNaming(Closeable):
         side: `right` or `left`.
 
     Attributes:
-        touches, named: Numbers of touches since the surface was found, and of those with a name.
+        touches, named: Number of touches since the surface was found, and of named ones among them.
     """
 
     def __init__(self, surface: Surface, side: str) -> None:
@@ -221,14 +227,14 @@ class LiveNaming(Closeable):
 
     @property
     def text(self) -> str:
-        """One line about what is known."""
+        """Returns a line about the state of the naming."""
         if self._live is None:
             return self._trouble or "the camera looks for the tablet: touch with several fingers"
         names = ", ".join(FINGERS[f] for f in sorted(self._live.names.values()))
         return f"the camera names {self.named} of {self.touches} touches; now: {names or 'none'}"
 
     def corners(self, corners: Sequence[tuple[float, float]], width: int) -> None:
-        """Takes in corners that the person marked, px in a picture of a width."""
+        """Sets the corners that the person marked, px, in a picture of a width, px."""
         if not corners or corners == self._marked:
             return
         self._marked = corners
@@ -242,7 +248,7 @@ class LiveNaming(Closeable):
         self._next = len(self._moments)
 
     def touch(self, frame: TouchFrame, now: float) -> None:
-        """Takes in touches that arrived at `now`, s."""
+        """Adds touches that arrived at `now`, s."""
         frame = _mirrored(frame) if self._side == "left" else frame
         self._history.add(frame, now)
         if self._live is not None:
@@ -251,7 +257,7 @@ class LiveNaming(Closeable):
             self.touches = len(self._seen)
 
     def picture(self, frame: LandmarkFrame, now: float) -> None:
-        """Takes in a picture that arrived at `now`, s."""
+        """Adds a picture that arrived at `now`, s."""
         taken = self._clock.host(frame.taken, frame.time, now)
         if self._live is not None:
             self._with_name.update(name.id for name in self._live.picture(frame, taken, now))
@@ -266,7 +272,7 @@ class LiveNaming(Closeable):
         self._search_surface()
 
     def _search_surface(self) -> None:
-        """Looks for the surface beside the recording, which must not wait."""
+        """Searches for the surface in another thread, so that the recording need not wait."""
         if self._search is None and self._next <= 0 and len(self._moments) >= _ENOUGH // 2:
             self._next = _AGAIN
             moments, corners = tuple(self._moments), self._corners

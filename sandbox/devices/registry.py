@@ -1,4 +1,4 @@
-"""Devices by name: built-in ones, files that are played, and those of somebody else.
+"""Devices by name: built-in devices, files that are played, and devices from other packages.
 
 To add a device, write its folder with a `DeviceEntry` and add a line to `DEVICES`. A module is
 imported when its device is named, and not before.
@@ -50,17 +50,17 @@ DEVICES: Registry[DeviceEntry[Any]] = Registry(
 DEVICE_PLUGINS: PluginKind[Any] = PluginKind(
     "device", "hand_sandbox.devices", DeviceError, takes_argument=True, verb="opened"
 )
-"""Devices of somebody else (`sandbox.devices.own_device`)."""
+"""Devices offered by other packages (`sandbox.devices.own_device`)."""
 
 _FILES = {
     Sees.TOUCHES: "sandbox.devices.files:FILE",
     Sees.LEAP: "sandbox.devices.leap:FILE",
     Sees.CAMERA: "sandbox.devices.webcam:FILE",
 }
-"""What a file recorded -> `MODULE:ENTRY` of the device that plays it."""
+"""Kind of a recorded input -> `MODULE:ENTRY` of the device that plays such files."""
 
 LIVE_LEAP, LIVE_WEBCAM, LIVE_HEADSET = "leap", "webcam", "webxr"
-"""Devices of persons whose hands are in the air."""
+"""Live devices for hands in the air."""
 
 _LEAP_SUFFIXES = (".json", ".lz")
 """Suffixes of Leap recordings, which no recording of touches has; others are recognised by
@@ -71,36 +71,35 @@ _OWN_DEVICE = "FILE.py:CLASS[:ARGUMENT]"
 
 
 class NamedDevice(NamedTuple):
-    """A device that a text names.
+    """A device found by its name.
 
     Attributes:
-        entry: How it is opened.
-        argument: What follows the colon of its name; of a file its path, which is the whole text;
-            empty without.
+        entry: Registry entry of the device.
+        argument: Text after the colon of the name, or the path of a file; empty without.
     """
 
     entry: DeviceEntry[Any]
     argument: str
 
     def surface(self, given: Mapping[str, Any] | None = None) -> Surface | None:
-        """The surface that the device reports; None if it reports none.
+        """Returns the surface that the device reports; None if it reports none.
 
         Args:
-            given: Values of options on the command line by name; those of other devices are left
-                out.
+            given: Values of options on the command line by name; options of other devices are
+                ignored.
         """
         return self.entry.surface(options_among(self.entry, given or {}), self.argument)
 
 
 def find_device(device: str) -> NamedDevice | None:
-    """The device that a text names; None if there is none.
+    """Finds a device by its name; returns None if there is none.
 
     Args:
         device: `NAME[:ARGUMENT]`, built in or offered by an installed package; a file; or
             `FILE.py:CLASS[:ARGUMENT]` or `MODULE:CLASS[:ARGUMENT]`.
 
     Raises:
-        DeviceError: It is somebody's own device, and its code cannot be used.
+        DeviceError: The code of a user's own device cannot be used.
     """
     entry = built_in(device)
     if entry is not None:
@@ -108,7 +107,7 @@ def find_device(device: str) -> NamedDevice | None:
     path = Path(device)
     if path.exists():
         return NamedDevice(imported(_FILES[_seen_in(path)]), device)
-    # Most runs have no device of one's own.
+    # Imported here, since most runs use a built-in device.
     from sandbox.devices.own_device import own_entry
 
     own = own_entry(device)
@@ -116,11 +115,11 @@ def find_device(device: str) -> NamedDevice | None:
 
 
 def named_device(device: str, option: str = "--device") -> NamedDevice:
-    """The device that a text names; see `find_device`.
+    """Finds a device by its name; see `find_device`.
 
     Args:
-        device: Its name.
-        option: Where the name was given, for the error.
+        device: Name of the device.
+        option: Option with the name, for the error.
 
     Raises:
         InputError: There is no such device and no such file; the error names the nearest one.
@@ -132,11 +131,11 @@ def named_device(device: str, option: str = "--device") -> NamedDevice:
 
 
 def options_among(entry: DeviceEntry[Any], given: Mapping[str, Any]) -> Any:
-    """The options of a device on the command line, of which some are given.
+    """Creates the object of a device's options on the command line.
 
     Args:
         entry: The device.
-        given: Values by name; those of other devices are left out.
+        given: Values by name; options of other devices are ignored, missing ones have defaults.
     """
     shown = entry.on_command_line
     names = {each.name for each in fields(shown)}
@@ -144,15 +143,16 @@ def options_among(entry: DeviceEntry[Any], given: Mapping[str, Any]) -> Any:
 
 
 def seen_hand(device: str, given: Mapping[str, Any], side: str) -> HandInput:
-    """How a device that sees hands in the air sees a hand.
+    """Returns the input settings of a hand for a device that tracks hands in the air.
 
     Args:
-        device: Its name.
+        device: Name of the device.
         given: Values of its options on the command line, by name.
         side: `right` or `left`.
 
     Raises:
-        InputError: There is no such device, it sees no hands in the air, or an option is unusable.
+        InputError: The device does not exist or tracks no hands in the air, or an option is
+            invalid.
     """
     entry, argument = named_device(device)
     if entry.hand_input is None:
@@ -161,7 +161,7 @@ def seen_hand(device: str, given: Mapping[str, Any], side: str) -> HandInput:
 
 
 def devices_with_option(name: str) -> list[str]:
-    """Names of the built-in devices that have an option of this name on the command line."""
+    """Returns the names of the built-in devices with an option of this name."""
     return [
         device
         for device, entry in DEVICES.items()
@@ -170,7 +170,7 @@ def devices_with_option(name: str) -> list[str]:
 
 
 def check_device_options(given: Iterable[str], devices: Sequence[str]) -> None:
-    """Checks that given options belong to devices that are there.
+    """Checks that given options belong to the devices in use.
 
     Args:
         given: Names of the options.
@@ -190,11 +190,11 @@ def check_device_options(given: Iterable[str], devices: Sequence[str]) -> None:
 
 
 def unavailable_option(name: str, devices: Sequence[str]) -> InputError:
-    """The error for an option that no device that is there has.
+    """Creates the error for an option that none of the devices in use has.
 
     Args:
         name: Name of the option.
-        devices: Names of the devices that are there.
+        devices: Names of the devices in use.
     """
     others = devices_with_option(name)
     return InputError(
@@ -206,11 +206,11 @@ def unavailable_option(name: str, devices: Sequence[str]) -> InputError:
 
 
 def given_device_options(options: Any) -> dict[str, Any]:
-    """Values of the options of devices among those of a command, but for its defaults.
+    """Returns the device options among a command's options that differ from the defaults.
 
     Args:
-        options: Object of a dataclass that inherits options of devices: of built-in ones, and of
-            the one that its field `device` names.
+        options: Object of a dataclass that inherits device options: those of built-in devices, and
+            those of the device in its field `device`.
     """
     entries = list(DEVICES.values())
     if (named := find_device(getattr(options, "device", "") or "")) is not None:
@@ -224,7 +224,7 @@ def given_device_options(options: Any) -> dict[str, Any]:
 
 
 def unknown_device(device: str, option: str = "--device") -> InputError:
-    """The error for a text that names no device and no file; it names the nearest device."""
+    """Creates the error for an unknown device or file; it suggests the nearest device name."""
     return unknown_name(
         "no such device or file",
         device,
@@ -236,30 +236,30 @@ def unknown_device(device: str, option: str = "--device") -> InputError:
 
 
 def built_in(device: str) -> DeviceEntry[Any] | None:
-    """The entry of `NAME` or `NAME:ARGUMENT`; None if that is not a built-in device."""
+    """Returns the entry of `NAME` or `NAME:ARGUMENT`; None if it is no built-in device."""
     name, colon, _ = device.partition(":")
     entry = DEVICES.get(name)
     return entry if entry and (entry.argument or not colon) else None
 
 
 def offered_devices() -> tuple[str, ...]:
-    """Names of the devices that installed packages offer; loads none of them."""
+    """Returns the names of devices offered by installed packages, without importing them."""
     return tuple(DEVICE_PLUGINS.offered())
 
 
 def touch_devices() -> list[str]:
-    """Names of built-in devices that need no scene, as `sandbox touches` takes them."""
+    """Returns the names of built-in devices that need no scene, for `sandbox touches`."""
     return [name for name, entry in DEVICES.items() if not entry.kind.in_scene]
 
 
 def kind_of(device: str) -> DeviceKind:
-    """What a device is, by its name or by the content of its file; the default if unknown."""
+    """Returns the kind of a device by its name or its file's content; the default if unknown."""
     named = find_device(device)
     return DeviceKind() if named is None else named.entry.kind
 
 
 def is_in_air(device: str) -> bool:
-    """True if a device sees hands in the air: a Leap, a camera, a headset, or a file of these."""
+    """True if a device tracks hands in the air: a Leap, a camera, a headset, or a file of these."""
     return kind_of(device).in_air
 
 
@@ -285,23 +285,23 @@ def _sees(path: Path, changed: int, size: int) -> Sees:
 
 @dataclass(frozen=True)
 class DeviceSettings:
-    """A device and how it is opened."""
+    """A device's name and options."""
 
     name: str = "simulated"
-    """Built-in device (`DEVICES`), the name or place of somebody's own, or a file that is
+    """Built-in device (`DEVICES`), the name or place of a user's own device, or a file that is
     played."""
 
     options: Any = field(default_factory=SimulatedOptions)
-    """Options of the device, of the class that its entry names."""
+    """Options of the device, of the class in its entry."""
 
     @classmethod
     def of(cls, name: str, given: Mapping[str, Any] | None = None) -> DeviceSettings:
-        """Settings of a device by its name.
+        """Creates the settings of a device from its name.
 
         Args:
-            name: As in `name`.
-            given: Values of options by name, as on the command line; those of other devices are
-                left out.
+            name: As in the field `name`.
+            given: Values of options by name, as on the command line; options of other devices are
+                ignored.
         """
         values = dict(given or {})
         kind = device_options(name)
@@ -327,7 +327,7 @@ class DeviceSettings:
         """Opens the device.
 
         Args:
-            place: Where and for whom; the argument of the name is added.
+            place: Surface, person and task; the argument of the name is added.
 
         Raises:
             InputError: There is no such device, or it cannot be opened.
@@ -336,7 +336,7 @@ class DeviceSettings:
         return entry.open(self.options, replace(place, argument=argument))
 
     def check(self) -> None:
-        """Checks what can be checked before anything is built, such as the file.
+        """Checks the settings, such as the file, before anything is built.
 
         Raises:
             InputError: The device cannot be opened.
@@ -345,10 +345,10 @@ class DeviceSettings:
         entry.check(self.options, argument)
 
     def decoded(self) -> DeviceSettings:
-        """The same with options of the named device's class, where they are still JSON.
+        """Returns the settings with options decoded from JSON to the named device's class.
 
-        Missing ones have their defaults: an anonymous copy has no addresses, and no replay depends
-        on them.
+        Missing options get their defaults: an anonymous copy has no addresses, and no replay
+        depends on them.
 
         Raises:
             RecordingError: The device has no such option, or a value has the wrong type.
@@ -372,12 +372,12 @@ class DeviceSettings:
 
 
 def device_options(device: str) -> type[Any]:
-    """The class of a device's options in settings; nothing of the device itself is imported.
+    """Returns the class of a device's options in settings, without importing the device itself.
 
     Args:
-        device: `NAME[:ARGUMENT]`, built in; or a file, or the place of somebody's own device.
+        device: `NAME[:ARGUMENT]` of a built-in device, a file, or the place of a user's own device.
     """
     entry = built_in(device)
-    # Neither a file nor somebody's code is needed to read a recording that names it.
+    # A recording can be read without the file or the user's own code that it names.
     options: type[Any] = PlayedOptions if entry is None else entry.options
     return options

@@ -1,4 +1,4 @@
-"""Options of an environment and of its resets (a curriculum), and settings of its runs."""
+"""Options of an environment and of its resets (a curriculum), and the settings of its trials."""
 
 from __future__ import annotations
 
@@ -24,13 +24,13 @@ ACTIONS = {
     "hand": "steps of touches along the hand's own axes, in shares of `step`",
     "pose": "poses of the hand",
 }
-"""Kind of action -> what it is."""
+"""Description of each kind of action."""
 
 TRUE_LABELS = "true"
-"""Labels by which the touch in a finger's slot is that finger's."""
+"""Value of `labels` for which the touch in a finger's slot has that finger's label."""
 
 LABELS = (*(name for name in RUN_LABELS if name != "device"), TRUE_LABELS)
-"""Labellers of a run that find the finger of a touch, and `TRUE_LABELS`."""
+"""Labellers that infer labels from touches, and `TRUE_LABELS`."""
 
 OBSERVED = {
     "touches": "for each finger whether its slot touches, and where, m on the surface",
@@ -40,20 +40,20 @@ OBSERVED = {
     "contact": "for each finger its force on objects, N, and the share of its servos' limit in use",
     "properties": "of each object its mass, kg, and half its length, width and height, m",
 }
-"""Part of an observation that is optional -> what it is."""
+"""Description of each optional part of an observation."""
 
 REWARDS = {
     "progress": "what the task's progress grew by, and 1 at success",
     "reach": "the same, and a share for bringing fingertips to objects",
     "sparse": "1 at success",
 }
-"""Choice of reward -> what it is."""
+"""Description of each reward."""
 
 AGENT = "agent"
 """Name of the device of an agent's touches."""
 
 STEP = 0.010
-"""m, default of `step`."""
+"""Default of `step`, m."""
 
 _OWN = ("task", "seed", "hands")
 """Settings of a run that an environment sets itself."""
@@ -61,7 +61,7 @@ _OWN = ("task", "seed", "hands")
 _REPLACED = {
     "names": f'labels="{TRUE_LABELS}" takes the place of names="told", the default that of "found"',
 }
-"""Option of an earlier version -> what takes its place."""
+"""Replacement of each option of an earlier version."""
 
 
 @dataclass(frozen=True)
@@ -70,12 +70,12 @@ class EnvOptions:
 
     Attributes:
         action: One of `ACTIONS`.
-        true_labels: True if the touch in a finger's slot is that finger's.
-        observe: Those of `OBSERVED` that are seen besides what is always seen.
+        true_labels: True if the touch in a finger's slot has that finger's label.
+        observe: Parts from `OBSERVED` in addition to those that are always observed.
         reward: One of `REWARDS`.
         goal: True for goal dictionaries, whose reward is their own (`sandbox.gym.rewards`).
-        step: m, largest step of a touch in a control period of 16 ms, along each axis, for the
-            actions `delta` and `hand`.
+        step: Largest step of a touch in a control period of 16 ms, along each axis, for the actions
+            `delta` and `hand`, m.
 
     Raises:
         InputError: There is no such choice.
@@ -114,9 +114,9 @@ def check_choice(option: str, got: object, choices: Sequence[object]) -> None:
 
 
 def observed_parts(observe: str | Iterable[str]) -> tuple[str, ...]:
-    """Names of optional parts of an observation, in the order of `OBSERVED`; `all` is every one.
+    """Returns names of optional parts of an observation in the order of `OBSERVED`.
 
-    Unknown names are at the end.
+    `all` stands for all of them. Unknown names come last.
     """
     if isinstance(observe, Iterable) and not isinstance(observe, str):
         asked = tuple(observe)
@@ -135,13 +135,13 @@ def run_settings(
     single: Mapping[str, Any],
     known: Sequence[str],
 ) -> Settings:
-    """Settings of the trials of an environment.
+    """Returns the settings of the trials of an environment.
 
     Args:
         task: Name or place of the task.
-        person: `side`, `size` and `turn` of the first hand (`HandSettings`), of which those that
-            are None are taken from the settings.
-        settings: Settings as a recording's header has them; None starts from the defaults.
+        person: `side`, `size` and `turn` of the first hand (`HandSettings`); None for a value of
+            the settings.
+        settings: Settings in the form of a recording's header; None starts from the defaults.
         single: Single settings by name.
         known: The other options of an environment, for errors.
 
@@ -168,7 +168,7 @@ def run_settings(
     base = recorded_settings({"states": STATES, "settings": whole})
     first, *others = base.hands
     chosen = {name: _plain(value) for name, value in person.items() if value is not None}
-    # Layouts and the rest posture are those of one side only.
+    # Layouts and the rest posture belong to one side only.
     first = first.on(chosen.get("side", first.side))
     own = {name: _plain(value) for name, value in single.items()}
     values = base.changed(**own, hands=(replace(first, **chosen), *others))
@@ -189,14 +189,14 @@ def run_settings(
 
 
 def _plain(value: Any) -> Any:
-    """The value of an option as JSON has it."""
+    """Converts the value of an option to JSON types."""
     if isinstance(value, Mapping):
         return Variation(**value)
     return value.item() if isinstance(value, np.generic) else value
 
 
 NEAREST = 0.95
-"""Largest share of the way to its goal on which an object may start."""
+"""Largest share of the way to its goal by which an object may start nearer."""
 
 
 @dataclass(frozen=True)
@@ -204,12 +204,11 @@ class Curriculum:
     """Changes to one trial; none by default.
 
     Attributes:
-        near: Share of the way to its goal, and of the turn, that every object starts ahead.
+        near: Share of the way to its goal, and of the rotation, by which each object starts nearer.
         size: Factor on the objects' edges.
         mass: Factor on their masses.
         friction: Factor on every coefficient of sliding friction.
-        start: m by which every object's start is shifted, in a direction that follows from the
-            seed.
+        start: Shift of every object's start, in a direction that follows from the seed, m.
     """
 
     near: float = 0.0
@@ -246,17 +245,17 @@ class Curriculum:
         return cls(**{name: float(value) for name, value in (options or {}).items()})
 
     def settings(self, settings: Settings) -> Settings:
-        """Settings of a trial with these changes."""
+        """Returns the settings of a trial with these changes."""
         changes = {f.name: getattr(self, f.name) for f in fields(self) if f.name != "near"}
         if self == Curriculum(near=self.near):
             return settings
         return replace(settings, variation=replace(settings.variation, **changes))
 
     def task(self, task: Task) -> Task:
-        """A drawn trial whose objects start ahead.
+        """Returns a drawn trial whose objects start nearer to their goals.
 
         Raises:
-            InputError: Its objects cannot start elsewhere.
+            InputError: The start of an object cannot be moved.
         """
         if not self.near:
             return task

@@ -1,4 +1,4 @@
-"""The file of what was, against which a run is compared: one line a trial, to be read in a diff."""
+"""The baseline file: results of an earlier run, one line for each trial, readable in a diff."""
 
 from __future__ import annotations
 
@@ -23,20 +23,20 @@ SCHEMA = 2
 """Version of the file's layout."""
 KIND = "baseline of sandbox regress"
 HEAD = 200
-"""Bytes at the beginning of a baseline, among which is its kind."""
+"""Number of bytes at the beginning of a baseline that contain its kind."""
 _NAMED = 4
-"""Number of changed defaults that a clause names at most."""
+"""Largest number of changed defaults listed in a message."""
 ANEW = "--update-baseline, in pytest --sandbox-update-baseline, makes it anew"
-"""Way out where a baseline cannot be compared with."""
+"""Remedy in errors about a baseline that cannot be compared."""
 
 
 class BaselineTrial(Struct, frozen=True, array_like=True):
-    """What a baseline has of a trial, in the order of its line.
+    """A trial in a baseline; fields in the order of its line.
 
     Attributes:
         success, progress, time_s, state_hash: Fields of the trial's result.
-        measures: Further measures by name (`sandbox.regress.measures`); empty in a baseline of
-            before they were measured.
+        measures: Further measures by name (`sandbox.regress.measures`); empty in a baseline from
+            before these measures existed.
     """
 
     success: bool
@@ -46,7 +46,7 @@ class BaselineTrial(Struct, frozen=True, array_like=True):
     measures: dict[str, float] = {}
 
     def values(self) -> dict[str, Any]:
-        """The fields by name, as a run's trials have them."""
+        """Returns the fields by name, in the form of a run's trials."""
         return structs.asdict(self)
 
 
@@ -56,12 +56,12 @@ class BaselineTask:
 
     Attributes:
         version: Version of the task.
-        fingerprint: Fingerprint of what states depend on; empty if there were several.
-        depends_on: The parts of it, by the names of `versions.DECISIVE`; empty if unknown.
+        fingerprint: Fingerprint of the versions that decide states; empty if there were several.
+        depends_on: Parts of the fingerprint, by the names of `versions.DECISIVE`; empty if unknown.
         trials: Results by seed.
-        repeats: Results of some seeds with a change that makes nothing harder
+        repeats: Results of some seeds with a harmless change, which measure churn
             (`sandbox.regress.statistics`).
-        vary: What was varied; empty in the plain arm.
+        vary: The variation; empty in the plain arm.
     """
 
     version: int
@@ -97,7 +97,7 @@ class Baseline:
     """Results of an earlier run.
 
     Attributes:
-        origin: What they follow from.
+        origin: Settings, models and program of the run.
         tasks: Tasks by name.
         path: Path of the file.
     """
@@ -115,18 +115,18 @@ class Baseline:
     ) -> None:
         """Checks that a run can be compared with this baseline.
 
-        Another program, other models and other `STATES` are no hindrance, unless states are to be
-        equal; see `differing_program`.
+        Another program, other models and other `STATES` are allowed, unless `exact` is true; see
+        `differing_program`.
 
         Args:
-            origin: What the run's trials follow from.
+            origin: Settings, models and program of the run.
             versions: Versions of its tasks.
             across_encoders: True allows another encoder.
-            exact: True requires a program whose states could be equal.
+            exact: True requires a program whose states can equal those of the baseline.
 
         Raises:
-            InputError: Encoder, version of a task or given settings differ, no task is in both, or
-                equal states are required of a program with other ones.
+            InputError: The encoder, the version of a task or given settings differ, no task is in
+                both, or `exact` is true and the programs' states differ.
         """
         there, here = flat(self.origin.given), flat(origin.given)
         ignored = {ENCODER} if across_encoders else set()
@@ -169,9 +169,9 @@ class Baseline:
             )
 
     def differing_program(self, origin: Origin) -> str:
-        """A clause that names both programs where states of this one cannot be the baseline's.
+        """Returns a clause that names both programs if their states cannot be equal.
 
-        Empty where `STATES` and models are equal.
+        The clause is empty if `STATES` and models are equal.
         """
         if self.origin.decides_states == origin.decides_states:
             return ""
@@ -180,7 +180,7 @@ class Baseline:
         return f"the baseline is of {self.origin}{other}, this run of {origin}"
 
     def changed_defaults(self, origin: Origin) -> str:
-        """A clause that names the settings that nobody gave and that have other values now."""
+        """Returns a clause that lists the settings with changed defaults, with both values."""
         there, here = flat(self.origin.settings), flat(origin.settings)
         changed = [name for name in here if name in there and here[name] != there[name]]
         values = (f"{name} is {here[name]}, was {there[name]}" for name in changed[:_NAMED])
@@ -188,10 +188,10 @@ class Baseline:
         return f"defaults have changed since: {'; '.join(values)}{more}" if changed else ""
 
     def check_seeds(self, names: Sequence[str], seeds: Sequence[int]) -> None:
-        """Refuses a run of which it has no seed.
+        """Checks that the baseline has at least one of the run's seeds.
 
         Raises:
-            InputError: It has none.
+            InputError: The baseline has none of them.
         """
         kept = {seed for name in names if name in self.tasks for seed in self.tasks[name].trials}
         if not kept & set(seeds):
@@ -209,16 +209,16 @@ class Baseline:
         trials: Sequence[Trial],
         repeats: Sequence[Trial] = (),
     ) -> Baseline:
-        """With the trials of a run in the place of its tasks' earlier ones.
+        """Returns the baseline with the run's tasks replaced by the trials of the run.
 
-        Other tasks stay where they follow from the same settings, states and models, and go
+        Other tasks stay if they have the same settings, states and models, and are removed
         otherwise.
 
         Args:
-            origin: What the trials follow from.
+            origin: Settings, models and program of the run.
             versions: Versions of the run's tasks.
-            trials: Its trials.
-            repeats: Trials of some of its seeds with a change that makes nothing harder.
+            trials: Trials of the run.
+            repeats: Trials of some of its seeds with a harmless change, which measure churn.
 
         Raises:
             InputError: A trial has no result.
@@ -247,7 +247,7 @@ class Baseline:
         return Baseline(origin, tasks, self.path)
 
     def text(self) -> str:
-        """The text of the file: JSON with a line for every trial."""
+        """Returns the text of the file: JSON with a line for every trial."""
         tasks = []
         for name, task in self.tasks.items():
             rows, again = (
@@ -277,10 +277,10 @@ class Baseline:
         )
 
     def save(self) -> None:
-        """Writes the file, whole or not at all.
+        """Writes the file atomically.
 
         Raises:
-            InputError: It cannot be written.
+            InputError: The file cannot be written.
         """
         write_whole(self.path, self.text(), "--baseline")
 
@@ -298,7 +298,7 @@ def load_baseline(path: Path) -> Baseline:
     """Reads a baseline.
 
     Raises:
-        InputError: There is none, it is something else, damaged, or another version's.
+        InputError: The file is missing, no baseline, damaged, or of another version.
     """
     if not path.exists():
         raise InputError(
@@ -340,10 +340,10 @@ def load_baseline(path: Path) -> Baseline:
 
 
 def replaceable(path: Path) -> Baseline | None:
-    """The baseline that a file has, to be updated; None if there is none, or it cannot be read.
+    """Returns the baseline in a file that may be replaced; None if it is missing or unreadable.
 
     Raises:
-        InputError: The file is something else, which nobody asked to replace.
+        InputError: The file is no baseline, and must not be replaced.
     """
     if not path.exists():
         return None
@@ -359,16 +359,16 @@ def replaceable(path: Path) -> Baseline | None:
     try:
         return load_baseline(path)
     except InputError:
-        # A damaged one, or that of another version, is made anew.
+        # A baseline that is damaged or of another version is replaced.
         return None
 
 
 def _is_ours(data: bytes) -> bool:
-    """True for an empty file, and for one that says that it is a baseline, damaged or not."""
+    """True for an empty file, and for a baseline by its kind, damaged or not."""
     try:
         document = json.loads(data)
     except (ValueError, RecursionError):
-        # It was cut, or two versions were merged into it; its first lines say what it was.
+        # The file was cut, or two versions were merged into it; its first lines have its kind.
         return not data.strip() or json.dumps(KIND).encode() in data[:HEAD]
     return isinstance(document, dict) and document.get("kind") == KIND
 
@@ -380,9 +380,9 @@ def update(
     trials: Sequence[Trial],
     repeats: Sequence[Trial] = (),
 ) -> Baseline:
-    """Writes the trials of a run into a baseline's file, and leaves other tasks as they are now.
+    """Writes the trials of a run into a baseline's file, and leaves the file's other tasks.
 
-    Another run may have written its own tasks since this one began; see `Baseline.updated`.
+    Another run may have written its tasks since this run began; see `Baseline.updated`.
 
     Raises:
         InputError: A trial has no result, the file is no baseline, or it cannot be written.
@@ -396,7 +396,7 @@ def update(
 
 @contextmanager
 def _alone(path: Path) -> Iterator[None]:
-    """Waits until no other run writes a file; the lock is a file beside it, while it is held."""
+    """Waits until no other run writes a file, and locks it by a lock file beside it."""
     beside = path.with_name(f".{path.name}.lock")
     try:
         while True:
@@ -405,14 +405,14 @@ def _alone(path: Path) -> Iterator[None]:
             with suppress(FileNotFoundError):
                 if os.path.samestat(beside.stat(), os.fstat(fd)):
                     break
-            # The run before this one has removed it between the two calls.
+            # The previous run has removed the lock file between the two calls.
             _end(fd, release)
     except OSError as error:
         raise InputError("no lock can be had", where=str(path), got=error.strerror) from None
     try:
         yield
     finally:
-        # Windows keeps a file that is open; one that stays does no harm.
+        # Windows cannot remove an open file; a lock file that stays does no harm.
         with suppress(OSError):
             beside.unlink()
         _end(fd, release)
@@ -425,5 +425,5 @@ def _end(fd: int, release: Release | None) -> None:
 
 
 def _setting(name: str, given: Mapping[str, Any]) -> str:
-    """A setting with its value, for people."""
+    """Returns a setting with its value, for messages."""
     return f"{name} {given[name]}" if name in given else f"{name} left to its default"

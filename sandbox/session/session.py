@@ -54,10 +54,10 @@ if TYPE_CHECKING:
     from sandbox.session.collision_avoidance import CollisionAvoidance, SolidLinks
 
 NOTICE_TIME = 2.0
-"""s for which the notice about an object that was put back is shown."""
+"""Duration of the notice about an object that was put back, s."""
 
 OUT_OF_REACH = "a finger is where this robot's hand cannot reach"
-"""Told in English only, until there are translations that somebody has translated back."""
+"""Notice in English only, until translations exist that were checked by back-translation."""
 
 STATE = mujoco.mjtState.mjSTATE_INTEGRATION
 """State that must be stored so that a simulation continues to the bit. `FULLPHYSICS` lacks the
@@ -72,7 +72,7 @@ class Rig:
         device: Source of touch frames or hand frames.
         reconstructor: Turns frames into poses.
         hand: The simulated hand that follows the poses.
-        yaw: Warns about hands that are turned too far, and changes no pose; None does not watch.
+        yaw: Warns about hands that are turned too far, without changing a pose; None never warns.
         rules: Collision gating of this hand; None uses the session's rules.
     """
 
@@ -113,14 +113,14 @@ class Session:
         task: A drawn trial.
         rigs: One rig per hand.
         rules: Collision gating of hands without rules of their own; None uses the defaults.
-        timestep: s, physics time step.
+        timestep: Physics time step, s.
         recorder: Records inputs and states; None records nothing.
         contact: Initial contact mode.
         friction: Factor on every coefficient of sliding friction.
 
     Attributes:
         diverged: Reason of a divergence; empty without one.
-        shown: False leaves the loads out of snapshots, where nobody looks at them.
+        shown: False leaves the loads out of snapshots, for runs without views.
     """
 
     def __init__(
@@ -144,7 +144,7 @@ class Session:
         self.scene.model.geom_friction[:, 0] *= friction
         self.data = mujoco.MjData(self.scene.model)
         surfaces = [rig.reconstructor.surface for rig in rigs]
-        # Reconstructors of the hands that touches drive; None for hands in the air.
+        # Reconstructors of hands driven by touches; None for hands in the air.
         self._touched = [
             rig.reconstructor if takes_touches(rig.reconstructor) else None for rig in rigs
         ]
@@ -168,7 +168,8 @@ class Session:
         self._respawn_notice: tuple[float, str] = (-np.inf, "")
         self.diverged, self.shown = "", True
         self._followers = [rig.hand.follower() for rig in rigs]
-        # Control periods of hands that cannot take every pose, with touches, and without reach.
+        # Control periods with touches of hands that cannot take every pose, and those of them in
+        # which a fingertip could not reach its touch.
         self._followed = self._missed = 0
         self._latest_frames = [LatestFrame(rig.reconstructor.empty) for rig in rigs]
         self._recorder = recorder
@@ -181,7 +182,7 @@ class Session:
         self._state = np.empty(mujoco.mj_stateSize(self.scene.model, STATE))
         self._hash = b""
         self._chain()
-        # Views that are shown before the first step see the hand at its start.
+        # Before the first step, views show the hand at its start.
         self.reconstructions = [
             Reconstruction(r.reconstructor.commanded, Phase.AWAY, frozenset(), None, 1.0, 0.0)
             for r in self.rigs
@@ -189,12 +190,12 @@ class Session:
 
     @property
     def first_rig(self) -> Rig:
-        """The rig of the first hand: that of the person at the window or the page."""
+        """The rig of the first hand, which is the hand of the person at the window or the page."""
         return self.rigs[0]
 
     @property
     def time(self) -> float:
-        """s of simulated time since the trial began."""
+        """Simulated time since the trial began, s."""
         return self.step * self.scene.spec.timestep
 
     @property
@@ -224,8 +225,10 @@ class Session:
 
     @property
     def unreached(self) -> float | None:
-        """Share of the control periods with named touches in which some fingertip could not be put
-        at its touch, 5 mm off or more; None for hands that can take every pose."""
+        """Share of control periods with a fingertip out of reach, 5 mm or more off its touch.
+
+        The share is of the periods with labelled touches; None for hands that can take every pose.
+        """
         if not any(self._followers):
             return None
         return self._missed / self._followed if self._followed else 0.0
@@ -237,12 +240,12 @@ class Session:
     def _whole_hands(
         self, all_over: Sequence[bool], surfaces: Sequence[Surface]
     ) -> tuple[list[SolidLinks | None], list[CollisionAvoidance | None]]:
-        """Links of hands that are solid all over, and what keeps these hands clear of objects."""
+        """Creates the links and the collision avoidance of hands that are solid all over."""
         parts: list[SolidLinks | None] = [None] * len(self.rigs)
         avoidance: list[CollisionAvoidance | None] = [None] * len(self.rigs)
         if not any(all_over):
             return parts, avoidance
-        # Of most hands only fingertips are solid.
+        # Imported here, since most hands have only solid fingertips.
         from sandbox.session.collision_avoidance import (
             CollisionAvoidance,
             HandDistances,
@@ -254,19 +257,18 @@ class Session:
                 distances = HandDistances(self.scene, i)
                 parts[i] = SolidLinks(self.scene, i, distances)
                 skeleton = rig.hand.skeleton
-                # A hand in the air is where it is seen; only touches leave open where the rest is.
+                # A hand in the air has a complete measured pose; only touches leave a choice.
                 if self._touched[i] and skeleton:
                     avoidance[i] = CollisionAvoidance(self.scene, i, skeleton, surface, distances)
         return parts, avoidance
 
     def correction(self, hand: int) -> Array | None:
-        """(48,) m and rad, what is added to a hand's pose to keep it clear of things; None where
-        nothing is."""
+        """Correction (48,) added to a hand's pose to clear objects, m and rad; None without one."""
         avoidance = self._avoidance[hand]
         return None if avoidance is None else avoidance.offset
 
     def latest_frame(self, hand: int) -> Frame:
-        """The latest frame of a hand's device, stamped with session time."""
+        """Returns the latest frame of a hand's device, stamped with session time."""
         return self._latest_frames[hand].frame
 
     def lift(self, hand: int) -> float | None:
@@ -275,13 +277,13 @@ class Session:
         return frame.lift if isinstance(frame, TouchFrame) else None
 
     def tips(self, hand: int, data: mujoco.MjData) -> Array:
-        """(5, 3) m, fingertips of a hand in a state of this session's model."""
+        """Returns the fingertips (5, 3) of a hand in a state of this session's model, m."""
         return self._gates[hand].tips(data)
 
     def loads(self) -> list[HandLoad]:
-        """Loads of the fingers of each hand now, and how near their limit the servos are.
+        """Returns the current loads of each hand's fingers and the use of the servos' limits.
 
-        Computed when asked for, in the session's thread; states do not depend on it.
+        Call it in the session's thread. States do not depend on it.
         """
         return self._loads.read(self.data)
 
@@ -300,7 +302,7 @@ class Session:
         """Runs one control period.
 
         Raises:
-            DivergenceError: The simulation diverged; the trial's score says so already.
+            DivergenceError: The simulation diverged; the trial's score is already `diverged`.
         """
         if self.step == 0:
             self._record_state()
@@ -325,16 +327,17 @@ class Session:
             )
         snapshot = self.snapshot()
         if not self.over:
-            # The state at the beginning of the next period is recorded now: after a pause for real
-            # time it would take three times as long, and a touch would wait for it.
+            # Record the state at the beginning of the next period now. After the wait for real time
+            # it would take three times as long, and delay a touch.
             self._record_state()
         return snapshot
 
     def snapshot(self) -> Snapshot:
-        """Snapshot for views; hands, objects, goals and loads are computed at the first look.
+        """Returns a snapshot for views; hands, objects, goals and loads are computed on first use.
 
-        It does not hold the session: devices keep snapshots, and a reference cycle would keep
-        MuJoCo's memory after the trial. What it holds does not change, so any thread may look.
+        The snapshot has no reference to the session. Devices store snapshots, and a reference cycle
+        would keep MuJoCo's memory after the trial. Its data do not change, so any thread may read
+        it.
         """
         poses = StillPoses(self.data.xpos.copy(), self.data.xmat.copy())
         fingers = [(gate.solid, gate.inside) for gate in self._gates]
@@ -353,7 +356,7 @@ class Session:
         )
 
     def close(self) -> None:
-        """Closes the devices, each of them, whatever the others raise."""
+        """Closes every device, even if closing another device raises an error."""
         with ExitStack() as closing:
             for rig in self.rigs:
                 closing.callback(rig.device.close)
@@ -382,7 +385,7 @@ class Session:
         # A single read and write: a request from another thread in between waits for the next step.
         asked, self._asked = self._asked, None
         for rig in self.rigs:
-            # A device that plays a recording also plays its changes of mode.
+            # A device that plays a recording also plays the recorded changes of mode.
             for mode in rig.device.mode_requests(self.time):
                 asked = contact_mode(mode)
         if asked is not None and asked is not self._contact.mode:
@@ -392,7 +395,7 @@ class Session:
         self._contact.step()
 
     def _bring_back(self) -> None:
-        """Puts objects that have left back into the workspace."""
+        """Puts objects that have left the workspace back into it."""
         names = self._respawn.step(self.data, self._balls)
         if names:
             self._respawn_notice = (
@@ -403,7 +406,7 @@ class Session:
                 self._recorder.event(self.step, "respawn", objects=names)
 
     def _balls(self) -> tuple[Array, Array]:
-        """Balls that cover what can be solid of the hands, as of `CollisionGate.balls`."""
+        """Returns balls that cover all parts that can be solid; see `CollisionGate.balls`."""
         middles, radii = zip(*(gate.balls(self.data) for gate in self._gates), strict=True)
         return np.concatenate(middles), np.concatenate(radii)
 
@@ -419,7 +422,7 @@ class Session:
         mujoco.mj_forward(self.scene.model, self.data)
 
     def _command(self, i: int) -> Reconstruction:
-        """Takes in the frames of a device, and sets the servo targets of its hand."""
+        """Reads the frames of a device, and sets the servo targets of its hand."""
         rig = self.rigs[i]
         frame = self._latest(i)
         reconstruction = rig.reconstructor.step(frame)
@@ -457,7 +460,7 @@ class Session:
 
     def _chain(self) -> None:
         mujoco.mj_getState(self.scene.model, self.data, self._state, STATE)
-        # MuJoCo's state does not contain which fingers collide, which affects the next step too.
+        # The set of colliding fingers affects the next step and is not part of MuJoCo's state.
         solid = b"".join([s.signature for s in self._gates])
         chained = blake2b(self._hash, digest_size=16)
         chained.update(self._state.data)
@@ -479,7 +482,7 @@ class Session:
             "the simulation diverged",
             where=where,
             got=wrong,
-            remedy="A smaller impulse limit, or a smaller time step, helps",
+            remedy="Use a smaller impulse limit or a smaller time step",
         )
 
 
@@ -489,13 +492,14 @@ def _hands(
     reconstructions: Sequence[Reconstruction],
     fingers: Sequence[tuple[frozenset[int], frozenset[int]]],
 ) -> tuple[HandView, ...]:
-    """Hands of a snapshot.
+    """Returns the hands of a snapshot.
 
     Args:
         poses: Poses of all bodies.
-        hands: Of each hand what finds its fingertips, and the surface of its touches.
-        reconstructions: Of each hand; the list is never modified.
-        fingers: Of each hand the fingers that are solid, and those that are inside an object.
+        hands: For each hand, the object that computes its fingertips, and the surface of its
+            touches.
+        reconstructions: The reconstruction of each hand; the list is never modified.
+        fingers: For each hand, its solid fingers, and its fingers inside an object.
     """
     return tuple(
         HandView(
@@ -515,18 +519,18 @@ def _hands(
 
 
 def _objects(scene: Scene, task: Task, poses: BodyPoses) -> dict[str, ObjectView]:
-    """Objects of a snapshot by name."""
+    """Returns the objects of a snapshot by name."""
     return {thing.name: ObjectView(*scene.object_pose(poses, thing.name)) for thing in task.objects}
 
 
 FASTEST = 50.0
-"""m/s, highest speed of an object. At this speed it moves 10 cm in a step of 2 ms, more than its
+"""Highest speed of an object, m/s. At this speed it moves 10 cm in a step of 2 ms, more than its
 own width, and passes through other objects without a detected contact."""
 FASTEST_TURN = 5000.0
-"""rad/s, highest angular speed of a hand's joint or an object: more than a turn in 2 ms."""
+"""Highest angular speed of a hand's joint or an object, rad/s: more than a turn in 2 ms."""
 
 _SLOW = 40.0
-"""m/s and rad/s, norm of all joint velocities below which no object can be as fast as `FASTEST`."""
+"""Norm of joint velocities, m/s and rad/s, below which all objects are slower than `FASTEST`."""
 
 _WARNINGS = {
     mujoco.mjtWarning.mjWARN_BADQPOS: "positions are not finite",
@@ -534,11 +538,11 @@ _WARNINGS = {
     mujoco.mjtWarning.mjWARN_BADQACC: "accelerations are not finite",
     mujoco.mjtWarning.mjWARN_BADCTRL: "the commanded pose is not finite",
 }
-"""Warnings of MuJoCo that mean divergence; it also calls numbers beyond 1e10 not finite."""
+"""Warnings of MuJoCo that mean divergence; MuJoCo also counts numbers beyond 1e10 as not finite."""
 
 
 def command_error(data: mujoco.MjData) -> str:
-    """Description of an error in the commanded pose; empty if it is valid."""
+    """Describes an error in the commanded pose; empty if the pose is valid."""
     ctrl = data.ctrl
     if isfinite(ctrl.dot(ctrl)) or np.all(np.isfinite(ctrl)):  # any order: is it finite
         return ""
@@ -546,9 +550,9 @@ def command_error(data: mujoco.MjData) -> str:
 
 
 def state_error(scene: Scene, data: mujoco.MjData) -> str:
-    """Description of an error in the state of a simulation; empty if it is valid."""
-    # Fast path for the usual, valid state: a number that is not finite makes a dot product not
-    # finite, and no object is fast while all joint velocities are small.
+    """Describes an error in the state of a simulation; empty if the state is valid."""
+    # Fast path for the usual, valid state: a dot product is finite only if all numbers are, and no
+    # object is fast while all joint velocities are small.
     qpos, qvel = data.qpos, data.qvel
     slow = isfinite(qpos.dot(qpos)) and qvel.dot(qvel) < _SLOW**2  # any order: a rough first look
     if slow and not any(data.warning.number.tolist()):

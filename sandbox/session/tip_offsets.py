@@ -1,15 +1,15 @@
-"""Offsets from touches to fingertips: beside objects, and while fingers hold or release one.
+"""Offsets from touches to fingertips: beside objects, and while fingers hold or release an object.
 
-People put their fingers against what they want to hold. A touch is where the middle of a fingertip
-belongs, and the tip is a ball of 8 mm: a finger at a face would have to become solid inside of the
-object. So the tip is led out along the surface, by little more than its radius at most, while it is
-still a ghost. It keeps this distance from its touch, turned as the touches turn, for as long as it
-is solid near objects: fingers that close then press from the face on.
+People put their fingers against an object. A touch is the place of the middle of a fingertip, and
+the tip is a ball of 8 mm radius, so a finger at a face would become solid inside the object. The
+tip is therefore moved out along the surface while it is still a ghost, by little more than its
+radius. As long as it is solid near objects, it keeps this offset from its touch, rotated with the
+touches. Fingers that close then press from the face on.
 
 A grip stores force in the servos of every finger, also along the faces of the object. Fingers that
-open little by little give it back to the object, which turns and follows them. Fingers that are
-lifted are ghosts in one step, and leave the object where it is. So are fingers that spread: while
-they open by a few millimetres their tips stay where they press, and then the hand is a ghost.
+open slowly would release this force to the object, which would turn and follow them. Lifted fingers
+become ghosts in one step and leave the object in place. Spreading fingers do too: while they open
+by a few millimetres their tips stay in place, and then the hand becomes a ghost.
 """
 
 from __future__ import annotations
@@ -29,21 +29,21 @@ from models.surface import Surface
 from sandbox.session.collision_gating import GHOST, CollisionGate
 
 OPENED = 0.004
-"""m that the fingers have spread, each from the middle of all, when they let go. Resting touches
-tremble by a millimetre."""
+"""Spread at which the fingers let go, m: the increase of each finger's distance from the middle of
+all. Resting touches tremble by a millimetre."""
 SURE = 0.001
-"""m that the fingers have spread, from which on they are expected to spread further."""
+"""Spread from which on the fingers are expected to spread further, m."""
 RELEASED_FADING = 0.07
-"""m/s at which tips return to their touches once they need not be kept."""
+"""Speed at which tips return to their touches after a release, m/s."""
 MEMORY = 1.0
-"""s, time constant with which a narrower grip is forgotten, so that fingers which open slowly
-loosen it."""
+"""Time constant with which the narrowest width of a grip fades, s, so that fingers that open slowly
+loosen the grip."""
 
 _Touches = Mapping[int, tuple[float, float]]
-"""(x, y) m on the surface by finger."""
+"""Touches (x, y) on the surface by finger, m."""
 
 _Offsets = list[tuple[float, float]]
-"""(x, y) m of the five fingers along the surface, y down."""
+"""Offsets (x, y) of the five fingers along the surface, m, y down."""
 
 
 class Grip:
@@ -56,12 +56,11 @@ class Grip:
 
     @property
     def offsets(self) -> Array | None:
-        """(5, 2) m along the surface, y down, from touches to where the tips are kept; None if all
-        are 0."""
+        """Offsets (5, 2) along the surface, m, y down, from touches to tips; None if all are 0."""
         return None if self._offsets is None else np.array(self._offsets)
 
     def step(self, touches: _Touches, solid: frozenset[int]) -> bool:
-        """True in the step in which the fingers let go.
+        """Updates the grip; returns True in the step in which the fingers let go.
 
         Args:
             touches: Touches of all fingers.
@@ -100,7 +99,7 @@ class Grip:
         fading = self._offsets
         offsets = list(fading or [(0.0, 0.0)] * len(FINGERS))
         for finger, way in kept.items():
-            # The tips get this offset in the next step, when the touches have opened further.
+            # The offset applies in the next step, when the touches will have opened further.
             further = way - before.get(finger, way) if opened > SURE else 0.0
             share = (way + max(further, 0.0)) / far[finger] if way > 0.0 else 0.0
             right, down = ways[finger]
@@ -136,41 +135,41 @@ _FORGOTTEN = -expm1(-CONTROL_PERIOD / MEMORY)
 
 
 MARGIN = 0.0012
-"""m that a led fingertip is clear of things. A touch trembles, and the simulated finger follows its
-command within less than a millimetre."""
+"""Clearance from objects of a fingertip with an offset, m. A touch trembles, and the simulated
+finger follows its command within less than a millimetre."""
 REACH = 0.007
-"""m beyond its own radius, by which a fingertip may be led: the margin, and what a leaning finger
-needs beside a high thing (measured at db485e42)."""
+"""Largest offset beyond the fingertip's own radius, m: the margin, and the additional offset of a
+leaning finger beside a high object (measured at db485e42)."""
 INSIDE = 0.002
-"""m inside a thing, beyond which a touch is not beside it: its finger is not led, and the person is
-told. Touches tremble, and people put a fingertip's middle onto the edge that they see."""
+"""Depth of a touch in an object beyond which its finger gets no offset and the person gets a
+notice, m. Touches tremble, and people put a fingertip's middle onto the visible edge."""
 TOWARDS = 0.3
-"""Cosine of the angle to the hand's other touches from which on a finger is not led: who grips has
-the thing between the fingers, so that the way out of it leads away from the others."""
+"""Cosine of the angle to the hand's other touches from which on a finger gets no offset. In a grip
+the object is between the fingers, so the way out leads away from the other touches."""
 SPEED = 0.15
-"""m/s along the surface, at which a tip is led: 2.4 mm in a control period."""
+"""Speed of an offset along the surface, m/s: 2.4 mm in a control period."""
 FADING = 0.05
-"""m/s at which a solid fingertip returns to a touch that is well clear of things."""
+"""Speed at which a solid fingertip returns to a touch that is well clear of objects, m/s."""
 WELL_CLEAR = 0.003
-"""m that a solid finger at its touch would have to be clear of things to be led no more."""
+"""Clearance that a solid finger without its offset needs for the offset to end, m."""
 
 _PROBE = 0.0005
-"""m to either side, where the way out of a thing is looked for."""
+"""Distance to either side at which the clearance is probed for its gradient, m."""
 _LEAST_SLOPE = 0.3
-"""Growth of the clearance along the surface, below which no way leads out."""
+"""Gradient of the clearance along the surface below which no way out exists."""
 _ROUNDS = 12
 _NONE = (0.0, 0.0)
 _NO_OFFSETS = np.zeros((len(FINGERS), 2))
 
 _Poses = dict[str, tuple[Array, Array]]
-"""Position (3,) m and rotation (3, 3) of things by name."""
+"""Position (3,), m, and rotation (3, 3) of objects by name."""
 
 _Clearance = Callable[[Array], Array]
-"""Function from points (n, 3) m of a finger to the clearances (n,) m of its flesh."""
+"""Function from points (n, 3) of a finger to the clearances (n,) of its surface, m."""
 
 
 class TipOffsets:
-    """Leads the fingertips of one hand out of things, and keeps the width of its grip.
+    """Computes the offsets that move a hand's fingertips out of objects and keep its grip's width.
 
     Args:
         scene: The scene.
@@ -183,11 +182,11 @@ class TipOffsets:
         self._scene, self._surface, self._gate = scene, surface, gate
         last = {link.finger: link for link in scene.spec.hands[hand].links}
         self._radius = {f: link.radius for f, link in last.items()}
-        # In the world, of a step to the right and of one down on the surface.
+        # World vectors of a step to the right and of a step down on the surface.
         self._right, self._down = surface.rotation[:, 0], -surface.rotation[:, 1]
         self._right_of, self._down_of = self._right.tolist(), self._down.tolist()
         self._corner = surface.corner.tolist()
-        # Of the part that becomes solid, seen from its touch, and as far as it may be led.
+        # Reach of the part that becomes solid, from its touch, including the largest offset.
         reach = {
             f: (1.0 - link.solid_from) * link.length + 2 * link.radius + REACH
             for f, link in last.items()
@@ -208,26 +207,28 @@ class TipOffsets:
     def releases(
         self, data: BodyPoses, reconstruction: Reconstruction, ghost: bool = False
     ) -> bool:
-        """True in the step in which the fingers spread, so that the hand becomes a ghost.
+        """Returns True in the step in which the fingers spread and the hand becomes a ghost.
 
         Args:
             data: Current state of the simulation.
             reconstruction: Current reconstruction from touches.
-            ghost: The person wants the hand to pass through things, so none is in its way.
+            ghost: True while the hand passes through objects by the contact mode.
         """
-        # A finger that the hand lacks holds nothing.
+        # A finger that a robot's hand lacks holds nothing.
         touches = {f: xy for f, xy in reconstruction.touches.items() if f in self._radius}
         self._before, self._touches = self._touches, touches
         self._near = {} if ghost else self._objects_near(data)
         return self._grip.step(self._touches, self._gate.fingers if self._near else GHOST)
 
     def step(self, data: BodyPoses, reconstruction: Reconstruction) -> Array | None:
-        """Offsets (5, 2) m along the surface, y down, from touches to fingertips in the next step;
-        None if all are 0.
+        """Returns the offsets (5, 2) from touches to fingertips in the next step, or None.
+
+        Offsets are along the surface, m, y down. None means that all are 0.
 
         Args:
             data: Current state of the simulation.
-            reconstruction: Current reconstruction from touches, of which `releases` knows already.
+            reconstruction: Current reconstruction from touches; `releases` was called with it
+                before.
         """
         solid = self._gate.fingers
         if self._out is not None or (self._near and not self._touches.keys() <= solid):
@@ -255,7 +256,7 @@ class TipOffsets:
         return self._out if kept is None else self._out + kept
 
     def _objects_near(self, data: BodyPoses) -> dict[int, list[SceneObject]]:
-        """Things that each finger may touch. Plain floats: this is computed in every step."""
+        """Returns the objects in reach of each finger. Uses plain floats, as it runs every step."""
         near: dict[int, list[SceneObject]] = {}
         for thing, body, reach in self._things:
             a, b, c = data.xpos[body].tolist()
@@ -268,7 +269,7 @@ class TipOffsets:
         return near
 
     def _turned(self) -> Array:
-        """The offsets, turned as the touches have turned since the last step."""
+        """Returns the offsets, rotated by the rotation of the touches since the last step."""
         if self._out is None:
             return _NO_OFFSETS
         known = sorted(self._touches.keys() & self._before.keys())
@@ -283,9 +284,9 @@ class TipOffsets:
         return turned
 
     def _clearance(self, data: BodyPoses, finger: int, poses: _Poses) -> _Clearance | None:
-        """Clearance of a finger from the things that it may touch; None without any.
+        """Returns the clearance of a finger from the objects in its reach; None without any.
 
-        Poses of these things are added to `poses`.
+        Poses of these objects are added to `poses`.
         """
         if finger not in self._near:
             return None
@@ -310,8 +311,8 @@ class TipOffsets:
     def _next_offset(
         self, offset: Array, tip: Array, data: BodyPoses, clear: _Clearance | None, finger: int
     ) -> Array:
-        """The next offset (2,) of a solid finger whose offset is not 0."""
-        # The tip alone mostly answers it, and some things take long to be measured.
+        """Returns the next offset (2,) of a solid finger whose offset is not 0, m."""
+        # Test the tip first: it mostly decides, and some objects take long to measure.
         if clear is not None and (
             clear(tip[None]).min() <= WELL_CLEAR
             or clear(tip + self._gate.behind_tips(data)[:, finger]).min() <= WELL_CLEAR
@@ -322,25 +323,25 @@ class TipOffsets:
     def _led_out(
         self, offset: Array, tip: Array, behind: Array, clear: _Clearance | None, finger: int
     ) -> Array:
-        """The next offset (2,) of a finger that is not solid yet.
+        """Returns the next offset (2,) of a finger that is not solid yet, m.
 
         Args:
-            offset: (2,) m, now.
-            tip: (3,) m, where its tip would be without.
-            behind: (points, 3) m, points of it as seen from its tip.
-            clear: Its clearance.
-            finger: Its label.
+            offset: Current offset (2,), m.
+            tip: Place (3,) of the tip without an offset, m.
+            behind: Points (points, 3) of the finger, relative to its tip, m.
+            clear: Clearance of the finger.
+            finger: Label of the finger.
         """
         way: tuple[float, float] | None = _NONE
         if clear is not None:
             way = self._way_out(tip, behind, clear, self._radius[finger])
             if way is not None and self._towards_touches(finger, way):
                 way = None
-        # Where no way leads out the finger stays, and the person is told.
+        # Without a way out the finger stays, and the person gets a notice.
         return offset if way is None else _towards(offset, way, SPEED)
 
     def _towards_touches(self, finger: int, way: tuple[float, float]) -> bool:
-        """True if an offset (x, y) m leads a finger towards the hand's other touches."""
+        """True if an offset (x, y), m, moves a finger towards the hand's other touches."""
         others = [touch for f, touch in self._touches.items() if f != finger]
         if not others:
             return False
@@ -353,9 +354,9 @@ class TipOffsets:
     def _way_out(
         self, tip: Array, behind: Array, clear: _Clearance, radius: float
     ) -> tuple[float, float] | None:
-        """The shortest offset (x, y) m at which a finger is clear of things.
+        """Returns the shortest offset (x, y) that clears a finger of objects, m.
 
-        None if there is none within reach, or if the touch is inside of a thing.
+        Returns None if there is none within reach, or if the touch is inside an object.
         """
         free = float(clear(tip + behind).min())
         if free >= MARGIN:
@@ -382,7 +383,7 @@ class TipOffsets:
 
 
 def _towards(offset: Array, goal: tuple[float, float], speed: float) -> Array:
-    """An offset (2,) on its way to a goal, after a control period."""
+    """Moves an offset (2,) towards a goal for a control period, at a speed, m/s."""
     x, y = offset.tolist()
     right, down = goal[0] - x, goal[1] - y
     way, most = sqrt(right * right + down * down), speed * CONTROL_PERIOD

@@ -1,4 +1,4 @@
-"""`sandbox capture report`: what a camera over a tablet saw of a volunteer's ten minutes."""
+"""`sandbox capture report`: evaluates a recording of touches under a camera."""
 
 from __future__ import annotations
 
@@ -22,18 +22,18 @@ from sandbox.cli.common.json_out import check_output, write_json
 from sandbox.devices.files.paired_capture import RequestedFingers, read_requests
 
 SETTLED = 0.3
-"""s with as many fingers down as the guide asked for, before they count as those."""
+"""Time for which the requested number of fingers must be down before touches count, s."""
 SCHEMA = 1
 
 
 @dataclass(frozen=True)
 class RequestAgreement:
-    """Contacts that were down when as many fingers touched as the guide asked for.
+    """Contacts that were down while the requested number of fingers touched.
 
     Attributes:
-        contacts: Their number.
-        named: Those with a name.
-        as_asked: Those whose name is one of the asked fingers.
+        contacts: Number of these contacts.
+        named: Number of them with a name.
+        as_asked: Number of them whose name is one of the requested fingers.
     """
 
     contacts: int
@@ -44,12 +44,12 @@ class RequestAgreement:
 def report_of(
     named: NamedTouches, asked: Sequence[RequestedFingers], simulated: bool
 ) -> dict[str, Any]:
-    """The report as JSON values.
+    """Returns the report as JSON values.
 
     Args:
-        named: What the camera says.
-        asked: What the guide asked for, on the touches' clock.
-        simulated: True if nobody was seen.
+        named: Touches with the camera's names.
+        asked: Requests of the guide, on the touches' clock.
+        simulated: True if no person took part.
     """
     contacts = named.contacts
     with_name = [c for c in contacts if c.finger is not None]
@@ -84,7 +84,7 @@ def report_of(
 def agreement_of(
     contacts: Sequence[NamedContact], asked: Sequence[RequestedFingers]
 ) -> RequestAgreement | None:
-    """Share of names that are those of the fingers asked for; None where nobody asked."""
+    """Compares names with the requested fingers; returns None without requests."""
     if not asked:
         return None
     counted = named = right = 0
@@ -106,8 +106,8 @@ def _requested_at(asked: Sequence[RequestedFingers], time: float) -> list[int]:
 def _when_as_many(
     one: NamedContact, contacts: Sequence[NamedContact], asked: Sequence[RequestedFingers]
 ) -> float | None:
-    """A time, s, at which the asked number of fingers, this one among them, has been down for a
-    while; None if there is none."""
+    """Returns a time at which the requested number of fingers, with this one, has been down for
+    `SETTLED`, s; None if there is none."""
     track = one.track
     time = track.start + SETTLED
     while time < track.end:
@@ -126,7 +126,7 @@ def _when_as_many(
 
 
 def lines_of(report: dict[str, Any]) -> list[str]:
-    """The report as sentences."""
+    """Returns the report as sentences."""
     share = 100.0 * report["named"] / max(report["touches"], 1)
     out = []
     if report["simulated"]:
@@ -163,8 +163,8 @@ def lines_of(report: dict[str, Any]) -> list[str]:
 
 @dataclass(frozen=True, kw_only=True)
 class ReportOptions:
-    """Tells what a camera over a tablet saw: how many touches it named, how surely, and how often
-    its names were those that the guide had asked for.
+    """Prints how many touches a camera over a tablet named, with which probability, and how often
+    the names were the fingers that the guide requested.
 
     Try:
 
@@ -173,10 +173,10 @@ class ReportOptions:
     """
 
     folder: Annotated[Path, Parameter(metavar="FOLDER")] = field(kw_only=False)
-    """Folder by `sandbox capture record --hands webcam`."""
+    """Folder made by `sandbox capture record --hands webcam`."""
 
     surface: Annotated[str | None, Parameter(metavar="SIZE")] = None
-    """Size of the touch surface, where the recording does not say it."""
+    """Size of the touch surface, if the recording does not contain it."""
 
     json: Annotated[Path | None, Parameter(metavar="OUT")] = None
     """File for all numbers as JSON; - is the terminal."""

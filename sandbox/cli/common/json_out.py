@@ -1,4 +1,4 @@
-"""Output of results: JSON in a file or on the terminal, and text that may find no reader."""
+"""Output of results: JSON to a file or the terminal, and text whose reader may have closed."""
 
 from __future__ import annotations
 
@@ -16,11 +16,10 @@ from sandbox.system.files import check_whole, resolved, why, write_whole
 
 
 def prepare() -> None:
-    """Makes standard output and error such that any text can be printed.
+    """Prepares standard output and standard error so that any text can be printed.
 
-    A closed one takes everything and shows nothing. Where the encoding lacks a character, its
-    number is printed; UTF-8 lacks halves of pairs, as of an emoji that was cut, and as in file
-    names of other bytes.
+    A closed stream is replaced by the null device. A character that the encoding lacks is printed
+    as its number. UTF-8 lacks lone surrogates, as in a cut emoji or in file names of invalid bytes.
     """
     if sys.stdout is None:
         sys.stdout = open(os.devnull, "w", encoding="utf-8")  # noqa: SIM115 - for the whole run
@@ -32,17 +31,17 @@ def prepare() -> None:
 
 
 class HelpExit(SystemExit):
-    """The end of a program that was asked for help, and showed it."""
+    """Exit of the program after it has shown its help."""
 
 
 @contextmanager
 def printing() -> Iterator[None]:
-    """Context that only prints: if nobody can read it, the command goes on all the same."""
+    """Context for printing: if the output cannot be written, the command continues."""
     try:
         yield
         sys.stdout.flush()
     except SystemExit:
-        # So ends `rich` a program whose reader has left, as `head` does.
+        # `rich` exits this way if the reader, such as `head`, has closed the pipe.
         print_no_more()
     except OSError as error:
         print_no_more()
@@ -51,7 +50,7 @@ def printing() -> Iterator[None]:
 
 
 def print_no_more() -> None:
-    """Sends what is printed from now on, and what is in the buffer, nowhere."""
+    """Discards the output buffer and all further output."""
     with suppress(OSError, ValueError):
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
@@ -78,10 +77,10 @@ def check_output(path: Path | None, option: str = "--json") -> None:
             )
         if path.is_dir():
             raise InputError("this is a folder", where=f"{option} {path}", expected="a file")
-        # What is made to try it is removed again, and never a link to it.
+        # A file made for the test is removed again; a symbolic link to it never is.
         target = path.resolve()
         there = target.exists()
-        # Opening a pipe would wait for its reader.
+        # Opening a pipe would block until a reader opens it.
         if there and not target.is_file():
             return
         target.open("ab").close()
@@ -94,15 +93,15 @@ def check_output(path: Path | None, option: str = "--json") -> None:
             got=why(error),
             remedy="Name a file in a folder of yours",
         ) from None
-    # Results are written beside their file first.
+    # Results are first written to a temporary file beside their file.
     check_whole(path, option)
 
 
 def refuse_same(outputs: Mapping[str, Path | None]) -> None:
-    """Checks that no result of a command replaces another one of it.
+    """Checks that two results of a command are written to different files.
 
     Args:
-        outputs: Files that are written, by the option that names them; None is none.
+        outputs: Result files by option; None for no file.
 
     Raises:
         InputError: Two options name one file.
@@ -124,11 +123,11 @@ def refuse_same(outputs: Mapping[str, Path | None]) -> None:
 def refuse_replacing(
     path: Path | None, sources: Mapping[str, Path | None], option: str = "--out"
 ) -> None:
-    """Checks that a result does not replace what it is made from, and what nobody has again.
+    """Checks that a result does not overwrite its own sources, which cannot be made again.
 
     Args:
-        path: Path of the result; None and `-` replace nothing.
-        sources: Files and folders that are read, by the option that names them; None is none.
+        path: Path of the result; None and `-` overwrite nothing.
+        sources: Files and folders that are read, by option; None for no file.
         option: Name of the result's option, for the message.
 
     Raises:
@@ -140,7 +139,7 @@ def refuse_replacing(
     for name, source in sources.items():
         if source is None:
             continue
-        # In a folder that is read, a new file replaces nothing.
+        # A new file in a source folder overwrites nothing.
         inside = source.is_dir() and target.exists() and resolved(source, name) == target.parent
         if inside or resolved(source, name) == target:
             raise InputError(
@@ -168,5 +167,5 @@ def write_json(path: Path | None, values: dict[str, Any], sort_keys: bool = Fals
     if path == TERMINAL:
         print(text)
         return
-    # The result was printed already; if it cannot be written, only the file is missing.
+    # The result has been printed; if writing fails, only the file is missing.
     write_whole(path, text + "\n", "--json")

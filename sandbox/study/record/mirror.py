@@ -1,8 +1,8 @@
-"""A second disk that gets every record and recording of a session as it is written.
+"""A mirror on a second disk: a copy of every record and recording of a session.
 
-A thread of its own copies what is new, twice a second. The session never waits for it: a mirror
-that cannot be written, or whose disk hangs, catches up as soon as it can, and the terminal says how
-far behind it is.
+A separate thread copies new data twice a second. The session never waits for it. If the mirror
+cannot be written, or its disk hangs, it catches up as soon as possible, and the terminal shows the
+number of missing bytes.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from sandbox.study.record.journal import SYNC
 from sandbox.study.record.notes import NOTES
 
 LAST = 5.0
-"""s for which the end of a session waits for a mirror that is behind."""
+"""Longest time that the end of a session waits for the mirror to catch up, s."""
 
 
 class Mirror(Closeable):
@@ -31,14 +31,14 @@ class Mirror(Closeable):
     Args:
         study: Folder of the study.
         ppid: Pseudonym of the person.
-        to: Folder on the second disk, in which a folder of the study's name is made.
+        to: Folder on the second disk; the mirror is a folder in it with the study's name.
         say: Prints a line for the experimenter.
 
     Raises:
-        StudyError: That folder is the study's own.
+        StudyError: The mirror would be the study's own folder.
 
     Attributes:
-        behind: Bytes that the mirror lacks, as far as is known.
+        behind: Number of bytes that the mirror lacks, by the last check.
     """
 
     def __init__(self, study: Path, ppid: str, to: Path, say: Callable[[str], object]) -> None:
@@ -53,7 +53,7 @@ class Mirror(Closeable):
         self._thread.start()
 
     def close(self) -> None:
-        """Copies what is left, and says what could not be copied."""
+        """Copies the remaining data, and prints what could not be copied."""
         self._end.set()
         self._thread.join(LAST)
         if self._thread.is_alive() or self.behind:
@@ -65,7 +65,7 @@ class Mirror(Closeable):
     def _run(self) -> None:
         ended = False
         while not ended:
-            # What is written before the end was announced is in the last copy.
+            # The last copy includes all data written before the end was set.
             ended = self._end.wait(SYNC)
             self._copy_all()
 
@@ -78,7 +78,7 @@ class Mirror(Closeable):
                     self._copy(path, state.st_size)
                     self._done[path] = (state.st_size, state.st_mtime_ns)
             except FileNotFoundError:
-                # A recording was compressed meanwhile: its other file comes next.
+                # The recording was compressed meanwhile: its compressed file is copied next.
                 continue
             except OSError as error:
                 failed = failed or (error.strerror or str(error))
@@ -99,7 +99,7 @@ class Mirror(Closeable):
                 yield path
 
     def _copy(self, path: Path, size: int) -> None:
-        """Copies a file, or what was added to it."""
+        """Copies a file, or the data appended since the last copy."""
         copy = self._to / path.relative_to(self._study)
         copy.parent.mkdir(parents=True, exist_ok=True)
         there = copy.stat().st_size if copy.exists() else 0
@@ -113,6 +113,6 @@ class Mirror(Closeable):
             shutil.copyfile(path, part)
             part.replace(copy)
         if copy.name.endswith(SUFFIX):
-            # Once it is compressed, the recording is there once.
+            # The uncompressed copy of a compressed recording is removed.
             with suppress(FileNotFoundError):
                 copy.with_name(copy.name.removesuffix(SUFFIX)).unlink()
