@@ -25,7 +25,6 @@ from sandbox.devices.leap.leap_file import read_leap
 from sandbox.devices.leap.leap_write import leap_message
 from tests.support.leap_hands import take
 
-CALIBRATED = 100
 """Frames of an open hand with which a take begins."""
 LAST = ("index_dip", "middle_dip", "ring_dip", "little_dip")
 RATE = 100
@@ -147,13 +146,6 @@ def test_both_hands_of_a_recording_are_the_hands_of_two_recordings(tmp_path: Pat
         assert text == (tmp_path / f"one-{side}.bvh").read_bytes()
 
 
-def test_one_hand_of_two_can_be_taken(tmp_path: Path) -> None:
-    path = write(tmp_path / "both.json", together())
-    assert exported(path, tmp_path / "both.bvh") == 0
-    assert exported(path, tmp_path / "left.bvh", "--hand", "left") == 0
-    assert (tmp_path / "left.bvh").read_bytes() == (tmp_path / "both-left.bvh").read_bytes()
-
-
 def test_keys_lie_at_the_recordings_own_times(tmp_path: Path) -> None:
     rng = np.random.default_rng(1)
     some = alone("right")
@@ -183,19 +175,6 @@ def test_a_hand_that_is_lost_keeps_its_pose_and_one_that_comes_late_waits_in_its
         assert np.abs(part[:51] - part[50]).max() < 1e-6
         assert np.abs(part[400:] - part[-1]).max() < 1e-6
         assert np.abs(part[60] - part[350]).max() > 0.01
-
-
-@pytest.mark.parametrize("kind", [".glb", ".amc", ".v", ".vsk", ".c3d", ".csv"])
-def test_every_format_takes_both_hands_of_a_leap(
-    kind: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    path = write(tmp_path / "both.json", together())
-    assert exported(path, tmp_path / f"x{kind}") == 0
-    said = " ".join(capsys.readouterr().out.split())
-    assert "the right and left hands over a Leap, by PAALM" in said and "100 Hz" in said
-    one_file = kind in (".glb", ".c3d", ".csv")
-    names = [f"x{kind}"] if one_file else [f"x-right{kind}", f"x-left{kind}"]
-    assert all((tmp_path / name).stat().st_size > 400 for name in names)
 
 
 @pytest.mark.needs("ezc3d")
@@ -232,37 +211,7 @@ def test_a_list_that_is_cut_short_is_refused_and_leaves_no_file(
     assert [p.name for p in tmp_path.iterdir()] == ["leap.json"]
 
 
-def test_lines_are_exported_up_to_the_damage(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    messages = [leap_message(frame, i) for i, frame in enumerate(alone("right"))]
-    lines = [json.dumps(m) for m in messages]
-    lines[300] = lines[300][:-40]
-    (tmp_path / "leap.jsonl").write_text("\n".join(lines) + "\n")
-    assert exported(tmp_path / "leap.jsonl", tmp_path / "x.bvh", "--hand", "right") == 0
-    assert "line 301" in " ".join(capsys.readouterr().err.split())
-    assert len(read_bvh(tmp_path / "x.bvh")) == 300
-
-
 # What is said.
-
-
-def test_a_hand_that_was_not_measured_is_said_in_one_line(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    path = write(tmp_path / "leap.json", alone("right")[200:215])
-    assert exported(path, tmp_path / "x.bvh", "--hand", "right") == 0
-    said = capsys.readouterr().err.strip().splitlines()
-    assert len(said) == 1 and "an average right hand is assumed" in said[0]
-    assert "--calibration FILE" in said[0]
-
-
-def test_twenty_frames_of_an_open_hand_are_enough(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    path = write(tmp_path / "leap.json", alone("right")[200:260])
-    assert exported(path, tmp_path / "x.bvh", "--hand", "right") == 0
-    assert not capsys.readouterr().err.strip()
 
 
 def test_a_measured_hand_is_taken(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

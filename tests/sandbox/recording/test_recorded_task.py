@@ -279,13 +279,3 @@ def test_brackets_in_a_recording_s_name_are_a_part_of_it(
     path.write_bytes(cut)
     assert main(["replay", str(path)]) == 0
     assert name.replace(" ", "") in "".join(capsys.readouterr().out.split())
-
-
-@pytest.mark.needs("opengl")
-def test_brackets_in_a_film_s_name_are_a_part_of_it(
-    cut: bytes, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    (tmp_path / "cut.jsonl").write_bytes(cut)
-    film = tmp_path / "film [1].webp"
-    assert main(["replay", str(tmp_path / "cut.jsonl"), "--film", str(film)]) == 0
-    assert "film[1].webp" in "".join(capsys.readouterr().out.split())

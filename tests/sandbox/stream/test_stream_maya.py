@@ -452,14 +452,6 @@ def test_fingers_under_metacarpals_move_with_the_hand_above_them() -> None:
     assert not scene.warnings
 
 
-def test_chains_with_nothing_above_them_are_told_that_no_palm_moves() -> None:
-    scene = FakeMaya()
-    scene.select(*[chain(scene, f"f{c}_", [(-c, 0, 3 * i) for i in range(4)])[0] for c in range(2)])
-    with maya_with(maya_script(), scene) as (names, _):
-        names["start"]()
-        assert names["hands"] and "root=" in scene.warnings[0]
-
-
 @pytest.mark.parametrize(
     ("node", "attribute", "driver", "said"),
     [

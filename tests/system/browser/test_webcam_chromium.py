@@ -172,10 +172,6 @@ def test_a_hand_that_the_engine_cannot_place_does_not_cost_the_other(
     assert not device.notices
 
 
-def test_the_camera_is_shown_as_on(tab: Tab) -> None:
-    assert tab.evaluate("!document.getElementById('on').hidden")
-
-
 def test_a_mirrored_picture_is_turned_back(tab: Tab, device: WebcamDevice) -> None:
     tab.evaluate(found("left"))
     tab.evaluate("document.getElementById('mirrored').click(); true")
@@ -184,17 +180,6 @@ def test_a_mirrored_picture_is_turned_back(tab: Tab, device: WebcamDevice) -> No
     mirrored = [width - x * width / SIZE[0] for x, _ in hand_before().image]
     assert [x for x, _ in frame.hands[0].image] == pytest.approx(mirrored, abs=0.01)
     assert frame.hands[0].world[8][0] == pytest.approx(-hand_before().world[8][0], abs=1e-5)
-
-
-def test_the_other_hand_is_told_with_what_it_may_mean(tab: Tab) -> None:
-    tab.evaluate(found("left"))
-    line = tab.wait(f"{LINE}.includes('asked for') && {LINE}")
-    assert "A left hand is seen" in line and "mirrors" in line
-
-
-def test_a_second_person_is_told(tab: Tab) -> None:
-    tab.evaluate(found("right", "left", "right"))
-    assert "One person at a time" in tab.wait(f"{LINE}.startsWith('3 hands') && {LINE}")
 
 
 def test_the_page_says_when_the_session_is_over_and_its_camera_goes_off(
