@@ -1,4 +1,4 @@
-"""Measures and scores a trial: goal reached at one moment, held, still reached a second later."""
+"""Measures and scores a trial: goal reached once, held, and still reached a second later."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from tasks.sensing import Sensing
 from tasks.task import Measure, Task
 
 AFTERMATH = 1.0
-"""s that a trial continues after success, to test whether the goal stays reached."""
+"""Time (s) for which a trial continues after success, to test whether the goal remains reached."""
 
 
 class Status(StrEnum):
@@ -30,7 +30,7 @@ class Status(StrEnum):
 def ending(status: str, success: bool) -> str:
     """Text for people of how a trial ended, in a word or two."""
     if status == "running":
-        # A trial runs for another second after success; it may be left before.
+        # A trial runs for another second after success, and may be left during this time.
         return "done" if success else "broken off"
     return "done" if success else status.replace("_", " ")
 
@@ -40,13 +40,13 @@ class Score:
     """The result of a trial so far.
 
     Attributes:
-        instant: The goal was reached at some moment.
-        held: The goal was reached for the hold time without a break; this is success.
-        final: The goal was still reached when the trial ended, a second after success.
+        instant: True if the goal was reached at some moment.
+        held: True if the goal was reached for the hold time without a break; this is success.
+        final: True if the goal was still reached when the trial ended, a second after success.
         status: State or end of the trial.
-        progress: 0 to 1, at the end.
-        reason: Text for people of what is missing; empty after success.
-        time: s of simulated time until it was held, or until the trial ended.
+        progress: Progress, 0 to 1, at the end.
+        reason: Text for people that names the missing condition; empty after success.
+        time: Simulated time (s) until the goal was held, or until the trial ended.
     """
 
     instant: bool = False
@@ -64,16 +64,16 @@ class Score:
 
 
 def points(success: bool, progress: float, seconds: float, limit: float) -> float:
-    """One number for a trial, 0 to 100: 50 for success and the more the sooner, less without.
+    """Points, 0 to 100, for a trial.
 
-    It follows from objects and time alone: a trial that was held has 50 points and up to 50 more
-    for the time that was left; any other has 50 times the progress at its end.
+    They depend only on objects and time. A successful trial has 50 points, and up to 50 more for
+    the remaining time. Any other trial has 50 times the progress at its end.
 
     Args:
-        success: The goal was held.
-        progress: 0 to 1, at the end.
-        seconds: s until it was held, or until the trial ended.
-        limit: s, the task's time limit.
+        success: True if the goal was held.
+        progress: Progress, 0 to 1, at the end.
+        seconds: Time (s) until the goal was held, or until the trial ended.
+        limit: The task's time limit (s).
     """
     if not success:
         return 50.0 * progress
@@ -83,12 +83,11 @@ def points(success: bool, progress: float, seconds: float, limit: float) -> floa
 def measure(task: Task, sensing: Sensing) -> Measure:
     """Calls a task's `measure`, and checks its result.
 
-    A progress below 0 or above 1 becomes the nearest of the two.
+    A progress below 0 or above 1 is clipped.
 
     Raises:
-        InputError: `measure` of somebody else's task fails, or returns something else, such as
-            nothing, or a progress that is no number; or it would end the program, which then ended
-            as if all were well.
+        InputError: `measure` of an external task fails, does not return a valid `Measure`, or tries
+            to end the program.
     """
     try:
         result = task.measure(sensing)
@@ -116,7 +115,7 @@ def measure(task: Task, sensing: Sensing) -> Measure:
 
 
 def _plain(result: Measure) -> bool:
-    """True if all values are Python's own, and sound."""
+    """True if all values have Python's own types and are valid."""
     return (
         type(result.reached) is bool
         and type(result.lost) is bool
@@ -128,7 +127,7 @@ def _plain(result: Measure) -> bool:
 
 
 def _made_plain(result: Measure, task: str) -> Measure:
-    """The same measure in Python's own values: NumPy's cannot be written into a recording.
+    """The same measure with values of Python's own types; NumPy's cannot be written to a recording.
 
     Raises:
         InputError: `reached` or `lost` is neither true nor false, `progress` is no finite number,
@@ -196,7 +195,7 @@ class Scorer:
         return self.score.status is not Status.RUNNING
 
     def update(self, time: float, measure: Measure) -> Score:
-        """Adds the measure at a time in seconds since the trial's start."""
+        """Adds the measure at a time (s since the trial's start); returns the score so far."""
         if self.over:
             return self.score
         first = None if self._begun else measure.first
@@ -224,7 +223,7 @@ class Scorer:
         return self.score
 
     def _lasted(self, time: float, reached: bool) -> bool:
-        """True once something was reached for the hold time without a break."""
+        """True once a condition was reached for the hold time without a break."""
         if not reached:
             self._since = None
             return False
@@ -237,7 +236,7 @@ class Scorer:
         """Ends the trial for a reason outside the task: no more input, or a diverged simulation."""
         if not self.over:
             if self.score.held:
-                # A success stays one; only the test a second later is missing.
+                # A success remains a success; only the test a second later is missing.
                 status, reason = Status.HELD, self.score.reason
             self._end(status, reason)
         return self.score

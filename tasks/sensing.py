@@ -19,8 +19,8 @@ from models.objects import Joint, MechanismPart
 from models.scene import TABLE, Scene, finger_sensor, first_bodies, touching_sensor
 
 SUPPORT = 0.6
-"""Least share of an object's weight that its support carries. An object on one support rests there
-with its whole weight; one that leans on two shares it between them."""
+"""Least share of an object's weight that a support must carry. An object on one support rests on it
+with its whole weight; an object that leans on two supports divides its weight between them."""
 
 
 @dataclass(frozen=True)
@@ -28,11 +28,11 @@ class ObjectState:
     """An object at one moment, in the world.
 
     Attributes:
-        position: (3,) m, centre.
+        position: (3,) m, centre of the object.
         rotation: (3, 3), world from object.
-        speed: m/s of the centre.
-        on_table: True if the table pushes it.
-        held: True if a hand touches it.
+        speed: Speed (m/s) of the centre.
+        on_table: True if the table exerts a force on the object.
+        held: True if a hand touches the object.
     """
 
     position: Array
@@ -43,18 +43,18 @@ class ObjectState:
 
     @property
     def yaw(self) -> float:
-        """Yaw of the object's x axis in rad, seen from above."""
+        """Yaw (rad) of the object's x axis, seen from above."""
         return atan2(self.rotation[1, 0], self.rotation[0, 0])
 
     @property
     def tilt(self) -> float:
-        """Angle in rad between the object's z axis and the vertical."""
+        """Angle (rad) between the object's z axis and the vertical."""
         return acos(min(max(self.rotation[2, 2], -1.0), 1.0))
 
     @property
     def lean(self) -> float:
-        """Angle in rad between the vertical and the nearest of the object's axes: 0 on any face of
-        a box."""
+        """Angle (rad) between the vertical and the nearest of the object's axes; 0 for a box that
+        stands on any of its faces."""
         return acos(min(max(map(abs, self.rotation[2].tolist())), 1.0))
 
 
@@ -63,9 +63,9 @@ class JointState:
     """A hinge or a slide at one moment.
 
     Attributes:
-        position: rad or m.
-        speed: rad/s or m/s.
-        joint: Its kind and range.
+        position: Position (rad or m).
+        speed: Speed (rad/s or m/s).
+        joint: Kind and range of the joint.
     """
 
     position: float
@@ -74,11 +74,10 @@ class JointState:
 
     @property
     def share(self) -> float:
-        """Share of its range, 0 at the lowest value to 1 at the highest; a key counts as pressed
-        beyond some share.
+        """Position as a share of the range, 0 at its lowest and 1 at its highest value.
 
         Raises:
-            InputError: It has no range.
+            InputError: The joint has no range.
         """
         if self.joint.range is None:
             raise InputError(
@@ -97,7 +96,7 @@ class Sensing:
         self._scene, self._data = scene, data
         model = scene.model
         self._hands = hands = [hand.name for hand in scene.spec.hands]
-        # MuJoCo's arrays stay where they are, so that views of them are made only once.
+        # MuJoCo's arrays do not move in memory, so views of them are made only once.
         # Every pair of parts has one sensor, which measures the force of the first on the second.
         self._read: dict[tuple[str, str], Array] = {}
         self._sign: dict[tuple[str, str], float] = {}
@@ -111,11 +110,11 @@ class Sensing:
             name: -float(model.opt.gravity[2]) * float(model.body_subtreemass[body])
             for name, body in scene.object_bodies.items()
         }
-        # A free joint begins with the three speeds of the centre. An object on a hinge has one
-        # speed, and its centre moves about the axis; one that is fixed has none.
+        # The speeds of a free joint begin with the three speeds of the centre. An object on a hinge
+        # has one speed, and its centre moves about the axis. A fixed object has no speed.
         self._speeds: dict[str, Array] = {}
         self._levers: dict[str, float] = {}
-        # What is carried by something that moves has more speed than that of its own joint.
+        # A part that a moving part carries has a speed in addition to that of its own joint.
         fixed = {o.name for o in scene.spec.objects if isinstance(o, MechanismPart) and o.fixed}
         self._carried = {
             o.name: scene.object_bodies[o.name]
@@ -185,7 +184,7 @@ class Sensing:
         """Current state of the hinge or slide of a mechanism's part.
 
         Raises:
-            InputError: The task has no part of this name, or it has no joint.
+            InputError: The task has no part of this name, or the part has no joint.
         """
         if name not in self._joints:
             raise _unknown(name, self._joints, "this scene has no joint of this name")
@@ -193,10 +192,10 @@ class Sensing:
         return JointState(float(position[0]), float(speed[0]), joint)
 
     def fingers(self, name: str) -> frozenset[tuple[str, int]]:
-        """Fingers that touch a mechanism's part now: name of the hand, and label of the finger.
+        """Fingers that touch a mechanism's part now, as pairs of hand name and finger label.
 
         Raises:
-            InputError: The task has no part of this name that moves.
+            InputError: The task has no moving part of this name.
         """
         if name not in self._fingers:
             raise _unknown(name, self._fingers, "this scene has no moving part of this name")
@@ -210,17 +209,17 @@ class Sensing:
         return touches > 0 and any(force)
 
     def force(self, name: str, other: str) -> Array:
-        """Force (3,) N in the world with which the table, a hand or another object pushes an
+        """Force (3,) N, in the world, that the table, a hand or another object exerts on an
         object."""
         return self._sensor(name, other)[1:] * self._sign[name, other]
 
     def rests_on(self, name: str, other: str) -> bool:
-        """True if the table or another object supports an object: pushes up most of its weight.
+        """True if the table or another object supports an object, by carrying most of its weight.
 
-        A brush from the side, or a corner that only leans, does not count as support.
+        A contact from the side, or a leaning corner, does not count as support.
 
         Raises:
-            InputError: The first is no object, or there is no such part of the scene.
+            InputError: The scene has no object `name`, or no part `other`.
         """
         if name not in self._weights:
             raise _unknown(name, self._weights, "this scene has no object of this name")
@@ -228,7 +227,7 @@ class Sensing:
         return up > SUPPORT * self._weights[name]
 
     def _sensor(self, name: str, other: str) -> Array:
-        """Number of contacts and force in N between two parts of the scene, as an array (4,)."""
+        """Number of contacts and force (N) between two parts of the scene, as an array (4,)."""
         if (name, other) not in self._read:
             parts = {part for pair in self._read for part in pair}
             raise _unknown(name if name not in parts else other, parts)
@@ -236,7 +235,7 @@ class Sensing:
 
 
 def _from_axis(position: Array, axis: Array) -> float:
-    """m from a body's origin to the axis of its hinge, which goes through a position (3,)."""
+    """Distance (m) from a body's origin to its hinge's axis through a position (3,) m."""
     (x, y, z), (a, b, c) = position.tolist(), axis.tolist()
     return length(np.array([y * c - z * b, z * a - x * c, x * b - y * a]))
 

@@ -1,7 +1,7 @@
 """Contract of tasks: a scene with goals, drawn from a seed, and a test of whether they are reached.
 
-Some goals are fixed in the world, others on top of a moving object; `place` finds their current
-positions. `place_surface` puts the touch surface of a task into the world.
+Some goals are fixed in the world, and others are on top of a moving object. `place` computes their
+current positions. `place_surface` places the touch surface of a task in the world.
 """
 
 from __future__ import annotations
@@ -24,8 +24,8 @@ if TYPE_CHECKING:
     from tasks.user import UserMaker
 
 _NEAR = 0.030
-"""m, distance from its own goal below which an object counts as placed, so that a goal on top of it
-follows it. Before, the goal on top is shown above the object's own goal."""
+"""Distance (m) from its own goal below which an object counts as placed. A goal on top of the
+object then follows the object; before, it is shown above the object's own goal."""
 
 
 @dataclass(frozen=True)
@@ -34,12 +34,12 @@ class Goal:
 
     Attributes:
         object: Name of the object.
-        position: (3,) m, centre of the object at the goal; with `on`, relative to the centre of
-            that object, in the world's directions.
-        yaw: rad about the vertical; with `on`, relative to that object.
-        on: Name of the object on which it should stand, at that object's current position. `place`
+        position: (3,) m, centre of the object at the goal. With `on`, it is relative to the centre
+            of the lower object, in the world's directions.
+        yaw: Yaw (rad) about the vertical. With `on`, it is relative to the lower object.
+        on: Name of the lower object, on whose current position the object should stand. `place`
             converts such goals to positions in the world.
-        shown: False for an object that only has to stay where it is; views draw nothing for it.
+        shown: False for an object that only has to stay in place; views draw nothing for it.
     """
 
     object: str
@@ -82,7 +82,7 @@ def place(goals: Sequence[Goal], poses: Mapping[str, Posed]) -> tuple[Goal, ...]
 
 
 def flat_yaw(rotation: Array) -> float:
-    """Yaw in rad of the object's most horizontal axis; x before y before z.
+    """Yaw (rad) of the object's most horizontal axis; among equals, x before y before z.
 
     A box that stands on its x face has an upright x axis, but its other edges still have a yaw.
     """
@@ -102,9 +102,9 @@ class Measure:
         reached: All conditions of success hold right now.
         progress: 0 (as at the start, or worse) to 1 (reached).
         reason: Text for people of the first condition that does not hold; empty when all hold.
-        lost: True if the trial failed for good: it ends here, unless it had succeeded before.
-        first: Measure of what has to be held before, for the same hold time; until it was, it
-            stands for this one. None where nothing has to be.
+        lost: True if the trial has failed for good. It then ends, unless it had succeeded before.
+        first: Measure of a condition that has to be held first, for the same hold time. Until then
+            it replaces this measure. None if there is no such condition.
     """
 
     reached: bool
@@ -118,13 +118,14 @@ class TaskDefaults(Protocol):
     """Members that a task may leave out, with their defaults.
 
     Attributes:
-        hands: Number of hands that it needs.
+        hands: Number of hands that the task needs.
         painted: Rings that are painted on the table.
-        user: Creates its simulated user; None uses the user of the built-in tasks.
-        pressed: Its objects are pressed from above: hands turn solid on their way down, rather than
-            once they are down.
-        own_friction: The friction of its objects counts against hands and table; see `SceneSpec`.
-        fewest_fingers: Number of different fingers without which it cannot be played.
+        user: Creates the simulated user; None uses the user of the built-in tasks.
+        pressed: True if the objects are pressed from above. Hands then turn solid on their way
+            down, rather than once they are down.
+        own_friction: True if the friction of the objects counts against hands and table; see
+            `SceneSpec`.
+        fewest_fingers: Least number of different fingers with which the task can be played.
     """
 
     hands: ClassVar[int] = 1
@@ -138,26 +139,26 @@ class TaskDefaults(Protocol):
         return ()
 
     def shifted(self: Task) -> tuple[str, ...]:
-        """Names of the things whose starts `--vary start` shifts: what a person is to carry.
+        """Names of the objects whose starts `--vary start` shifts: those that a person carries.
 
         By default all objects.
 
         Raises:
-            InputError: There is nothing whose start could be shifted; the error says why.
+            InputError: No object's start can be shifted; the error gives the reason.
         """
         return tuple(thing.name for thing in self.objects)
 
     def with_room(self, factor: float) -> Task:
-        """The same trial with so much more or less room between its things.
+        """The same trial with more or less room between its objects.
 
         Args:
-            factor: Factor on what the task calls its room: the width of a gate, a clearance.
+            factor: Factor on the task's room, such as the width of a gate or a clearance.
 
         Raises:
-            InputError: The task leaves no room that could be varied, as by default.
+            InputError: The task has no room that can be varied, as by default.
         """
         raise InputError(
-            "this task leaves no room that can be varied",
+            "this task has no room that can be varied",
             where="room",
             remedy="Vary something else",
         )
@@ -172,14 +173,14 @@ class Task(TaskDefaults, Protocol):
         seed: Seed of the trial.
         objects: Objects in the scene at their start.
         goals: Goals to be reached.
-        table_friction: Coulomb coefficient of the table; of no effect with `own_friction`.
-        touch_height: m, height of the touch plane above the table; a fingertip's centre is a
-            little above it, near the middle of the objects' height.
-        lift_range: m by which the hand rises at lift control 1; 0 where the task needs none.
+        table_friction: Coulomb coefficient of the table; it has no effect with `own_friction`.
+        touch_height: Height (m) of the touch plane above the table. A fingertip's centre is a
+            little above this plane, near the middle of the objects' height.
+        lift_range: Height (m) by which the hand rises at lift control 1; 0 if the task needs none.
         plane: Placement of the touch surface: `table` lies flat over the table; `front` stands
-            upright, its y the world's z.
-        time_limit: s, duration of a trial at most.
-        hold_time: s for which the goal must hold without a break.
+            upright, and the surface's y is vertical.
+        time_limit: Longest duration (s) of a trial.
+        hold_time: Time (s) for which the goal must be reached without a break.
     """
 
     name: ClassVar[str]
@@ -211,18 +212,18 @@ class Task(TaskDefaults, Protocol):
 
 
 BELOW_TABLE = 0.015
-"""m by which an upright surface reaches below the table's top, so that fingers beside an object on
-the table are still on the surface."""
+"""Distance (m) by which an upright surface reaches below the table's top, so that fingers beside an
+object on the table are still on the surface."""
 
 _SHARES = np.linspace(0.0, 1.0, 50)
-"""Of the height of a surface, at which points of its sides are looked at."""
+"""Heights of the test points on a surface's sides, as shares of the surface's height."""
 
 
 def place_surface(surface: Surface, task: type[Task]) -> Surface:
     """Places a task's surface in the world: flat over the table, or upright before the person.
 
-    A flat surface is `touch_height` above the table. An upright one is `touch_height` in front of
-    world y = 0, the depth of the objects of an upright task.
+    A flat surface is `touch_height` above the table. An upright surface is `touch_height` in front
+    of world y = 0, which is the depth of the objects of an upright task.
     """
     if task.plane == "front":
         return surface.placed_upright(-task.touch_height, -BELOW_TABLE)
@@ -230,9 +231,9 @@ def place_surface(surface: Surface, task: type[Task]) -> Surface:
 
 
 def over_a_side(obj: SceneObject, surface: Surface) -> bool:
-    """True if an object, as it starts before an upright surface, sticks out over a side of it.
+    """True if an object, at its start before an upright surface, projects over a side of it.
 
-    Nobody can grip it there, so that a session would put it back for ever.
+    The object cannot be gripped there, so a session would put it back again and again.
 
     Args:
         obj: The object; its yaw is about the vertical.
@@ -261,7 +262,7 @@ def reaches_a_side(
         position: (3,) m, its middle in the world.
         rotation: (3, 3), world from object.
         surface: The surface as placed in the world.
-        place: m, where its middle is along the surface, and how far off it.
+        place: Position (m) of the object's middle along the surface, and its distance from it.
     """
     x, off = place
     width, height = METRES_PER_INCH * surface.width_in, METRES_PER_INCH * surface.height_in

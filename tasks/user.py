@@ -19,7 +19,8 @@ from models.surface import Surface
 from tasks.task import Goal
 
 KINDS = ("skilled", "idle", "random")
-"""Kinds of users: `skilled` plays the task; the control arms do nothing, or touch at random."""
+"""Kinds of users: `skilled` plays the task; the other kinds are baselines, which do nothing or
+touch at random."""
 
 
 @dataclass(frozen=True)
@@ -28,30 +29,33 @@ class UserConfiguration:
 
     Attributes:
         kind: One of `KINDS`.
-        fingers: Number of touching fingers, 2 to 5: the thumb, then index, middle, ...; fewer touch
-            an object whose faces have no room for as many.
-        reaction: s, range from which each trial's delay between seeing and acting is drawn.
-        peak_speed: m/s, highest speed of a fingertip.
-        movement_base: s; a movement of d metres takes base + slope log2(d / 2 mm), or longer
-            because of the peak speed.
-        movement_slope: s, the slope of that rule.
-        end_noise: Share of a movement's length by which it misses.
-        tremor: m, slow correlated noise of every finger (standard deviation per axis).
-        tremor_time: s, correlation time of the tremor.
-        noise: m, uncorrelated noise of every finger; together with the tremor 1 mm.
-        aim_error: m per axis, error of a first touch, common to all fingers of the hand: the screen
-            is not under the fingers, so the user does not see where they will land.
-        finger_error: m per axis, error of a single finger's first touch relative to the others.
-        stagger: s, within which the fingers land, and lift, in random order.
-        hand_size: Length of the hand relative to a middling adult's, which scales the distances of
-            its fingers and its openings. A device sets it to the size of its person's hand.
-        opening: m per side by which the hand comes down wider than the object.
-        easy_opening: m from thumb to fingers, beyond which the hand opens only for an object that
-            is too wide otherwise.
-        squeeze: m per side by which the touches close inside the object's faces.
-        natural_axis: rad, direction from thumb to index finger that is most comfortable.
-        natural_axis_of_row: rad, the same across an object from the thumb to several fingers.
-        longest_span: m from thumb to fingers, the widest opening of the hand.
+        fingers: Number of touching fingers, 2 to 5, in the order thumb, index, middle, ring,
+            little. Fewer fingers touch an object whose faces are too small.
+        reaction: Range (s) from which each trial's reaction delay is drawn.
+        peak_speed: Highest speed (m/s) of a fingertip.
+        movement_base: Base (s) of the duration of a movement. A movement over d metres takes
+            base + slope log2(d / 2 mm), or longer because of the peak speed.
+        movement_slope: Slope (s) of the duration of a movement.
+        end_noise: Standard deviation of a movement's error, as a share of its length.
+        tremor: Standard deviation (m per axis) of slow correlated noise of every finger.
+        tremor_time: Correlation time (s) of the tremor.
+        noise: Standard deviation (m per axis) of uncorrelated noise of every finger; together with
+            the tremor 1 mm.
+        aim_error: Standard deviation (m per axis) of the first touch's error that all fingers have
+            in common. The screen is not under the fingers, so the user does not see where they will
+            land.
+        finger_error: Standard deviation (m per axis) of a single finger's error at the first touch.
+        stagger: Time (s) within which the fingers land, and lift, in random order.
+        hand_size: Length of the hand relative to an average adult's, which scales the distances and
+            openings of the fingers. A device sets it to the size of its person's hand.
+        opening: Distance (m per side) by which the hand comes down wider than the object.
+        easy_opening: Opening (m) from thumb to fingers beyond which the hand opens only for an
+            object that requires it.
+        squeeze: Distance (m per side) by which the touches close inside the object's faces.
+        natural_axis: Most comfortable direction (rad) from thumb to index finger.
+        natural_axis_of_row: Most comfortable direction (rad) from the thumb to several fingers
+            across an object.
+        longest_span: Widest opening (m) of the hand, from thumb to fingers.
         attempts: Number of grasps before giving up.
     """
 
@@ -92,14 +96,15 @@ class UserConfiguration:
 
 @dataclass(frozen=True)
 class SeenObject:
-    """An object on the screen, as its user sees it.
+    """An object on the screen, as the user sees it.
 
     Attributes:
         shape: The object.
-        position: (3,) m.
-        rotation: (3, 3).
-        mirrored: True where a left-handed user sees the mirror image of a shape with a left and a
-            right side: a point (x, y, z) of the shape is at (x, -y, z) in the frame of `rotation`.
+        position: (3,) m, centre of the object.
+        rotation: (3, 3), world from object.
+        mirrored: True if a left-handed user sees the mirror image of a shape whose left and right
+            sides differ. A point (x, y, z) of the shape is then at (x, -y, z) in the frame of
+            `rotation`.
     """
 
     shape: SceneObject
@@ -109,12 +114,12 @@ class SeenObject:
 
     @property
     def yaw(self) -> float:
-        """Yaw in rad about the vertical."""
+        """Yaw (rad) about the vertical."""
         return atan2(self.rotation[1, 0], self.rotation[0, 0])
 
     @property
     def upright(self) -> bool:
-        """True if it is seen to stand on one of its faces."""
+        """True if the object appears to stand on one of its faces."""
         return bool(np.max(np.abs(self.rotation[2])) > cos(radians(8.0)))
 
 
@@ -123,12 +128,12 @@ class Sight:
     """Content of the screen at one moment.
 
     Attributes:
-        time: Simulated time, s.
+        time: Simulated time (s).
         tips: Positions (3,) m of the drawn fingertips of labelled fingers, by contact id.
         solid: True if the hand is drawn opaque.
         objects: The objects by name.
         goals: Goals to be reached.
-        done: True if the screen says that the task is done.
+        done: True if the screen shows that the task is done.
     """
 
     time: float
@@ -140,18 +145,19 @@ class Sight:
 
 
 class LateSight(Sight):
-    """A sight that is computed at the first look: users get sixty a second, and act on four."""
+    """A sight that is computed when it is first read. Users get sixty sights a second, and act on
+    about four of them."""
 
     compute: Callable[[], Sight]
 
     @classmethod
     def of(cls, time: float, compute: Callable[[], Sight]) -> LateSight:
-        """Creates a sight of a time in s.
+        """Creates a sight that is computed later.
 
         Args:
-            time: Simulated time, s.
-            compute: Returns the sight. It must hold nothing that changes, and no user: a user that
-                stores its sights would keep itself alive.
+            time: Simulated time (s).
+            compute: Function that returns the sight. It must not refer to anything that changes,
+                nor to a user: a user that stores its sights would keep itself alive.
         """
         late = cls.__new__(cls)
         object.__setattr__(late, "time", time)
@@ -192,12 +198,14 @@ class User(Protocol):
 
 
 class FingersKnown(ABC):
-    """Contract of simulated users whose fingers are known: what is true is not told to them, but to
-    who labels or judges their touches."""
+    """Contract of simulated users whose true fingers are known.
+
+    Labellers and evaluations read the true labels; the user does not.
+    """
 
     @abstractmethod
     def finger_of(self, contact: int) -> int | None:
-        """Finger, thumb 0 to little 4, of a contact of the last touch; None for another id."""
+        """Finger, thumb 0 to little 4, of a contact id; None if the last touch had no such id."""
 
 
 UserMaker = Callable[[UserConfiguration, Surface, int], User]

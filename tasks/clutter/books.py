@@ -26,17 +26,18 @@ from tasks.task import Goal, Measure, TaskDefaults
 from tasks.user import SeenObject, Sight, UserConfiguration, UserMaker
 
 POINTS = pi / 4
-"""rad, from the direction across a box, thumb to fingers, to that in which a hand points. Of eleven
-simulated people with thumb, index and middle finger on a screen: 42 degrees, median."""
+"""Angle (rad) from the direction across a box, thumb to fingers, to the direction in which the hand
+points. The median of eleven simulated people with thumb, index and middle finger on a screen is 42
+degrees."""
 _STEP = 0.030
-"""m that the user slides a box before the next look."""
+"""Distance (m) by which the user slides a box before the next look."""
 
 
 class PointingHandling(BoxHandling):
-    """Handling of a box by those two faces across which the hand points most nearly along the way.
+    """Handling of a box, grasped across the two faces for which the hand points best along the way.
 
     Attributes:
-        way: rad, direction of the way; None until it is seen.
+        way: Direction (rad) of the way; None until the user has seen it.
     """
 
     way: float | None = None
@@ -78,37 +79,39 @@ class BooksUser(SkilledUser):
         super()._act(sight, now)
 
     def _leg(self, sight: Sight, box: SeenObject, off: Array, turn: float) -> tuple[Array, float]:
-        """The next part of a straight way."""
+        """Shift (2,) m and turn (rad) of the next step along a straight way."""
         return off * min(1.0, _STEP / max(length(off), 1e-9)), turn
 
 
 EDGE = 0.040
-"""m, edge of the box: of the boxes of the stacking tasks, the smallest."""
+"""Edge (m) of the box, equal to the smallest box of the stacking tasks."""
 MASS = (0.050, 0.150)
-"""kg, of the box."""
+"""Range of the box's mass (kg)."""
 
 BOOK = (0.110, 0.020, 0.178)
-"""m, length, thickness and height of a paperback of 350 pages that stands on the table: 110 x 178
-mm is a usual format. It falls when it is tilted sideways by 6 degrees."""
+"""Length, thickness and height (m) of a standing paperback of 350 pages; 110 x 178 mm is a usual
+format. The book falls when it is tilted sideways by 6 degrees."""
 BOOK_MASS = 0.200
-"""kg, of such a book."""
+"""Mass (kg) of a book."""
 COLOURS = ((0.34, 0.71, 0.91), (0.90, 0.62, 0.0))
 """Colours of the books."""
 
 GAP = 0.100
-"""m between the books. A hand with its thumb is about as wide."""
+"""Gap (m) between the books; a hand with its thumb is about as wide."""
 BEHIND = 0.100
-"""m from the goal back to the near ends of the books: the palm begins outside of the gap."""
+"""Distance (m) from the goal back to the near ends of the books, so that the palm starts outside
+the gap."""
 WAY = 0.060
-"""m from start to goal."""
+"""Distance (m) from start to goal."""
 ASKEW = pi / 4
-"""rad from the way to the box's faces."""
+"""Angle (rad) between the way and the box's faces."""
 TO_THE_LEFT = (radians(60.0), radians(75.0))
-"""rad from straight away from the person to the direction of the gap. A right hand that points
-there is turned to the left by 30 to 45 degrees from where it is most comfortable."""
+"""Range of the angle (rad) between the direction away from the person and the direction of the gap.
+A right hand that points along the gap is turned to the left by 30 to 45 degrees from its most
+comfortable direction."""
 
 MOVED = POSITION_TOLERANCE
-"""m, by which a book may be moved at most."""
+"""Largest distance (m) by which a book may be moved."""
 
 _TRIES = 20_000
 """Number of draws after which a surface is reported as too small."""
@@ -195,7 +198,7 @@ class Books(TaskDefaults):
         return ("box",)
 
     def with_room(self, factor: float) -> Books:
-        """The same trial with the books so much farther apart or nearer to each other."""
+        """The same trial with the gap between the books multiplied by a factor."""
         one, other = (np.array(book.position) for book in self.objects[1:])
         middle, wider = (one + other) / 2, (factor * GAP + BOOK[1]) / (GAP + BOOK[1])
         books = [

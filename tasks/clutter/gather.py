@@ -1,6 +1,6 @@
 """Sweep twelve dice into a ring.
 
-The simulated user sweeps them together with the fingers side by side.
+The simulated user sweeps the dice together with the fingers side by side.
 """
 
 from __future__ import annotations
@@ -25,25 +25,27 @@ from tasks.task import Goal, Measure, TaskDefaults
 from tasks.user import Sight, UserConfiguration, UserMaker
 
 _SIDE_BY_SIDE = 0.0155
-"""m from finger to finger: things of 12 mm do not slip through between fingers of 14 mm."""
+"""Distance (m) from finger to finger; dice of 12 mm do not slip through between fingers of 14
+mm."""
 _CUP = 0.004
-"""m by which the outer fingers are ahead of the inner ones, so that things stay before the row."""
+"""Distance (m) by which the outer fingers are ahead of the inner ones, so that dice stay before the
+row."""
 _TIP, _THING = 0.008, 0.0085
-"""m, radius of a fingertip and of a thing, to its corner, as the user assumes them."""
+"""Radii (m) that the user assumes for a fingertip and for a die, measured to its corner."""
 _BEHIND = 0.024
-"""m behind the last thing, where the fingers come down."""
+"""Distance (m) behind the last die at which the fingers come down."""
 _WITHIN = 0.006
-"""m inside the ring, where the user wants the middle of the things."""
+"""Distance (m) inside the ring's border to which the user sweeps the middles of the dice."""
 _OUT = 0.002
-"""m from the border of the ring, within which the user takes a thing for outside."""
+"""Distance (m) inside the ring's border within which the user still counts a die as outside."""
 _OBLIQUE = (0.0, -0.5, 0.5, -1.0, 1.0)
-"""rad from the way to the middle of the ring, in which a sweep may lead."""
+"""Angles (rad) between a sweep and the direct way to the middle of the ring."""
 _COMFORT = 0.6
-"""Things that a sweep must catch more, to be worth turning the wrist by one rad."""
+"""Number of additional dice that a sweep must catch to be worth a wrist turn of 1 rad."""
 _CLOSE = 0.005
-"""m, error of the row's place within which the user begins to sweep."""
+"""Largest error (m) of the row's position at which the user begins to sweep."""
 _PATIENCE = 6
-"""Looks at a hand before the sweep, after which the user lifts it."""
+"""Number of looks at the hand before a sweep, after which the user lifts the hand."""
 
 
 @dataclass(frozen=True)
@@ -51,8 +53,8 @@ class Sweep:
     """A straight sweep with a row of fingers.
 
     Attributes:
-        places: (n, 2) m, where the fingers come down, thumb first.
-        shift: (2,) m, by which they move.
+        places: (n, 2) m, positions at which the fingers come down, thumb first.
+        shift: (2,) m, movement of the fingers.
     """
 
     places: Array
@@ -60,7 +62,7 @@ class Sweep:
 
 
 class GatherUser(SkilledUser):
-    """Sweeps things into the ring that the goals show, those first that lie together.
+    """Sweeps dice into the ring of the goals, beginning with dice that lie together.
 
     Args:
         configuration: Settings of the simulated user.
@@ -85,7 +87,7 @@ class GatherUser(SkilledUser):
             self._begin(sight, self._sweep, now)
 
     def _plan(self, sight: Sight, now: float) -> None:
-        """Puts the fingers down behind things that lie outside."""
+        """Puts the fingers down behind dice that lie outside the ring."""
         self._sweep = None if sight.done else self._best(sight)
         if self._sweep is None:
             self._wait(0.1, now)
@@ -98,7 +100,7 @@ class GatherUser(SkilledUser):
         self._wait(self._eye.delay + 0.45, now)
 
     def _begin(self, sight: Sight, sweep: Sweep, now: float) -> None:
-        """Moves the fingers to where the sweep begins, as the drawn ones show, and sweeps."""
+        """Moves the fingers until the drawn fingers are at the start of the sweep, then sweeps."""
         self._looks += 1
         wanted = stopped_at_border(sweep.places + self._drawn_offset(sight), self.surface)
         off = float(np.sqrt(squared_lengths(wanted - self._fingers.places(now))).max())
@@ -113,7 +115,7 @@ class GatherUser(SkilledUser):
             self._wait(0.1, now)
 
     def _best(self, sight: Sight) -> Sweep | None:
-        """The sweep that brings most things into the ring, with the least turned wrist."""
+        """The best compromise between many dice swept into the ring and a little turned wrist."""
         dice = np.array([seen.position[:2] for seen in sight.objects.values()])
         goals = np.array([goal.position[:2] for goal in sight.goals])
         middle = np.array([_mean(goals[:, 0]), _mean(goals[:, 1])])
@@ -135,11 +137,11 @@ class GatherUser(SkilledUser):
         outside: Array,
         dice: Array,
     ) -> tuple[float, Sweep]:
-        """What a sweep of a thing is worth, and the sweep."""
+        """A sweep that starts behind a die, and its value."""
         way = middle - die
         direction = atan2(way[1], way[0]) + oblique
         ahead = np.array([cos(direction), sin(direction)])
-        # The thumb is at the end of the row that suits the wrist.
+        # The thumb is at the end of the row for which the wrist turns less.
         natural = self._hand.natural_axis
         axis = min(
             (direction + pi / 2, direction - pi / 2), key=lambda a: abs(wrapped(a - natural))
@@ -151,7 +153,7 @@ class GatherUser(SkilledUser):
         cup = _CUP * (along / outer) ** 2
         row = along[:, None] * across + cup[:, None] * ahead
         start = die - _BEHIND * ahead
-        # To the point of the way that is nearest to the middle, or to the border of the ring.
+        # The sweep ends at the point of its line nearest to the ring's middle, or at the border.
         nearest = float((way * ahead).sum())  # any order: two numbers
         side = float(np.sqrt(max(length(way) ** 2 - nearest**2, 0.0)))
         inner = max(radius - _WITHIN, side)
@@ -177,25 +179,25 @@ def _mean(values: Array) -> float:
 
 COUNT = 12
 EDGE = 0.012
-"""m, edge of a die: the small size that is sold, beside that of 16 mm."""
+"""Edge (m) of a die. Dice are sold with edges of 12 mm and 16 mm."""
 MASS = 0.0021
-"""kg, of a die of acrylic glass (1.19 g/cm3) that is sold as 12 mm."""
+"""Mass (kg) of a die of 12 mm and acrylic glass (1.19 g/cm3)."""
 RADIUS = 0.040
-"""m, of the ring: dice fill a third of it, so that they need not be packed."""
+"""Radius (m) of the ring. Dice fill a third of it, so they need not be packed."""
 BORDER = 0.028
-"""m from the surface's border to the nearest die, so that fingertips have room behind it."""
+"""Least distance (m) of a die from the surface's border, so that fingertips have room behind it."""
 RING_BORDER = 0.055
-"""m from the surface's border to the ring's middle."""
+"""Least distance (m) of the ring's middle from the surface's border."""
 APART, OUTSIDE = 0.018, 0.012
-"""m, least distances of two dice, and of a die from the ring, at the start: dice do not touch, and
-all have to be moved."""
+"""Least distances (m) between two dice, and of a die from the ring, at the start. No dice touch,
+and all dice have to be moved."""
 SPEED_TOLERANCE = 0.010
 """m/s."""
 IVORY = (0.93, 0.90, 0.82)
 
 _TRIES, _PLACES = 100, 200
-"""Number of rings that are drawn until a surface is reported as too small, and of places that are
-drawn around each."""
+"""Number of drawn rings after which a surface is reported as too small, and number of positions
+drawn around each ring."""
 
 
 @dataclass(frozen=True)
@@ -264,19 +266,19 @@ class Gather(TaskDefaults):
         return cls(seed, objects, _dice_goals(ring), ring)
 
     def shifted(self) -> tuple[str, ...]:
-        """Nothing.
+        """Always raises, since the dice already start anywhere around the ring.
 
         Raises:
             InputError: Always, with the reason.
         """
         raise InputError(
-            "the dice start anywhere around the ring as it is, so that no shift makes it harder",
+            "shifted starts do not make this task harder: the dice start anywhere around the ring",
             where=f"{self.name}, --vary start",
             remedy="Vary something else, such as room",
         )
 
     def with_room(self, factor: float) -> Gather:
-        """The same trial with a ring so much larger or smaller."""
+        """The same trial with the ring's radius multiplied by a factor."""
         ring = replace(self.ring, radius=factor * self.ring.radius)
         return replace(self, ring=ring, goals=_dice_goals(ring))
 
@@ -300,12 +302,12 @@ class Gather(TaskDefaults):
 
 
 def _scattered(rng: np.random.Generator, middle: Array, size: Array) -> list[Array]:
-    """Places (2,) m of dice around a ring; fewer than wanted where there was no room for more.
+    """Positions (2,) m of dice around a ring; fewer than twelve if there is no room for all.
 
     Args:
         rng: Source of randomness.
-        middle: (2,) m on the surface, of the ring.
-        size: (2,) m, of the surface.
+        middle: (2,) m, middle of the ring on the surface.
+        size: (2,) m, size of the surface.
     """
     dice: list[Array] = []
     for place in rng.uniform(np.full(2, BORDER), size - BORDER, (_PLACES, 2)):
@@ -316,7 +318,7 @@ def _scattered(rng: np.random.Generator, middle: Array, size: Array) -> list[Arr
 
 
 def _dice_goals(ring: PaintedRing) -> tuple[Goal, ...]:
-    """Places of translucent dice: an outer circle of nine and an inner one of three."""
+    """Goals of the dice: an outer circle of nine and an inner circle of three."""
     goals = []
     for i in range(COUNT):
         share, angle = (0.78, 2 * pi * i / 9) if i < 9 else (0.28, 2 * pi * i / 3)

@@ -1,1 +1,1 @@
-"""Tasks with things that are joined by hinges and slides, and the simulated users who play them."""
+"""Tasks with objects on hinges and slides, and the simulated users who play them."""

@@ -1,10 +1,11 @@
-"""Press two or three of five keys at once, each by its own finger: the labels of fingers decide.
+"""Press two or three of five keys at once, each with its own finger. The labels of the fingers
+decide.
 
-The keys are a row of five sprung ones like those of a piano, one for each finger of a hand.
+The five sprung keys form a row like those of a piano, with one key for each finger of a hand.
 
-The simulated user sees the keys, which of them are to be pressed, the drawn fingertips and whether
-the task is done. The first touch misses by the error of a hand that is not seen over the screen;
-who has seen where a hand landed puts it down again nearly there.
+The simulated user sees the keys, which of them to press, the drawn fingertips and whether the task
+is done. The first touch has the large error of a hand that is not seen over the screen. Once the
+user has seen where the hand landed, further touches have a small error.
 """
 
 from __future__ import annotations
@@ -33,25 +34,26 @@ from tasks.user import FingersKnown, SeenObject, Sight, UserConfiguration, UserM
 NAME = "keys"
 KEYS = len(FINGERS)
 PITCH = 0.0235
-"""m from key to key, the width of a piano's white keys (165 mm an octave of seven)."""
+"""Distance (m) from key to key: the width of a piano's white keys (165 mm for an octave of
+seven)."""
 GAP = 0.001
-"""m between two keys."""
+"""Gap (m) between two keys."""
 LENGTH = 0.150
-"""m, visible length of a piano's white key."""
+"""Visible length (m) of a piano's white key."""
 DIP = 0.010
-"""m by which a key can be pressed down, as a piano's."""
+"""Distance (m) by which a key can be pressed down, as on a piano."""
 LIGHTEST, HEAVIEST = 0.5, 0.8
-"""N, force that presses a key down from its rest, and that holds it at the bottom: a piano key
-sinks under a weight of about 50 g."""
+"""Forces (N) that press a key down from its rest, and that hold it at the bottom. A piano key sinks
+under a weight of about 50 g."""
 MASS = 0.050
-"""kg, what a finger moves; its weight is balanced."""
+"""Mass (kg) of a key that a finger moves; its weight is balanced."""
 DAMPING = 0.5
 """N s/m."""
 TOP = 0.028
-"""m, height of the keys' tops above the table."""
+"""Height (m) of the keys' tops above the table."""
 
 _HEIGHT = 0.018
-"""m from the top of a key to its lower side, which touches the table when it is pressed down."""
+"""Thickness (m) of a key, whose lower side reaches the table when the key is pressed down."""
 _IVORY, _ASKED, _WOOD = ".93 .92 .88 1", ".20 .55 .78 1", ".16 .15 .15 1"
 
 
@@ -62,8 +64,8 @@ def keyboard(
 
     Args:
         position: (2,) m, middle of the row.
-        yaw: rad about the vertical; at 0 the first key is the leftmost.
-        asked: Indices of the keys in another colour.
+        yaw: Yaw (rad) about the vertical; at 0 the first key is the leftmost.
+        asked: Indices of the blue keys.
         size: Factor on the distance from key to key.
     """
     pitch = PITCH * size
@@ -86,7 +88,7 @@ def keyboard(
         f' pos="0 {LENGTH / 2 + 0.008} {-TOP / 2 + 0.002}" rgba="{_WOOD}"/>'
     )
     mjcf = f"<mujoco><worldbody><body>{rail}{''.join(keys)}</body></worldbody></mujoco>"
-    # Its origin is at the tops, which stay where they are in a row of another size.
+    # The origin is at the keys' tops, so that their height does not change with the row's size.
     return Mechanism(NAME, mjcf, (*position, TOP), yaw)
 
 
@@ -96,22 +98,22 @@ def key_name(key: int) -> str:
 
 
 AGAIN = 0.003
-"""m per axis, error of a hand that is put down again where it was seen to land; assumed."""
+"""Error (m per axis) of a hand that is put down again after its first landing was seen; assumed."""
 THUMB_BELOW = 0.034
-"""m by which a relaxed thumb's tip is nearer to the person than the index finger's: of the layout
-of the skeleton's relaxed hand (`sandbox.devices.simulated.spreads`)."""
+"""Distance (m) by which a relaxed thumb's tip is nearer to the person than the index fingertip,
+from the layout of the skeleton's relaxed hand (`sandbox.devices.simulated.spreads`)."""
 SPREAD = 0.004
-"""m, standard deviation of how far along its key a finger lands, from hand to hand."""
+"""Standard deviation (m), over hands, of the position along its key at which a finger lands."""
 
 _OFF = 0.004
-"""m, error of the drawn fingertips across the keys that the user corrects."""
+"""Error (m) of the drawn fingertips across the keys above which the user corrects them."""
 _PRESSING = 0.75
-"""s that the user holds a chord that is not done before trying again: longer than it has to be
-held."""
+"""Time (s) for which the user holds an unsuccessful chord before trying again; longer than the hold
+time."""
 _RESTING = 0.8
-"""s that all five fingers rest on the keys."""
+"""Time (s) for which all five fingers rest on the keys."""
 _LOOK = 0.1
-"""s between two looks at a chord that is held."""
+"""Interval (s) between two looks at a chord that is held."""
 
 
 class _Doing(Enum):
@@ -252,19 +254,19 @@ def keys_seen(sight: Sight) -> tuple[list[str], _Row]:
 
 
 SIZE = (0.92, 1.08)
-"""Distance from key to key relative to a piano's: the row lies under smaller and larger hands."""
+"""Range of the distance from key to key relative to a piano's, for smaller and larger hands."""
 YAW = float(np.deg2rad(8.0))
-"""rad, largest turn of the row against the surface."""
+"""Largest turn (rad) of the row relative to the surface."""
 POINT = 0.6
-"""Share of its dip from which on a key counts as pressed; an electric piano's sounds there."""
+"""Share of its travel beyond which a key counts as pressed; an electric piano sounds there."""
 BORDER = 0.006
-"""m from the surface's border to the outermost key, at least."""
+"""Least distance (m) of the outermost key from the surface's border."""
 REACH = 0.085
-"""m, height of the surface that a hand needs, from the thumb to the middle finger."""
+"""Height (m) of the surface that a hand needs, from the thumb to the middle finger."""
 
 PRESSED_AT = TOP - 0.008
-"""m, height of the touch plane: the fingertip's lowest point is then about 9 mm under the top of a
-key at rest, 1 mm above the bottom of its dip."""
+"""Height (m) of the touch plane. The fingertip's lowest point is then about 9 mm under the top of a
+key at rest, and 1 mm above the bottom of the key's travel."""
 
 
 @dataclass(frozen=True)
@@ -322,7 +324,7 @@ class Chords(TaskDefaults):
 
 
 def own_finger(key: int, hand: str) -> int:
-    """Label of the finger that a key belongs to, for a right or a left hand, by the hand's name."""
+    """Label of a key's own finger, for a right or a left hand according to the hand's name."""
     return KEYS - 1 - key if hand.startswith("left") else key
 
 
@@ -337,17 +339,17 @@ def placed(
     """A row of keys anywhere on a surface, some of them blue, and its goals.
 
     Args:
-        task: Name of the task, for messages.
-        rng: Source of the place.
-        asked: Indices of the keys that are to be pressed.
+        task: Name of the task, for error messages.
+        rng: Source of randomness for the position.
+        asked: Indices of the keys to press.
         surface: The surface.
         size: Factor on the distance from key to key, within `SIZE`.
-        yaw: rad, of the row against the surface.
+        yaw: Yaw (rad) of the row relative to the surface.
 
     Raises:
         SurfaceTooSmallError: The surface has no room for five keys under a hand.
     """
-    # The largest row fits, however it is turned.
+    # The bounds leave room for the largest row in any orientation.
     half = KEYS * PITCH * SIZE[1] / 2 + BORDER
     low, high = np.array([half, REACH / 2]), surface.size - (half, REACH / 2)
     if np.any(high < low):
@@ -366,12 +368,12 @@ def placed(
 def pressed(goals: tuple[Goal, ...], sensing: Sensing, first: Measure | None = None) -> Measure:
     """Tests whether the blue keys, and no others, are pressed now, each by its own finger alone.
 
-    With two hands a key's own finger is that of either; what is missing is said of the first.
+    With two hands, the finger of either hand counts, and the reason refers to the first hand.
 
     Args:
-        goals: Goals of all keys; those of blue ones are shown.
+        goals: Goals of all keys; those of the blue keys are shown.
         sensing: The simulation.
-        first: What has to be held before.
+        first: Measure of a condition that has to be held first; None if there is none.
     """
     asked = {goal.object for goal in goals if goal.shown}
     hands = sensing.hands

@@ -1,7 +1,8 @@
-"""Push the two halves of a case together, a hand at each: one hand alone only pushes it away.
+"""Push the two halves of a case together with a hand at each. One hand alone only pushes the case
+away.
 
-One half is pushed over the neck of the other, as of a case for a toothbrush. Of the simulated users
-the one at the cap pushes, the other one holds.
+One half is pushed over the neck of the other, as in a case for a toothbrush. The simulated user at
+the cap pushes, and the other user holds.
 """
 
 from __future__ import annotations
@@ -29,29 +30,31 @@ from tasks.user import SeenObject, Sight, UserConfiguration, UserMaker
 CASE = "case"
 CAP = f"{CASE}/cap"
 HALF_LENGTH, WIDTH, HEIGHT = 0.100, 0.028, 0.022
-"""m, each half of a travel case for a toothbrush, which is about 20 cm long in all."""
+"""Dimensions (m) of each half of a travel case for a toothbrush, which is about 20 cm long."""
 MASS = 0.020
-"""kg, of each half: thin plastic."""
+"""Mass (kg) of each half, of thin plastic."""
 FRICTION = 0.4
-"""Coefficient of smooth plastic on a table, and under a finger; assumed."""
+"""Friction coefficient of smooth plastic on a table and under a finger; assumed."""
 TRAVEL = 0.020
-"""m by which the neck of one half goes into the other."""
+"""Distance (m) by which the neck of one half goes into the other."""
 
 _ARMATURE = 0.02
-"""kg, on the slide; friction alone would make so light a part stiff to simulate."""
+"""Armature (kg) of the slide. A part this light with friction alone would be stiff to simulate."""
 _NECK = 0.002
-"""m by which the neck is narrower, on each side."""
+"""Distance (m) by which the neck is narrower than the case on each side."""
 _BODY, _CAP, _INSIDE = ".90 .92 .94 1", ".20 .55 .78 1", ".70 .73 .77 1"
 
 
 def case(position: tuple[float, float], yaw: float, grip: float) -> Mechanism:
-    """The case, open and free on the table. Its frame is at the rim of the half with the neck, x
-    towards the other half, whose frame is at its own rim.
+    """The case, open and free on the table.
+
+    Its frame is at the rim of the half with the neck, and x points towards the other half. The
+    frame of the other half is at that half's rim.
 
     Args:
-        position: (2,) m, of its frame.
-        yaw: rad about the vertical.
-        grip: N, friction with which the cap slides on the neck.
+        position: (2,) m, position of the frame.
+        yaw: Yaw (rad) about the vertical.
+        grip: Friction (N) with which the cap slides on the neck.
     """
     half = f"{HALF_LENGTH / 2:g} {WIDTH / 2:g} {HEIGHT / 2:g}"
     neck = f"{TRAVEL / 2:g} {WIDTH / 2 - _NECK:g} {HEIGHT / 2 - _NECK:g}"
@@ -69,21 +72,25 @@ def case(position: tuple[float, float], yaw: float, grip: float) -> Mechanism:
 
 
 SHUT = 0.001
-"""m between the rims, from which on the user lets go."""
+"""Distance (m) between the rims below which the user lets go."""
 _HELD = 0.6
-"""Share of a half from its rim to where it is held."""
+"""Distance from the rim at which a half is held, as a share of its length."""
 _STEP, _FARTHER = 0.008, 0.002
-"""m that the user pushes before the next look, at most, and beyond the rim."""
+"""Largest distance (m) that the user pushes before the next look, and distance pushed beyond the
+rim."""
 _FIRST = 1.0
-"""s that the user leaves to the other one to grasp, also when the other half has given way."""
+"""Time (s) for which the user waits for the other user to grasp, also after the other half gave
+way.
+"""
 _YIELDS = 0.002
-"""m by which the other half moves under a push before the user waits for who should hold it."""
+"""Distance (m) by which the other half moves under a push before the user waits for the other user.
+"""
 _SLIPPED = 0.015
-"""m by which a half may lag behind the fingers before it counts as slipped."""
+"""Distance (m) by which a half may lag behind the fingers before it counts as slipped."""
 _PATIENCE = 12.0
-"""s that the user holds a half before letting go to start again."""
+"""Time (s) for which the user holds a half before letting go to start again."""
 _LOOK = 0.10
-"""s between two looks while waiting."""
+"""Interval (s) between two looks while waiting."""
 
 
 class HalfHandling(BoxHandling):
@@ -105,7 +112,7 @@ class HalfHandling(BoxHandling):
 class CaseUser(SkilledUser):
     """Takes the half of a case that is nearer to the middle of their tablet.
 
-    The two users do not communicate: who pushes sees whether the other half gives way.
+    The two users do not communicate. The pushing user sees whether the other half gives way.
 
     Args:
         configuration: Settings of the simulated user.
@@ -137,7 +144,7 @@ class CaseUser(SkilledUser):
         super()._act(replace(sight, objects={cap: _as_box(mine, other)}), now)
 
     def _missing(self, sight: Sight, box: SeenObject) -> tuple[Array, float]:
-        """The way (2,) m to the other half's rim, and no turn."""
+        """Shift (2,) m to the other half's rim, and a turn of 0."""
         assert self._seen is not None
         mine, other = self._seen
         return np.asarray(other.position[:2] - mine.position[:2]), 0.0
@@ -147,7 +154,7 @@ class CaseUser(SkilledUser):
         super()._reach(sight, box, now)
 
     def _drag(self, sight: Sight, box: SeenObject, now: float) -> None:
-        """Holds the half, or pushes it towards the other one in steps."""
+        """Holds the half, or pushes it towards the other half in steps."""
         assert self._grasp is not None and self._seen is not None
         off, _ = self._missing(sight, box)
         gap = length(off)
@@ -172,7 +179,7 @@ class CaseUser(SkilledUser):
 
 
 def _place(mine: SeenObject, other: SeenObject) -> Array:
-    """Place (2,) m where a half is held: away from the rim of the other one."""
+    """Position (2,) m at which a half is held, away from the other half's rim."""
     assert isinstance(mine.shape, Part)
     low, high = mine.shape.bounds
     away = np.asarray((mine.position - other.position)[:2])
@@ -181,7 +188,7 @@ def _place(mine: SeenObject, other: SeenObject) -> Array:
 
 
 def _as_box(mine: SeenObject, other: SeenObject) -> SeenObject:
-    """A half as a box with its middle where it is held, as long as there is room on either side."""
+    """A half as a box whose middle is where the half is held, with equal room on either side."""
     assert isinstance(mine.shape, Part)
     low, high = mine.shape.bounds
     x, y = _place(mine, other).tolist()
@@ -192,19 +199,20 @@ def _as_box(mine: SeenObject, other: SeenObject) -> SeenObject:
 
 
 GRIP = (1.5, 2.5)
-"""N with which the cap slides on the neck: 10 to 16 times the friction of the case on the table."""
+"""Range of the friction (N) of the cap on the neck, 10 to 16 times that of the case on the
+table."""
 YAW = float(np.deg2rad(12.0))
-"""rad between the case and the surface's long axis, to either side."""
+"""Largest angle (rad) between the case and the surface's long axis."""
 HELD = 0.6 * HALF_LENGTH
-"""m from the rim of a half to where it is held."""
+"""Distance (m) from the rim of a half to the point where it is held."""
 BORDER, SEAM = 0.042, 0.030
-"""m from the border of the surface, and from the middle between the hands, to the nearest place
-where a half is held, as in `carry-together`."""
+"""Least distances (m) of a point where a half is held from the surface's border, and from the
+middle between the hands, as in `carry-together`."""
 
 CLOSED = 0.0015
-"""m between the rims, up to which the case is closed."""
+"""Largest distance (m) between the rims of a closed case."""
 SPEED_TOLERANCE = 0.010
-"""m/s below which it is at rest."""
+"""Speed (m/s) below which the case is at rest."""
 
 _TRIES = 20_000
 """Number of draws after which a surface is reported as too small."""
@@ -273,7 +281,7 @@ class CloseCase(TaskDefaults):
                 (surface.width_in, surface.height_in),
                 "a case between two hands",
                 (9.0, 4.0),
-                "Give every hand a surface of its own: --device A --device B",
+                "Give every hand its own surface: --device A --device B",
             )
         x, y, _ = surface.to_world(rim).tolist()
         lying = case((x, y), yaw, float(rng.uniform(*GRIP)))

@@ -1,7 +1,8 @@
-"""Turn a knob by 270 degrees to a mark: farther than a wrist turns, so that it is grasped again.
+"""Turn a knob by 270 degrees to a mark. This is farther than a wrist turns, so the knob has to be
+grasped again.
 
-It is round, on a plate with a scale, as of a cooker, and turns between two end stops. The simulated
-user grasps it around its rim, turns as far as the wrist goes, lets go, and grasps again.
+The round knob is on a plate with a scale, as on a cooker, and turns between two end stops. The
+simulated user grasps it around its rim, turns as far as the wrist goes, lets go, and grasps again.
 """
 
 from __future__ import annotations
@@ -28,18 +29,19 @@ from tasks.user import SeenObject, Sight, UserMaker
 NAME = "dial"
 KNOB = f"{NAME}/knob"
 RADIUS = 0.020
-"""m, of the knob: one of a cooker is about 40 mm wide."""
+"""Radius (m) of the knob; a cooker's knob is about 40 mm wide."""
 SWEEP = radians(300.0)
-"""rad from end stop to end stop, as of a rotary potentiometer."""
+"""Range (rad) from end stop to end stop, as of a rotary potentiometer."""
 ARMATURE = 1e-4
-"""kg m2, of the shaft; friction alone would make a joint of so little inertia stiff to simulate."""
+"""Inertia (kg m2) of the shaft. A joint with less inertia and friction would be stiff to
+simulate."""
 MASS = 0.030
 """kg."""
 
 _LOW, _HIGH = 0.005, 0.025
-"""m above the table, lower and upper end of the knob."""
+"""Heights (m) of the knob's lower and upper end above the table."""
 _PLATE = (0.036, 0.004)
-"""m, radius and thickness of the plate."""
+"""Radius and thickness (m) of the plate."""
 _TICKS = 11
 """Marks from end stop to end stop, 30 degrees apart."""
 _STEEL, _DARK, _WHITE, _BLUE = ".62 .65 .70 1", ".14 .15 .17 1", ".93 .94 .95 1", ".20 .55 .78 1"
@@ -48,15 +50,17 @@ _STEEL, _DARK, _WHITE, _BLUE = ".62 .65 .70 1", ".14 .15 .17 1", ".93 .94 .95 1"
 def dial(
     position: tuple[float, float], yaw: float, start: float, mark: float, torque: float
 ) -> Mechanism:
-    """A knob on its plate, fixed on the table. Its angle is 0 where it points along the plate's y
-    axis, and the gap of its scale is on the other side.
+    """A knob on its plate, fixed on the table.
+
+    At an angle of 0 the knob points along the plate's y axis. The gap of the scale is on the
+    opposite side.
 
     Args:
         position: (2,) m, middle of the knob.
-        yaw: rad about the vertical, of the plate.
-        start: rad, angle of the knob.
-        mark: rad, angle of the blue mark on the plate.
-        torque: N m, dry friction of the knob.
+        yaw: Yaw (rad) of the plate about the vertical.
+        start: Angle (rad) of the knob at the start.
+        mark: Angle (rad) of the blue mark on the plate.
+        torque: Dry friction (N m) of the knob.
     """
     ticks = [SWEEP * (i / (_TICKS - 1) - 0.5) for i in range(_TICKS)]
     scale = "".join(_tick(angle, 0.0270, 0.0015, 0.0006, _WHITE) for angle in ticks)
@@ -77,7 +81,7 @@ def dial(
 
 
 def _tick(angle: float, out: float, half_length: float, half_width: float, rgba: str) -> str:
-    """MJCF of a mark on the plate, at an angle from its y axis and so far out, m."""
+    """MJCF of a mark on the plate, at an angle (rad) from its y axis and a distance `out` (m)."""
     x, y = -out * sin(angle), out * cos(angle)
     size = f"{half_width} {half_length} .0003"
     return (
@@ -87,25 +91,25 @@ def _tick(angle: float, out: float, half_length: float, half_width: float, rgba:
 
 
 WRIST = radians(60.0)
-"""rad from the natural axis, to either side, to which the hand turns: most of what wrist and
-forearm allow with the fingers on a table; assumed."""
+"""Limit (rad from the natural axis, to either side) of the hand's rotation: most of the range of
+wrist and forearm with the fingers on a table; assumed."""
 SPAN = radians(60.0)
-"""rad along the rim from the middle finger to the outermost one, at most."""
+"""Largest angle (rad) along the rim from the middle finger to the outermost finger."""
 
 _TIP_RADIUS = 0.007
-"""m, radius of a fingertip as the user assumes it."""
+"""Radius (m) of a fingertip that the user assumes."""
 _QUARTER = pi / 2
 
 
 @dataclass(frozen=True)
 class KnobGrasp(Grasp):
-    """A grasp around a round thing: the thumb opposite the fingers, all on one circle."""
+    """A grasp around a round object, with the thumb opposite the fingers and all on one circle."""
 
     def places(self, centre: Array, gap: float, hand: Hand) -> Array:
         """Positions (fingers, 2) m of the fingertips, thumb first; see `Grasp.places`."""
         radius = self.width / 2 + _TIP_RADIUS
         angles = [self.axis + pi]
-        # Index first: with the thumb to the lower left, the index is the leftmost finger.
+        # The row begins with the index finger, the leftmost finger if the thumb is lower left.
         angles += [self.axis - float(x) / radius for x in hand.row(self.fingers)[:, 0]]
         out = radius + gap
         return np.array(
@@ -114,10 +118,10 @@ class KnobGrasp(Grasp):
 
 
 class KnobHandling:
-    """Handling of a knob: turned about its middle, which stays.
+    """Handling of a knob, which is turned about its fixed middle.
 
     Args:
-        knob: Its shape.
+        knob: The knob.
     """
 
     good = (0.003, radians(2.0))
@@ -129,13 +133,13 @@ class KnobHandling:
         self._width = float(high[0] - low[0])
 
     def missing(self, seen: SeenObject, goal: Goal) -> tuple[Array, float]:
-        """The shorter turn to the goal, whatever the end stops."""
+        """The shorter turn (rad) to the goal, regardless of the end stops; no shift."""
         return np.zeros(2), wrapped(goal.yaw - seen.yaw)
 
     def grasp(
         self, seen: SeenObject, turn: float, hand: Hand, failed: Grasp | None = None
     ) -> Grasp:
-        """Grasp from which the wrist turns as far as the turn needs, or as far as it goes."""
+        """Grasp from which the wrist can make the whole turn, or as much of it as possible."""
         natural = hand.natural_axis
         axis = natural - float(np.clip(turn / 2, -WRIST, WRIST))
         radius = self._width / 2 + _TIP_RADIUS
@@ -154,7 +158,7 @@ class KnobHandling:
 
 
 class DialUser(SkilledUser):
-    """Turns the knob the way that its scale goes, with as many grasps as that takes."""
+    """Turns the knob along its scale, with as many grasps as needed."""
 
     def _act(self, sight: Sight, now: float) -> None:
         shape = sight.objects[sight.goals[0].object].shape
@@ -163,7 +167,7 @@ class DialUser(SkilledUser):
         super()._act(sight, now)
 
     def _missing(self, sight: Sight, box: SeenObject) -> tuple[Array, float]:
-        """No shift, and the turn (rad) that does not cross the gap of the scale."""
+        """A shift of 0, and the turn (rad) that does not cross the gap of the scale."""
         assert isinstance(box.shape, Part) and box.shape.carrier is not None
         plate = sight.objects[box.shape.carrier]
         # The pointer is the knob's y axis, and the middle of the scale is the plate's.
@@ -174,20 +178,21 @@ class DialUser(SkilledUser):
 
 
 def _direction(seen: SeenObject) -> float:
-    """Direction in rad of a thing's y axis, seen from above."""
+    """Direction (rad) of an object's y axis, seen from above."""
     return atan2(seen.rotation[1, 1], seen.rotation[0, 1])
 
 
 TURN = radians(270.0)
-"""rad from start to mark, either way: 15 degrees from one end stop to as much from the other."""
+"""Turn (rad) from start to mark in either direction, with 15 degrees to the end stop at both
+ends."""
 TORQUE = (0.05, 0.15)
-"""N m, dry friction of the knob: 2.5 to 7.5 N at its rim."""
+"""Range of the knob's dry friction (N m): 2.5 to 7.5 N at its rim."""
 TOLERANCE = radians(5.0)
-"""rad within which the knob is at its mark."""
+"""Largest angle (rad) to the mark at which the knob counts as being there."""
 SPEED = 0.1
-"""rad/s below which it is at rest."""
+"""Speed (rad/s) below which the knob is at rest."""
 BORDER = 0.050
-"""m from the surface's border to the middle of the knob, for fingers around it."""
+"""Least distance (m) of the knob's middle from the surface's border, for fingers around it."""
 
 
 @dataclass(frozen=True)

@@ -1,7 +1,7 @@
-"""Push a peg that lies on the table into a socket that is little wider.
+"""Push a peg that lies on the table into a slightly wider socket.
 
-The socket has two walls and a bottom, and is open above. The simulated user brings the peg before
-it, lines it up, and pushes it in.
+The socket has two walls and a bottom, and is open above. The simulated user brings the peg in front
+of the socket, aligns it, and pushes it in.
 """
 
 from __future__ import annotations
@@ -27,24 +27,24 @@ from tasks.user import SeenObject, Sight, UserConfiguration, UserMaker
 
 PEG, SOCKET = "peg", "socket"
 LENGTH, WIDTH, HEIGHT = 0.075, 0.025, 0.015
-"""m, a block of the game Jenga: 7.5 x 2.5 x 1.5 cm."""
+"""Edges (m) of a block of the game Jenga, 7.5 x 2.5 x 1.5 cm."""
 MASS = 0.018
-"""kg, of such a block: 28 cm3 of wood of 0.64 g/cm3, as of alder."""
+"""Mass (kg) of such a block: 28 cm3 of wood of 0.64 g/cm3, such as alder."""
 FRICTION = 0.4
-"""Coefficient of smooth wood on wood, dry: tables say 0.25 to 0.5."""
+"""Friction coefficient of smooth dry wood on wood; 0.25 to 0.5 in tables."""
 DEPTH = 0.025
-"""m by which the peg goes into the socket: a third of its length."""
+"""Distance (m) by which the peg goes into the socket: a third of its length."""
 
 _WALL = 0.010
-"""m, thickness of walls and bottom."""
+"""Thickness (m) of walls and bottom."""
 _ROUND = 0.003
-"""m, radius of the rounded edges at the mouth."""
+"""Radius (m) of the rounded edges at the mouth."""
 _SKIN = 0.0005
-"""m, thickness of the skin (MuJoCo's margin) around walls and posts, whose cores are set back by as
-much: faces are where they are said to be. Two cores whose faces meet in a corner penetrate each
-other, and MuJoCo may take the direction of the push for that of a face; skins do not."""
+"""Thickness (m) of the skin (MuJoCo's margin) around walls and posts. Their cores are set back by
+this thickness, so that faces have their nominal positions. Without skins, cores whose faces meet in
+a corner penetrate each other, and MuJoCo may push along the wrong face's normal."""
 _POST = _ROUND - _SKIN
-"""m, radius of the cores of the posts that round them."""
+"""Radius (m) of the cores of the posts that round the edges."""
 _SOLID = f'friction="{FRICTION:g}" margin="{_SKIN:g}"'
 _WOOD, _DARK = ".80 .62 .40 1", ".36 .30 .26 1"
 
@@ -53,21 +53,22 @@ def peg(position: tuple[float, float], yaw: float) -> Box:
     """The peg, lying flat.
 
     Args:
-        position: (2,) m, its middle.
-        yaw: rad about the vertical, of its length.
+        position: (2,) m, middle of the peg.
+        yaw: Yaw (rad) about the vertical of the peg's long axis.
     """
     half = (LENGTH / 2, WIDTH / 2, HEIGHT / 2)
     return Box(PEG, half, MASS, (*position, half[2]), yaw, (0.86, 0.30, 0.24), FRICTION)
 
 
 def socket(position: tuple[float, float], yaw: float, clearance: float) -> Mechanism:
-    """The socket, fixed on the table. Its frame is where the middle of the peg is once it is in,
-    x into the socket.
+    """The socket, fixed on the table.
+
+    Its frame is at the middle of an inserted peg, with x pointing into the socket.
 
     Args:
-        position: (2,) m, of its frame.
-        yaw: rad about the vertical.
-        clearance: m, width of the socket less that of the peg.
+        position: (2,) m, position of the frame.
+        yaw: Yaw (rad) about the vertical.
+        clearance: Width (m) of the socket minus that of the peg.
     """
     bottom, mouth = LENGTH / 2 + _SKIN, LENGTH / 2 - DEPTH + _SKIN
     inner, middle = (WIDTH + clearance) / 2 + _SKIN, HEIGHT / 2
@@ -86,7 +87,7 @@ def socket(position: tuple[float, float], yaw: float, clearance: float) -> Mecha
 
 
 def _box(x: tuple[float, float], y: tuple[float, float], rgba: str = _WOOD) -> str:
-    """MJCF of a block as high as the peg, from one x to another and from one y to another."""
+    """MJCF of a block as high as the peg, over ranges (m) in x and y."""
     half = HEIGHT / 2
     size = f"{abs(x[1] - x[0]) / 2:.9g} {abs(y[1] - y[0]) / 2:.9g} {half:g}"
     pos = f"{(x[0] + x[1]) / 2:.9g} {(y[0] + y[1]) / 2:.9g} {half:g}"
@@ -94,27 +95,30 @@ def _box(x: tuple[float, float], y: tuple[float, float], rgba: str = _WOOD) -> s
 
 
 STAGE = 0.006
-"""m before the mouth, where the peg is lined up."""
+"""Distance (m) before the mouth at which the peg is aligned."""
 ALIGNED = (0.0012, radians(2.0))
-"""m and rad off the socket's axis, within which the user pushes."""
+"""Largest offset (m) and angle (rad) from the socket's axis at which the user pushes."""
 STEP = 0.012
-"""m that the user pushes before the next look."""
+"""Distance (m) that the user pushes before the next look."""
 FARTHER = 0.0015
-"""m by which the user pushes beyond the bottom, to be sure of it."""
+"""Distance (m) by which the user pushes beyond the bottom, to reach it safely."""
 _FINGER = 0.010
-"""m along the peg from the middle of a fingertip to the mouth, or to its end, at least."""
+"""Least distance (m) along the peg from the middle of a fingertip to the mouth, or to the peg's
+end.
+"""
 _CLEAR = 0.0086
-"""m per side by which the hand comes down wider than the peg."""
+"""Clearance (m per side) by which the hand comes down wider than the peg."""
 
 
 class Lie(NamedTuple):
-    """Where a peg lies, as seen along its socket.
+    """Pose of a peg relative to its socket.
 
     Attributes:
-        along: m from where its middle is once it is in, negative before that.
-        aside: m off the socket's axis, to its left.
-        skew: rad off the socket's axis.
-        before: m from its front to the mouth, negative once it is in.
+        along: Position (m) of the peg's middle along the socket's axis, relative to its goal;
+            negative before the goal.
+        aside: Offset (m) from the socket's axis to its left.
+        skew: Angle (rad) to the socket's axis.
+        before: Distance (m) from the peg's front to the mouth, negative in the socket.
     """
 
     along: float
@@ -124,7 +128,7 @@ class Lie(NamedTuple):
 
 
 def lie_of(peg: SeenObject, socket: SeenObject, goal: Goal, along: Array) -> Lie:
-    """Where a peg lies before its socket, or in it.
+    """Pose of a peg relative to its socket.
 
     Args:
         peg: The peg as seen.
@@ -142,11 +146,11 @@ def lie_of(peg: SeenObject, socket: SeenObject, goal: Goal, along: Array) -> Lie
 
 
 class PegHandling:
-    """Handling of a peg: held where it stays out of the socket, and equal after half a turn.
+    """Handling of a peg, which is held at the part outside the socket and equal after half a turn.
 
     Attributes:
         along: (2,) unit vector into the socket.
-        inside: m of the peg that are in the socket at the goal.
+        inside: Length (m) of the peg that is in the socket at the goal.
     """
 
     good = (0.0012, radians(2.0))
@@ -158,14 +162,14 @@ class PegHandling:
         self.inside = 0.0
 
     def missing(self, seen: SeenObject, goal: Goal) -> tuple[Array, float]:
-        """Missing movement to the nearer of the two equivalent poses."""
+        """Remaining movement to the nearer of the two equivalent poses."""
         off = np.asarray(goal.position[:2]) - seen.position[:2]
         return off, _half_wrapped(goal.yaw - seen.yaw)
 
     def grasp(
         self, seen: SeenObject, turn: float, hand: Hand, failed: Grasp | None = None
     ) -> Grasp:
-        """Grasp across the peg, behind what goes into the socket."""
+        """Grasp across the peg, behind the part that goes into the socket."""
         assert isinstance(seen.shape, Box)
         half, half_width, _ = seen.shape.half_size
         # The end of the peg that is in front.
@@ -214,7 +218,7 @@ class InsertUser(SkilledUser):
         shape, socket = sight.objects[goal.object].shape, _socket(sight)
         assert isinstance(shape, Box) and isinstance(socket.shape, Part)
         if not length(self._peg.along):
-            # The peg is seen to lie before the mouth, which a mirror image leaves as it is.
+            # The peg lies before the mouth, which is also true in a mirror image.
             axis = np.array([cos(goal.yaw), sin(goal.yaw)])
             way = np.array(goal.position[:2]) - sight.objects[goal.object].position[:2]
             self._peg.along = axis if float(small_product(way, axis)) > 0.0 else -axis
@@ -222,7 +226,7 @@ class InsertUser(SkilledUser):
         super()._act(sight, now)
 
     def _missing(self, sight: Sight, box: SeenObject) -> tuple[Array, float]:
-        """Missing shift (2,) m and turn rad; between the walls only the depth counts."""
+        """Remaining shift (2,) m and turn (rad); between the walls only the depth counts."""
         off, turn = super()._missing(sight, box)
         goal = sight.goals[0]
         lie = lie_of(box, _socket(sight), goal, self._peg.along)
@@ -231,7 +235,8 @@ class InsertUser(SkilledUser):
         return off, turn
 
     def _leg(self, sight: Sight, box: SeenObject, off: Array, turn: float) -> tuple[Array, float]:
-        """The next movement: to a place before the mouth, or a step into the socket."""
+        """Shift (2,) m and turn (rad) of the next movement: to a position before the mouth, or a
+        step into the socket."""
         goal = sight.goals[0]
         along = self._peg.along
         lie = lie_of(box, _socket(sight), goal, along)
@@ -254,32 +259,33 @@ def _socket(sight: Sight) -> SeenObject:
 
 
 def _half_wrapped(angle: float) -> float:
-    """Wraps an angle, rad, to -pi/2 to pi/2."""
+    """Wraps an angle (rad) to -pi/2 to pi/2."""
     return float((angle + pi / 2) % pi - pi / 2)
 
 
 CLEARANCE = 0.002
-"""m, width of the socket less that of the peg; 4, 1 and 0.5 mm are rooms of 2, 0.5 and 0.25."""
+"""Width (m) of the socket minus that of the peg; 4, 1 and 0.5 mm are rooms of 2, 0.5 and 0.25."""
 BEFORE = (0.015, 0.035)
-"""m from the front of the peg to the mouth of the socket, along the socket, at the start."""
+"""Range of the distance (m) from the peg's front to the mouth, along the socket, at the start."""
 ASIDE = 0.015
-"""m off the axis of the socket at the start, to either side."""
+"""Largest offset (m) from the socket's axis at the start."""
 SKEW = float(np.deg2rad(25.0))
-"""rad between peg and socket at the start, to either side."""
+"""Largest angle (rad) between peg and socket at the start."""
 LEAN = float(np.deg2rad(30.0))
-"""rad between the socket and the screen's long axis, to either side."""
+"""Largest angle (rad) between the socket and the screen's long axis."""
 BORDER = 0.042
-"""m from the surface's border to the places where the peg is held, as of a box in `box-to-goal`."""
+"""Least distance (m) of the points where the peg is held from the surface's border, as for the box
+in `box-to-goal`."""
 HELD = DEPTH / 2
-"""m behind the middle of the peg: the middle of what stays out of the socket."""
+"""Distance (m) from the middle of the peg back to the middle of the part outside the socket."""
 
 DEPTH_TOLERANCE = 0.002
-"""m from the bottom, within which the peg is in."""
+"""Largest distance (m) from the bottom at which the peg counts as inserted."""
 ASIDE_TOLERANCE = 0.005
-"""m beside and above its place there, beyond which it is not between the walls."""
+"""Distances (m) beside and above its goal beyond which the peg is not between the walls."""
 TILT_TOLERANCE = float(np.deg2rad(5.0))
 SPEED_TOLERANCE = 0.010
-"""rad and m/s within which it lies, and is at rest."""
+"""Largest tilt (rad) and speed (m/s) of a peg that lies flat and is at rest."""
 
 _TRIES = 20_000
 """Number of draws after which a surface is reported as too small."""
@@ -332,7 +338,7 @@ class Insert(TaskDefaults):
             before, aside = float(rng.uniform(*BEFORE)), float(rng.uniform(-ASIDE, ASIDE))
             skew = float(rng.uniform(-SKEW, SKEW))
             along = np.array([cos(yaw), sin(yaw)])
-            # Surfaces may be turned: everything is placed in the world.
+            # Everything is placed in the world, since surfaces may be turned.
             middle = np.asarray(surface.to_world(seat))[:2]
             start = middle - (DEPTH + before) * along + aside * np.array([-along[1], along[0]])
             turned = np.array([cos(yaw + skew), sin(yaw + skew)])
@@ -356,7 +362,7 @@ class Insert(TaskDefaults):
         return (PEG,)
 
     def with_room(self, factor: float) -> Insert:
-        """The same trial with so much more or less clearance."""
+        """The same trial with the clearance multiplied by a factor."""
         clearance = factor * self.clearance
         goal = self.goals[0]
         wider = socket(goal.position[:2], goal.yaw, clearance)
@@ -393,7 +399,7 @@ class Insert(TaskDefaults):
 
 
 def _within(places: Array, surface: Surface) -> bool:
-    """True if places (n, 2) m in the world are far enough from the surface's border."""
+    """True if positions (n, 2) m in the world are far enough from the surface's border."""
     at = np.column_stack([places, np.full(len(places), surface.origin[2])])
     on = surface.to_surface(at)
     return bool(np.all(on >= BORDER) and np.all(on <= surface.size - BORDER))

@@ -1,10 +1,10 @@
-"""Press one of five keys by its own finger, after all five have rested: a label that only history
-shows.
+"""Press one of five keys with its own finger, after all five fingers have rested on the keys. Only
+the history of touches shows the label of this finger.
 
-Nobody can tell which finger a single touch is. A simulated user who has rested five fingers, and
-keeps one of them down, shows it: the touch that comes lands where one of the others was. Where such
-a press is not taken, as by a finger that hangs in the key, the finger that is to press stays down
-itself.
+A single touch does not show which finger makes it. The simulated user first rests five fingers, and
+then leaves one of them down. The next touch lands where one of the other fingers was, which shows
+its label. If such a press is not accepted, for example because a finger hangs in the key, the
+pressing finger itself stays down in the next attempt.
 """
 
 from __future__ import annotations
@@ -38,15 +38,17 @@ from tasks.task import Measure
 from tasks.user import Sight, UserConfiguration, UserMaker
 
 _RESTING = 0.9
-"""s that five fingers rest on their keys, once they are seen there: longer than they have to."""
+"""Time (s) for which five fingers rest on their keys once they are seen there; longer than
+required.
+"""
 _APART = 0.3
-"""s between two movements of single fingers."""
+"""Interval (s) between two movements of single fingers."""
 _PRESSING = 1.0
-"""s that the user holds a key that is not done before beginning again."""
+"""Time (s) for which the user holds a key without success before beginning again."""
 _OFF = 0.006
-"""m across the keys, within which the drawn fingertips rest on their keys."""
+"""Largest offset (m) across the keys at which drawn fingertips count as resting on their keys."""
 _LOOK = 0.1
-"""s between two looks."""
+"""Interval (s) between two looks."""
 
 
 class _Step(Enum):
@@ -58,9 +60,11 @@ class _Step(Enum):
 
 
 class SingleKeyUser(ChordUser):
-    """Rests five fingers on the keys, lifts all but one, presses the asked key with its own
-    finger, and lifts the one that had stayed. If that was not taken, the user rests again, and
-    lifts all but the asked finger.
+    """Presses a key after resting five fingers.
+
+    The user rests five fingers on the keys, lifts all but one, presses the blue key with its own
+    finger, and lifts the finger that had stayed down. If the press is not accepted, the user rests
+    again, and lifts all fingers but that of the blue key.
 
     Args:
         configuration: Settings of the simulated user.
@@ -111,11 +115,11 @@ class SingleKeyUser(ChordUser):
         each = self._rng.normal(0.0, self.configuration.finger_error, places.shape)
         self._touching = tuple(range(len(FINGERS)))
         self._fingers.land(places + each, now)
-        # The user waits until the hand is seen to come down.
+        # The user waits until the drawn hand has come down.
         self._go(_Step.RESTING, now + self._eye.delay + 0.45 + _RESTING)
 
     def _leave(self, sight: Sight, now: float) -> None:
-        """Lifts all fingers, and learns from where they were seen to land."""
+        """Lifts all fingers, and corrects the next landing by the observed one."""
         self._lift(sight, now)
         self._go(_Step.AWAY, self._until)
 

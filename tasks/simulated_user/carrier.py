@@ -1,4 +1,5 @@
-"""Simulated user for one end of a tray: takes the handle on their side and watches the other end.
+"""Simulated user for one end of a tray, who takes the handle on their side and watches the other
+end.
 
 The two users do not communicate. Each sees on the screen how high the other end of the tray is and
 whether it follows, and does not move far ahead of it.
@@ -23,32 +24,32 @@ from tasks.task import Goal
 from tasks.user import SeenObject, Sight, UserConfiguration
 
 _AHEAD = 0.020
-"""m by which one's own end is raised above the other one."""
+"""Height (m) by which a user raises their own end above the other end."""
 _UP = 0.6
 """Share of the way up at which an end counts as lifted, so that the tray may be carried along."""
 _STEP, _STEP_TURN = 0.025, float(np.deg2rad(8.0))
-"""m and rad, largest movement to the side before the user looks at the other end again."""
+"""Largest shift (m) and turn (rad) before the user looks at the other end again."""
 _IN_PLACE, _STRAIGHT, _LEVEL = 0.005, float(np.deg2rad(3.0)), 0.004
-"""m to the side, rad, and m in height: errors below which an end is left as it is."""
+"""Errors in position (m), turn (rad) and height (m) below which the user leaves an end as it is."""
 _FALLEN, _BEHIND = 0.014, 0.008
-"""m by which an end may lag behind the rising hand and behind the other end before it counts as
-slipped."""
+"""Height (m) by which an end may lag behind the rising hand and behind the other end before it
+counts as slipped."""
 _RESTS = 0.004
-"""m above the table, below which a handle counts as lying on it."""
+"""Height (m) above its place on the table below which a handle counts as lying there."""
 _ASIDE = 0.030
-"""m by which a handle may be beside the fingers before it counts as slipped."""
+"""Horizontal distance (m) of a handle from the fingers beyond which it counts as slipped."""
 _PATIENCE = 10.0
-"""s that the user holds an end and waits for the other, before letting go to start again."""
+"""Time (s) for which the user holds an end and waits for the other end, before letting go."""
 _FOLLOWS = 0.30
-"""s that the simulated hand takes to follow the slider to its end."""
+"""Time (s) in which the simulated hand follows the slider to its end."""
 _LOOK = 0.10
-"""s between two looks while waiting."""
+"""Interval (s) between two looks at the screen while waiting."""
 
 
 class HandleHandling(BoxHandling):
     """Handling of a tray's handle: grasped across, with the thumb on the more comfortable side."""
 
-    # It has to be held even when it is in its place.
+    # The handle has to be held even if it is in place.
     enough = (0.0, 0.0)
 
     def grasp(
@@ -69,10 +70,10 @@ class Carrier(SkilledUser):
         configuration: Settings of the simulated user.
         surface: The user's tablet.
         seed: Seed of the user's randomness.
-        reach: m by which the hand rises over the slider's full travel.
-        home: (2,) m in the world as the user sees it, the middle of their part of the screen: they
-            take the handle nearer to it.
-        patient: True waits for the other end; otherwise they lift and carry without waiting.
+        reach: Height (m) by which the hand rises over the slider's full travel.
+        home: (2,) m in the world as the user sees it, the middle of their part of the screen. The
+            user takes the handle that is nearer to it.
+        patient: True waits for the other end; False lifts and carries without waiting.
     """
 
     def __init__(
@@ -95,7 +96,7 @@ class Carrier(SkilledUser):
         self._leaving = False
 
     def touch(self, now: float) -> TouchFrame:
-        """Touches of the fingers and position of the slider at the time now, s."""
+        """Touches of the fingers and position of the slider at the time `now` (s)."""
         return replace(super().touch(now), lift=self._slider.control(now))
 
     def _act(self, sight: Sight, now: float) -> None:
@@ -113,7 +114,7 @@ class Carrier(SkilledUser):
         super()._act(replace(sight, objects={goal.object: mine}, goals=(end_goal,)), now)
 
     def _missing(self, sight: Sight, box: SeenObject) -> tuple[Array, float]:
-        """Missing shift (2,) m and turn rad of the user's handle."""
+        """Remaining shift (2,) m and turn (rad) of the user's handle to its goal."""
         goal = sight.goals[0]
         return np.asarray(goal.position[:2]) - box.position[:2], wrapped(goal.yaw - box.yaw)
 
@@ -133,8 +134,8 @@ class Carrier(SkilledUser):
         held = self._grasp.middle(box) + self._drawn_offset(sight)
         aside = length(held - self._middle(now))
         lags = slid - height > _FALLEN
-        # An end that lies still while the other one rises has slipped; one whose hand does not rise
-        # at all has not: two users who share a lift control wait for each other.
+        # An end that does not rise while the other end rises has slipped. It has not slipped if its
+        # hand does not rise either: two users who share a lift control wait for each other.
         slipped = lags and self._other - height > _BEHIND
         lost = slipped or aside > _ASIDE or not sight.solid
         if self._leaving or lost or self._tired(now):
@@ -165,7 +166,7 @@ class Carrier(SkilledUser):
         return self._waiting is not None and now - self._waiting > _PATIENCE
 
     def _let_go(self, now: float) -> None:
-        """Lowers the handle, and then lets go of it."""
+        """Lowers the handle and then lets go of it."""
         if not self._leaving and self._slider.height(now) > _RESTS:
             self._leaving = True
             self._wait(self._slider.move(0.0, now) - now + _FOLLOWS, now)
@@ -174,8 +175,8 @@ class Carrier(SkilledUser):
 
 
 def _end(tray: SeenObject, side: int) -> SeenObject:
-    """One handle of a tray as an object: the one in the direction of the tray's x axis, or the
-    other."""
+    """One handle of a tray as an object: the handle on the side of the tray's x axis, or the
+    opposite one."""
     shape = tray.shape
     assert isinstance(shape, Tray)
     place = tray.position + side * shape.grip * tray.rotation[:, 0]
@@ -185,11 +186,11 @@ def _end(tray: SeenObject, side: int) -> SeenObject:
 
 
 def _half(end: SeenObject) -> float:
-    """Half the height of a handle, m."""
+    """Half the height (m) of a handle."""
     assert isinstance(end.shape, Box)
     return end.shape.half_size[2]
 
 
 def _height(end: SeenObject) -> float:
-    """Height in m of a handle above its place on the table."""
+    """Height (m) of a handle above its place on the table."""
     return float(end.position[2]) - _half(end)

@@ -1,6 +1,6 @@
 """Grasp planning of the simulated user: places for thumb and fingers on a box or a handle.
 
-`roomiest_grasp` chooses one with room for the fingers, between neighbours and at the goal.
+`roomiest_grasp` chooses a grasp with room for the fingers between neighbours and at the goal.
 """
 
 from __future__ import annotations
@@ -18,27 +18,27 @@ from tasks.simulated_user.hand import Hand, beyond_border
 from tasks.user import SeenObject
 
 _TIP_RADIUS = 0.007
-"""m, radius of a fingertip as the user assumes it."""
+"""Radius (m) of a fingertip that the user assumes."""
 _HOLDS = 0.001
-"""m by which a finger between the outermost ones stays behind them once the hand has closed: it
-bends farther until it presses as well."""
+"""Distance (m) by which an inner finger of the row stays behind the outermost fingers once the hand
+has closed. It bends farther until it presses as well."""
 _CLEAR, _CLEAR_OF_HANDLE = 0.005, 0.0086
-"""m per side by which a hand has to be wider than a box or a handle, so as not to come down in it:
-a row of fingers beside a handle is seldom quite parallel to it."""
+"""Clearances (m per side) by which a hand has to be wider than a box or a handle, so that no finger
+comes down inside it. A row of fingers beside a handle is seldom quite parallel to it."""
 
 _LEAN = float(np.deg2rad(20.0))
-"""rad by which the line from thumb to fingers may lean on the faces of a box: friction holds it,
-and the wrist has to turn as much less."""
+"""Angle (rad) by which the line from thumb to fingers may deviate from the normal of a box's faces.
+Friction still holds the box, and the wrist has to turn less by this angle."""
 _COMFORT = float(np.deg2rad(95.0))
-"""rad from the natural axis, limit of the wrist's rotation while carrying."""
+"""Limit (rad from the natural axis) of the wrist's rotation while carrying."""
 _FARTHEST = float(np.deg2rad(100.0))
-"""rad from the natural axis, limit of the wrist's rotation."""
+"""Limit (rad from the natural axis) of the wrist's rotation."""
 _OBLIQUE, _SIDESTEP = float(np.deg2rad(60.0)), 0.025
-"""rad from the natural axis beyond which the thumb is shifted along the handle, and m of this
-shift, so that the hand is rotated less than the handle requires."""
+"""Rotation (rad from the natural axis) beyond which the thumb is shifted along the handle, and the
+largest shift (m). With the shift, the hand rotates less than the handle requires."""
 _COUPLE = 0.018
-"""m along a handle from the thumb to a single finger: two directly opposite fingers could not turn
-the handle, which would slip about the line between them."""
+"""Distance (m) along a handle from the thumb to a single finger. Two directly opposite fingers
+cannot turn a handle, which would slip about the line between them."""
 
 
 @dataclass(frozen=True)
@@ -46,13 +46,13 @@ class Grasp:
     """A pinch across a box or a handle.
 
     Attributes:
-        axis: rad, direction from thumb to fingers in the world.
-        width: m, distance between the two faces.
-        fingers: Number of touching fingers with the thumb, as many as the faces have room for.
-        grip: m along the object's x axis from its middle to the middle of the pinch.
-        side: rad, the axis relative to the object's x axis.
-        skew: m along the face, shift of the thumb from the point opposite the fingers' middle.
-        clear: m per side by which the hand has to be wider than the object.
+        axis: Direction (rad) from thumb to fingers in the world.
+        width: Distance (m) between the two faces.
+        fingers: Number of touching fingers including the thumb, limited by the room on the faces.
+        grip: Position (m) of the middle of the pinch along the object's x axis, from its middle.
+        side: Direction (rad) from thumb to fingers relative to the object's x axis.
+        skew: Shift (m) of the thumb along the face, from the point opposite the fingers' middle.
+        clear: Clearance (m per side) by which the hand has to be wider than the object.
     """
 
     axis: float
@@ -64,18 +64,18 @@ class Grasp:
     clear: float = _CLEAR
 
     def axis_on(self, yaw: float) -> float:
-        """Axis of this grasp, in rad, once the object has turned to a yaw."""
+        """Axis (rad) of this grasp once the object has turned to a yaw (rad)."""
         return yaw + self.side
 
     def middle(self, seen: SeenObject) -> Array:
-        """Position (2,) m of the middle of the pinch on an object as seen."""
+        """Position (2,) m, in the world, of the middle of the pinch on an object."""
         if not self.grip:
             return np.array(seen.position[:2])
         return np.asarray(seen.position[:2] + self.grip * seen.rotation[:2, 0])
 
     def opening(self, hand: Hand) -> float:
-        """Distance in m from the faces at which the fingertips come down: no wider than is easy for
-        the hand, unless the object is."""
+        """Distance (m) from the faces at which the fingertips come down. The hand opens no wider
+        than is easy, unless the object requires it."""
         c = hand.configuration
         easy = 0.5 * (c.easy_opening * c.hand_size - self.width) - _TIP_RADIUS
         return min(max(easy, self.clear), c.opening)
@@ -85,8 +85,8 @@ class Grasp:
 
         Args:
             centre: (2,) m, the middle of the pinch.
-            gap: m outside the faces (inside if negative: the hand presses) of the thumb and of the
-                outermost fingers; those between them reach farther, as the row is an arc.
+            gap: Distance (m) of thumb and outermost fingers outside the faces; negative inside,
+                when the hand presses. The inner fingers reach farther, as the row is an arc.
             hand: The user's hand.
         """
         along = np.array([cos(self.axis), sin(self.axis)])
@@ -94,7 +94,7 @@ class Grasp:
         c = hand.configuration
         # At most the span of a real hand.
         reach = min(self.width / 2 + _TIP_RADIUS + gap, 0.5 * c.longest_span * c.hand_size)
-        # Index first: with the thumb to the lower left, the index is the leftmost finger.
+        # The row begins with the index finger, the leftmost finger if the thumb is lower left.
         row = hand.row(self.fingers)
         farther = row[:, 1:] if gap >= 0.0 else np.minimum(row[:, 1:], _HOLDS)
         fingers = centre + (reach + farther) * along + row[:, :1] * across
@@ -107,13 +107,13 @@ class Grasp:
 def grasp_across(axis: float, width: float, face: float, hand: Hand) -> Grasp:
     """A grasp of a box across two of its faces.
 
-    The thumb is not quite opposite the fingers where the wrist would be turned, as far as the faces
-    have room.
+    If the wrist would have to turn, the thumb is not quite opposite the fingers, as far as the
+    faces have room.
 
     Args:
-        axis: rad, the direction across the faces, away from the thumb.
-        width: m from face to face.
-        face: m, length of the faces.
+        axis: Direction (rad) across the faces, away from the thumb.
+        width: Distance (m) from face to face.
+        face: Length (m) of the faces.
         hand: The user's hand.
     """
     fingers = hand.fitting(face)
@@ -128,7 +128,7 @@ def choose_grasp(box: SeenObject, turn: float, hand: Hand) -> Grasp:
 
     Args:
         box: The box as seen.
-        turn: rad by which it is to be turned.
+        turn: Turn (rad) that the box is to make.
         hand: The hand of the user whose comfort counts.
     """
     assert isinstance(box.shape, Box)
@@ -151,15 +151,15 @@ def choose_handle_grasp(
 
     Args:
         seen: The wrench as seen.
-        turn: rad by which it is to be turned.
-        grip: m along the handle from the object's middle, where the fingers close.
+        turn: Turn (rad) that the wrench is to make.
+        grip: Position (m) along the handle, from the object's middle, where the fingers close.
         hand: The hand of the user whose comfort counts.
-        failed: rad, the side of a grasp that has just failed: the other one is chosen if the wrist
+        failed: Side (rad) of a grasp that has just failed. The other side is chosen if the wrist
             can reach it.
     """
     assert isinstance(seen.shape, Wrench)
     near, far = seen.shape.handle
-    # Available width for the fingers' middles: the outermost has its whole pad on the handle.
+    # Room for the fingers' middles, such that the outermost fingers have whole pads on the handle.
     room = max(far - near - 0.011, 0.0)
     fingers = hand.within(room)
     others = hand.length(fingers)
@@ -179,7 +179,7 @@ def choose_handle_grasp(
         skew = float(np.copysign(_COUPLE, turn)) if fingers == 2 else 0.0
         if fingers > 2 and start > _OBLIQUE:
             skew = -float(np.copysign(_SIDESTEP, wrapped(axis - hand.natural_axis)))
-        # All fingers stay on the handle; where there is no room, the thumb comes nearer to the
+        # All fingers stay on the handle. Without enough room, the thumb comes nearer to the
         # fingers.
         free = max(min(room, 2 * (grip - near - 0.008)) - others, 0.0)
         skew = float(np.clip(skew, -free, free))
@@ -192,7 +192,7 @@ def choose_handle_grasp(
 
 
 def within_comfort(axis: float, turn: float, hand: Hand) -> float:
-    """Part in rad of a turn that a hand on an axis can make without regrasping.
+    """Part (rad) of a turn that a hand on an axis can make without regrasping.
 
     A hand that is already rotated too far may always turn back.
     """
@@ -202,20 +202,19 @@ def within_comfort(axis: float, turn: float, hand: Hand) -> float:
 
 
 def wrapped(angle: float) -> float:
-    """Wraps an angle, rad, to -pi to pi."""
+    """Wraps an angle (rad) to -pi to pi."""
     return float((angle + np.pi) % (2 * np.pi) - np.pi)
 
 
 _ROOM = 0.014
-"""m, least distance of the middle of a fingertip from a neighbour's face."""
+"""Least distance (m) of the middle of a fingertip from a neighbour's face."""
 _CROWDED = 150.0
-"""rad/m, additional rotation of the wrist that is as bad as lacking one metre of room."""
+"""Additional rotation of the wrist that costs as much as a metre of missing room (rad/m)."""
 _AGAIN = 2.0
-"""rad, additional rotation of the wrist that is as bad as repeating a grasp that has just
-failed."""
+"""Additional rotation (rad) of the wrist that costs as much as repeating a failed grasp."""
 _LINK = ((0.010, 0.010), (0.018, 0.020))
-"""m from a fingertip towards the palm, and upwards, to the rest of the finger, which leans over
-objects on that side."""
+"""Distances (m) from a fingertip towards the palm, and upwards, to the rest of the finger, which
+leans over objects on the side of the palm."""
 
 
 @dataclass(frozen=True)
@@ -245,11 +244,12 @@ def roomiest_grasp(
 
     Args:
         box: The box as seen, upright.
-        turn: rad by which it is to be turned.
+        turn: Turn (rad) that the box is to make.
         hand: The hand of the user whose comfort counts.
         around: Objects that may be in the way, and the surface.
         failed: A grasp that has just failed.
-        lacking: Returns room in m that a grasp lacks elsewhere, such as on the way to the goal.
+        lacking: Function of a grasp that returns the room (m) missing elsewhere, such as on the way
+            to the goal.
     """
     assert isinstance(box.shape, Box)
     half = box.shape.half_size
@@ -273,7 +273,7 @@ def roomiest_grasp(
 def _missing_room(
     grasp: Grasp, turn: float, box: SeenObject, hand: Hand, around: Surroundings
 ) -> float:
-    """Missing room in m: beside neighbours, at the border, and at the border at the goal."""
+    """Missing room (m) beside neighbours and at the border, both at the start and at the goal."""
     places = grasp.places(np.asarray(box.position[:2]), grasp.opening(hand), hand)
     short = max(_ROOM - _nearest(places, grasp.axis, float(box.position[2]), around.neighbours), 0)
     short += beyond_border(places, around.surface)
@@ -285,7 +285,7 @@ def _missing_room(
 
 
 def _nearest(places: Array, axis: float, height: float, neighbours: Iterable[SeenObject]) -> float:
-    """Least distance in m of the middles of the fingers' last links to the other objects."""
+    """Least distance (m) of the middles of the fingers' last links from the other objects."""
     palm = np.array([sin(axis), -cos(axis)])
     links = [(places + along * palm, height + up) for along, up in ((0.0, 0.0), *_LINK)]
     points = np.vstack([np.column_stack([xy, np.full(len(xy), z)]) for xy, z in links])

@@ -1,9 +1,9 @@
 """The simulated user's hand: how far apart its fingers are, how they move, and where they fit.
 
-Distances of neighbouring fingertips are those of 147 layouts of five fingers that people put on a
-screen: their medians, and the values that one in ten is below and above. The bends of the row are
-estimated: the middle fingertip is then 17 mm above the line from index to little finger, and was 19
-mm above it in 180 frames of simulated people.
+The distances of neighbouring fingertips are the 10, 50 and 90 percent quantiles of 147 layouts of
+five fingers that people put on a screen. The bends of the row of fingertips are estimated. With
+them, the middle fingertip is 17 mm above the line from index to little finger; in 180 frames of
+simulated people it was 19 mm above this line.
 
 Fingers move smoothly and tremble. At the border of the screen a hand has to stop.
 """
@@ -22,34 +22,34 @@ from models.surface import METRES_PER_INCH, Surface
 from tasks.user import UserConfiguration
 
 NARROWEST = 0.012
-"""m, least distance of two neighbouring touches: fingertips are as wide as that."""
+"""Least distance (m) of two neighbouring touches, which is the width of a fingertip."""
 
 _APART = ((0.025, 0.029, 0.034), (0.019, 0.023, 0.026), (0.025, 0.031, 0.036))
-"""m from index to middle, middle to ring and ring to little finger: 10, 50 and 90 percent of
-layouts are below."""
+"""Distances (m) from index to middle, middle to ring and ring to little finger: the 10, 50 and 90
+percent quantiles of the layouts."""
 _TENTH = 1.2816
-"""Standard deviations from a median to the value that one in ten is beyond."""
+"""Number of standard deviations from the median to the 90 percent quantile."""
 _UNUSUAL = 2.0
-"""Standard deviations from the median, beyond which no hand is drawn."""
+"""Number of standard deviations from the median beyond which no hand is drawn."""
 _BENDS = ((40.0, 5.0), (28.0, 4.0))
-"""degrees, mean and standard deviation of the row's bends at the middle and at the ring finger."""
+"""Mean and standard deviation (degrees) of the row's bends at the middle and the ring finger."""
 _FIRST = 20.0
-"""degrees by which the way from the index to the middle finger leads outwards."""
+"""Angle (degrees) by which the line from index to middle fingertip points outwards."""
 _SMALLEST = 0.014
-"""m, least distance of neighbours in a drawn hand of any size."""
+"""Least distance (m) of neighbouring fingertips in a drawn hand of any size."""
 _BORDER = 0.002
-"""m from the end of a face to the middle of the outermost finger."""
+"""Least distance (m) from the end of a face to the middle of the outermost finger."""
 
 
 @dataclass(frozen=True)
 class Hand:
-    """Fingers of one person, who is at a trial.
+    """Fingers of the person in one trial.
 
     Attributes:
         configuration: Settings of the simulated user.
-        tips: Fingertips (4, 2) m of index, middle, ring and little finger on an arc, from the index
-            finger: x across the fingers, y along them, so that the middle finger reaches farthest
-            and the little finger least.
+        tips: Fingertips (4, 2) m of index, middle, ring and little finger on an arc, relative to
+            the index fingertip. x is across the fingers and y along them; the middle finger reaches
+            farthest and the little finger least.
     """
 
     configuration: UserConfiguration
@@ -83,15 +83,15 @@ class Hand:
         return cls(configuration, tuple(tips))
 
     def row(self, fingers: int) -> Array:
-        """Fingertips (fingers - 1, 2) m beside the thumb, turned so that the first and the last of
-        them are equally far out.
+        """Fingertips (fingers - 1, 2) m of all touching fingers but the thumb, turned so that the
+        first and the last of them are equally far out.
 
         Args:
-            fingers: Number of touching fingers with the thumb, 2 to 5.
+            fingers: Number of touching fingers including the thumb, 2 to 5.
 
         Returns:
-            x from the middle between the first and the last finger towards the last; y outwards,
-            0 for these two.
+            Positions with the origin halfway between the first and the last finger. x points
+            towards the last finger, y outwards; y is 0 for the first and the last finger.
         """
         tips = np.array(self.tips[: fingers - 1])
         end = tips[-1]
@@ -103,28 +103,31 @@ class Hand:
         return np.column_stack([x - far / 2, y])
 
     def length(self, fingers: int) -> float:
-        """Distance in m of the first and the last touching finger beside the thumb."""
+        """Distance (m) between the first and the last touching finger, the thumb not included."""
         x, y = self.tips[fingers - 2]
         return sqrt(x**2 + y**2)
 
     @property
     def natural_axis(self) -> float:
-        """Direction in rad across an object from thumb to fingers that is most comfortable: with
-        more fingers than thumb and index, the row lies more nearly crosswise before the person."""
+        """Most comfortable direction (rad) across an object from thumb to fingers.
+
+        With more fingers than thumb and index, the row lies more nearly crosswise before the
+        person.
+        """
         c = self.configuration
         return c.natural_axis if c.fingers == 2 else c.natural_axis_of_row
 
     def room(self, face: float, fingers: int) -> float:
-        """Length in m that a row of fingers leaves of a face."""
+        """Length (m) of a face that a row of fingers leaves free."""
         return max(face - 2 * _BORDER - self.length(fingers), 0.0)
 
     def fitting(self, face: float) -> int:
-        """Number of fingers, with the thumb, that touch an object with a face of this length, m:
-        as many as the user wants, or as there is room for; at least 2."""
+        """Number of fingers, including the thumb, for a face of a length (m): the configured number
+        if there is room for it, and at least 2."""
         return self.within(face - 2 * _BORDER)
 
     def within(self, room: float) -> int:
-        """Number of fingers, with the thumb, whose row is no longer than the room, m."""
+        """Number of fingers, including the thumb, whose row is no longer than the room (m)."""
         fingers = self.configuration.fingers
         while fingers > 2 and self.length(fingers) > room:
             fingers -= 1
@@ -132,17 +135,17 @@ class Hand:
 
 
 _PEAK = 1.875
-"""Peak speed of a minimum-jerk movement over its mean speed."""
+"""Peak speed of a minimum-jerk movement, divided by its mean speed."""
 
 _MARGIN = 0.001
-"""m, least distance from the border of the screen at which a finger still touches it."""
+"""Least distance (m) from the border of the screen at which a finger still touches the screen."""
 
 _WIDTH = NARROWEST + 1e-9
-"""m from a finger to one that it pushes aside."""
+"""Distance (m) between two fingers of which one pushes the other aside."""
 
 
 def minimum_jerk(s: float) -> float:
-    """Minimum-jerk movement: share of the way after a share s of the time (Flash and Hogan
+    """Share of the way of a minimum-jerk movement after a share s of its time (Flash and Hogan
     1985)."""
     s = min(max(s, 0.0), 1.0)
     return s**3 * (10.0 - 15.0 * s + 6.0 * s * s)
@@ -150,7 +153,7 @@ def minimum_jerk(s: float) -> float:
 
 @dataclass
 class _Movement:
-    """A movement of all fingers, rigid or each on its own, from one set of positions to another."""
+    """A movement of all fingers between two sets of positions, rigid or independent."""
 
     start: Array
     end: Array
@@ -192,7 +195,7 @@ class Fingers:
         self._c, self._rng = configuration, rng
         n = configuration.fingers
         self._movement = _Movement(np.zeros((n, 2)), np.zeros((n, 2)), 0.0, 1e-9)
-        # x and y of every finger in turn, as plain floats: for a few numbers quicker than arrays.
+        # x and y of every finger in turn. Plain floats are quicker than arrays for few numbers.
         self._tremor: list[float] = rng.normal(0.0, configuration.tremor, 2 * n).tolist()
         self._down_at = np.full(n, np.inf)
         self._up_at = np.full(n, -np.inf)
@@ -240,12 +243,12 @@ class Fingers:
         self._plan()
 
     def put_down(self, finger: int, place: Array, now: float) -> None:
-        """Puts one finger down anew that was taken off; the others stay.
+        """Puts a lifted finger down again, while the others stay.
 
         Args:
-            finger: Index into the places of the last landing.
-            place: (2,) m.
-            now: s.
+            finger: Index into the positions of the last landing.
+            place: (2,) m, position on the table's plane.
+            now: Current time (s).
         """
         places = self.places(now).copy()
         places[finger] = place
@@ -262,13 +265,13 @@ class Fingers:
         self._spans = sorted(zip(self._ids.tolist(), fingers, *times, strict=True))
 
     def move(self, places: Array, now: float) -> float:
-        """Moves every finger on its own; returns the time of arrival."""
+        """Moves the fingers independently; returns the time of arrival (s)."""
         start = self.places(now)
         return self._go(_Movement(start, self._missed(start, places), now, 0.0))
 
     def carry(self, shift: Array, turn: float, pivot: Array, now: float) -> float:
-        """Moves the fingers as one rigid body: a shift (2,) m and a turn rad about a pivot (2,)
-        m."""
+        """Moves the fingers as a rigid body, by a shift (2,) m and a turn (rad) about a pivot (2,)
+        m; returns the time of arrival (s)."""
         start = self.places(now)
         end = start + self._missed(np.zeros((1, 2)), shift[None])[0]
         missed = turn * (1.0 + self._c.end_noise * self._rng.normal())
@@ -287,7 +290,7 @@ class Fingers:
         if not touching:
             return ()
         intended, size = self.places(now).ravel().tolist(), self._c.noise
-        # Fewer fingers touch than the user wants where an object has no room for them.
+        # Fewer fingers than configured touch if an object has no room for them.
         noise = list(zip(self._tremor, drawn[many:], strict=True))[: len(intended)]
         actual = [a + b + size * c for a, (b, c) in zip(intended, noise, strict=True)]
         left, top, height = surface.origin
@@ -299,7 +302,7 @@ class Fingers:
             xy = surface.to_surface([(x, y, height) for x, y in places]).tolist()
         right = surface.width_in * METRES_PER_INCH - _MARGIN
         bottom = surface.height_in * METRES_PER_INCH - _MARGIN
-        # The hand stops as a whole where a finger is at the border.
+        # The whole hand stops when a finger reaches the border.
         inwards = [
             max(_MARGIN - min(values), 0.0) - max(max(values) - most, 0.0)
             for values, most in zip(zip(*xy, strict=True), (right, bottom), strict=True)
@@ -323,7 +326,7 @@ class Fingers:
         return movement.begin + movement.duration
 
     def _missed(self, start: Array, end: Array) -> Array:
-        """Actual end of a movement: all fingers miss by the same share of its length."""
+        """Actual end of a movement, which all fingers miss by the same share of its length."""
         length = float(np.sqrt(squared_lengths(end - start)).max())
         return end + self._rng.normal(0.0, self._c.end_noise * length, 2)
 
@@ -337,14 +340,14 @@ class Fingers:
 
 
 def _side_by_side(tips: list[tuple[float, float]]) -> list[tuple[float, float]]:
-    """Tips, thumb first, each pushed aside by its neighbour where the two would be nearer to each
-    other than fingers are wide."""
+    """Fingertips, thumb first. A tip nearer to its neighbour than the width of a finger is pushed
+    aside."""
     apart = tips[:1]
     for x, y in tips[1:]:
         a, b = apart[-1]
         far = sqrt((x - a) ** 2 + (y - b) ** 2)
         if far < NARROWEST:
-            # Two at the same place: any direction.
+            # Two tips at the same place may be pushed apart in any direction.
             c, s = ((x - a) / far, (y - b) / far) if far else (1.0, 0.0)
             x, y = a + _WIDTH * c, b + _WIDTH * s
         apart.append((x, y))
@@ -352,17 +355,17 @@ def _side_by_side(tips: list[tuple[float, float]]) -> list[tuple[float, float]]:
 
 
 SCREEN_EDGE = 0.003
-"""m, least distance of a finger from the border of the screen."""
+"""Least distance (m) of a finger from the border of the screen."""
 
 
 def beyond_border(places: Array, surface: Surface) -> float:
-    """Distance in m by which fingers at places (n, 2) m would have to touch beyond the border."""
+    """Largest distance (m) by which fingers at positions (n, 2) m would be beyond the border."""
     xy = _on_surface(places, surface)
     return float(max(SCREEN_EDGE - min(xy.min(), (surface.size - xy).min()), 0.0))
 
 
 def stopped_at_border(places: Array, surface: Surface) -> Array:
-    """Places (n, 2) m, moved together so far that no finger is beyond the border."""
+    """Positions (n, 2) m, shifted as a whole so that no finger is beyond the border."""
     xy = _on_surface(places, surface)
     inwards = np.maximum(SCREEN_EDGE - xy.min(axis=0), 0.0)
     inwards -= np.maximum(xy.max(axis=0) - (surface.size - SCREEN_EDGE), 0.0)

@@ -28,18 +28,18 @@ class OutlineGrasp(Grasp):
     """A pinch across the bounding box of an object.
 
     Attributes:
-        offset: (2,) m, the box's middle in the frame of the object as it is seen from above.
+        offset: (2,) m, middle of the bounding box in the frame of the object, seen from above.
     """
 
     offset: tuple[float, float] = (0.0, 0.0)
 
     def middle(self, seen: SeenObject) -> Array:
-        """Position (2,) m of the box's middle in the world."""
+        """Position (2,) m of the bounding box's middle in the world."""
         return np.asarray(seen.position[:2] + small_product(seen.rotation[:2, :2], self.offset))
 
 
 class OutlineHandling:
-    """Handling of an object of any shape, grasped like its bounding box.
+    """Handling of an object of any shape, which is grasped like its bounding box.
 
     Args:
         obj: The object, with its outline and rotational symmetry.
@@ -67,8 +67,11 @@ class OutlineHandling:
     def grasp(
         self, seen: SeenObject, turn: float, hand: Hand, failed: Grasp | None = None
     ) -> Grasp:
-        """Grasp across the most comfortable sides of the bounding box: thumb and fingers opposite
-        each other, on the middle half, as outlines may be round."""
+        """Grasp across the most comfortable sides of the bounding box.
+
+        Thumb and fingers are opposite each other on the middle half of the sides, since the outline
+        may be round.
+        """
         about = SeenObject(self._box, seen.position, seen.rotation)
         grasp = choose_grasp(about, turn, hand)
         a, b, _ = self._box.half_size
@@ -90,22 +93,22 @@ class OutlineHandling:
 
 
 _TURN_GRIP, _SLIDE_GRIP = 0.032, 0.004
-"""m along a wrench of size 1 to the grip: near the handle's end for the longest lever about a bolt,
-at the middle of a free wrench."""
+"""Positions (m) of the grip along a wrench of size 1: near the handle's end for the longest lever
+about a bolt, and at the middle of a free wrench."""
 _LEVER = _TURN_GRIP - JAW
-"""m from a bolt to the grip at most: farther out on a longer handle, the path would be longer and
-soon leave the screen."""
+"""Greatest distance (m) from a bolt to the grip. With a grip farther out on a long handle, the path
+would soon leave the screen."""
 _ROOM = 0.030
-"""m, least distance from the beginning of a handle to the grip."""
+"""Least distance (m) from the beginning of a handle to the grip."""
 
 
 class Handling(Protocol):
     """Contract for moving one kind of object.
 
     Attributes:
-        good: m and rad, errors within which the user lets go.
-        enough: m and rad, errors within which an object at rest is not touched again.
-        patience: Number of looks at a hand that stays a ghost before the user lifts it.
+        good: Errors (m, rad) within which the user lets go.
+        enough: Errors (m, rad) within which the user does not touch an object at rest again.
+        patience: Number of looks at a hand that remains a ghost before the user lifts it.
     """
 
     good: tuple[float, float]
@@ -113,7 +116,7 @@ class Handling(Protocol):
     patience: int
 
     def missing(self, seen: SeenObject, goal: Goal) -> tuple[Array, float]:
-        """Missing shift (2,) m and turn, rad, from the object as seen to its goal."""
+        """Remaining shift (2,) m and turn (rad) from the object as seen to its goal."""
         ...
 
     def grasp(
@@ -127,7 +130,7 @@ class Handling(Protocol):
         ...
 
     def reach(self, seen: SeenObject, grasp: Grasp, turn: float, hand: Hand) -> float:
-        """Part in rad of a turn that this grasp allows."""
+        """Part (rad) of a turn that this grasp allows."""
         ...
 
 
@@ -155,7 +158,7 @@ class BoxHandling:
         return np.array(seen.position[:2])
 
     def reach(self, seen: SeenObject, grasp: Grasp, turn: float, hand: Hand) -> float:
-        """The whole turn, which is never more than an eighth."""
+        """The whole turn, which is at most an eighth of a full turn."""
         return turn
 
 
@@ -163,7 +166,7 @@ class WrenchHandling:
     """Handling of a wrench: grasped across its handle, and regrasped after a large turn.
 
     Args:
-        wrench: Its shape; on a bolt it can only turn about the bolt.
+        wrench: The wrench; on a bolt it can only turn about the bolt.
     """
 
     def __init__(self, wrench: Wrench) -> None:
@@ -185,7 +188,8 @@ class WrenchHandling:
     def grasp(
         self, seen: SeenObject, turn: float, hand: Hand, failed: Grasp | None = None
     ) -> Grasp:
-        """Grasp with thumb and fingers on either side of the handle; swapped if that failed."""
+        """Grasp with thumb and fingers on either side of the handle; the sides are swapped after a
+        failed grasp."""
         return choose_handle_grasp(seen, turn, self._grip, hand, failed.side if failed else None)
 
     def pivot(self, seen: SeenObject) -> Array:
@@ -205,7 +209,7 @@ def handling_of(shape: SceneObject) -> Handling:
         return BoxHandling()
     if isinstance(shape, Wrench):
         return WrenchHandling(shape)
-    # Most tasks have no such object.
+    # Imported here because most tasks have no object from MJCF.
     from models.mjcf_object import MjcfObject
 
     if not isinstance(shape, MjcfObject):
@@ -213,6 +217,6 @@ def handling_of(shape: SceneObject) -> Handling:
             "the simulated user cannot handle this object",
             got=type(shape).__name__,
             expected="Box, Wrench or MjcfObject",
-            remedy="Give the task a user of its own: docs/write-a-task.md",
+            remedy="Give the task its own simulated user: docs/write-a-task.md",
         )
     return OutlineHandling(shape)

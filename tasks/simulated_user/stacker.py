@@ -1,11 +1,12 @@
 """Simulated users who stack boxes, on the table or on an upright screen seen from the front.
 
-On the table one hand grasps and carries, and the other moves the lift slider. The user takes the
-boxes in the order of the goals on the screen, and looks at all of them again after every release: a
-fallen box is stacked anew.
+On the table one hand grasps and carries, and the other hand moves the lift slider. The user takes
+the boxes in the order of the goals on the screen. After every release the user looks at all boxes
+again, and stacks a fallen box anew.
 
 Before an upright screen the user knows common facts: a released box falls, a box has to be lifted
-over obstacles, and a box on a table can only be gripped from its sides. They do not see depth.
+over obstacles, and a box on a table can only be gripped from its sides. The user does not see
+depth.
 """
 
 from __future__ import annotations
@@ -28,24 +29,24 @@ from tasks.task import Goal, flat_yaw
 from tasks.user import SeenObject, Sight, UserConfiguration
 
 _OVER, _HARDLY_OVER = 0.014, 0.006
-"""m above all other objects, height at which a box is carried, and below which it is raised
-again."""
+"""Heights (m) above all other objects: the height at which a box is carried, and the height below
+which it is raised again."""
 _IN_PLACE = 0.004
-"""m from its goal seen from above, within which a carried box is lowered."""
+"""Horizontal distance (m) from its goal within which a carried box is lowered."""
 _STRAIGHT = float(np.deg2rad(8.0))
-"""rad, acceptable rotation relative to the box below."""
+"""Acceptable rotation (rad) relative to the box below."""
 _RESTS = 0.004
-"""m above its place, within which a box counts as standing."""
+"""Height (m) above its place below which a box counts as standing."""
 _PRESS = 0.002
-"""m below its place to which a box is lowered, for safety."""
+"""Depth (m) below its place to which a box is lowered, for safety."""
 _FALLEN = 0.010
-"""m by which a box may lag behind the rising hand before it counts as slipped."""
+"""Height (m) by which a box may lag behind the rising hand before it counts as slipped."""
 _DRAGS = 7
-"""Corrected movements over one place before the user lowers the box anyway."""
+"""Number of corrections above the box's place before the user lowers the box anyway."""
 _ENOUGH = 0.2
-"""Share of its edge: a standing box nearer to its goal is left as it is."""
+"""Distance from the goal, as a share of the box's edge, within which a standing box stays."""
 _FOLLOWS = 0.30
-"""s that the simulated hand takes to follow the slider to its end."""
+"""Time (s) in which the simulated hand follows the slider to its end."""
 
 
 class _Stage(Enum):
@@ -80,10 +81,10 @@ class Stacker(SkilledUser):
         configuration: Settings of the simulated user.
         surface: The tablet.
         seed: Seed of the user's randomness.
-        reach: m by which the hand rises over the slider's full travel.
+        reach: Height (m) by which the hand rises over the slider's full travel.
 
     Attributes:
-        slider: The other hand, and the control that it moves.
+        slider: The lift control, which the other hand moves.
     """
 
     def __init__(
@@ -98,7 +99,7 @@ class Stacker(SkilledUser):
         self._from = self._stood = self._lowest = 0.0
 
     def touch(self, now: float) -> TouchFrame:
-        """Touches of the fingers and position of the slider at the time now, s."""
+        """Touches of the fingers and position of the slider at the time `now` (s)."""
         frame = super().touch(now)
         return TouchFrame(now, frame.contacts, self.slider.control(now), source=frame.source)
 
@@ -153,14 +154,14 @@ class Stacker(SkilledUser):
         self._slide(self._from + max(self._highest() + _OVER - self._stood, 0.0), now)
 
     def _highest(self) -> float:
-        """Height in m of the highest other object."""
+        """Height (m) of the highest other object."""
         return max((_top(other) for other in self._boxes.around.neighbours), default=0.0)
 
     def _carry(self, sight: Sight, box: SeenObject, now: float) -> None:
         low = self._highest() + _HARDLY_OVER - self._lowest
         if low > 0.0 and self._tries < _DRAGS:
-            # The box is tilted or has slipped a little: lowered like this, it would push the others
-            # over.
+            # The box is tilted or has slipped a little. If it were lowered now, it would push the
+            # other boxes over.
             self._tries += 1
             self._slide(self.slider.height(now) + low + _OVER - _HARDLY_OVER, now)
             return
@@ -183,12 +184,12 @@ class Stacker(SkilledUser):
         self._slide(self.slider.height(now) - above - _PRESS, now)
 
     def _slide(self, height: float, now: float) -> None:
-        """Moves the slider, and acts again when its effect has been seen."""
+        """Moves the slider, and acts again once its effect is visible."""
         self._watch(self.slider.move(height, now) + _FOLLOWS)
 
 
 def _stands(seen: SeenObject, goal: Goal) -> bool:
-    """True if a box is seen to stand in its place."""
+    """True if a box stands in its place, as far as the user sees."""
     off = seen.position - np.asarray(goal.position)
     near = length(off[:2]) < _ENOUGH * 2 * _half(seen)
     return near and abs(float(off[2])) < _RESTS and seen.upright
@@ -202,7 +203,7 @@ def _upright(seen: SeenObject) -> SeenObject:
 
 
 def _half(seen: SeenObject) -> float:
-    """Half the edge of a cube, m."""
+    """Half the edge (m) of a cube."""
     assert isinstance(seen.shape, Box)
     return seen.shape.half_size[2]
 
@@ -212,7 +213,7 @@ def _bottom(seen: SeenObject) -> float:
 
 
 def _lowest(seen: SeenObject) -> float:
-    """Height in m of a box's lowest corner, in any rotation."""
+    """Height (m) of the lowest corner of a box in any rotation."""
     return float(seen.position[2] - np.abs(seen.rotation[2]).sum() * _half(seen))
 
 
@@ -222,18 +223,19 @@ def _top(seen: SeenObject) -> float:
 
 _QUARTER = np.pi / 2
 _OVER_PLACE = 0.012
-"""m, height above its place at which a box is carried."""
+"""Height (m) above its place at which a box is carried."""
 _ASIDE = 0.005
-"""m to the side of its place, within which a box is lowered."""
+"""Sideways distance (m) from its place within which a box is lowered."""
 _DOWN = 0.002
-"""m above its place at which a box is let go: it stands, or falls a negligible distance."""
+"""Height (m) above its place at which the user lets go of a box, which stands or falls a negligible
+distance."""
 _SLIPPED = 0.015
-"""m by which a box may fall behind the fingers before the user notes that it slipped."""
+"""Distance (m) by which a box may lag behind the fingers before it counts as slipped."""
 _MOVES = 14
-"""Corrected movements of one grasp before the user lets go and starts again."""
+"""Largest number of movements in one grasp; then the user lets go and grasps again."""
 _OPEN = 0.010
-"""m by which each finger leaves a box sideways before it leaves the screen. Without it, the fingers
-that lift last would push the box."""
+"""Distance (m) by which each finger moves sideways off a box before it lifts. Without it, the
+fingers that lift last would push the box."""
 
 
 class FrontBoxHandling(BoxHandling):
@@ -273,12 +275,12 @@ class FrontStacker(SkilledUser):
         super()._act(replace(sight, objects=seen), now)
 
     def _missing(self, sight: Sight, box: SeenObject) -> tuple[Array, float]:
-        """Missing shift (2,) m and turn rad from the box as seen to its place, where it stands
+        """Remaining shift (2,) m and turn (rad) from the box as seen to its place, where it stands
         straight."""
         return np.asarray(sight.goals[0].position[:2]) - box.position[:2], -roll(box)
 
     def _drag(self, sight: Sight, box: SeenObject, now: float) -> None:
-        """Moves the box up, across or down, depending on where it is seen."""
+        """Moves the box up, across or down, depending on its position."""
         assert self._grasp is not None
         off, turn = self._missing(sight, box)
         held = self._grasp.middle(box) + self._drawn_offset(sight)
@@ -291,7 +293,7 @@ class FrontStacker(SkilledUser):
         shift = off
         if abs(off[0]) > _ASIDE:
             rise = off[1] + _OVER_PLACE
-            # First up, then across; the rest of the way up is made on the way across.
+            # The box moves up first and then across, which also covers the rest of the rise.
             shift = np.array([0.0 if rise > 0.5 * _OVER_PLACE else off[0], rise])
         self._watch(self._fingers.carry(shift, turn, self._middle(now), now))
 
@@ -304,12 +306,12 @@ class FrontStacker(SkilledUser):
 
 
 def in_picture(seen: SeenObject) -> SeenObject:
-    """A box as it looks from the front: rotated within the picture only."""
+    """A box as seen from the front, with its rotation in the picture only."""
     turn = flat_yaw(seen.rotation)
     c, s = cos(turn), sin(turn)
     return replace(seen, rotation=np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]]))
 
 
 def roll(seen: SeenObject) -> float:
-    """A box's least rotation in the picture, in rad, from standing on a face; signed."""
+    """Signed least rotation (rad) in the picture from a pose in which the box stands on a face."""
     return float((seen.yaw + _QUARTER / 2) % _QUARTER - _QUARTER / 2)

@@ -1,14 +1,13 @@
 """How simulated users see: with a reaction delay, from the front, or from another seat.
 
-Before an upright surface the world is rotated so that the screen lies flat like a table: right
-stays right, up the screen becomes "away", and out of the screen becomes "up". So a user made for
-the table plays there as well. Only gravity pulls down the screen, which users of this view have to
-know. A person does not see depth: users get it rotated like everything else, and none of them uses
-it.
+Before an upright surface the world is rotated so that the screen lies flat like a table. Right
+stays right, up the screen becomes "away", and out of the screen becomes "up". A user written for
+the table can therefore play there as well, but has to know that gravity pulls down the screen. A
+person does not see depth. Users get the depth, rotated like everything else, but do not use it.
 
-A user who is left-handed, or sits at another side of the screen, is a right-handed one at the lower
-edge, who sees the world mirrored or rotated and whose touches are transformed back. The delay of
-what they see is unchanged.
+A user who is left-handed, or sits at another side of the screen, is simulated by a right-handed
+user at the lower edge, who sees the world mirrored or rotated and whose touches are transformed
+back. The reaction delay is the same.
 """
 
 from __future__ import annotations
@@ -29,10 +28,10 @@ from tasks.user import LateSight, Sight, User
 
 
 class Eye:
-    """Returns the screen's content of a reaction time ago.
+    """Delays the content of the screen by the reaction time.
 
     Args:
-        delay: s between the appearance on the screen and the user's reaction.
+        delay: Time (s) between a change on the screen and the user's reaction.
     """
 
     def __init__(self, delay: float) -> None:
@@ -44,7 +43,7 @@ class Eye:
         self._seen.append(sight)
 
     def at(self, now: float) -> Sight | None:
-        """The newest sight old enough for a reaction; None before the first."""
+        """The newest sight that is old enough for a reaction; None if there is none yet."""
         while len(self._seen) > 1 and self._seen[1].time <= now - self.delay + 1e-9:
             self._seen.popleft()
         if self._seen and self._seen[0].time <= now - self.delay + 1e-9:
@@ -133,8 +132,8 @@ class Seat:
         self._matrix: Array = small_product(
             small_product(surface.rotation, matrix), surface.rotation.T
         )
-        # Objects in a mirror image have one of their own axes reversed, so that rotations stay
-        # proper.
+        # An object in a mirror image has one of its own axes reversed, so that its rotation remains
+        # a proper rotation.
         flip_own = -1.0 if person.left else 1.0
         self._mirrors = person.left
         self._own = np.diag([flip_own, 1.0, 1.0])
@@ -152,22 +151,22 @@ class Seat:
 
         Args:
             world: The rotation in the world.
-            long: True for an object whose two ends differ, such as a wrench: only its sides may be
-                swapped.
+            long: True for an object whose two ends differ, such as a wrench. Only its sides may be
+                swapped then.
         """
         return small_product(
             small_product(self._matrix, world), self._own_of_long if long else self._own
         )
 
     def yaw(self, yaw: float, long: bool = False) -> float:
-        """Transforms a yaw, rad about the vertical, to the user's world."""
+        """Transforms a yaw (rad about the vertical) to the user's world."""
         c, s = cos(yaw), sin(yaw)
         seen = self.rotation(np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]]), long)
         return atan2(seen[1, 0], seen[0, 0])
 
     def sight(self, sight: Sight) -> Sight:
         """Transforms everything on the screen to the user's world."""
-        # Most users see the world as it is.
+        # Imported here because most users need no transformation.
         from models.mjcf_object import MjcfObject
 
         long = {n: isinstance(o.shape, Wrench | MjcfObject) for n, o in sight.objects.items()}

@@ -185,7 +185,7 @@ def test_a_value_that_one_seed_cannot_have_is_refused_before_any_other_seed_is_p
 @pytest.mark.parametrize(
     ("task", "varied", "reason"),
     [
-        ("box-to-goal", "room", "leaves no room"),
+        ("box-to-goal", "room", "no room that can be varied"),
         ("box-to-goal", "resistance=2", "resistance"),
         ("dial", "start", "start of this object"),
         ("gather", "start=5,10", "dice start anywhere"),

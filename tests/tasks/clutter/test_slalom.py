@@ -158,7 +158,7 @@ def test_room_is_the_width_of_the_gates_and_nothing_else(factor: float) -> None:
 
 def test_a_task_that_leaves_no_room_says_so() -> None:
     box = draw_task(BoxToGoal, 1, TABLET)
-    with pytest.raises(InputError, match="leaves no room that can be varied"):
+    with pytest.raises(InputError, match="has no room that can be varied"):
         vary(box, Variation(room=1.1), TABLET)
 
 
