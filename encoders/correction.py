@@ -31,7 +31,7 @@ from models.single_pose import SinglePose
 from models.skeleton import Skeleton
 
 PAD_HEIGHT = 0.006
-"""m, centre of a touching fingertip's end sphere above the surface: its radius less the flesh that
+"""Centre of a touching fingertip's end sphere above the surface (m): its radius less the flesh that
 the surface flattens, as in the captures."""
 
 _JOINT_OFFSET = JOINTS.start
@@ -39,9 +39,9 @@ _JOINT_OFFSET = JOINTS.start
 _ACTIVE_SET_ROUNDS = 10
 """Rounds of holding joints at their ends and letting them go; two or three are the rule."""
 _EXACT = 1e-10
-"""rad2, variance with which a held joint is known."""
+"""Variance with which a held joint is known (rad2)."""
 _SLACK = 1e-6
-"""rad, by which a joint may leave its range before it is held; the end clips it."""
+"""Angle (rad) by which a joint may leave its range before it is held; the end clips it."""
 
 
 class Corrected(NamedTuple):
@@ -86,11 +86,11 @@ class CorrectionSettings:
 
     Attributes:
         tip_sigma: m, how exactly the tips are to meet the touches.
-        tolerance: m, largest tip error at which the steps stop.
+        tolerance: Largest tip error at which the steps stop (m).
         settled: rad (and m), largest change of a step after which the posture counts as the
             likeliest one.
         iterations: Most steps; five fingers far from the guess need five.
-        floor_position: m, smallest trusted error of the encoder in a position.
+        floor_position: Smallest trusted error of the encoder in a position (m).
         floor_angle: rad, smallest trusted error of the encoder in an angle.
     """
 

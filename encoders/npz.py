@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from models.errors import InputError
 
 LARGEST = 2**30
-"""bytes, largest size of an unpacked file: 100 times the paper's capture; more is a mistake or an
+"""Largest size of an unpacked file (bytes): 100 times the paper's capture; more is a mistake or an
 attack."""
 
 _DAMAGE = (

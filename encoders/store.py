@@ -16,7 +16,7 @@ SCHEMA = 1
 """Version of the file's layout."""
 
 FARTHEST = 3.0
-"""m, median distance of a wrist from its touches beyond which lengths are surely no metres: it is
+"""Median distance of a wrist from its touches beyond which lengths are surely no metres (m): it is
 0.1 to 0.2 m."""
 
 _ARRAYS = {"time": "f", "trial": "i", "ids": "i", "xy": "f", "q": "f"}

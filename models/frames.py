@@ -207,7 +207,7 @@ class TrackedFinger:
 
     Attributes:
         id: Constant while the finger is visible; unique among the fingers of one hand.
-        tip: m, position of the fingertip, as the device reports it; where it models bones, this
+        tip: Position of the fingertip (m), as the device reports it; where it models bones, this
             may be a point within the last one.
         direction: Unit vector along the finger, as the device reports it.
         length: m, finger length as the device reports it: the visible length (first Leap software),
@@ -256,13 +256,13 @@ class TrackedHand:
 
     Attributes:
         id: Constant while the hand is visible; unique in its frame.
-        palm: m, centre of the palm.
+        palm: Centre of the palm (m).
         normal: Unit vector out of the palm; it points down if the palm faces down.
         direction: Unit vector from the palm towards the fingers.
         fingers: The visible fingers, in any order.
         side: `right`, `left`, or None where the device does not know.
         confidence: Confidence of the device, 0 to 1; 1 where it reports none.
-        sphere_radius: m, radius of the ball that the hand could hold; None where the device does
+        sphere_radius: Radius of the ball that the hand could hold (m); None where the device does
             not report it.
         wrist: m, position of the wrist; None where the device does not know it.
     """

@@ -36,8 +36,8 @@ class Link:
     Attributes:
         finger: Label of its finger, thumb 0 to little 4.
         body: Name of its body in the model.
-        length: m, from its joint to the next one, or to the centre of the fingertip.
-        radius: m, radius of the capsule.
+        length: Distance (m) from its joint to the next one, or to the centre of the fingertip.
+        radius: Radius of the capsule (m).
         geom: Name of the geom that collides if the whole link is solid.
         tip_geom: Name of the geom that collides if only fingertips are solid; `geom` for a link
             that is solid as a whole or not at all.
@@ -196,7 +196,7 @@ class Hand:
         impulse: Impulse limit of every servo, N s (or N m s) per 1/60 s.
         stiffness: Factor on the servo stiffnesses of the skeleton and the root.
         finger_armature: Factor on the armature of the finger joints; see `finger_armature()`.
-        solid_end: m, length of the part of a last link that collides, measured from the middle of
+        solid_end: Length of the part of a last link that collides (m), measured from the middle of
             the fingertip, where only fingertips are solid; None makes the whole link collide.
         solid_palm: The palm can collide as well; otherwise objects pass through it.
     """

@@ -38,15 +38,15 @@ GEOM_KINDS = {
 """MuJoCo's type of a geom -> its name in MJCF, and its number of sizes."""
 
 _PROBE = 1e-3
-"""m, radius of the ball with which distances are measured; the result is corrected by it."""
+"""Radius of the ball with which distances are measured (m); the result is corrected by it."""
 _FLOOR = 10.0
 """m below the object, top of the block against which its lowest point is measured."""
 _PROBE_NAME, _FLOOR_NAME = "hand sandbox probe", "hand sandbox floor"
 """Names of the ball and of the block, which no description has; many have a floor of their own."""
 _BESIDE = 0.005
-"""m beyond its own width, by which an object may lie beside its origin."""
+"""Distance (m) beyond its own width, by which an object may lie beside its origin."""
 _FAR = 100.0
-"""m, largest distance that is measured."""
+"""Largest distance that is measured (m)."""
 
 _BITS = (CONTACT_OBJECT | CONTACT_TABLE, CONTACT_HAND | CONTACT_OBJECT | CONTACT_TABLE)
 """Collision bits: what an object is, and what it lets others meet."""
@@ -69,10 +69,10 @@ class MjcfObject:
         name: Name of its body.
         mjcf: A whole description, `<mujoco>...`, or the path of a file, such as
             `Path(__file__).parent / "mug.xml"`; a relative one is from the current folder.
-        mass: kg, replaces the total mass of the description, whose distribution is kept.
+        mass: Mass (kg), which replaces the description's total mass; its distribution is kept.
         position: (3,) m, the body's origin at the start.
-        yaw: rad about the vertical at the start; the place of the body in its description does not
-            matter.
+        yaw: Yaw (rad) about the vertical at the start; the place of the body in its description
+            does not matter.
         symmetry: Rotational symmetry, the number of times it looks the same in one full turn
             about its z axis: 1 for an object with a front, 4 for a square one, 0 for a round one.
             The simulated user turns the object accordingly.
@@ -115,9 +115,9 @@ class MjcfObject:
         Args:
             name: Name of its body.
             mjcf: Its description.
-            mass: kg.
+            mass: Mass (kg).
             place: (2,) or more, m, position of its origin in the world; the height is computed.
-            yaw: rad about the vertical.
+            yaw: Yaw (rad) about the vertical.
             symmetry: See the class.
         """
         x, y = np.asarray(place, float)[:2]

@@ -24,9 +24,9 @@ class SceneObject(Protocol):
 
     Attributes:
         name: Name of its body, and of the joint that lets it move.
-        mass: kg.
+        mass: Mass (kg).
         position: (3,) m, its middle at the start.
-        yaw: rad about the vertical at the start.
+        yaw: Yaw (rad) about the vertical at the start.
     """
 
     @property
@@ -197,9 +197,9 @@ class Box:
     Attributes:
         name: Name of its body.
         half_size: (3,) m, half its edges.
-        mass: kg.
+        mass: Mass (kg).
         position: (3,) m, centre at the start.
-        yaw: rad about the vertical at the start.
+        yaw: Yaw (rad) about the vertical at the start.
         rgb: Colour, 0 to 1.
         friction: Coulomb coefficient; see `SceneSpec.own_friction`.
     """
@@ -251,10 +251,10 @@ class Cylinder:
     Attributes:
         name: Name of its body.
         radius: m.
-        half_height: m, half its height.
-        mass: kg.
+        half_height: Half its height (m).
+        mass: Mass (kg).
         position: (3,) m, centre at the start.
-        yaw: rad about the vertical at the start, which nobody sees.
+        yaw: Yaw (rad) about the vertical at the start, which is not visible.
         rgb: Colour, 0 to 1.
         friction: Coulomb coefficient; see `SceneSpec.own_friction`.
         symmetry: Number of equivalent angles in one full turn; 0: all.
@@ -329,13 +329,13 @@ class _Piece:
 THICKNESS = 0.016
 """m, for a wrench of size 1, as all lengths below."""
 HANDLE_WIDTH = 0.022
-"""m, width of the handle, on which fingers close."""
+"""Width of the handle (m), on which fingers close."""
 HANDLE = (-0.032, 0.060)
-"""m along a wrench's x axis, where the handle begins and ends."""
+"""Position (m) along a wrench's x axis, where the handle begins and ends."""
 JAW = -0.052
-"""m along a wrench's x axis, the middle of its jaws and of its bolt."""
+"""Position (m) along a wrench's x axis, the middle of its jaws and of its bolt."""
 BOLT_FLAT = 0.0075
-"""m, half the width across the flats of the bolt's head."""
+"""Half the width across the flats of the bolt's head (m)."""
 BOLT_LIFT = 0.004
 """m, height of a wrench on a bolt above the table."""
 
@@ -362,9 +362,9 @@ class Wrench:
 
     Attributes:
         name: Name of its body.
-        mass: kg.
+        mass: Mass (kg).
         position: (3,) m, middle at the start.
-        yaw: rad about the vertical at the start.
+        yaw: Yaw (rad) about the vertical at the start.
         bolt: N m of dry friction about the bolt it sits on; None for a free wrench.
         rgb: Colour, 0 to 1.
         size: Factor on all its edges, and on the width of its bolt.
@@ -574,11 +574,11 @@ def mjcf_text(values: ArrayLike) -> str:
 WOOD, DARK_WOOD = (0.80, 0.60, 0.38), (0.55, 0.37, 0.22)
 
 TRAY_DECK = (0.080, 0.060, 0.007)
-"""m, half the edges of the deck of a tray of size 1; it is wider than a hand can grasp."""
+"""Half the edges of the deck of a tray of size 1 (m); it is wider than a hand can grasp."""
 TRAY_HANDLE = (0.035, 0.015, 0.018)
 """m, half the edges of each handle; handles begin where the deck ends."""
 TRAY_GRIP = 0.120
-"""m from a tray's middle to the grip on a handle."""
+"""Distance (m) from a tray's middle to the grip on a handle."""
 
 
 @dataclass(frozen=True)
@@ -589,9 +589,9 @@ class Tray:
 
     Attributes:
         name: Name of its body.
-        mass: kg, nearly all in the deck.
+        mass: Mass (kg), nearly all in the deck.
         position: (3,) m, middle at the start.
-        yaw: rad about the vertical at the start.
+        yaw: Yaw (rad) about the vertical at the start.
         size: Factor on all its edges.
     """
 

@@ -134,17 +134,17 @@ FEWEST = 20
 """Least number of frames, or of places, by which the units of touches are judged."""
 FINGERS_APART = Bounds("the distance between two touches", 0.008, 0.35)
 LARGEST_TABLE = 1.6
-"""m, longest side of a touch table, where nothing says its size."""
+"""Longest side of a touch table (m), where nothing says its size."""
 TOUCH_STEP = Bounds("the time between two frames with touches", 0.0021, 2.0, (("time", 1),))
 _LONGEST, _SLENDEREST = 0.25, 10.0
-"""m, longest side of a contact, and the most that its longer side is of the shorter one."""
+"""Longest side of a contact (m), and the most that its longer side is of the shorter one."""
 _NARROWEST = 1.0 / _SLENDEREST
 _SMALL, _LARGE = CONTACT.least**2, _LONGEST**2 / _SLENDEREST
-"""m2, width times height of contacts that are none too small or long."""
+"""Width times height of contacts that are none too small or long (m2)."""
 USUAL_LEAST, USUAL_MOST = 0.004, 0.040
 """m, widths and heights of most contacts; any two of them are possible together."""
 _FINGERTIP = 0.035
-"""m, largest size of a fingertip."""
+"""Largest size of a fingertip (m)."""
 
 MARGIN = 0.25
 """How far beyond the surface a touch may be reported, in lengths of the surface: sensors see a
@@ -634,7 +634,7 @@ POINT_JUMPED = "points of a hand that jump farther than a hand moves"
 _FROZEN = 1.0
 """s. A hand that is held still moves in the last digits, as no device measures twice the same."""
 _CORRECTION = 0.05
-"""m by which a device may correct a place from one frame to the next."""
+"""Distance (m) by which a device may correct a place from one frame to the next."""
 
 
 class HandJumps:
@@ -644,7 +644,7 @@ class HandJumps:
     not in the frame before may be anywhere.
 
     Attributes:
-        frozen: s, longest time for which a hand did not move in any digit.
+        frozen: Longest time for which a hand did not move in any digit (s).
     """
 
     def __init__(self) -> None:

@@ -18,7 +18,8 @@ from models.objects import MechanismPart, SceneObject, WithAssets
 from models.pose import POSE_SIZE
 
 CONTROL_PERIOD = 0.016
-"""s between two commanded poses: 62.5 Hz, the rate of a tablet rounded to whole physics steps."""
+"""Time (s) between two commanded poses: 62.5 Hz, the rate of a tablet rounded to whole physics
+steps."""
 
 TABLE = "table"
 
@@ -36,7 +37,7 @@ class PaintedRing:
         name: Name of its geom.
         middle: (2,) m in the world.
         radius: m, inner radius.
-        width: m, width of the line.
+        width: Width of the line (m).
         rgb: Colour of the line, 0 to 1.
         inside: Colour inside of it.
     """

@@ -35,11 +35,11 @@ class Bone:
         finger: Label of its finger, thumb 0 .. little 4.
         anchor: (3,) m, position of the joint in the frame of its parent bone, or of the palm.
         rest: (3, 3) rotation, parent from bone, at a zero joint.
-        length: m, from the joint to the next one or to the centre of the fingertip.
-        radius: m, radius of the capsule that represents the flesh.
+        length: Distance (m) from the joint to the next one or to the centre of the fingertip.
+        radius: Radius of the capsule that represents the flesh (m).
         lower: (3,) rad, least rotation-vector components of a legal pose.
         upper: (3,) rad, greatest rotation-vector components.
-        stiffness: N m/rad of the servo.
+        stiffness: Stiffness (N m/rad) of the servo.
         armature: kg m2 added to the joint; without it links of a few grams make the servo unstable.
     """
 
@@ -62,7 +62,7 @@ class Skeleton:
     Attributes:
         name: Name that captures contain.
         bones: 14 bones, finger by finger, from the palm outwards; the order of the pose `q`.
-        palm_radius: m, thickness of the palm's capsules.
+        palm_radius: Thickness of the palm's capsules (m).
         side: `right` or `left`.
     """
 

@@ -17,17 +17,17 @@ from tasks.sensing import ObjectState, Sensing
 from tasks.task import Goal, Measure, TaskDefaults
 
 EDGE = 0.050
-"""m, edge of the box."""
+"""Edge of the box (m)."""
 BORDER = 0.042
-"""m from the surface's border to the nearest place for a box's centre, so that a fingertip has room
-beside the box on the side of the border as well."""
+"""Distance (m) from the surface's border to the nearest place for a box's centre, so that a
+fingertip has room beside the box on the side of the border as well."""
 DISTANCE = (0.050, 0.100)
-"""m from start to goal."""
+"""Distance (m) from start to goal."""
 ROOM = 0.055
-"""m, least diagonal of the area for a box's centre; in a smaller one, no goal is far enough
+"""Least diagonal of the area for a box's centre (m); in a smaller one, no goal is far enough
 away."""
 TURN = np.deg2rad(45.0)
-"""rad, largest turn from start to goal."""
+"""Largest turn from start to goal (rad)."""
 MASS = (0.050, 0.250)
 """kg."""
 

@@ -19,16 +19,17 @@ from tasks.task import Goal, Measure, TaskDefaults
 MASS = (0.300, 0.600)
 """kg."""
 DISTANCE = (0.030, 0.080)
-"""m from start to goal, seen from above."""
+"""Distance (m) from start to goal, seen from above."""
 YAW = np.deg2rad(12.0)
-"""rad, largest turn of start and goal against the surface's axes."""
+"""Largest turn of start and goal against the surface's axes (rad)."""
 RISE = (0.040, 0.060)
-"""m by which the goal is above the start."""
+"""Distance (m) by which the goal is above the start."""
 BORDER = 0.042
-"""m from the surface's border to the nearest place of a grip, for a thumb beside the handle."""
+"""Distance (m) from the surface's border to the nearest place of a grip, for a thumb beside the
+handle."""
 SEAM = 0.030
-"""m from the middle of the surface, the border between the hands, to the nearest place of a
-grip."""
+"""Distance (m) from the middle of the surface, the border between the hands, to the nearest place
+of a grip."""
 
 POSITION_TOLERANCE = 0.015
 YAW_TOLERANCE = np.deg2rad(8.0)

@@ -175,8 +175,8 @@ def two_places(
     Args:
         rng: Source of randomness.
         surface: The screen.
-        apart: m, least and greatest distance.
-        border: m from the surface's border, so that fingers have room beside an object.
+        apart: Least and greatest distance (m).
+        border: Distance (m) from the surface's border, so that fingers have room beside an object.
 
     Raises:
         SurfaceTooSmallError: The surface is too small for them.

@@ -173,7 +173,7 @@ def _check_places(task: Task, where: str) -> None:
 
 
 DEEPEST = 0.001
-"""m, largest overlap of two objects, or of an object and the table, at the start. Contacts are
+"""Largest overlap of two objects (m), or of an object and the table, at the start. Contacts are
 soft: an object at rest sinks in by some hundredths of a millimetre."""
 
 

@@ -172,7 +172,7 @@ class Sensing:
         )
 
     def _speed(self, name: str) -> float:
-        """m/s, of an object's origin."""
+        """Speed (m/s) of an object's origin."""
         body = self._carried.get(name)
         if body is None:
             return self._levers[name] * length(self._speeds[name])

@@ -34,7 +34,7 @@ EDGE = (0.040, 0.060)
 MASS = (0.050, 0.250)
 """kg."""
 YAW = float(np.deg2rad(45.0))
-"""rad, largest rotation of a box relative to the surface's axes at the start, either way."""
+"""Largest rotation of a box relative to the surface's axes at the start (rad), either way."""
 
 OFFSET_TOLERANCE = 0.35
 """Share of the smaller edge of two boxes: largest distance of their centres, seen from above."""
@@ -196,10 +196,10 @@ def too_small(name: str, surface: Surface, example_in: tuple[float, float]) -> S
 
 
 SIDE = 0.012
-"""m between the face of an unrotated box and the surface's border at the start: about a fingertip's
-breadth, for touches beside the box on that side as well."""
+"""Distance (m) between the face of an unrotated box and the surface's border at the start: about a
+fingertip's breadth, for touches beside the box on that side as well."""
 GAP = 0.030
-"""m, least distance of two boxes' centres at the start beyond half the sum of their edges, so that
+"""Least distance of two boxes' centres at the start beyond half the sum of their edges (m), so that
 fingers have room between them."""
 
 _TRIES = 20_000
@@ -277,12 +277,13 @@ def _apart(places: Array, edges: Array) -> bool:
 
 
 UPRIGHT_SIDE = 0.020
-"""m from a box's face to the surface's border, for fingers that stand open beside it."""
+"""Distance (m) from a box's face to the surface's border, for fingers that stand open beside it."""
 UPRIGHT_GAP = 0.030
-"""m between the faces of the two boxes at the start, for fingers between them."""
+"""Distance (m) between the faces of the two boxes at the start, for fingers between them."""
 HEADROOM = 0.045
-"""m by which a surface must exceed the height of the middle of the upper box on the lower one: the
-part below the table, the height at which the box is carried, and the fingers above its middle."""
+"""Distance (m) by which a surface must exceed the height of the middle of the upper box on the
+lower one: the part below the table, the height at which the box is carried, and the fingers above
+its middle."""
 
 _UPRIGHT_TRIES = 4_000
 """Number of draws after which a surface is reported as too small."""

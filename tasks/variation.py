@@ -33,15 +33,15 @@ class Variation:
         mass: Factor on their masses.
         resistance: Factor on the springs, damping and friction of a mechanism's joints.
         friction: Factor on every coefficient of sliding friction: table, objects and hands.
-        start: m by which the start of what a person is to carry is shifted, in a direction that
-            follows from the seed; see `Task.shifted`.
+        start: Distance (m) by which the start of what a person is to carry is shifted, in a
+            direction that follows from the seed; see `Task.shifted`.
         room: Factor on the room that the task leaves between its things, such as the width of a
             gate; see `Task.with_room`.
-        noise: m, standard deviation of white noise on each coordinate of every touch in every
-            frame.
+        noise: Standard deviation of white noise on each coordinate of every touch in every
+            frame (m).
         dropped: Times per second that the screen loses a touch for a moment.
         ghosts: False touches per second.
-        latency: s by which touches are delayed.
+        latency: Time (s) by which touches are delayed.
 
     Raises:
         InputError: A value is out of range.

@@ -25,9 +25,9 @@ NAME = "wrench"
 MASS = (0.060, 0.150)
 """kg."""
 END_BORDER = 0.004
-"""m from the surface's border to the nearest place for an end of the wrench."""
+"""Distance (m) from the surface's border to the nearest place for an end of the wrench."""
 SPEED_TOLERANCE = 0.010
-"""m/s of the wrench's middle, below which it counts as still."""
+"""Speed (m/s) of the wrench's middle, below which it counts as still."""
 
 _TRIES = 4_000
 """Number of draws after which a surface is reported as too small."""
@@ -41,7 +41,7 @@ class WrenchTask(TaskDefaults, ABC):
 
     Attributes:
         stream: Number of this task's random stream of a seed.
-        border: m from the surface's border to the nearest place that is drawn.
+        border: Distance (m) from the surface's border to the nearest place that is drawn.
         room: Text for errors: what a surface must have room for.
         room_in: (2,) inches of a surface that has it.
     """
@@ -249,13 +249,14 @@ BOLT_TURN = (np.deg2rad(40.0), np.deg2rad(90.0))
 FRICTION = (2.0, 2.5)
 """N m, dry friction about the bolt; 18 to 22 N at the handle's end."""
 GRIP = 0.032
-"""m along the wrench's x axis, a place near the handle's end that must stay within reach."""
+"""Position (m) along the wrench's x axis, a place near the handle's end that must stay within
+reach."""
 GRIP_BORDER = 0.034
-"""m from the surface's border to the path of that place, so that fingers have room beside the
-handle."""
+"""Distance (m) from the surface's border to the path of that place, so that fingers have room
+beside the handle."""
 
 BOLT_YAW_TOLERANCE = float(np.deg2rad(5.0))
-"""rad within which the wrench counts as turned."""
+"""Angle (rad) within which the wrench counts as turned."""
 
 TOO_FAR = float(np.deg2rad(15.0))
 """rad past the goal at which the nut is overtightened."""

@@ -14,7 +14,7 @@ LONGEST = 0.5
 _ROUNDS = 4
 """Most rounds in which joints are held."""
 _AT_END = 1e-9
-"""rad within which a joint is at the end of its range."""
+"""Angle (rad) within which a joint is at the end of its range."""
 
 
 def bounded_step(q: Array, square: Array, down: Array, lower: Array, upper: Array) -> Array:

@@ -28,7 +28,7 @@ has about 50 to 62."""
 VIEWS = (20.0, 150.0)
 """Least and greatest angle; anything else is a typing error."""
 FARTHEST = 3.0
-"""m, largest coordinate of a camera's place."""
+"""Largest coordinate of a camera's place (m)."""
 
 _FACING = np.array([[-1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, -1.0, 0.0]])
 """Axes of a camera that faces the person, as rows in the world."""

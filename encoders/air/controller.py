@@ -24,9 +24,9 @@ _AXIS = radians(52.0)
 """rad in the palm's plane, from x: from the thumb's tip to the fingers', as the resting thumb of
 `models.skeleton` faces."""
 _PITCH = 0.019
-"""m between the tips of index and middle finger."""
+"""Distance (m) between the tips of index and middle finger."""
 _OPEN, _CLOSED = 0.085, 0.010
-"""m between the centres of the tips of thumb and fingers."""
+"""Distance (m) between the centres of the tips of thumb and fingers."""
 _BENT = JointFitSettings(free=25.0, steps=40)
 """Joints stay near the middle of their ranges, where the tips leave them free."""
 _GRIP = {

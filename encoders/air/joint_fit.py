@@ -116,10 +116,10 @@ class JointFitSettings:
     """Weights of the fit, and its largest number of steps.
 
     Attributes:
-        twist: degrees, standard deviation of a finger's first bone about its axis.
-        play: degrees, of twist and sideways play of its other joints.
-        thumb: degrees, of the thumb's joints about their middle.
-        free: degrees, of what the joints' positions tell well by themselves.
+        twist: Standard deviation of a finger's first bone about its axis (degrees).
+        play: Standard deviation of twist and sideways play of its other joints (degrees).
+        thumb: Standard deviation of the thumb's joints about their middle (degrees).
+        free: Standard deviation of angles that the joints' positions determine well (degrees).
         steps: Largest number of Gauss-Newton steps.
     """
 
@@ -135,7 +135,7 @@ class JointsFitted(NamedTuple):
 
     Attributes:
         pose: (48,) in the frame of the points.
-        error: m, root mean square of the tips' distances from the seen ones.
+        error: Root mean square of the tips' distances from the seen ones (m).
     """
 
     pose: Array

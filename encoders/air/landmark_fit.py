@@ -95,7 +95,7 @@ class HandPoints:
 
 _PALM = list(PALM)
 NEAREST = 0.05
-"""m, least distance of a guessed hand from the lens."""
+"""Least distance of a guessed hand from the lens (m)."""
 
 
 def first_guess(palm: Array, rays: Array, world: Array) -> Array:
@@ -170,27 +170,29 @@ class FitSettings:
     """Weights of the fit, as standard deviations.
 
     Attributes:
-        picture: m at the hand's distance, of a landmark in the picture.
-        loose: m, of the landmarks of the wrist and of the thumb's root, whose place in the hand the
-            engine takes otherwise than our skeleton.
-        depth: m, of the engine's guess how much farther than the hand's middle a landmark is.
-        outlier: Factor on `picture`, beyond which a landmark begins to count less.
-        twist, aside: degrees, of a finger's first bone about its axis and to its side.
-        play: degrees, of twist and sideways play of the other joints.
-        bend: degrees, of flexion about what is usual.
-        usual: degrees of flexion that is usual at a finger's first and middle joint.
-        thumb: degrees, of the thumb's joints about their middle, while all joints are fitted.
-        thumb_bend: degrees, of their flexion once the rest of the hand is fitted and keeps still.
-            A pinch bends them to the ends of their ranges; a thumb so free in the first fit would
-            turn the palm, since the engine's landmarks of it are poor.
-        follow: degrees, of the last joint's flexion about the one that follows from the middle one.
-        neighbour: degrees, between the flexions of neighbouring fingers.
-        coupling: Flexion of the last joint by that of the middle one.
-        linear, toward, angular: m/s of the wrist across and along the camera's axis, and rad/s of
-            wrist and joints: what changes between two pictures are expected to be like.
+        picture: Spread of a landmark in the picture (m, at the hand's distance).
+        loose: Spread of the landmarks of the wrist and of the thumb's root (m), which the engine
+            places differently in the hand than our skeleton.
+        depth: Spread of the engine's depth of a landmark relative to the hand's middle (m).
+        outlier: Factor on `picture` beyond which a landmark begins to count less.
+        twist, aside: Spread of a finger's first bone about its axis and to its side (degrees).
+        play: Spread of twist and sideways play of the other joints (degrees).
+        bend: Spread of flexion about the usual flexion (degrees).
+        usual: Usual flexion (degrees) at a finger's first and middle joint.
+        thumb: Spread of the thumb's joints about their middle, while all joints are fitted
+        (degrees).
+        thumb_bend: Spread of the flexion of the thumb's joints (degrees), once the rest of the hand
+            is fitted and fixed. A pinch bends them to the ends of their ranges. With so much
+            freedom in the first fit, the thumb would turn the palm, since its landmarks are poor.
+        follow: Spread of the last joint's flexion about that given by the middle joint's
+            (degrees).
+        neighbour: Spread of the difference between the flexions of neighbouring fingers (degrees).
+        coupling: Flexion of the last joint, divided by that of the middle joint.
+        linear, toward, angular: Spreads of speeds between two pictures: of the wrist across and
+            along the camera's axis (m/s), and of the rotations of wrist and joints (rad/s).
         steps, first_steps: Gauss-Newton steps of a picture after another, and of a first one.
         thumb_steps: Steps of the thumb after them.
-        doubt: m of a picture's error beyond which the fit begins again from the first guess, and
+        doubt: Error (m) of a picture beyond which the fit begins again from the first guess, and
             keeps the better of both.
     """
 
@@ -222,7 +224,7 @@ class Fit(NamedTuple):
 
     Attributes:
         pose: (48,) of a right hand in the camera's frame.
-        error: m, root mean square over the landmarks of how far beside its landmark a point is, at
+        error: Root mean square over the landmarks of how far beside its landmark a point is (m), at
             the hand's distance.
     """
 
@@ -270,7 +272,7 @@ class LandmarkFit:
         Args:
             rays: (21, 2) x/z and y/z of the landmarks in the camera's frame.
             world: (21, 3) m, the engine's guess in space, in the camera's axes.
-            dt: s since the picture before; without meaning for the first.
+            dt: Time (s) since the picture before; without meaning for the first.
         """
         s = self.settings
         depth = self._depth(rays, world)
@@ -374,13 +376,13 @@ class LandmarkFit:
 
 
 _LEAST_TIME = 0.001
-"""s, least time between two pictures."""
+"""Least time between two pictures (s)."""
 _BETTER = 0.8
 """Share of the error below which a new beginning is better than the picture before."""
 _LEAST_PALM, _SCALES = 0.01, (0.5, 2.0)
 """m and factors that bound the size of the engine's palm."""
 _NEAREST = 0.03
-"""m, least distance of a point from the lens."""
+"""Least distance of a point from the lens (m)."""
 _DAMPING = 1e-3
 _STILL = 1e-5
 """m or rad of a step that ends the search."""
@@ -432,7 +434,7 @@ def _prior(skeleton: Skeleton, s: FitSettings) -> tuple[Array, Array]:
 
 
 def _flexion(skeleton: Skeleton, bone: int) -> float:
-    """rad by which a joint is bent at rest."""
+    """Angle (rad) by which a joint is bent at rest."""
     return -float(log(skeleton.bones[bone].rest)[0])
 
 
@@ -469,5 +471,5 @@ def _turn_to_ray(rays: Array) -> Array:
 
 
 def _spread(points: Array) -> float:
-    """m, root mean square distance of points (n, 3) from their mean."""
+    """Root mean square distance (m) of points (n, 3) m from their mean."""
     return sqrt(float(squared_lengths(points - points.mean(axis=0)).mean()))

@@ -22,7 +22,7 @@ from models.skeleton import ADULT
 from models.surface import Surface
 
 _FORGET = 0.5
-"""s without a picture of the hand after which the next one is solved from the beginning."""
+"""Time (s) without a picture of the hand after which the next one is solved from the beginning."""
 
 WITHOUT = "pictures without the hand"
 """Count of a reconstructor."""

@@ -34,7 +34,7 @@ LEVEL = 0.05
 RULES = ("f_test", "t_test", "clustered")
 
 _STILL = 1e-9
-"""rad or m, spread of predictions below which a slope is not meaningful."""
+"""Spread of predictions below which a slope is not meaningful (rad or m)."""
 
 
 @dataclass(frozen=True)

@@ -21,7 +21,7 @@ from models.rotations import geodesic_angle
 from models.skeleton import ADULT
 
 LIMIT_TOLERANCE = 1e-6
-"""rad, tolerance at the end of a joint's range for rounding in single precision."""
+"""Tolerance at the end of a joint's range for rounding in single precision (rad)."""
 
 _KINEMATICS = Kinematics(ADULT)
 

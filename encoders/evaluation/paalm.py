@@ -125,7 +125,7 @@ class Plausibility:
         backward: Share whose knuckle is at its backward limit.
         claws: Share that are claws.
         at_limit: Share with another joint at a limit other than straight.
-        tips: m, 95th percentile of the distance from the pose's fingertip, of an average hand, to
+        tips: 95th percentile of the distance from the pose's fingertip (m), of an average hand, to
             where the device saw it.
         remark: Why an average hand stood in for the recorded one; empty if it did not.
     """

@@ -48,7 +48,7 @@ CANDIDATES: dict[str, Callable[[], Encoder]] = {
 terms were tried during design without a lasting gain (docs/encoding.md)."""
 
 POSTURE_TAU = 0.05
-"""s, time constant of the estimate's posture filter, which is its delay for a change of posture. A
+"""Time constant of the estimate's posture filter (s), which is its delay for a change of posture. A
 hand that moves or turns with its touches has no delay."""
 
 
@@ -62,7 +62,7 @@ class PersonEstimate:
 
     Attributes:
         model: Trained encoder and correction.
-        tau: s, time constant of the posture filter; 0 switches it off.
+        tau: Time constant of the posture filter (s); 0 switches it off.
     """
 
     model: TrainedModel

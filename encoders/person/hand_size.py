@@ -227,9 +227,9 @@ def builtin_sizes() -> HandSizes:
 
 
 REST = 0.5
-"""s that all five fingers must rest."""
+"""Time (s) for which all five fingers must rest."""
 STILL = 0.004
-"""m, largest movement of a resting finger from its first position."""
+"""Largest movement of a resting finger from its first position (m)."""
 
 
 class SpreadCollector:

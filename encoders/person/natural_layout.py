@@ -259,11 +259,12 @@ class YawWarningSettings:
     """Settings of the yaw warning.
 
     Attributes:
-        outside: rad beyond the range from which on a hand counts as outside.
-        inside: rad beyond the range below which it counts as back inside.
-        lasting: s that it must be outside before the warning starts, and inside before it ends.
-        apart: s, least time between the beginnings of two warnings.
-        every: s between two looks at a hand, which need not be at every control step.
+        outside: Angle (rad) beyond the range above which a hand counts as outside.
+        inside: Angle (rad) beyond the range below which a hand counts as inside again.
+        lasting: Time (s) for which a hand must be outside before the warning starts, and inside
+            before it ends.
+        apart: Least time between the beginnings of two warnings (s).
+        every: Time (s) between two looks at a hand, which need not be at every control step.
     """
 
     outside: float = float(np.deg2rad(15.0))

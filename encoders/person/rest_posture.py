@@ -53,7 +53,8 @@ LEAST_FINGERS = 2
 """A single touch has no layout, from which an encoder could predict a pose."""
 
 SLACK = 0.35
-"""rad, by which a seen joint may be outside our hand's range: other hands have other zeros."""
+"""Angle (rad) by which a seen joint may be outside our hand's range: other hands have other
+zeros."""
 
 FAR = 0.05
 """m at the trained hand's size, greatest distance of a fingertip of our hand in a seen pose from
@@ -312,15 +313,15 @@ _LEAST = 1e-9
 
 
 SECONDS = 1.0
-"""s that a hand is held still."""
+"""Time (s) for which a hand is held still."""
 STILL = 0.012
-"""m from its median place within which every fingertip stays. Landmarks of a still hand shake a
-fingertip by some millimetres."""
+"""Distance (m) from its median place within which every fingertip stays. Landmarks of a still hand
+shake a fingertip by some millimetres."""
 LEVEL = 0.030
-"""m from their median height within which the fingertips of a resting hand are, so that all of them
-may touch. Thumbs lie lower than fingers stand, and a device errs by a centimetre."""
+"""Distance (m) from their median height within which the fingertips of a resting hand are, so that
+all of them may touch. Thumbs lie lower than fingers stand, and a device errs by a centimetre."""
 MOVED = 0.040
-"""m by which a hand moves between two samples."""
+"""Distance (m) by which a hand moves between two samples."""
 
 
 class SeenRest:

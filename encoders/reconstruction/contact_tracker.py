@@ -57,13 +57,13 @@ _CERTAIN = 8.0
 """Log-odds by size that no place changes."""
 
 _LARGE = 0.020
-"""m, least width or height that makes a finger that is certain looked at again; saves time."""
+"""Least width or height that makes a finger that is certain looked at again (m); saves time."""
 
 _ROUNDING = 1e-9
 """s; times are sums of control periods."""
 
 _GRID = 0.01
-"""s between the times at which courses are known."""
+"""Time (s) between the times at which courses are known."""
 
 _LONGEST = 0.4
 """s of the slowest growth of a palm."""
@@ -75,7 +75,7 @@ _OUTLIER = 9.0
 """Largest squared deviation of a report, in squared deviations of the noise, that counts."""
 
 _MEMORY = 0.5
-"""s after which a report counts 1/e, so that a finger may become a palm later."""
+"""Time (s) after which a report counts 1/e, so that a finger may become a palm later."""
 
 _REPEATED = 0.5
 """Weight of a report that is equal to the last one: the contact does not grow, but the noise is
@@ -157,7 +157,7 @@ class PalmJudge:
         """Judges the contacts of the next frame.
 
         Args:
-            time: s, session time, which never runs backwards.
+            time: Session time (s), which never runs backwards.
             contacts: All contacts that are down.
         """
         down = {c.id: c for c in contacts}
@@ -253,7 +253,7 @@ class SizeCourse:
     """The reports of one contact's size so far.
 
     Args:
-        began: s, time of touch-down.
+        began: Time of touch-down (s).
 
     Attributes:
         began: As given.
@@ -335,8 +335,8 @@ PALM = "palm"
 
 
 JOINING = 0.2
-"""s after which a finger with an extent may join a hand that is down. Before, a palm that begins to
-grow slowly looks like a finger, and would push at once."""
+"""Time (s) after which a finger with an extent may join a hand that is down. Before, a palm that
+begins to grow slowly looks like a finger, and would push at once."""
 
 
 @dataclass(frozen=True)
@@ -344,13 +344,13 @@ class TrackerSettings:
     """Settings of the contact tracker.
 
     Attributes:
-        grace: s that a lost contact is kept.
-        cancelled_grace: s that a cancelled contact is kept.
-        inherit: m, largest distance from a lost contact at which a new id inherits it.
+        grace: Time (s) for which a lost contact is kept.
+        cancelled_grace: Time (s) for which a cancelled contact is kept.
+        inherit: Largest distance from a lost contact at which a new id inherits it (m).
         low_pass: s, time constant of the smoothing of positions.
         blob: m, least contact diameter of a palm where only the diameter is known; smaller contacts
             are fingers.
-        span: m, largest distance between two fingers of one hand.
+        span: Largest distance between two fingers of one hand (m).
     """
 
     grace: float = 0.15
@@ -369,12 +369,12 @@ class Track:
         id: Our id; it stays the same when the device gives the finger a new id.
         device_id: The device's id at present.
         place: (x, y) m, smoothed position on the surface.
-        born: s, time when it came down.
+        born: Time when it came down (s).
         lost_at: s, time when the device lost it; None while it touches.
-        grace: s that it is kept once lost.
+        grace: Time (s) for which it is kept once lost.
         device_label: Finger according to the device, if it knows.
         unsure: True while it may still turn out to be a palm; it must get no label until then.
-        joins: s, time from which on it may join a hand that is down.
+        joins: Time from which on it may join a hand that is down (s).
     """
 
     id: int

@@ -24,7 +24,7 @@ from models.surface import Surface
 _ALL = frozenset(range(len(FINGERS)))
 
 UNSEEN_NOTICE = 1.0
-"""s that a hand is an unseen ghost before the person gets a notice."""
+"""Time (s) for which a hand is an unseen ghost before the person gets a notice."""
 
 
 @dataclass(frozen=True)
@@ -33,14 +33,14 @@ class FollowingSettings:
 
     Attributes:
         rate: Speed limits of the commanded pose.
-        smoothing: s, time constant of position and rotation of the palm; 0 switches it off.
+        smoothing: Time constant of position and rotation of the palm (s); 0 switches it off.
         joint_smoothing: s, time constant of the joints; 0 switches it off.
-        patience: s that a lost hand keeps its pose and stays solid: devices lose hands for moments,
-            and a held box should not fall each time.
-        rise, rise_speed: m by which, and m/s at which, a hand that stays lost rises as a ghost, so
-            that it does not hide objects.
-        near: m from its place within which a returned hand may be solid again.
-        floor: m, least world height of a commanded fingertip; the whole hand is raised. People do
+        patience: Time (s) for which a lost hand keeps its pose and stays solid: devices lose hands
+            for moments, and a held box should not fall each time.
+        rise, rise_speed: Height (m) by which, and speed (m/s) at which, a lost hand rises as a
+            ghost, so that it does not hide objects.
+        near: Distance (m) from its place within which a returned hand may be solid again.
+        floor: Least world height of a commanded fingertip (m); the whole hand is raised. People do
             not feel the table, and a hand pushed into it would crush a held object. Without a
             table: -inf.
     """
@@ -64,7 +64,7 @@ class FollowedHand:
         start: (48,) pose in the world before the hand is seen first.
 
     Attributes:
-        unseen: s since the hand was seen last; infinite before the first time.
+        unseen: Time (s) since the hand was seen last; infinite before the first time.
     """
 
     def __init__(self, skeleton: Skeleton, settings: FollowingSettings, start: Array) -> None:
@@ -125,7 +125,7 @@ class FollowedHand:
         """The result of a control step.
 
         Args:
-            error: m by which the reconstruction misses what was seen.
+            error: Distance (m) by which the reconstruction misses what was seen.
         """
         phase = Phase.DOWN if self._here else Phase.AWAY
         if not self._here and self.unseen == 0.0:
@@ -191,7 +191,7 @@ class AirReconstructor:
         return self._hand.notice(self.side)
 
     def _elapsed(self, time: float) -> float:
-        """s since the step before; 0 at the first one, and where time runs backwards."""
+        """Time (s) since the step before; 0 at the first one, and where time runs backwards."""
         dt = 0.0 if self._time is None else max(time - self._time, 0.0)
         self._time = time if self._time is None else max(time, self._time)
         return dt

@@ -32,7 +32,7 @@ from models.pose import ROOT_ROTATION
 from models.rotations import turned_about_normal, unwrapped
 
 _LEAST_TURN = 1e-12
-"""rad, below which a hand has not turned."""
+"""Angle (rad) below which a hand has not turned."""
 
 
 class Motion(NamedTuple):
@@ -93,7 +93,7 @@ class PoseFilter:
     before the fingertip correction, which makes the tips exact again.
 
     Args:
-        tau: s, time constant; 0 lets everything pass. The delay it adds to a change of posture is
+        tau: Time constant (s); 0 lets everything pass. The delay it adds to a change of posture is
             tau; to a change of place, none.
     """
 
@@ -118,9 +118,9 @@ class PoseFilter:
         Args:
             q: (48,) encoder's pose in the 3-D surface frame.
             carried: m, motion of the touches since the last step, on the surface (y down).
-            dt: s since the last step.
+            dt: Time (s) since the last step.
             turn: rad, of the touches since the last step, counterclockwise on the screen.
-            about: m, middle of the touches before it, on the surface.
+            about: Middle of the touches before it (m), on the surface.
         """
         q = np.array(q, float)
         if self._state is None or self.tau <= 0:
@@ -144,7 +144,7 @@ class PoseFilter:
 
 
 _EARLY = 1e-9
-"""s, by which a control step may be early: times are sums of periods."""
+"""Time (s) by which a control step may be early: times are sums of periods."""
 
 _Places = Mapping[int, tuple[float, float]]
 """(x, y) m on the surface by contact."""
@@ -168,16 +168,16 @@ class ArrivalSettings:
     """Settings of arrival and departure.
 
     Attributes:
-        hover: m above its place at which the hand waits; 0 switches these rules off.
-        settle: s for which the set of contacts must be unchanged before fingers are named.
-        dwell: s for which the touches must rest before the hand comes down.
-        rest: m/s below which touches count as resting. They also rest while each stays, for `dwell`
-            s, within as far as it comes at this speed: noise of a screen is quick from step to
-            step, and goes nowhere.
-        patience: s after which the hand comes down although the touches do not rest.
+        hover: Height (m) above its place at which the hand waits; 0 switches these rules off.
+        settle: Time (s) for which the set of contacts must be unchanged before fingers are named.
+        dwell: Time (s) for which the touches must rest before the hand comes down.
+        rest: Speed (m/s) below which touches count as resting. They also rest while each stays, for
+            `dwell` s, within as far as it comes at this speed: noise of a screen is quick from step
+            to step, and goes nowhere.
+        patience: Time (s) after which the hand comes down although the touches do not rest.
         place: m, how near to its place the hand must be to come down.
-        down: m/s of the hand on its way down.
-        up: m/s of the hand on its way up.
+        down: Speed (m/s) of the hand on its way down.
+        up: Speed (m/s) of the hand on its way up.
     """
 
     hover: float = 0.09
@@ -217,12 +217,12 @@ class Arrival:
         """Advances by one time step.
 
         Args:
-            dt: s, length of the step.
+            dt: Length of the step (s).
             touched: True if there is a contact; for a hand that is down, one whose finger is known.
             named: True if the fingers of all contacts are known. A contact that comes while the
                 hand is down may be unlabelled for a while without lifting the hand.
-            speed: m/s of the fastest contact.
-            off: m, distance of the hand from its place, seen along the surface's normal.
+            speed: Speed (m/s) of the fastest contact.
+            off: Distance of the hand from its place (m), seen along the surface's normal.
             moved: m, farthest that a contact is from where it was `dwell` s ago; infinite where
                 none is known that long.
         """
@@ -295,8 +295,8 @@ class LiftSettings:
     """Settings of the lift control.
 
     Attributes:
-        reach: m by which the hand rises at control 1; 0 for hands that are not lifted.
-        tau: s, time constant of the low pass.
+        reach: Distance (m) by which the hand rises at control 1; 0 for hands that are not lifted.
+        tau: Time constant of the low pass (s).
         speed: m/s, maximum speed.
     """
 
@@ -309,7 +309,7 @@ class Lift:
     """Computes the height of a hand from the lift control, step by step.
 
     Attributes:
-        height: m along the surface's normal.
+        height: Position (m) along the surface's normal.
     """
 
     def __init__(self, settings: LiftSettings) -> None:
@@ -327,7 +327,7 @@ class Lift:
         Args:
             control: 0 to 1; None counts as 0, so that devices without a lift control keep the hand
                 down.
-            dt: s, length of the step.
+            dt: Length of the step (s).
         """
         s = self.settings
         wanted = s.reach * (control or 0.0)
@@ -343,8 +343,8 @@ class RateLimit:
     """Speed limits of a commanded pose, a safety net against jumps of the input.
 
     Attributes:
-        linear: m/s of the root.
-        angular: rad/s of the root and of every ball joint.
+        linear: Speed (m/s) of the root.
+        angular: Speed (rad/s) of the root and of every ball joint.
     """
 
     linear: float = 1.0

@@ -31,11 +31,12 @@ class Reconstruction:
         fingers: Labels of the fingers that touch.
         u: (15,) contact vector, or None without a labelled contact.
         probability: Probability of the labels, 0 to 1.
-        tip_error: m, largest distance between a corrected fingertip and its touch, or the place
+        tip_error: Largest distance between a corrected fingertip and its touch (m), or the place
             beside it that it was led to.
         see: Returns `contacts`; they are of this moment, whenever they are looked at.
         touches: (x, y) m on the surface, smoothed, by the label of the touching finger.
-        tip_height: m over the surface, where touching fingertips are once the hand is down.
+        tip_height: Height (m) over the surface, where touching fingertips are once the hand is
+        down.
     """
 
     q: Array

@@ -41,8 +41,8 @@ from models.skeleton import Skeleton
 from models.surface import METRES_PER_INCH, Surface
 
 TURN_LENGTH = 0.08
-"""m, from wrist to knuckles: converts an error of the hand's rotation (rad) to an error of
-position."""
+"""Distance (m) from wrist to knuckles: converts an error of the hand's rotation (rad) to an error
+of position."""
 
 _LOW = (Phase.COMING_DOWN, Phase.DOWN)
 
@@ -62,7 +62,7 @@ class ReconstructorSettings:
         arrival: Arrival and departure of the hand.
         lift: Effect of the lift control.
         correction: Correction of fingertips to touches; None switches it off.
-        posture_tau: s, time constant of the posture filter; 0 switches it off.
+        posture_tau: Time constant of the posture filter (s); 0 switches it off.
         encode: False uses the mean training pose instead of the encoder's (an ablation).
         rate: Speed limits of the commanded pose while the hand comes down or is down. A hand that
             is up, where nothing is in its way, moves at least as fast as `RateLimit()` allows, so

@@ -29,12 +29,12 @@ from models.rotations import exp
 from models.skeleton import Bone, Skeleton
 
 KNUCKLE_SPREAD = 0.010
-"""m, assumed standard deviation of people's knuckles about those of the known skeleton."""
+"""Assumed standard deviation of people's knuckles about those of the known skeleton (m)."""
 LENGTH_SPREAD = 0.10
 """Share, assumed standard deviation of people's bone lengths. A few takes with a finger on the
 surface outweigh both assumptions."""
 _MISFIT = 0.004
-"""m, assumed standard deviation of a touch about its fingertip: pads roll, and joint angles are
+"""Assumed standard deviation of a touch about its fingertip (m): pads roll, and joint angles are
 measured with errors."""
 _INDEPENDENT = 200
 """Maximum number of touches of one finger that count as independent; the frames of a take are
@@ -82,7 +82,7 @@ def perturbed_skeleton(
         skeleton: Skeleton to change.
         rng: Source of randomness.
         length: Standard deviation of the change of a bone's length, as a share of it.
-        knuckle: m, standard deviation of every coordinate of a knuckle.
+        knuckle: Standard deviation of every coordinate of a knuckle (m).
     """
     bones = list(skeleton.bones)
     for finger in range(len(FINGERS)):

@@ -73,7 +73,7 @@ _CHUNK = 256
 """Number of rows solved together; their Jacobians (1.5 MB) stay in the processor's cache."""
 
 _LARGEST_TURN = 0.5
-"""rad, largest rotation of a joint in one step; a longer step is scaled down. The Jacobian is not
+"""Largest rotation of a joint in one step (rad); a longer step is scaled down. The Jacobian is not
 valid beyond it, and weakly damped steps would make the hand tumble."""
 
 
@@ -150,7 +150,7 @@ class PcaIkEncoder(Encoder):
         components: Number of components; None uses 3 k - 3 for k contacts.
         settled: m and rad; a row stops after a step that changes no number by more. 0 always takes
             all steps.
-        pad_height: m, centre of a touching fingertip above the surface; None estimates it.
+        pad_height: Centre of a touching fingertip above the surface (m); None estimates it.
 
     Attributes:
         components_: (48, n) principal directions of the training poses, in order of variance;
@@ -159,9 +159,9 @@ class PcaIkEncoder(Encoder):
         mean_: (48,) mean training pose.
         pad_height_: m, the given value or the median over the touching fingertips of the training
             poses.
-        tip_misfit_: m, root mean square per coordinate of the offsets between the touching
-            fingertips of the training poses and their targets, caused by noise, rolling fingertips
-            and errors of the skeleton's bones.
+        tip_misfit_: Root mean square per coordinate of the offsets between the touching
+            fingertips of the training poses and their targets (m), caused by noise, rolling
+            fingertips and errors of the skeleton's bones.
     """
 
     def __init__(

@@ -39,7 +39,7 @@ RIDGES = (1e-4, 3e-4, 1e-3, 3e-3, 1e-2, 3e-2, 1e-1, 3e-1, 1.0, 3.0)
 """Candidate penalties for validation."""
 
 _SAME_POSE = 1e-3
-"""m or rad, largest change of a pose that storing an encoder may cause."""
+"""Largest change of a pose that storing an encoder may cause (m or rad)."""
 
 _TRIED = 100
 """Number of frames on which a restored encoder is tested."""

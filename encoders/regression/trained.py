@@ -82,7 +82,7 @@ _STEPS = 3
 """Number of Gauss-Newton steps, after which tips are as exact as the touches' variance requires."""
 
 _LIFTED_VARIANCE = 1e6
-"""m2, variance of fingertips that do not touch, whose position is unknown."""
+"""Variance of fingertips that do not touch (m2), whose position is unknown."""
 
 
 @dataclass(frozen=True)

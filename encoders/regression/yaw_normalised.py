@@ -40,7 +40,7 @@ from models.rotations import exp, log, turn_about_normal, turned_about_normal
 from models.surface import METRES_PER_INCH
 
 SPREADS = (0.25, 0.15)
-"""rad, standard deviation of the simulated yaw error in each round of training: about that of the
+"""Standard deviation of the simulated yaw error in each round of training (rad): about that of the
 previous round on unseen trials (0.22 and 0.18 rad root mean square, five folds of the built-in
 capture)."""
 

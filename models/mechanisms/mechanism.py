@@ -69,7 +69,7 @@ class Mechanism:
         mjcf: A whole description, `<mujoco>...`, or the path of a file, such as
             `Path(__file__).parent / "desk.xml"`. A relative path starts at the current folder.
         position: (3,) m, origin of the first body.
-        yaw: rad about the vertical, of the first body.
+        yaw: Yaw (rad) about the vertical, of the first body.
         start: Name of a body in the description -> value (rad or m) at which its joint starts.
             Other joints start as described.
         size: Factor on all lengths.

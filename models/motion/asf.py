@@ -360,7 +360,7 @@ class AmcWriter(MotionWriter):
     Args:
         path: Path of either file; the other has the same name with the other ending.
         armature: The hand.
-        rate: Hz of the keys.
+        rate: Rate (Hz) of the keys.
     """
 
     def __init__(self, path: Path, armature: Armature, rate: float) -> None:

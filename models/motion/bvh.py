@@ -301,7 +301,7 @@ class BvhWriter(MotionWriter):
     Args:
         path: Path of the file.
         armature: The hand.
-        rate: Hz of the keys.
+        rate: Rate (Hz) of the keys.
         order: Euler order of every joint.
     """
 

@@ -36,7 +36,7 @@ class C3dWriter(MotionWriter):
     Args:
         path: Path of the file.
         points: The points to write.
-        rate: Hz of the keys.
+        rate: Rate (Hz) of the keys.
     """
 
     def __init__(self, path: Path, points: HandPoints, rate: float) -> None:

@@ -15,7 +15,7 @@ POLE = 1e-7
 """Cosine of the middle angle below which the outer two cannot be told apart."""
 
 ZONE = np.deg2rad(75.0)
-"""rad, middle angle beyond which a joint may change from one family to the other."""
+"""Middle angle beyond which a joint may change from one family to the other (rad)."""
 
 TURN = 2.0 * np.pi
 
@@ -51,7 +51,7 @@ class ContinuousEuler:
         order: Such as `ZXY`.
 
     Attributes:
-        biggest_step: rad, largest change of any angle from one moment to the next.
+        biggest_step: Largest change of any angle from one moment to the next (rad).
         biggest_at: The later of these two moments, counted from 0, and the joint.
     """
 

@@ -34,7 +34,7 @@ class GltfWriter(MotionWriter):
     Args:
         path: Path of the file.
         armatures: The hands.
-        rate: Hz of the keys.
+        rate: Rate (Hz) of the keys.
         names: Names of the hands; by default their sides. In a file of several hands they also
             precede the names of the joints: programs that animate by name need each name once.
     """

@@ -33,7 +33,7 @@ class Motion:
         shifts: (T, J, 3) m, position of every joint in its parent's frame.
         rotations: (T, J, 3, 3), parent from joint.
         ends: (J, 3) m, end of a joint's bone in the joint's frame; NaN where there is none.
-        frame_time: s, duration of one frame.
+        frame_time: Duration of one frame (s).
         numbers: (T,) number of each frame from 0, increasing, where the recorder left frames out;
             None if it left out none.
         report: What the reader of the file left out and assumed.

@@ -72,7 +72,7 @@ class PointsCsvWriter(MotionWriter):
     Args:
         path: Path of the file.
         points: The points to write.
-        rate: Hz of the keys.
+        rate: Rate (Hz) of the keys.
     """
 
     def __init__(self, path: Path, points: HandPoints, rate: float) -> None:

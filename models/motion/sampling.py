@@ -43,7 +43,7 @@ class Sampler:
 
     Args:
         armatures: The hands.
-        rate: Hz of the keys.
+        rate: Rate (Hz) of the keys.
     """
 
     def __init__(self, armatures: tuple[Armature, ...], rate: float) -> None:

@@ -246,7 +246,7 @@ class VWriter(MotionWriter):
     Args:
         path: Path of either file; the other has the same name with the other ending.
         armature: The hand.
-        rate: Hz of the keys.
+        rate: Rate (Hz) of the keys.
         subject: Prefix of the labels.
     """
 

@@ -24,7 +24,7 @@ Law = tuple[float, ...]
 """Coefficients of a polynomial in the angle of another joint, from the constant one on."""
 
 NARROW = 0.01
-"""m or rad, width of a tendon's range below which its two joints are coupled."""
+"""Width of a tendon's range below which its two joints are coupled (m or rad)."""
 
 _EQUAL = mujoco.mjtEq
 _FIELDS = {

@@ -32,7 +32,7 @@ from models.single_pose import SinglePose
 from models.skeleton import ADULT, Skeleton
 
 SLICE = 0.006
-"""m, length of the part of a link that counts as its end."""
+"""Length of the part of a link that counts as its end (m)."""
 
 
 class TipEnd(NamedTuple):
@@ -40,7 +40,7 @@ class TipEnd(NamedTuple):
 
     Attributes:
         place: (3,) m, its middle in the frame of the link's body.
-        radius: m, half of its least width.
+        radius: Half of its least width (m).
     """
 
     place: tuple[float, float, float]
@@ -108,7 +108,7 @@ STRAIGHT, BENT = 0.1, 0.7
 NEARER = 0.03
 """Share of its distance by which a thumb's tip must be nearer to a finger's to lie on its side."""
 LEAST_WAY = 1e-6
-"""m, below which a direction has none."""
+"""Length (m) below which a vector has no direction."""
 
 
 def volume(knuckles: Array, straight: Array, bent: Array) -> float:
@@ -223,7 +223,7 @@ class MappingFit:
     Attributes:
         mapping: The mapping.
         errors: (poses, n) m, distance of each fingertip from the person's, the palm held.
-        shape: m, root mean square distance of knuckles and fingertips of the hands, laid over each
+        shape: Root mean square distance of knuckles and fingertips of the hands (m), laid over each
             other and bent alike.
         mirrored: m, the same for the person's other hand.
         side: Difference between the volumes of both hands (`models.robot.mapping_fit`); NaN without
@@ -315,7 +315,7 @@ class _Laid(NamedTuple):
     Attributes:
         turn: (4,) quaternion, person from robot.
         offset: (3,) m, origin of the robot's palm in the person's.
-        error: m, root mean square distance of knuckles and fingertips.
+        error: Root mean square distance of knuckles and fingertips (m).
     """
 
     turn: Array

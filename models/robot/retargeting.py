@@ -49,17 +49,17 @@ HOMING = 0.15
 """Share of the way to the middle of its range, or to the palm's place, that a joint goes in a
 step as far as fingertips allow it."""
 LONGEST_STEP = 0.35
-"""rad or m, largest change of a joint in a step: the derivative is good within it."""
+"""Largest change of a joint in a step (rad or m): the derivative is good within it."""
 STEPS, FIRST_STEPS = 6, 60
 """Steps for the next pose of a movement, and for a pose from nowhere."""
 CLOSE = 5e-5
-"""m, distance of fingertips that touch from their places at which no more steps are needed."""
+"""Distance of fingertips that touch from their places at which no more steps are needed (m)."""
 REACHED = 0.005
-"""m from its touch, within which a fingertip counts as there."""
+"""Distance (m) from its touch, within which a fingertip counts as there."""
 _GRID = 2000
 """Parts into which a joint's range is divided to find where a curve is within another range."""
 _ROUNDING = 1e-6
-"""rad, by which a follower may leave its range: models round their numbers."""
+"""Angle (rad) by which a follower may leave its range: models round their numbers."""
 _PASSES = 3
 """Times that joints at their limits are left out and the step is solved again."""
 

@@ -33,7 +33,8 @@ from models.single_pose import SinglePose
 from models.skeleton import ADULT, Skeleton
 
 STIFFNESS = 4.0
-"""N m/rad, of the servo of a finger's joint, at servo stiffness 1: our fingers have 1.5 to 8."""
+"""Stiffness (N m/rad) of the servo of a finger's joint, at servo stiffness 1: our fingers have 1.5
+to 8."""
 CLASS = "robot"
 """MJCF default class of robots' hands."""
 
@@ -54,7 +55,7 @@ class RobotHand:
         size: Length of the person's hand relative to the trained one.
         impulse: Impulse limit of every servo, N s (N m s) per 1/60 s.
         stiffness: Factor on the stiffness of all servos.
-        solid_end: m, length of the part of a last link that collides, measured from the tip, where
+        solid_end: Length of the part of a last link that collides (m), measured from the tip, where
             only fingertips are solid; None makes the whole link collide.
     """
 

@@ -54,7 +54,7 @@ MESHES = (".obj", ".stl", ".msh")
 """Suffixes of the meshes that MuJoCo reads."""
 _BALANCED = "inertias that no body can have, made equal about all axes"
 LEAST_LINK = 0.004
-"""m, shortest link of a finger: shorter ones are the parts of one joint."""
+"""Shortest link of a finger (m): shorter ones are the parts of one joint."""
 
 
 @dataclass(frozen=True)
@@ -256,7 +256,7 @@ class RobotModel:
         return np.array(bases), np.array([in_palm(b, np.array(p)) for b, p in self.tips])
 
     def reach(self, finger: int, most: int) -> float:
-        """m, length of a finger's last links, of `most` of them."""
+        """Length of a finger's last links (m), of `most` of them."""
         own = [link for link in self.links if link.finger == finger]
         return total(length(np.array(link.end)) for link in own[-most:])
 
@@ -500,7 +500,7 @@ class RobotModel:
 
 
 LEAST_ARMATURE = 2e-4
-"""kg m2, armature below which a servo on links of a few grams is unstable."""
+"""Armature below which a servo on links of a few grams is unstable (kg m2)."""
 
 
 def of_mapping(mapping: RobotMapping) -> RobotModel:

@@ -35,7 +35,7 @@ from models.frames import FINGERS, HandFrame
 from models.pose import JOINTS, POSE_SIZE, ROOT_POSITION, ROOT_ROTATION
 
 ONE_CLOCK = 0.5
-"""s, largest difference of the latencies of two devices recorded with one clock."""
+"""Largest difference of the latencies of two devices recorded with one clock (s)."""
 
 Correct = Literal["unseen", "all", "none"]
 
@@ -43,7 +43,7 @@ _ROUNDS = 3
 _SAMPLES = 1500
 """Number of touches for the first guess; more take longer without a better result."""
 _NEAR_PLANE = 0.012
-"""m from the plane of resting fingertips within which a finger may touch."""
+"""Distance (m) from the plane of resting fingertips within which a finger may touch."""
 
 POSE_ERROR = (0.004, np.deg2rad(2.0), np.deg2rad(8.0))
 """m, rad, rad: standard deviation of a pose by PAALM in position, rotation and joints
@@ -234,8 +234,8 @@ def _note(
 
 
 BESIDE = 0.015
-"""m from a touch within which a visible fingertip labels it. It is more than half of the least
-distance of neighbouring fingers, but a visible neighbour would be nearer to its own touch."""
+"""Distance (m) from a touch within which a visible fingertip labels it. It is more than half of the
+least distance of neighbouring fingers, but a visible neighbour would be nearer to its own touch."""
 
 _VOTES = 3
 """Number of moments at which a fingertip must be seen beside a touch to label it."""

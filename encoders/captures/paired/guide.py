@@ -15,7 +15,7 @@ from models.frames import FINGERS, HandFrame, LandmarkFrame, TouchFrame
 
 TAPS = 3
 APART = 0.15
-"""s without any touch between two taps."""
+"""Time (s) without any touch between two taps."""
 DOING = "move, open and close, pinch, turn"
 
 SETS: tuple[tuple[int, ...], ...] = tuple(
@@ -30,7 +30,7 @@ ROUNDS = 2
 """Number of times that every set is asked for: in one take alone it could not be tested on."""
 
 _MOST_STEP = 0.1
-"""s that one frame adds at most, so that a paused device adds nothing."""
+"""Most time (s) that one frame adds, so that a paused device adds hardly any."""
 
 
 @dataclass(frozen=True)
@@ -46,7 +46,7 @@ class Guide:
 
     Args:
         side: The hand, left or right.
-        each: s for which every set is to be played, in all rounds together.
+        each: Time (s) for which every set is to be played, in all rounds together.
         sets: The finger sets; by default all 26.
         camera: True if a camera sees the hand, in place of a Leap.
 

@@ -25,10 +25,10 @@ from models.rotations import exp, log, unwrapped
 from models.skeleton import ADULT, Bone, Skeleton
 
 SMOOTHING = 0.02
-"""s, standard deviation of the filter over poses. It is symmetric in time and adds no delay."""
+"""Standard deviation of the filter over poses (s). It is symmetric in time and adds no delay."""
 
 LONGEST_GAP = 0.1
-"""s without the hand after which a new piece of the track begins."""
+"""Time (s) without the hand after which a new piece of the track begins."""
 
 
 @dataclass(frozen=True)

@@ -22,7 +22,7 @@ TURNS = 36
 most."""
 
 MOST_MISS = 0.012
-"""m, largest median distance between touch and fingertip of one hand; half the distance of two
+"""Largest median distance between touch and fingertip of one hand (m); half the distance of two
 neighbouring fingers."""
 
 _ROUNDS = 15
@@ -37,7 +37,7 @@ class DevicePose:
     Attributes:
         rotation: (3, 3) surface from device.
         shift: (3,) m, position of the device.
-        miss: m, median distance of touching fingertips from their touches.
+        miss: Median distance of touching fingertips from their touches (m).
         pairs: Number of touches used.
     """
 
@@ -58,7 +58,7 @@ def first_guess(touches: Array, frame: NDArray[np.int64], tips: Array, near: flo
         touches: (R, 2) m, x right and y up.
         frame: (R,) row of `tips` at each touch's moment.
         tips: (F, 5, 3) m, in a frame whose z is the height above the plane of resting fingertips.
-        near: m from that plane within which a fingertip may touch.
+        near: Distance (m) from that plane within which a fingertip may touch.
 
     Raises:
         CaptureError: No rotation brings them together.

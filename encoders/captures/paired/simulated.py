@@ -43,14 +43,14 @@ class PairedConfiguration:
         play: Seconds of later days with fingers down; the paper's 2,538 frames at 30 Hz.
         open_seconds: Seconds of the open hand at the beginning.
         taps: s from the end of one tap to the next touch-down, uneven on purpose.
-        tap: s that a tap lasts.
+        tap: Time (s) for which a tap lasts.
         every: 1 to keep all takes, n to keep every n-th of them, of other sets of fingers.
-        pause: s, least and greatest between takes.
+        pause: Least and greatest time (s) between takes.
         lift: Height of the hand's path between takes.
         size, bone, knuckle: The person's bones: spread of size and of every bone as shares,
             of every coordinate of a knuckle in m.
         touch_rate, leap_rate: Hz.
-        touch_latency, leap_latency: s, mean from the event to its arrival.
+        touch_latency, leap_latency: Mean from the event to its arrival (s).
         jitter: s, mean of the part of it that differs from frame to frame (exponential).
         drift: Share by which the Leap's second is too short.
         tilt: rad, rotation of the Leap's axes relative to the surface's: pitch, roll, yaw.
@@ -82,7 +82,7 @@ class PairedConfiguration:
 _LIFTED = 0
 """Stands for the id of a finger that does not tap."""
 _TREMBLE = 2e-4
-"""m, noise of the tapping touches; other touches have their subject's noise."""
+"""Noise of the tapping touches (m); other touches have their subject's noise."""
 
 FROZEN_PAIRED = PairedConfiguration()
 
@@ -99,7 +99,7 @@ class PairedSession:
         surface: The tablet's surface.
         truth: The subject's capture: every touch with its finger, the true pose and time.
         labels: Fingers by the touches' ids.
-        touch_delay, leap_delay: s, mean delay from event to arrival.
+        touch_delay, leap_delay: Mean delay from event to arrival (s).
         rotation, shift: The Leap's frame in the surface's frame.
         side: The hand, left or right.
         motion: The hand's true motion as of a right one: knots (n,) s and poses (n, 48) in the

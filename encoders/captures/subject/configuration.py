@@ -26,13 +26,13 @@ class SubjectConfiguration:
         test_frames: The same for every later day; the paper's 2,538.
         training_rate: Hz. Successive frames are nearly equal, so the script is sampled slowly:
             7,083 frames last 8 minutes rather than 4.
-        test_rate: Hz of later days.
+        test_rate: Rate (Hz) of later days.
         five_finger_repeats: Clips of each gesture with all fingers; other sets have one.
-        take_length: s, mean length of a take of a later day.
+        take_length: Mean length of a take of a later day (s).
         stay: s, least and greatest time between two changes of the touching fingers there.
         transition: s, from resting on the surface to fully lifted.
 
-        move: m, amplitude of the hand's way over the surface.
+        move: Amplitude of the hand's way over the surface (m).
         turn: rad, amplitude of the hand's turn about the surface's normal.
         grasp: Amplitude of opening and closing, as a share of the natural span.
         grasp_closed: Bias towards closing: 0 opens as much as it closes, 1 only closes.
@@ -40,13 +40,13 @@ class SubjectConfiguration:
         pinch: Amplitude of thumb and fingers nearing each other, as a share of their distance.
         pinch_closed: As `grasp_closed`; at 1 a pinch never opens beyond the natural distance.
         pinch_least: Widest pinch: a share of the distance that is added, thus negative.
-        placing: m, by which each fingertip is put down elsewhere from take to take.
+        placing: Distance (m) by which each fingertip is put down elsewhere from take to take.
         wobble: m, each fingertip's own way about the layout within a take.
-        tip_width: m, least distance between two fingertips' middles: fingers do not overlap.
+        tip_width: Least distance between two fingertips' middles (m): fingers do not overlap.
         aside: Share of the other gestures in a clip of one gesture.
         swing: s, least and greatest duration of one stroke of a gesture.
         variety: Least and greatest factor on a stroke's amplitude.
-        greatest_turn: rad, limit of the forearm's rotation.
+        greatest_turn: Limit of the forearm's rotation (rad).
         free_amplitude: Amplitude of free-form gestures relative to the script's.
 
         root_position_spread: m, of wrist x, y, z about its place over the layout.
@@ -56,7 +56,7 @@ class SubjectConfiguration:
         finger_spread: rad, of MCP flexion, MCP abduction, PIP and DIP beyond the synergies.
         thumb_spread: rad, of CMC flexion, abduction, twist, MCP flexion, abduction likewise.
         neighbour: Correlation of that remainder between neighbouring fingers.
-        hinge_tilt: rad, spread of the hinges' axes about the bones' own.
+        hinge_tilt: Spread of the hinges' axes about the bones' own (rad).
         style: Spread of the posture aimed at, from take to take, as a share of the prior's.
         sway: The same within a take.
         root_variety: Factor on both for the root: arm and wrist vary more than their stiffness
@@ -64,18 +64,18 @@ class SubjectConfiguration:
         sway_time: s, over which it changes.
         arm_turn: Share of the surface's turn that the hand makes.
         elbow: Share of the direction from elbow to hand in the hand's yaw.
-        elbow_distance: m, from the elbow to the near edge of the surface.
+        elbow_distance: Distance (m) from the elbow to the near edge of the surface.
 
         contact_precision: m, to which a touching fingertip meets its target.
         lift_precision: m, to which a lifted fingertip keeps its height.
-        lift_height: m, least and greatest height of lifted fingertips.
+        lift_height: Least and greatest height of lifted fingertips (m).
         curl_share: Share of takes that lift fingers by curling rather than by stretching them.
-        lift_posture: rad, by which a lifted finger's joints turn towards that.
-        tip_height: m, centre of a touching fingertip's end sphere above the surface: its radius
+        lift_posture: Angle (rad) by which a lifted finger's joints turn towards that.
+        tip_height: Centre of a touching fingertip's end sphere above the surface (m): its radius
             less the flesh that the surface flattens.
 
-        pad_roll: m, from the fingertip's centre to the touch's when the finger lies flat.
-        touch_noise: m, noise of touch positions.
+        pad_roll: Distance (m) from the fingertip's centre to the touch's when the finger lies flat.
+        touch_noise: Noise of touch positions (m).
         touch_resolution: dots per inch of the reported position; an iPad 2 has 132.
         soft_tissue: rad, slow error of joint angles, because markers move with the skin.
         soft_tissue_time: s, over which it changes.
@@ -87,7 +87,7 @@ class SubjectConfiguration:
         day_joint: rad, constant error of joint angles of another day: markers placed anew.
         day_root: m and rad, the same of the root.
         day_style: Shift of the posture aimed at on another day, as a share of the prior's spread.
-        day_elbow: m, by which the subject sits elsewhere.
+        day_elbow: Distance (m) by which the subject sits elsewhere.
         day_yaw: rad, change of the hand's yaw.
         free_style: Concentration of the mixture of gestures; below 1, one dominates.
         natural: Exponent on the naturalness of a finger set, when the subject chooses freely.

@@ -17,7 +17,8 @@ GESTURES = ("move", "grasp", "pinch", "rotate")
 """The paper's gestures: "moving, grasping, pinching, and rotating motions" (section 4)."""
 
 MARGIN = 0.006
-"""m between fingertips and the screen's edge: half a touch, which a screen reports only whole."""
+"""Distance (m) between fingertips and the screen's edge: half a touch, which a screen reports only
+whole."""
 
 _COMPONENTS = 24
 """Number of waves in a smooth noise; enough for its values to be nearly normal."""
@@ -184,7 +185,7 @@ class Take:
     Attributes:
         down: (n, 5) booleans, touching fingers, frame by frame.
         amplitudes: (4,) share of every gesture.
-        rate: Hz of the frames.
+        rate: Rate (Hz) of the frames.
     """
 
     down: NDArray[np.bool_]

@@ -131,18 +131,18 @@ def lifting(curled: bool) -> Array:
 ITERATIONS = 20
 
 _FIRST_PRECISION = 0.02
-"""m, precision of targets in the first iterations: at full precision, a far hand would
+"""Precision of targets in the first iterations (m): at full precision, a far hand would
 overshoot."""
 
 _STEP = 0.15
-"""rad, largest rotation of a joint in one iteration: tips are nearly linear in joints only so
+"""Largest rotation of a joint in one iteration (rad): tips are nearly linear in joints only so
 far."""
 
 _WALL = np.deg2rad(0.5)
-"""rad, softness of a joint's wall."""
+"""Softness of a joint's wall (rad)."""
 
 _BEFORE_LIMIT = np.deg2rad(2.0)
-"""rad between the wall and the anatomic limit: room for the errors of measurement."""
+"""Angle (rad) between the wall and the anatomic limit: room for the errors of measurement."""
 
 
 class PostureSolver:
@@ -206,10 +206,10 @@ SUBJECT, DAY, TAKE = 0, 1, 2
 """Purposes of random numbers; each has its own stream, so that none shifts another."""
 
 _PAUSE = 2.0
-"""s between two takes."""
+"""Time (s) between two takes."""
 
 _FREE = 0.05
-"""m, precision of the path of a finger that is about to land."""
+"""Precision of the path of a finger that is about to land (m)."""
 
 Progress = Callable[[float], None]
 
