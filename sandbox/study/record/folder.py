@@ -1,16 +1,16 @@
-"""The folder of a study: its participants, and the program and design that it is locked to.
+"""The folder of a study: its participants, and its lock to a program and a design.
 
 OUT/EXPERIMENT/            real data; pilot data are in EXPERIMENT-pilot, simulated data in
                            EXPERIMENT-simulated
   design.toml              the design in force for the next session, with its questionnaires
-  notes/SITE.jsonl         what the study is and is locked to, seals, copies and withdrawals
-  PPID/                    a person: all there is of them
-    notes.jsonl            who the person is, and decisions about them
+  notes/SITE.jsonl         the study's identity and lock, seals, copies and withdrawals
+  PPID/                    all data of one person
+    notes.jsonl            the person's identity, and decisions about them
     S001/                  a session
   tables/                  tables, which are derived
 
-Nothing of a person but seals is outside of their folder, and numbers count within a site. Two
-computers' data are therefore merged by copying folders: people's, and the notes of each site.
+Only a person's seals are outside the person's folder, and numbers count within a site. The data of
+two computers are therefore merged by copying folders: people's, and the notes of each site.
 """
 
 from __future__ import annotations
@@ -71,7 +71,7 @@ class Participant:
         hand, hand_size: The participant's hand, and its length relative to the trained hand.
         language: Language of the texts.
         user: The simulated user's configuration; None for a person.
-        site: The site, whose numbers count by themselves.
+        site: The site; each site counts its own numbers.
     """
 
     ppid: str
@@ -86,8 +86,8 @@ class Participant:
     def simulated_user(self) -> UserConfiguration:
         """The simulated user who plays for a simulated participant.
 
-        Besides its configuration, `user` has the skill, and of an earlier version perhaps settings
-        that are no more.
+        Besides the configuration, `user` contains the skill. From an earlier version it may also
+        contain settings that no longer exist; they are ignored.
         """
         from tasks.user import UserConfiguration
 
@@ -98,14 +98,14 @@ class Participant:
 
 DESIGN_FILE = "design.toml"
 REPORT = "report.html"
-"""Name of the page of a report, wherever it is."""
+"""File name of a report's page."""
 SETTINGS = "settings"
-"""Field of the first note of a site with all settings of a trial that the design leaves as they
-are: a default that changes later changes no study that has begun."""
+"""Field of the first note of a site: all settings of a trial that the design does not set. A later
+change of a default therefore changes no study that has begun."""
 FILES = "files"
 """Field of the records with which a run begins: texts of the design and its questionnaires."""
 OLD_LAYOUT = "study.jsonl"
-"""A file of the layout of before, which `python -m tools.convert_study` brings into this one."""
+"""A file of the earlier layout, which `python -m tools.convert_study` converts to this one."""
 
 
 class StudyFolder:
@@ -120,10 +120,9 @@ class StudyFolder:
         site: Letter of the site.
 
     Attributes:
-        noted: Versions that have changed since the study was last opened, and on which no state
-            depends.
-        anew: What has changed since the study was last opened and is accepted, as nobody has taken
-            part yet.
+        noted: Changed versions, since the study was last opened, that do not affect states.
+        anew: Changes, since the study was last opened, that are accepted because there is no
+            participant yet.
 
     Raises:
         StudyError: The folder is locked to another program, encoder or design and has a
@@ -151,7 +150,7 @@ class StudyFolder:
     def at(cls, path: Path) -> StudyFolder:
         """Opens an existing study to read it, maintain it or build its tables.
 
-        The version of the program does not matter. Its site is the first one in the folder.
+        The program's version is not compared with the lock. The site is the folder's first site.
 
         Raises:
             StudyError: The path is not a study folder, or the design cannot be read.
@@ -186,19 +185,21 @@ class StudyFolder:
 
     @property
     def build(self) -> dict[str, Any]:
-        """Program, encoders and design that the study is locked to."""
+        """Program, encoders and design to which the study is locked."""
         return dict(self._build)
 
     @property
     def settings(self) -> Settings:
-        """Settings of trials where the design leaves them as they are."""
+        """Settings of trials that the design does not set."""
         from sandbox.trial.settings import Settings, decoded
 
         return decoded(self._about[SETTINGS]) if SETTINGS in self._about else Settings()
 
     def design_of(self, digest: str) -> Design:
-        """The design of a digest, as a session's records name it; today's one if no session has it
-        or it cannot be read any more."""
+        """Returns the design with a digest that a session's records contain.
+
+        Returns the current design if no session has the digest, or if this version cannot read it.
+        """
         if digest == self.design.digest:
             return self.design
         if digest not in self._designs:
@@ -237,7 +238,7 @@ class StudyFolder:
 
         Args:
             ppid: The pseudonym.
-            remedy: What to do if there is no such participant; empty says where all are listed.
+            remedy: Remedy in the error; empty for the place of the list of participants.
 
         Raises:
             StudyError: The participant does not exist.
@@ -255,7 +256,7 @@ class StudyFolder:
         return participant
 
     def add(self, number: int | None = None, **about: Any) -> Participant:
-        """Adds a participant, whose folder is there when the lock of the study goes.
+        """Adds a participant; the folder exists before the lock of the study is released.
 
         Args:
             number: Number of the participant; if it is in use, its participant is returned. None
@@ -263,7 +264,7 @@ class StudyFolder:
             about: Further attributes of `Participant`.
 
         Raises:
-            StudyError: Somebody has locked the study to something else since it was opened.
+            StudyError: Another program has changed the study's lock since it was opened.
         """
         with self.lock():
             different = changes(self.build, _build_of(read_notes(self.notes)))
@@ -307,24 +308,24 @@ class StudyFolder:
         self.note_about(ppid, RELEASE, reason=reason)
 
     def is_released(self, ppid: str) -> bool:
-        """True if a participant's number was freed, and nobody has taken that back."""
+        """True if a participant's number was freed and the release was not reverted."""
         return next((free for p, free in self._people() if p.ppid == ppid), False)
 
     def include(
         self, person: Participant, begun: bool, **values: Any
     ) -> tuple[Participant, Participant | None]:
-        """Notes that a participant whose number was freed takes part again.
+        """Writes a note that a participant whose number was freed takes part again.
 
-        They have their number again. If somebody has got it meanwhile, they get the first free one,
-        unless they have begun trials in the orders of their own.
+        The participant gets the earlier number back. If another participant has it now, the first
+        free number is used, unless the participant has begun trials in the earlier number's orders.
 
         Args:
             person: The participant.
-            begun: True if they have begun a trial.
+            begun: True if the participant has begun a trial.
             values: Further values of the note.
 
         Returns:
-            The participant, with the number, and who has got their number meanwhile, if anybody.
+            The participant with the number, and the present holder of the earlier number, or None.
         """
         with self.lock():
             held = {
@@ -340,7 +341,7 @@ class StudyFolder:
             return replace(person, number=number), other
 
     def _holders(self) -> dict[int, Participant]:
-        """Participants of this site by the number that they hold."""
+        """Returns the participants of this site by their numbers."""
         return {p.number: p for p, free in self._people() if not free and p.site == self.site}
 
     def _people(self) -> list[tuple[Participant, bool]]:
@@ -351,7 +352,7 @@ class StudyFolder:
             path = folder / PERSON_NOTES
             notes = read_notes(path) if folder.name not in gone else []
             if not notes:
-                # They withdrew, or a program was killed before it had written who this is.
+                # The participant withdrew, or a program was killed before it wrote the first note.
                 continue
             person, free = person_of(notes[0], path), False
             for note in notes:
@@ -363,7 +364,7 @@ class StudyFolder:
         return [(person, free) for _, person, free in found]
 
     def _take(self, notes: list[Record]) -> None:
-        """Takes what the notes of this site say that the study is, and is locked to."""
+        """Reads the study's identity and lock from the notes of this site."""
         self._about, self._build = notes[0] if notes else {}, _build_of(notes)
         if self._about.get("kind") != STUDY:
             raise StudyError(
@@ -415,12 +416,12 @@ class StudyFolder:
 
 
 def _first_free(taken: Collection[int]) -> int:
-    """The first number that is not taken."""
+    """Returns the smallest free number."""
     return next(i for i in range(1, len(taken) + 2) if i not in taken)
 
 
 def is_study(path: Path) -> bool:
-    """True if a folder is a study's, of an earlier version, too."""
+    """True if a folder is a study's, also in an earlier version's layout."""
     return (path / NOTES).is_dir() or (path / OLD_LAYOUT).is_file()
 
 
@@ -435,7 +436,7 @@ def _refuse_old_layout(path: Path) -> None:
 
 
 def _build_of(notes: list[Record]) -> dict[str, Any]:
-    """What a site is locked to, by its notes."""
+    """Returns the lock of a site from its notes."""
     builds = [note["after"] for note in notes if note["kind"] in (ANEW, UPGRADE, LIBRARIES)]
     first: dict[str, Any] = notes[0].get("build", {}) if notes else {}
     return builds[-1] if builds else first
@@ -450,10 +451,10 @@ def _default_settings() -> dict[str, Any]:
 
 
 def person_of(note: Record, where: Path) -> Participant:
-    """The participant in the first note about them.
+    """Returns the participant described by the first note about them.
 
     Raises:
-        StudyError: It is another note.
+        StudyError: The note is of another kind.
     """
     if note["kind"] != PARTICIPANT:
         raise StudyError(
@@ -461,12 +462,12 @@ def person_of(note: Record, where: Path) -> Participant:
             where=str(where),
             remedy="Restore them from a backup; nothing was changed",
         )
-    # A later version may note more.
+    # Notes of a later version may have more fields.
     return Participant(**{f.name: note[f.name] for f in fields(Participant) if f.name in note})
 
 
 def readable_design(files: Mapping[str, str]) -> Design | None:
-    """A design from the texts of its files by name; None if this version cannot read it."""
+    """Reads a design from the texts of its files by name; None if this version cannot read it."""
     from sandbox.study.design.design_file import load_design
 
     with TemporaryDirectory() as folder:
@@ -488,8 +489,8 @@ def write_design(folder: Path, design: Design) -> None:
 
 
 def design_files(design: Design) -> dict[str, str]:
-    """Texts of the files of a design in a study folder, by name: the design, its questionnaires,
-    and the file of its own measure."""
+    """Returns the texts of a design's files in a study folder, by name: the design, its
+    questionnaires, and the file of its own measure."""
     sources = [form.source for form in design.questionnaires if form.source]
     sources += [design.own_source] if design.own_source else []
     return {DESIGN_FILE: design.text, **dict(sources)}

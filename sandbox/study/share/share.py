@@ -1,9 +1,9 @@
-"""The folder of a study for others: new pseudonyms, no dates, no free text, no names of folders.
+"""Shared folder of a study: new pseudonyms, no dates, no free text, no names of folders.
 
-It is an ordinary study folder, built only from the declared fields of records, notes, recordings
-and frames (`sandbox.study.share.masking`), so that its tables contain nothing else. It opens,
-replays and reports like the original. No list of old and new pseudonyms is written, but anyone with
-the original can match the two by seeds, state hashes or results.
+The copy is an ordinary study folder. It is built only from the declared fields of records, notes,
+recordings and frames (`sandbox.study.share.masking`), so that its tables contain no other data. It
+opens, replays and reports like the original. No list of old and new pseudonyms is written, but
+anyone with the original can match the two by seeds, state hashes or results.
 """
 
 from __future__ import annotations
@@ -75,12 +75,12 @@ from sandbox.study.tables.tables import make_tables
 from sandbox.system.files import sync_folder
 
 HAND_SIZE_BIN = 0.1
-"""Bin width of the size of hands, unless another one is given. Over people it has a standard
-deviation of about 0.07 (`sandbox.study.run.simulate`)."""
+"""Default bin width of hand sizes. Hand sizes of people have a standard deviation of about 0.07
+(`sandbox.study.run.simulate`)."""
 ABOUT = "anonymised.json"
-"""File that says what was done; the note `ANONYMISED` has the same content."""
+"""File with the masking and the left-out data; the note `ANONYMISED` has the same content."""
 README, VERIFIED = "README.md", "verify.txt"
-"""Files that say what is in the folder, and what a verification of it found."""
+"""Files with the list of contents, and with the result of a verification of the folder."""
 
 Say = Callable[[str], object]
 
@@ -95,9 +95,9 @@ class Masking:
         bins: Bin width by demographic item, and of `hand_size`; numbers are rounded down to a
             multiple of it.
         recordings: True includes recordings of trials.
-        hands: True includes recordings that tell how a hand is made: those in the air, which
-            contain the lengths of fingers, those of hands whose exact size too few share, and those
-            of sessions that learn layouts of fingers.
+        hands: True includes recordings that reveal a hand's shape: those in the air, which contain
+            the lengths of fingers, those of hands with a rare exact size, and those of sessions
+            that learn layouts of fingers.
     """
 
     words: bool = False
@@ -109,13 +109,13 @@ class Masking:
 
 @dataclass(frozen=True)
 class Shared:
-    """What is in a shared folder.
+    """Counts of a shared folder.
 
     Attributes:
-        people: Number of participants in it.
+        people: Number of participants in the folder.
         without_consent: Number of participants left out for lack of consent.
         groups: Groups of participants with equal demographics.
-        hands: Number of recordings that were left out, since they tell how a hand is made.
+        hands: Number of recordings that were left out because they reveal a hand's shape.
     """
 
     people: int
@@ -131,21 +131,22 @@ def share_study(
     say: Say,
     complete: Callable[[Path], object] = lambda folder: None,
 ) -> Shared:
-    """Makes the folder of a study for others.
+    """Makes the shared folder of a study.
 
     Args:
         study: The study.
         out: The folder, which must not exist.
-        masking: What is left out.
+        masking: Settings of the copy.
         say: Callback for progress messages.
-        complete: Called with the folder when all but its report is there, before it has its name.
+        complete: Called with the temporary folder when all but the report is written, before the
+            folder is renamed to its final name.
 
     Raises:
         StudyError: A journal is damaged, there are no participants, or the folder cannot be
             written.
     """
     sessions = {person.ppid: kept_session for person, kept_session in all_sessions(study)}
-    # The design first, then those that earlier sessions were run by.
+    # The current design first, then the designs of earlier sessions.
     of_sessions = [design_of(study, s) for some in sessions.values() for s in some]
     designs = list({d.digest: d for d in (study.design, *of_sessions)}.values())
     asked = list(dict.fromkeys(x.name for design in designs for x in design.demographics))
@@ -157,8 +158,8 @@ def share_study(
         raise StudyError("the study has no participant to share", where=str(study.path))
     names = _new_names(agreed)
     sizes = {p: some[0].state.start[HAND_SIZE] for p, some in agreed.items()}
-    # Recordings of sessions that learn have layouts of the person's fingers in their headers; an
-    # earlier design may have let them learn.
+    # With learning, headers of recordings contain layouts of the person's fingers. An earlier
+    # design may have had learning too.
     learns = study.design.learning == "session"
     learned = {p for p, some in agreed.items() if learns or any(s.state.learned for s in some)}
     tell_hands = learned | _rare(sizes)
@@ -191,12 +192,12 @@ def share_study(
 
 
 def shared_size(size: float, masking: Masking) -> float:
-    """Size of a hand as the copy tells it."""
+    """Returns the size of a hand in the copy: rounded down to its bin."""
     return float(binned(size, (masking.bins or {}).get(HAND_SIZE, HAND_SIZE_BIN)))
 
 
 def _rare(sizes: Mapping[str, float]) -> set[str]:
-    """Participants whose exact hand size, which recordings contain, too few others share."""
+    """Returns the participants with a rare exact hand size; recordings contain this size."""
     shared = Counter(sizes.values())
     return {ppid for ppid, size in sizes.items() if shared[size] < min(SMALLEST, len(sizes))}
 
@@ -217,7 +218,7 @@ def _check(known: Sequence[str], masking: Masking) -> None:
 
 
 def _item_name(item: str) -> str:
-    """Name of a demographic item next to what the program knows of a person."""
+    """Returns the name of a demographic item, distinct from the program's own fields."""
     return f"{item} (asked)" if item in FILLED else item
 
 
@@ -248,7 +249,7 @@ def _answer(designs: Sequence[Design], masking: Masking) -> Callable[[str, str, 
             kinds.setdefault((DEMOGRAPHICS, item.name), set()).add(item.kind)
 
     def shared_answer(form: str, item: str, value: Any) -> Any:
-        # No design has declared an item that is in none.
+        # An item that no design contains was never declared as shared.
         if (form, item) not in kinds or ("text" in kinds[form, item] and not masking.words):
             return None
         if form == DEMOGRAPHICS and item in masking.drop:
@@ -279,7 +280,7 @@ def _write_notes(
             ppid, words=masking.words, hand_size=lambda size: shared_size(size, masking)
         )
         first = {**sessions[0].state.start, "kind": PARTICIPANT}
-        # Those about no session are in all of them.
+        # Notes about no particular session are in the list of every session.
         decided = {id(note): note for session in sessions for note in session.notes}.values()
         person = [shared_note(n, mask) for n in decided if n["kind"] in DECISIONS]
         write_notes(
@@ -316,7 +317,7 @@ def _write_session(
         tells = tells_hand or in_the_air(attempt.start["values"])
         kept = masking.recordings and (masking.hands or not tells)
         if kept and stored(recording).exists():
-            # Without a half-written last line.
+            # Drop a half-written last line.
             *lines, _ = read_stored(recording).data.split(b"\n")
             copied = (shared_line(line, person_masking, str(recording)) for line in lines if line)
             data = packed(b"".join(line + b"\n" for line in copied if line))
@@ -344,10 +345,10 @@ def _finish(
 
     Args:
         work: Folder of the copy.
-        study: What the first note of the study says.
+        study: Values of the study's first note.
         copied: Sessions by new pseudonym.
         masking: Settings of the copy.
-        left_out: Numbers of participants who did not agree, and who withdrew.
+        left_out: Numbers of participants who did not consent, and who withdrew.
         exact: Exact sizes of hands by new pseudonym.
         questions: Names of all questions about the person, of any design.
     """
@@ -360,7 +361,7 @@ def _finish(
         start = sessions[0].state.start
         asked = [s.state.about_person for s in sessions if s.state.about_person is not None]
         answers = asked[-1] if asked else {}
-        # Recordings contain the exact size.
+        # The exact hand size is visible if recordings are included.
         seen = masking.recordings and masking.hands
         people.append(
             {
@@ -370,7 +371,7 @@ def _finish(
                 "language": start["language"],
             }
         )
-    # Answers that are left out are the same for everybody: None.
+    # Left-out answers are None for every participant.
     known = ["hand", HAND_SIZE, "language", *map(_item_name, questions)]
     columns = [name for name in known if len({p.get(name) for p in people}) > 1]
     group_sizes = groups(people, columns)
@@ -401,7 +402,7 @@ def _finish(
     if not found.sound:
         wrong = [finding for some in found.found.values() for finding in some]
         raise StudyError(
-            "the folder for others is not what its records say, so that it was not made",
+            "the shared folder failed its own verification, so it was not written",
             where=str(wrong[0]),
             got=f"{counted(len(wrong), 'finding')} in a verification of it",
             remedy="`sandbox replay STUDY --verify` shows whether it is the study itself",
@@ -416,7 +417,7 @@ def _finish(
 
 
 def _readme(study: StudyFolder, about: Mapping[str, Any]) -> str:
-    """What is in a shared folder, for who finds it alone."""
+    """Returns the README of a shared folder."""
     people = counted(about["participants"], "participant")
     gone = [
         *("names, dates and times of day, and who did not agree to the consent form",),

@@ -214,7 +214,7 @@ BAD = {
     "tap without touches": (["--markers", "hand.tsv", "--sync", "tap"], "no touches"),
     "missing file": (["--joints", "none.bvh"], "no such file"),
     "missing touches": (["--touches", "none", "--joints", "hand.csv"], "cannot be read"),
-    "unknown kind": (["--joints", "shown.jsonl"], "not known"),
+    "unknown kind": (["--joints", "shown.jsonl"], "cannot be read"),
     "no surface": (["--touches", "shown.jsonl", "--joints", "hand.bvh"], "touch surface in this"),
     "wrong unit": (
         ["--markers", "hand.tsv", "--mapping", "corners.toml", "--unit", "0.1"],
