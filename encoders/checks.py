@@ -1,11 +1,12 @@
-"""Checks an encoder for its author: everything that an encoder must keep to.
+"""Checks, for the author of an encoder, that it obeys all rules for encoders.
 
     from encoders import check_encoder
 
     def test_our_encoder():
         check_encoder(KernelRidge)
 
-A session does not do this: training checks what it stores, once, and a session what it predicts.
+A session does not make these checks. Training checks the stored arrays once, and a session checks
+the predictions.
 """
 
 from __future__ import annotations
@@ -28,27 +29,27 @@ from encoders.regression.trained import TrainedModel, builtin_capture
 from models.errors import EncoderError
 
 EVERY = 40
-"""Frames of the built-in capture from one that is learned to the next: all takes, quickly."""
+"""Step between the frames of the built-in capture that are learned: all takes in a short time."""
 
 _TRIED = 100
 """Number of frames whose poses are predicted."""
 
 
 def check_encoder(encoder: type[Any] | str, capture: Capture | None = None) -> None:
-    """Checks that an encoder keeps to the rules for encoders; for its author, as Gymnasium's
+    """Checks that an encoder obeys the rules for encoders; for its author, like Gymnasium's
     `check_env`.
 
-    It is trained as a session trains it, twice.
+    The encoder is trained twice, in the same way as for a session.
 
     Args:
-        encoder: The class, or how it is named on the command line: `FILE.py:CLASS`.
-        capture: What it learns from; None is every fortieth frame of the built-in capture.
+        encoder: The class, or its name on the command line: `FILE.py:CLASS`.
+        capture: Training data; None takes every fortieth frame of the built-in capture.
 
     Raises:
-        EncoderError: The first rule that the encoder breaks: it is no encoder, cannot be found
-            again, cannot learn, predict or be stored, predicts poses of another shape or that are
-            not finite, changes its input, learns something else from the same frames, or predicts
-            something else after other predictions.
+        EncoderError: The encoder breaks a rule; the error names the first one. The class is not an
+            encoder or cannot be found again; it cannot learn, predict or be stored; its poses have
+            a wrong shape or are not finite; it changes its input; it learns differently from equal
+            frames; or its predictions depend on earlier predictions.
     """
     if isinstance(encoder, str):
         kind = find_encoder(encoder)
@@ -67,17 +68,17 @@ def check_encoder(encoder: type[Any] | str, capture: Capture | None = None) -> N
 
 
 def _check_history(encoder: Encoder, model: TrainedModel, name: str) -> None:
-    """Checks that predictions do not depend on those before them.
+    """Checks that predictions do not depend on earlier predictions.
 
     Raises:
-        EncoderError: They do, so that a recording would not replay.
+        EncoderError: A prediction depends on earlier ones, so a recording would not replay.
     """
     some = model.training_u[:_TRIED]
     before = predicted(encoder, some)
     predicted(encoder, model.training_u[-_TRIED:])
     if not np.array_equal(before, predicted(encoder, some)):
         raise EncoderError(
-            "a prediction depends on the ones before it",
+            "a prediction depends on earlier predictions",
             where=f"{name}.predict",
             expected="equal poses of equal contact vectors, to the bit: sessions replay",
         )

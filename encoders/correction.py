@@ -1,10 +1,10 @@
-"""Fingertip correction: the likeliest pose whose fingertips are where the touches are.
+"""Fingertip correction: the most likely pose whose fingertips are at the touches.
 
-The encoder's pose is taken as a Gaussian guess: its mean is the prediction, its covariance that of
-the encoder's own errors in cross-validation. The touches are measurements of the fingertips. A few
-Gauss-Newton steps of this Kalman-like update carry the error of the wrist and of the lifted fingers
-into directions that the touches do not see, and leave the fingertips exact. This is the corrective
-inverse kinematics that the paper of 2015 suggested for later.
+The encoder's pose is a Gaussian prior. Its mean is the prediction, and its covariance is that of
+the encoder's errors in cross-validation. The touches are measurements of the fingertips. A few
+Gauss-Newton steps of this Kalman-like update make the fingertips exact. Errors of the wrist and of
+the lifted fingers remain only in directions that the touches do not determine. This is the
+corrective inverse kinematics that the paper of 2015 suggested as future work.
 """
 
 from __future__ import annotations
@@ -31,17 +31,18 @@ from models.single_pose import SinglePose
 from models.skeleton import Skeleton
 
 PAD_HEIGHT = 0.006
-"""Centre of a touching fingertip's end sphere above the surface (m): its radius less the flesh that
-the surface flattens, as in the captures."""
+"""Height (m) of the centre of a touching fingertip's end sphere above the surface: its radius minus
+the compression of the flesh, as in the captures."""
 
 _JOINT_OFFSET = JOINTS.start
 
 _ACTIVE_SET_ROUNDS = 10
-"""Rounds of holding joints at their ends and letting them go; two or three are the rule."""
+"""Most rounds of fixing joints at the ends of their ranges and releasing them; usually two or
+three."""
 _EXACT = 1e-10
-"""Variance with which a held joint is known (rad2)."""
+"""Variance (rad2) of the measurement that fixes a joint."""
 _SLACK = 1e-6
-"""Angle (rad) by which a joint may leave its range before it is held; the end clips it."""
+"""Angle (rad) by which a joint may leave its range before it is fixed; the result is clipped."""
 
 
 class Corrected(NamedTuple):
@@ -76,7 +77,7 @@ class _Seen:
         return self._jacobian
 
     def shifted(self, q: Array) -> _Seen:
-        """The same at a pose (48,) that differs in the root's position alone."""
+        """The same at a pose (48,) that differs only in the root's position."""
         return _Seen(self.kinematics, q, self.tips + (q[:3] - self.q[:3]), self.jacobian())
 
 
@@ -85,11 +86,10 @@ class CorrectionSettings:
     """Settings of the correction.
 
     Attributes:
-        tip_sigma: m, how exactly the tips are to meet the touches.
-        tolerance: Largest tip error at which the steps stop (m).
-        settled: rad (and m), largest change of a step after which the posture counts as the
-            likeliest one.
-        iterations: Most steps; five fingers far from the guess need five.
+        tip_sigma: Standard deviation (m) of the fingertips about their touches.
+        tolerance: Largest tip error (m) at which the steps stop.
+        settled: Largest change (rad and m) in a step after which the posture counts as converged.
+        iterations: Largest number of steps; five fingers far from the guess need five.
         floor_position: Smallest trusted error of the encoder in a position (m).
         floor_angle: rad, smallest trusted error of the encoder in an angle.
     """
@@ -107,8 +107,8 @@ class FingertipCorrection:
 
     Args:
         skeleton: The hand whose fingertips should meet the touches.
-        covariance: (48, 48) of the guess's error, m and rad.
-        settings: See there.
+        covariance: (48, 48) covariance of the guess's errors (m and rad).
+        settings: See `CorrectionSettings`.
     """
 
     def __init__(
@@ -137,37 +137,38 @@ class FingertipCorrection:
         start: ArrayLike | None = None,
         settled: float | None = None,
     ) -> Corrected:
-        """The likeliest pose near a guess whose tips are at their targets.
+        """The most likely pose, given a guess, whose tips are at their targets.
 
-        A joint that reaches the end of its range is held there, as a further exact measurement,
-        and the other joints make up for it.
+        A joint that reaches the end of its range is fixed there, as a further exact measurement,
+        and the other joints compensate.
 
         Args:
             guess: (48,) pose from the encoder, in the frame of the targets.
             labels: (k,) fingers that touch.
             targets: (k, 3) m, where the centres of their fingertips belong.
-            start: (48,) pose near which the result is expected, the last frame's; it saves steps
-                and does not pull the result towards itself.
-            settled: Instead of the settings'.
+            start: (48,) pose at which the search starts, such as that of the last frame. It saves
+                steps and does not influence the result.
+            settled: Replaces `settled` of the settings; None takes the settings.
         """
         s = self.settings
         settled = s.settled if settled is None else settled
         guess = np.array(guess, float)
         targets = np.asarray(targets, float)
         kinematics = self._kinematics_of(tuple(labels))
-        # The guess itself must be legal, or the first linearisation is taken at no hand at all.
+        # The guess must be within the joints' ranges, or the first linearisation would be at an
+        # impossible hand.
         joints = guess[JOINTS]
         np.minimum(np.maximum(joints, self._lower), self._upper, out=joints)
         q = guess.copy() if start is None else np.array(start, float)
         best = Corrected(q, np.inf, 0)
-        # A guess whose tips are right already is the likeliest pose itself.
+        # A guess whose tips are at their targets is already the most likely pose.
         moved = 0.0 if start is None else np.inf
         for iteration in range(s.iterations + 1):
             seen = self._carried(kinematics, q) if iteration == 0 else self._seen(kinematics, q)
             tips = seen.tips
             off = targets - tips
             error = max([x * x + y * y + z * z for x, y, z in off.tolist()]) ** 0.5
-            # A start is where the last frame ended: exact perhaps, but not yet the likeliest pose.
+            # The start may have exact tips, but it is not yet the most likely pose.
             if error < max(best.error, s.tolerance) and (start is None or iteration > 0):
                 best = Corrected(q, error, iteration)
             if (error < s.tolerance and moved < settled) or iteration == s.iterations:
@@ -187,10 +188,10 @@ class FingertipCorrection:
         return kinematics
 
     def _carried(self, kinematics: SinglePose, q: Array) -> _Seen:
-        """Touching fingertips and their Jacobian at the pose where a frame begins.
+        """Touching fingertips and their Jacobian at the pose with which a frame begins.
 
-        Mostly it is the pose where the last one ended, shifted with the touches: that moves the
-        tips alike and changes nothing else.
+        It is mostly the last frame's result, shifted with the touches. Such a shift moves all tips
+        alike and does not change the Jacobian.
         """
         last = self._last
         if (
@@ -207,10 +208,10 @@ class FingertipCorrection:
         return self._last
 
     def _step(self, guess: Array, r: Array, J: Array, near: Array | None) -> Array:
-        """One Gauss-Newton step within the ranges.
+        """One Gauss-Newton step within the ranges, by an active-set search.
 
-        An active-set search: a joint that would leave its range is held at its end, one whose hold
-        pushes it outwards rather than keeping it in is let go again.
+        A joint that would leave its range is fixed at the end of the range. A fixed joint is
+        released if it would move back into its range.
 
         Args:
             guess: (48,) legal guess.
@@ -238,7 +239,7 @@ class FingertipCorrection:
             else:
                 rows = held + _JOINT_OFFSET
                 bound = np.where(side[held] > 0, upper[held], lower[held])
-                # Exact measurements of held joints beside the measurements of the tips.
+                # Exact measurements of fixed joints are added to the measurements of the tips.
                 A = np.concatenate([JC, C.take(rows, 0)])
                 S = np.empty((len(A), len(A)))
                 # The lower triangle is enough.
@@ -266,13 +267,13 @@ class FingertipCorrection:
 
 
 def _largest(x: Array) -> float:
-    """The greatest size of numbers (n,); NaN where there is one."""
+    """The greatest absolute value of numbers (n,); NaN if any of them is NaN."""
     sizes = np.abs(x)
     return float(sizes[sizes.argmax()])
 
 
 def _solved(S: Array, r: Array) -> Array:
-    """x with S x = r, for a covariance S (n, n), which is overwritten."""
+    """Solution x of S x = r for a covariance S (n, n), which is overwritten."""
     try:
         return solve_positive(S, r)
     except ArithmeticError as trouble:

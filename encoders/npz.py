@@ -20,8 +20,8 @@ from numpy.typing import NDArray
 from models.errors import InputError
 
 LARGEST = 2**30
-"""Largest size of an unpacked file (bytes): 100 times the paper's capture; more is a mistake or an
-attack."""
+"""Largest size (bytes) of an unpacked file, 100 times that of the paper's capture. A larger file is
+a mistake or an attack."""
 
 _DAMAGE = (
     OSError,
@@ -44,11 +44,11 @@ _DAMAGE = (
 def write_npz(path: Path, header: Mapping[str, Any], arrays: Mapping[str, NDArray[Any]]) -> None:
     """Writes arrays and a header of JSON values; equal contents give equal files.
 
-    A file that is there is replaced once the new one is whole.
+    An existing file is replaced once the new file is complete.
     """
     text = json.dumps(dict(header), sort_keys=True, allow_nan=False)
     everything: dict[str, Any] = {"header": np.frombuffer(text.encode(), np.uint8), **arrays}
-    # A link stays one.
+    # A symbolic link is not replaced, but the file to which it points.
     target = path.resolve()
     if target.exists() and not target.is_file():
         with target.open("wb") as file:

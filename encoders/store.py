@@ -16,8 +16,8 @@ SCHEMA = 1
 """Version of the file's layout."""
 
 FARTHEST = 3.0
-"""Median distance of a wrist from its touches beyond which lengths are surely no metres (m): it is
-0.1 to 0.2 m."""
+"""Largest median distance (m) of a wrist from its touches. It is usually 0.1 to 0.2 m; a larger one
+shows that lengths are not in metres."""
 
 _ARRAYS = {"time": "f", "trial": "i", "ids": "i", "xy": "f", "q": "f"}
 
@@ -27,7 +27,7 @@ def save_capture(capture: Capture, path: Path | str, dtype: type[np.floating] = 
 
     Args:
         capture: Frames of contacts and poses.
-        path: The file; an existing one is replaced.
+        path: The file; an existing file is replaced.
         dtype: Precision of positions and poses; float32 halves the file and keeps 0.01 micrometre.
     """
     arrays = {
@@ -41,10 +41,10 @@ def save_capture(capture: Capture, path: Path | str, dtype: type[np.floating] = 
 
 
 def check_order(capture: Capture) -> None:
-    """Checks that a capture is in order: filters, jumps and labels follow it frame by frame.
+    """Checks the order of a capture's frames, on which filters, jumps and labels depend.
 
     Raises:
-        CaptureError: A take is not in one piece, its time does not increase, or two fingers of a
+        CaptureError: A take is not contiguous, its time does not increase, or two fingers of a
             frame share an id.
     """
     next_take = np.diff(capture.trial) != 0
@@ -76,10 +76,10 @@ def check_order(capture: Capture) -> None:
 
 
 def check_units(capture: Capture) -> None:
-    """Checks that places are in metres and rotations in radians, as far as a hand's size tells.
+    """Checks that positions are in metres and rotations in radians, by plausible sizes of a hand.
 
     Raises:
-        CaptureError: They are not.
+        CaptureError: A median or a rotation is implausibly large.
     """
     apart = capture.q[:, None, :2] * [1.0, -1.0] - capture.xy
     far = float(np.sqrt(np.median(squared_lengths(apart[capture.down]))))
@@ -94,7 +94,7 @@ def check_units(capture: Capture) -> None:
     most = float(np.abs(capture.q[:, JOINTS]).max())
     if most > 2 * np.pi:
         raise CaptureError(
-            "a joint turns farther than round",
+            "a joint turns by more than a full turn",
             where="q",
             got=f"{most:.3g} rad",
             expected="rotation vectors in radians",

@@ -45,7 +45,7 @@ class HandSandboxError(Exception):
         super().__init__(text)
 
     def __reduce__(self) -> tuple[object, ...]:
-        """Errors of all classes come whole from another process, whatever they are made from."""
+        """Makes errors of all classes picklable, so that they can pass between processes."""
         return _rebuilt, (type(self), self.args), self.__dict__
 
 
@@ -67,15 +67,15 @@ def unknown_name(
     remedy: str | None = None,
     kind: type[InputError] = InputError,
 ) -> InputError:
-    """The error of a name that there is not: it says the nearest right one, or all of them.
+    """The error for an unknown name, with the most similar known name or with all known names.
 
     Args:
         what: The problem, such as `no such command`.
-        name: The wrong name.
-        names: The right ones.
+        name: The unknown name.
+        names: The known names.
         where: Option, file or command with the mistake.
-        others: What else may stand there, such as `or a file`.
-        remedy: Next step, if no name is near.
+        others: Text about other accepted values, such as `or a file`.
+        remedy: Next step, if no known name is similar.
         kind: Class of the error.
     """
     names = list(names)
@@ -91,9 +91,9 @@ class SurfaceTooSmallError(InputError):
 
     Args:
         task: Name of the task; empty if the caller does not know it.
-        size_in: (2,) inches of the surface, width and height.
-        room: What needs room.
-        example_in: (2,) inches of a surface that has it; None if nobody has looked for one.
+        size_in: (2,) inches, width and height of the surface.
+        room: Objects that need room, as text.
+        example_in: (2,) inches, size of a large enough surface; None if none is known.
         remedy: Next step for the reader of the message.
     """
 
@@ -145,7 +145,8 @@ class StudyError(InputError):
 
 
 class DifferentPlanError(StudyError):
-    """A session, or a participant's earlier one, was run by another plan than the study has now."""
+    """A session, or an earlier session of a participant, has another plan than the study now
+    has."""
 
 
 class LaterLayoutError(StudyError):

@@ -21,17 +21,17 @@ def finger_bits(fingers: frozenset[int]) -> int:
 
 
 SURE = 0.8
-"""Probability of a label below which views show that it is not sure."""
+"""Probability of a label below which views show that the label is uncertain."""
 
 
 @dataclass(frozen=True, slots=True)
 class Contact:
     """One finger on the surface, from the device to the views.
 
-    A device gives an id and a place, and what else it measures. The reconstructor smooths the
-    place, and gives the label, its probability, and the state; what devices put into these last two
-    has no effect. Numbers of NumPy and the like become Python's own, as recordings hold nothing
-    else.
+    A device sets the id, the position, and the other values that it measures. The reconstructor
+    smooths the position, and sets the label, its probability and the state. A probability or state
+    set by a device has no effect. Numbers of NumPy and similar libraries are converted to Python's
+    own types, since recordings contain no others.
 
     Attributes:
         id: Constant from touch-down to touch-up; unique among the contacts of one frame.
@@ -39,13 +39,14 @@ class Contact:
         y: Surface position, metres down from the top left corner.
         size: Contact diameter in metres; None where the device does not measure it. A size that
             is not a number above 0, as some hardware sends without measuring it, becomes None.
-        label: Finger (thumb 0 .. little 4). Of a device: where the *device* knows it. Of a
-            reconstruction: what the labeller gave; None before that, and for what is no finger.
-        extent: Width and height of the contact in metres, both above 0; None where the device does
-            not measure both. Palms are told from fingers by it.
+        label: Finger (thumb 0 to little 4). From a device, it is set only if the *device* knows the
+            finger. In a reconstruction, it is the labeller's result; None before a result, and for
+            contacts that are not fingers.
+        extent: Width and height of the contact in metres, both above 0; None if the device does not
+            measure both. It distinguishes palms from fingers.
         state: `active`; `lost` during the grace period after it was lost; `palm` (drawn as a faint
             patch); `ignored` (drawn grey).
-        probability: Probability of the label, 0 to 1; 1 without one, and for the device's own.
+        probability: Probability of the label, 0 to 1; 1 without a label and for a device's label.
 
     Raises:
         FrameError: A value is not a number, or cannot be one of a contact.
@@ -91,14 +92,14 @@ class Contact:
 
     @property
     def sure(self) -> bool:
-        """False if the label may well be wrong."""
+        """True if the label's probability is high enough; False marks an uncertain label."""
         return self.probability >= SURE
 
     def _make_plain(self) -> None:
         """Converts all numbers to Python's own.
 
         Raises:
-            FrameError: One is something else.
+            FrameError: A value is not a number.
         """
         try:
             size = None if self.size is None else float(self.size)
@@ -114,7 +115,7 @@ class Contact:
             }
         except (TypeError, ValueError, IndexError) as error:
             raise FrameError(
-                "a contact holds something else than numbers",
+                "a contact has a value that is not a number",
                 where=f"contact {self.id!r}",
                 got=str(error),
                 expected="an id and a label that are integers, and lengths that are numbers",
@@ -133,8 +134,8 @@ class TouchFrame:
         time: Seconds on the device's own monotonic clock.
         contacts: The contacts that are down, in any order; ids are unique.
         lift: Position of the device's lift control, 0 (down) to 1, or None where it has none.
-        cancelled: Ids that left since the last frame because the system took them away. The person
-            did not lift these fingers, so the hand must not let go because of them.
+        cancelled: Ids that the system has cancelled since the last frame. The person did not lift
+            these fingers, so the hand must not let go because of them.
         source: Name of the sender, for messages and logs.
 
     Raises:
@@ -170,7 +171,7 @@ class TouchFrame:
         """Converts all numbers to Python's own.
 
         Raises:
-            FrameError: One is something else, or the contacts are no contacts.
+            FrameError: A value is not a number, or an element of `contacts` is not a contact.
         """
         try:
             plain = {
@@ -181,7 +182,7 @@ class TouchFrame:
             }
         except (TypeError, ValueError) as error:
             raise FrameError(
-                "a frame holds something else than numbers",
+                "a frame has a value that is not a number",
                 got=str(error),
                 expected="a time and a lift that are numbers, and ids that are integers",
             ) from None
@@ -190,7 +191,7 @@ class TouchFrame:
 
 
 _SMALLEST_ID = -(2**63)
-"""Smallest id of a contact: recordings and tables hold integers of 64 bits."""
+"""Smallest id of a contact, since recordings and tables store integers of 64 bits."""
 
 Vector = tuple[float, float, float]
 
@@ -339,12 +340,12 @@ class SeenHand:
     """A hand in a camera's picture.
 
     Attributes:
-        side: `right` or `left`, as the engine takes it to be.
-        score: How sure the engine is of that, 0 to 1.
+        side: `right` or `left`, as the engine classifies the hand.
+        score: Confidence of the engine in the side, 0 to 1.
         image: Landmarks (21, 2) in pixels: x right, y down, from the picture's top left corner.
-        world: Landmarks (21, 3) in m as the engine guesses them, about the middle of the hand: x
-            right and y down in the picture, z away from the camera. Lengths are those of an average
-            hand.
+        world: Landmarks (21, 3) m as the engine estimates them, relative to the middle of the hand:
+            x right and y down in the picture, z away from the camera. Lengths are those of an
+            average hand.
     """
 
     side: str
@@ -378,8 +379,8 @@ class LandmarkFrame:
         time: Seconds on the device's own monotonic clock.
         hands: The hands in the picture, in any order.
         size: Width and height of the picture in pixels.
-        taken: Seconds on the camera's clock at which the picture was taken. A session stamps `time`
-            anew; this stays, and tells one picture from the next.
+        taken: Seconds on the camera's clock at which the picture was taken. A session replaces
+            `time`, but not this value, which distinguishes successive pictures.
         source: Name of the device, for messages and logs.
     """
 
@@ -397,11 +398,11 @@ class LandmarkFrame:
 
 
 Frame = TouchFrame | HandFrame | LandmarkFrame
-"""One input frame of a device: of a surface, of the air, or of a picture."""
+"""One input frame of a device: touches, hands in the air, or hands in a picture."""
 
 
 def _finite(vector: Vector, where: str, name: str) -> None:
-    # A sum is finite only if all its parts are; it is quicker than looking at each.
+    # A sum is finite only if all its terms are; one test of the sum is quicker than three.
     if len(vector) == 3 and math.isfinite(vector[0] + vector[1] + vector[2]):
         return
     if len(vector) != 3 or not all(map(math.isfinite, vector)):

@@ -29,13 +29,14 @@ away."""
 TURN = np.deg2rad(45.0)
 """Largest turn from start to goal (rad)."""
 MASS = (0.050, 0.250)
-"""kg."""
+"""Range of the box's mass (kg)."""
 
 POSITION_TOLERANCE = 0.010
 YAW_TOLERANCE = np.deg2rad(10.0)
 TILT_TOLERANCE = np.deg2rad(5.0)
 SPEED_TOLERANCE = 0.010
-"""m, rad, rad and m/s within which the box counts as arrived."""
+"""Largest errors in position (m), yaw (rad) and tilt (rad), and largest speed (m/s), at which the
+box counts as arrived."""
 
 
 @dataclass(frozen=True)

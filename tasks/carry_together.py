@@ -17,7 +17,7 @@ from tasks.sensing import Sensing
 from tasks.task import Goal, Measure, TaskDefaults
 
 MASS = (0.300, 0.600)
-"""kg."""
+"""Range of the tray's mass (kg)."""
 DISTANCE = (0.030, 0.080)
 """Distance (m) from start to goal, seen from above."""
 YAW = np.deg2rad(12.0)
@@ -35,7 +35,8 @@ POSITION_TOLERANCE = 0.015
 YAW_TOLERANCE = np.deg2rad(8.0)
 SLOPE_TOLERANCE, ROLL_TOLERANCE = np.deg2rad(6.0), np.deg2rad(25.0)
 SPEED_TOLERANCE = 0.050
-"""m, rad and m/s within which the tray counts as being in its place."""
+"""Largest errors in position (m), yaw, slope and roll (rad), and largest speed (m/s), at which the
+tray counts as being in its place."""
 
 _TRIES = 20_000
 """Number of draws after which a surface is reported as too small."""
@@ -88,7 +89,7 @@ class CarryTogether(TaskDefaults):
             SurfaceTooSmallError: The surface has no room for a start and a goal.
         """
         rng = np.random.default_rng([seed, cls.version, 20])
-        # Only there both grips of a tray are in their halves.
+        # Only in this area can both grips of a tray be in their halves of the surface.
         width, height = surface.size.tolist()
         low = (max(width / 2 - TRAY_GRIP + SEAM, 0.0), 0.0)
         high = (min(width / 2 + TRAY_GRIP - SEAM, width), height)
@@ -108,7 +109,7 @@ class CarryTogether(TaskDefaults):
                 (surface.width_in, surface.height_in),
                 "a tray between two hands",
                 (14.0, 5.5),
-                "Give every hand a surface of its own: --device A --device B",
+                "Give every hand its own surface: --device A --device B",
             )
         mass, rise = float(rng.uniform(*MASS)), float(rng.uniform(*RISE))
         places = surface.to_world(np.array([start, end]))[:, :2].tolist()

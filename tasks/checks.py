@@ -1,12 +1,12 @@
-"""Checks a task for its author: everything that a task must keep to, over some seeds.
+"""Checks, for the author of a task, that it obeys all rules for tasks over some seeds.
 
     from tasks import check_task
 
     def test_our_task():
         check_task(PushTheMug)
 
-A session does not do this: it draws a trial once, and stops with one line where the task's own code
-fails.
+A session does not make these checks. It draws a trial once, and stops with a one-line error if the
+task's own code fails.
 """
 
 from __future__ import annotations
@@ -36,21 +36,21 @@ SEEDS = range(10)
 """Seeds with which a task is checked, unless others are given."""
 
 WIDEST = 2.0
-"""Largest radius of an object, in lengths of the surface: a larger one is in the wrong unit."""
+"""Largest radius of an object, in lengths of the surface; a larger object has the wrong unit."""
 
 
 def check_task(
     task: type[Any] | str, seeds: Iterable[int] = SEEDS, surface: Surface | None = None
 ) -> None:
-    """Checks that a task keeps to the rules for tasks; for its author, as Gymnasium's `check_env`.
+    """Checks that a task obeys the rules for tasks; for its author, like Gymnasium's `check_env`.
 
-    Every seed is drawn twice and built in MuJoCo, and measured at its start.
+    Every seed is drawn twice, built in MuJoCo, and measured at its start.
 
     Args:
-        task: The class, or how it is named on the command line: `FILE.py:CLASS`.
+        task: The class, or its name on the command line: `FILE.py:CLASS`.
         seeds: Seeds of the trials that are drawn.
-        surface: The touch surface, which need not be placed; None is the usual tablet. A task for
-            two hands gets one of double width.
+        surface: The touch surface, which need not be placed; None takes the default tablet. A task
+            for two hands gets a surface of double width.
 
     Raises:
         InputError: The first rule that the task breaks: a member is missing or wrong, two draws of
@@ -100,11 +100,11 @@ def _check_measure(task: Task, where: str) -> None:
 
 
 _STATE = mujoco.mjtState.mjSTATE_INTEGRATION
-"""What `measure` must not change."""
+"""Parts of MuJoCo's state that `measure` must not change."""
 
 
 def _check_values(task: Task, where: str) -> None:
-    """Checks the values that objects, rings and goals were made of.
+    """Checks the values of objects, rings and goals.
 
     Raises:
         InputError: A name is the scene's or a hand's, or a size, mass, place, angle, colour or
@@ -136,17 +136,17 @@ def _check_values(task: Task, where: str) -> None:
 
 
 def _rings(task: Task, where: str) -> tuple[PaintedRing, ...]:
-    """What is painted on the table.
+    """Rings that are painted on the table.
 
     Raises:
-        InputError: It is something else than rings.
+        InputError: `painted` is not a sequence of rings.
     """
     painted: object = task.painted
     if not isinstance(painted, tuple | list) or not all(
         isinstance(ring, PaintedRing) for ring in painted
     ):
         raise InputError(
-            "what is painted is wrong",
+            "`painted` is not a sequence of rings",
             where=where,
             got=repr(painted)[:80],
             expected="several PaintedRing, such as `(PaintedRing(...),)`",
@@ -198,14 +198,15 @@ def _check_numbers(
     above: float = -np.inf,
     least: float = -np.inf,
 ) -> None:
-    """Checks that a value is so many finite numbers; a count of 0 is a number alone."""
+    """Checks that a value is a sequence of `count` finite numbers, or a single number if it is
+    0."""
     expected = "a number" if count == 0 else f"{count} numbers"
     if above == 0.0:
         expected += " above 0"
     if least == 0.0:
         expected += ", 0 or more"
     try:
-        # A text of digits would become a number here, and fail where it is used.
+        # A text of digits would become a number here, and would fail later.
         written = np.asarray(value).dtype.kind in "US"
         numbers = np.array(np.nan) if written else np.asarray(value, float)
     except (TypeError, ValueError):
@@ -219,7 +220,7 @@ def _check_repeatable(task: Task, again: Task, where: str) -> None:
     """Checks that two draws of one seed are equal.
 
     Raises:
-        InputError: They differ, so some randomness does not come from the seed.
+        InputError: The draws differ, so some randomness does not come from the seed.
     """
     first, second = _drawn(task), _drawn(again)
     changed = [name for name in first if second.get(name) != first[name]]
@@ -261,7 +262,7 @@ def _check_places(task: Task, surface: Surface, where: str) -> None:
     Raises:
         InputError: The centre of an object or goal is off the surface, or two objects overlap.
     """
-    # A fixed body may stand beside the surface; what moves on it must be within reach.
+    # A fixed body may stand beside the surface, but its moving parts must be within reach.
     centres = {
         f"the object {obj.name}": obj.position
         for obj in task.objects

@@ -39,7 +39,7 @@ from tasks.sensing import Sensing
 from tasks.task import Goal, Measure, TaskDefaults
 
 _SUNK = 0.001
-"""m below the table's top, down to which a mechanism may be placed."""
+"""Greatest depth (m) below the table's top at which a mechanism may be placed."""
 _TRIES = 4_000
 """Number of draws after which a surface is reported as too small."""
 
@@ -114,13 +114,13 @@ class CustomTask(TaskDefaults, ABC):
 
 
 def _check_not_sunk(objects: tuple[SceneObject, ...], where: str) -> None:
-    """Checks that no mechanism, which does not meet the table, was placed into it.
+    """Checks that no mechanism was placed below the table's top, since it does not collide with it.
 
-    Its description may have geoms below its origin, as keys that go down into the table; here only
-    an origin below the table's top is a mistake, where it brings solid geoms below it too.
+    A description may have geoms below its origin, such as keys that move down into the table. The
+    position is a mistake only if the origin is below the table's top and solid geoms are as well.
 
     Raises:
-        InputError: One was.
+        InputError: A mechanism was placed below the table's top.
     """
     low = {
         obj.name: obj.together
@@ -145,7 +145,7 @@ def _check_not_sunk(objects: tuple[SceneObject, ...], where: str) -> None:
                 where=where,
                 got=f"{-1000 * lowest:.1f} mm deep",
                 expected=f"at most {1000 * _SUNK:g} mm",
-                remedy="Place it higher; what belongs into the table, place so in its description",
+                remedy="Place it higher; put parts inside the table there in its description",
             )
 
 
@@ -153,9 +153,9 @@ def judge(progress: float, *lacks: tuple[bool, str]) -> Measure:
     """Combines the conditions of success into a measure.
 
     Args:
-        progress: 0 (as at the start) to 1, before the conditions are taken into account.
-        lacks: Pairs of a boolean, true while a condition is not met, and its text. People are shown
-            the first text that is not empty.
+        progress: Progress, 0 (as at the start) to 1, before the conditions are taken into account.
+        lacks: For each condition, a boolean, true while it is not met, and a text. People see the
+            text of the first unmet condition that has one.
     """
     missing = [why for lacking, why in lacks if lacking]
     # Only success is 1.
@@ -179,8 +179,8 @@ def two_places(
         border: Distance (m) from the surface's border, so that fingers have room beside an object.
 
     Raises:
-        SurfaceTooSmallError: The surface is too small for them.
-        InputError: The surface is upright (`plane = "front"`), where things stand on a floor.
+        SurfaceTooSmallError: The surface is too small for two places.
+        InputError: The surface is upright (`plane = "front"`), where objects stand on a floor.
     """
     if surface.upright:
         raise InputError(

@@ -1,8 +1,7 @@
-"""Calls of a task's own code, whose errors become one line: drawing and building its scene.
-`tasks.score` measures it.
+"""Draws trials and builds scenes with a task's own code, whose errors become one line.
 
-What a task must keep to beyond that, its author finds with `tasks.check_task`. Objects of a varied
-trial that overlap at the start, which physics would throw apart, are refused here.
+`tasks.score` calls a task's `measure`. `tasks.check_task` checks all rules for tasks. This module
+also refuses varied trials whose objects overlap at the start, since physics would throw them apart.
 """
 
 from __future__ import annotations
@@ -35,8 +34,8 @@ def draw_task(kind: type[Task], seed: int, surface: Surface) -> Task:
         surface: The surface as placed in the world.
 
     Raises:
-        InputError: The seed is negative, the task's own code fails, or what it has drawn is no
-            trial: something is no object or no goal, or names do not belong together.
+        InputError: The seed is negative, the task's own code fails, or the drawn trial is invalid:
+            an object or a goal has a wrong type, or a goal names an unknown object.
     """
     where = f"{kind.name}, seed {seed}"
     if seed < 0:
@@ -64,12 +63,12 @@ def build_scene(
 
     Args:
         task: The drawn trial.
-        hands: The hands in it.
-        timestep: s, physics time step.
-        hands_collide: The hands collide with each other.
+        hands: Hands of the scene.
+        timestep: Physics time step (s).
+        hands_collide: True if the hands collide with each other.
 
     Raises:
-        InputError: An object of the task is not what MuJoCo can build.
+        InputError: MuJoCo cannot build an object of the task.
         SceneError: The time step does not fit.
     """
     where = f"{task.name}, seed {task.seed}"
@@ -91,7 +90,7 @@ def build_scene(
         raise InputError(
             "the scene of this task has a size, place or friction that is not finite",
             where=where,
-            remedy="`tasks.check_task` names it",
+            remedy="Run `tasks.check_task`, which names the value",
         )
     return scene
 
@@ -99,7 +98,7 @@ def build_scene(
 def _check_parts(
     what: str, value: object, parts: tuple[str, ...], where: str, expected: str
 ) -> None:
-    """Checks that an object or a goal of a task has its parts."""
+    """Checks that an object or a goal of a task has the required attributes."""
     if not all(hasattr(value, part) for part in parts):
         raise InputError(
             f"this is no {what}",
@@ -151,13 +150,13 @@ def _check_names(task: Task, where: str) -> None:
 
 
 def _check_places(task: Task, where: str) -> None:
-    """Checks that objects and goals of a drawn trial are somewhere, and that objects have a mass.
+    """Checks that positions, yaws and masses of a drawn trial are finite.
 
     Raises:
         InputError: A position is not three finite numbers, or a yaw or a mass is not finite.
     """
     for obj in task.objects:
-        # MuJoCo would take it for a mass that is not given, and find one by itself.
+        # MuJoCo would treat such a mass as not given, and compute a mass by itself.
         if not isfinite(obj.mass):
             raise InputError(f"the mass of {obj.name} is not finite", where=where, got=obj.mass)
     placed = [(f"the object {obj.name}", obj.position, obj.yaw) for obj in task.objects]
@@ -182,12 +181,11 @@ def check_varied(task: Task, where: str, plain: Task | None = None) -> None:
 
     Args:
         task: The varied trial.
-        where: Task and seed, for messages.
-        plain: The trial before it was varied; None does not look at rings.
+        where: Task and seed, for error messages.
+        plain: The trial before it was varied; None skips the check of rings.
 
     Raises:
-        InputError: Two objects overlap; it names both. Or an object starts inside of a ring that it
-            was outside of.
+        InputError: Two objects overlap, or an object starts inside a ring that it was outside of.
     """
     before = set() if plain is None else _inside_rings(plain)
     inside = set() if plain is None else _inside_rings(task) - before
@@ -208,11 +206,11 @@ def check_apart(scene: Scene, where: str, remedy: str) -> None:
 
     Args:
         scene: The scene, in its first state.
-        where: Task and seed, for messages.
-        remedy: The next step, for the message.
+        where: Task and seed, for error messages.
+        remedy: The next step, for the error message.
 
     Raises:
-        InputError: Two overlap; it names both.
+        InputError: Two objects overlap; the error names both.
     """
     deepest, pair = _deepest_overlap(scene)
     if deepest > DEEPEST:
@@ -226,7 +224,7 @@ def check_apart(scene: Scene, where: str, remedy: str) -> None:
 
 
 def _inside_rings(task: Task) -> set[tuple[str, str]]:
-    """Names of painted rings and of the objects that start in each, in pairs."""
+    """Pairs of a painted ring's name and the name of an object that starts inside it."""
     return {
         (ring.name, obj.name)
         for ring in task.painted

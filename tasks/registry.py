@@ -1,12 +1,12 @@
-"""Finds tasks by name: built-in ones, those of installed packages, and those in a file.
+"""Finds tasks by name: built-in tasks, tasks of installed packages, and tasks in a file.
 
-A package offers its tasks under the name of the task:
+A package offers a task under the task's name:
 
     [project.entry-points."hand_sandbox.tasks"]
     my-lab-push = "my_lab.tasks:Push"
 
-A task is imported when it is named. Errors in a task are reported then, and do not affect other
-tasks.
+A task is imported when its name is used. Errors in its code are reported then, and do not affect
+other tasks.
 """
 
 from __future__ import annotations
@@ -98,7 +98,7 @@ def find_task(name: str) -> type[Task]:
             "another task has this name",
             where=name,
             got=task.name,
-            remedy="Give it a name of its own",
+            remedy="Give it a different name",
         )
     return task
 
@@ -124,15 +124,15 @@ def unusable_tasks() -> dict[str, str]:
 
 
 def claim_name(claimed: dict[str, tuple[str, type[Task]]], place: str, kind: type[Task]) -> None:
-    """Notes whose name a task's is, among tasks that are counted by their names.
+    """Records that a task has its name, among tasks that are identified by their names.
 
     Args:
-        claimed: Name -> place and task that has it; it is added to.
-        place: Name or place under which the task was asked for.
+        claimed: Name -> place of the task and the task; the new task is added.
+        place: Name or place with which the task was requested.
         kind: The task.
 
     Raises:
-        InputError: Another task has the name.
+        InputError: Another task has this name.
     """
     first, owner = claimed.setdefault(kind.name, (place, kind))
     if owner is not kind:
@@ -140,7 +140,7 @@ def claim_name(claimed: dict[str, tuple[str, type[Task]]], place: str, kind: typ
             "another of the tasks has the same name",
             where=place,
             got=kind.name,
-            remedy=f"Give it a name of its own, or leave out {first}",
+            remedy=f"Give it a different name, or leave out {first}",
         )
 
 
@@ -172,14 +172,14 @@ def origin(name: str) -> dict[str, Any]:
 
 
 def completed(value: Any, where: str) -> type[Task]:
-    """The task that was loaded, with the defaults of members that it leaves out.
+    """A loaded task, completed with the defaults of members that it leaves out.
 
     Args:
-        value: What was loaded.
-        where: Its place, for messages.
+        value: The loaded object.
+        where: Place from which it was loaded, for error messages.
 
     Raises:
-        InputError: It is no task, or a required member is missing or invalid; the error names it.
+        InputError: The object is not a task, or a required member is missing or invalid.
     """
     if not is_task(value):
         raise InputError(
@@ -197,10 +197,10 @@ def completed(value: Any, where: str) -> type[Task]:
 
 
 def _check_members(task: type[Any], where: str) -> None:
-    """Raises an error for a class whose members are not a task's.
+    """Checks the members of a task.
 
     Raises:
-        InputError: A part is missing or invalid; the error names it.
+        InputError: A member is missing or invalid; the error names it.
     """
     name = getattr(task, "name", None)
     if not (isinstance(name, str) and _NAME.fullmatch(name)):
@@ -232,14 +232,14 @@ def _check_members(task: type[Any], where: str) -> None:
 
 
 def _check_numbers(task: type[Any], where: str) -> None:
-    """Raises an error for a number of a task that is missing, or that cannot be.
+    """Checks the numbers of a task.
 
     Raises:
-        InputError: It names the number.
+        InputError: A number is missing or out of range; the error names it.
     """
     for number in _NUMBERS:
         value = getattr(task, number, None)
-        # Before an upright surface fingertips may also be behind what they grip.
+        # Before an upright surface, fingertips may also be behind the object that they grip.
         least = -inf if number == "touch_height" and task.plane == "front" else 0.0
         if (
             isinstance(value, bool)
@@ -266,10 +266,10 @@ def _check_numbers(task: type[Any], where: str) -> None:
 
 
 def _check_member(name: str) -> None:
-    """Raises an error for a place whose class is not at the top of its file or module.
+    """Checks that the class at a place is at the top level of its file or module.
 
     Raises:
-        InputError: It is inside another class or a function.
+        InputError: The class is inside another class or a function.
     """
     source, _, member = name.partition(":")
     parts = member.replace(".<locals>", "").split(".")
@@ -286,8 +286,8 @@ def _check_member(name: str) -> None:
 
 
 def _near(name: str, names: tuple[str, ...]) -> str:
-    """The next step for whoever named a task that does not exist."""
-    # Somebody's own file may be meant, whose name has underscores.
+    """The next step, for the error message about a task that does not exist."""
+    # The user may mean their own file, whose name has underscores.
     near = get_close_matches(name.replace("_", "-"), names, 1)
     files = [path.name for path in Path().glob("*.py")]
     near += [file for file in get_close_matches(f"{name}.py", files, 1, 0.8) if not near]

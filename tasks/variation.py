@@ -1,8 +1,8 @@
 """Harder and easier trials than a task draws: other objects, other friction, a worse touch screen.
 
-A variation does not belong to a task: the ranges of the task's version stay the same, and a drawn
-trial is changed afterwards. The changes are written beside the result, so that a varied trial is
-never compared with an unvaried one.
+A variation does not belong to a task. The ranges of the task's version stay the same, and a drawn
+trial is changed afterwards. The changes are stored with the result, so that a varied trial is never
+compared with an unvaried trial.
 """
 
 from __future__ import annotations
@@ -71,12 +71,12 @@ class Variation:
 
     @property
     def neutral(self) -> bool:
-        """True if it changes nothing."""
+        """True if the variation changes nothing."""
         return self == Variation()
 
     @property
     def degrades_touches(self) -> bool:
-        """True if it degrades touches."""
+        """True if the variation degrades touches."""
         return any(getattr(self, name) != 0.0 for name in TOUCHES)
 
     def as_json(self) -> dict[str, float]:
@@ -131,12 +131,12 @@ def vary(task: Task, variation: Variation, surface: Surface) -> Task:
 
 
 def _varied(task: Task, variation: Variation, surface: Surface) -> Task:
-    """The same of a variation that changes the scene."""
+    """The trial under a variation that changes the scene; see `vary`."""
     if variation.resistance != 1.0 and not any(
         isinstance(obj, MechanismPart) and obj.joint for obj in task.objects
     ):
         raise InputError(
-            "the resistance of joints can only be varied where objects have some",
+            "the resistance of joints cannot be varied: no object of this task has joints",
             where=task.name,
             remedy="Vary something else",
         )
@@ -178,7 +178,7 @@ def _sized(obj: SceneObject, size: float, where: str) -> SceneObject:
     x, y, z = obj.position
     if isinstance(obj, Box):
         a, b, c = (size * half for half in obj.half_size)
-        # The point on which it stands stays where it is.
+        # The point on which the object stands does not move.
         return replace(obj, half_size=(a, b, c), position=(x, y, z + c - obj.half_size[2]))
     if not isinstance(obj, Scalable):
         raise InputError(
@@ -201,7 +201,7 @@ def _goal(goal: Goal, size: float, step: tuple[float, float, float]) -> Goal:
     """The goal of an object whose middle was shifted by a step, (3,) m along its own axes."""
     x, y, z = goal.position
     if goal.on is not None:
-        # A place on another object grows with both.
+        # A goal on another object moves with the sizes of both objects.
         return replace(goal, position=(size * x, size * y, size * z))
     c, s = cos(goal.yaw), sin(goal.yaw)
     u, v, w = step
@@ -211,12 +211,14 @@ def _goal(goal: Goal, size: float, step: tuple[float, float, float]) -> Goal:
 def _goals_of_parts(
     goals: tuple[Goal, ...], task: Task, objects: tuple[SceneObject, ...], size: float
 ) -> tuple[Goal, ...]:
-    """Goals, of which those of parts that a resized mechanism carries are as far from its first
-    body as its lengths have become: at the end of a slide, not where the old one ended.
+    """Goals after objects were resized.
+
+    Goals of parts that a resized mechanism carries are scaled about its first body. A goal at the
+    end of a slide is then at the end of the resized slide.
 
     Args:
-        goals: Goals, those of all first bodies and of other objects as they should be.
-        task: The trial before it was resized, with as many goals.
+        goals: Goals; those of first bodies and of other objects are already correct.
+        task: The trial before it was resized, with the same number of goals.
         objects: Objects in their new size.
         size: Factor on all lengths.
     """
@@ -247,8 +249,7 @@ def _goals_of_parts(
 def _on_its_slide(
     goal: Goal, before: Goal, task: Task, objects: tuple[SceneObject, ...], size: float
 ) -> Goal:
-    """The goal of a first body on a slide of its own, which has become as much longer as it has;
-    any other goal as it is."""
+    """The goal of a first body on its own slide, scaled with the slide; other goals unchanged."""
     pairs = {old.name: (old, new) for old, new in zip(task.objects, objects, strict=True)}
     old, new = pairs[goal.object]
     if goal.on is not None or not isinstance(old, MechanismPart):
@@ -262,10 +263,10 @@ def _on_its_slide(
 
 
 def _shifted(task: Task) -> list[str]:
-    """Names of the things that the task shifts, which it must have.
+    """Names of the objects whose starts the task shifts.
 
     Raises:
-        InputError: It has no such things, or shifts none.
+        InputError: The task names no objects, or objects that it does not have.
     """
     names = list(task.shifted())
     known = [thing.name for thing in task.objects]
@@ -276,7 +277,7 @@ def _shifted(task: Task) -> list[str]:
             where=task.name,
             got=", ".join(map(str, unknown)) or "none",
             expected=f"some of: {', '.join(known)}",
-            remedy="Where no start can be shifted, raise an InputError that says why",
+            remedy="If no start can be shifted, raise an InputError with the reason",
         )
     return names
 
@@ -288,13 +289,15 @@ def _moved(
     task: Task,
     surface: Surface,
 ) -> tuple[SceneObject, ...]:
-    """Objects, those of some names with shifted starts on the surface, no nearer to another than
-    before; none comes nearer to its goal, or over a side of an upright surface.
+    """All objects, some of them with shifted starts on the surface.
+
+    No shifted object comes nearer to another object or to its goal, nor over a side of an upright
+    surface.
 
     Args:
         objects: All objects.
-        names: Names of those that are shifted.
-        way: m, how far.
+        names: Names of the objects that are shifted.
+        way: Length (m) of the shift.
         task: The drawn trial.
         surface: The surface as placed in the world.
     """
@@ -319,7 +322,7 @@ def _moved(
     for _ in range(_TRIES):
         angles = rng.uniform(-np.pi, np.pi, len(own))
         if task.plane == "front":
-            # To the left or the right only: higher up nothing would support them.
+            # Objects are shifted to the left or right only; higher up nothing would support them.
             steps = np.sign(angles)[:, None] * [1.0, 0.0, 0.0]
         else:
             steps = np.column_stack(
@@ -346,7 +349,7 @@ def _moved(
 
 
 def _easier(moved: SceneObject, before: SceneObject, task: Task, surface: Surface) -> bool:
-    """True if an object came nearer to its goal, or to where no finger gets at it."""
+    """True if an object came nearer to its goal, or to a side where no finger reaches it."""
     goals = [g.position for g in task.goals if g.object == moved.name and g.on is None]
     nearer = any(
         length(np.subtract(moved.position, goal)) < length(np.subtract(before.position, goal))
@@ -356,6 +359,6 @@ def _easier(moved: SceneObject, before: SceneObject, task: Task, surface: Surfac
 
 
 def _distances(places: Array) -> Iterator[float]:
-    """Distances in m between all pairs of positions (n, 3)."""
+    """Distances (m) between all pairs of positions (n, 3) m."""
     for a, b in combinations(places, 2):
         yield length(a - b)

@@ -23,7 +23,7 @@ Place = tuple[float, float, float]
 NAME = "wrench"
 """Name of the wrench in all these tasks."""
 MASS = (0.060, 0.150)
-"""kg."""
+"""Range of the wrench's mass (kg)."""
 END_BORDER = 0.004
 """Distance (m) from the surface's border to the nearest place for an end of the wrench."""
 SPEED_TOLERANCE = 0.010
@@ -42,8 +42,8 @@ class WrenchTask(TaskDefaults, ABC):
     Attributes:
         stream: Number of this task's random stream of a seed.
         border: Distance (m) from the surface's border to the nearest place that is drawn.
-        room: Text for errors: what a surface must have room for.
-        room_in: (2,) inches of a surface that has it.
+        room: Text for error messages that names the objects for which a surface needs room.
+        room_in: (2,) inches, size of a surface with enough room.
     """
 
     name: ClassVar[str]
@@ -99,7 +99,7 @@ class WrenchTask(TaskDefaults, ABC):
 
     @classmethod
     def _bolt(cls, rng: np.random.Generator) -> float | None:
-        """Friction about the bolt in N m; None without a bolt."""
+        """Friction (N m) about the bolt; None without a bolt."""
         return None
 
     def measure(self, sensing: Sensing) -> Measure:
@@ -158,12 +158,13 @@ def _apart(a: float, b: float) -> float:
 SLIDE_TURN = (np.deg2rad(40.0), np.deg2rad(80.0))
 """rad from start to goal, either way."""
 DISTANCE = (0.050, 0.100)
-"""m, of the wrench's middle from start to goal."""
+"""Range of the distance (m) of the wrench's middle from start to goal."""
 
 POSITION_TOLERANCE = 0.010
 SLIDE_YAW_TOLERANCE = float(np.deg2rad(8.0))
 TILT_TOLERANCE = float(np.deg2rad(5.0))
-"""m, rad and rad within which the wrench counts as arrived."""
+"""Largest errors in position (m), yaw (rad) and tilt (rad) at which the wrench counts as
+arrived."""
 
 
 @dataclass(frozen=True)
@@ -233,7 +234,7 @@ class WrenchSlide(WrenchTask):
         return 0.5 * (slid + self._turned(wrench, SLIDE_YAW_TOLERANCE))
 
     def _off(self, wrench: ObjectState) -> float:
-        """Distance in m from the wrench's middle to the goal."""
+        """Distance (m) from the wrench's middle to the goal."""
         return length(wrench.position - self.goals[0].position)
 
 
@@ -247,7 +248,7 @@ def _on_surface(middle: Array, yaw: float, size: Array) -> bool:
 BOLT_TURN = (np.deg2rad(40.0), np.deg2rad(90.0))
 """rad from start to goal, either way."""
 FRICTION = (2.0, 2.5)
-"""N m, dry friction about the bolt; 18 to 22 N at the handle's end."""
+"""Range of the dry friction (N m) about the bolt; 18 to 22 N at the handle's end."""
 GRIP = 0.032
 """Position (m) along the wrench's x axis, a place near the handle's end that must stay within
 reach."""

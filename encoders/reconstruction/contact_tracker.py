@@ -1,26 +1,26 @@
 """Tracks fingers in touch frames through drop-outs, changed ids, palms and noise.
 
-A lost finger is kept for a moment, shifted with the others, and a new id close by inherits it:
-touch screens lose and find resting fingers, and a grasp must survive that. The person did not lift
-a touch that the system *cancelled*, so it is kept longer.
+Touch screens lose resting fingers and find them again, and a grasp must survive this. A lost finger
+is therefore kept for a short time and shifted with the other fingers, and a new id close by
+inherits it. A touch that the system *cancelled* was not lifted by the person, and is kept longer.
 
-Tells palms from fingers by width and height of contacts, their growth, and where they lie.
+Palms are distinguished from fingers by the width, height, growth and position of contacts.
 
-Only contacts with an extent are judged; a device that measures none has no palms here. A judgement
-uses nothing but what was reported so far. Until it is sure, a contact is unsure: it must get no
-label. A palm stays one until it leaves; a finger may still become a palm.
+Only contacts with an extent are judged, so a device that does not measure extents has no palms
+here. A judgement depends only on earlier reports. Until the judgement is certain, a contact is
+unsure and must get no label. A palm remains a palm until it lifts; a finger may become a palm.
 
-Size: the diameter of the circle of equal area. Fingertips have 5 to 28 mm, whether they come down
-at once or flatten; palms have 25 to 120 mm, and half of them begin as small as a fingertip and grow
-for 0.1 to 0.4 s. A course is one such way in the first half second of a touch; how well a contact's
-reports fit the best course of a palm, against the best of a fingertip, tells how likely it is a
-palm.
+Size is the diameter of the circle of equal area. Fingertips have 5 to 28 mm, whether they land at
+full size or flatten. Palms have 25 to 120 mm. Half of the palms begin as small as a fingertip and
+grow for 0.1 to 0.4 s. A course is one such change of size in the first half second of a touch. The
+odds of a palm compare the fit of a contact's reports to the best course of a palm with their fit to
+the best course of a fingertip.
 
-Place: a hand that touches with its fingertips rests its heel well below them; the thumb's tip is
-nearer to the others and higher. The odds are those of a small network, a layer of rectifiers, whose
-inputs are how many others there are, how far and in which directions the nearest four and the
-outermost two lie, and how far they spread. It was trained on fingertips and heels of simulated
-people; `python -m training palm_places` in a checkout makes the file of its weights.
+Position gives further odds. A hand that touches with its fingertips rests its heel well below them,
+and the tip of the thumb is nearer to the other fingers and higher. A small network with a layer of
+rectifiers computes these odds. Its inputs are the number of other contacts, the distances and
+directions of the nearest four and the outermost two, and their spread. It was trained on fingertips
+and heels of simulated people; `python -m training palm_places` in a checkout writes its weights.
 """
 
 from __future__ import annotations
@@ -41,32 +41,33 @@ from models.arithmetic import Array, distance, matrix_vector, small_product
 from models.frames import FINGERS, Contact, TouchFrame
 
 _LANDED, _DECIDED_BY = 0.10, 0.45
-"""s after touch-down. From the first on a contact's place counts too, as the other fingers of a
-grip have landed. At the second the likelier of both is taken, after the slowest growth of a palm
-and a few reports more."""
+"""Times (s) after touch-down. From the first time on, a contact's position counts too, since the
+other fingers of a grip have landed. At the second time, the more likely kind is chosen; even the
+slowest growth of a palm is then over, and a few more reports have arrived."""
 
 _PALM_ODDS, _FINGER_ODDS = 4.0, -4.5
-"""Log-odds by size beyond which a contact is a palm, and by size and place below which it is a
-finger, before `_DECIDED_BY`. A place alone makes no palm by then: fingers may still land."""
+"""Limits of the log-odds before `_DECIDED_BY`: a contact is a palm above the first by size, and a
+finger below the second by size and position. Position alone does not make a palm during this time,
+since further fingers may land."""
 
 _LATE_ODDS = 0.0
-"""Log-odds by size and place above which it is a palm from then on. Sizes of 25 to 28 mm, which
-either may have, give -1.4."""
+"""Log-odds by size and position above which a contact is a palm after `_DECIDED_BY`. Sizes of 25 to
+28 mm, which both fingers and palms may have, give -1.4."""
 
 _CERTAIN = 8.0
-"""Log-odds by size that no place changes."""
+"""Log-odds by size that no position can outweigh."""
 
 _LARGE = 0.020
-"""Least width or height that makes a finger that is certain looked at again (m); saves time."""
+"""Least width or height (m) at which a certain finger is judged again, which saves time."""
 
 _ROUNDING = 1e-9
-"""s; times are sums of control periods."""
+"""Tolerance (s) for times, which are sums of control periods."""
 
 _GRID = 0.01
-"""Time (s) between the times at which courses are known."""
+"""Step (s) of the times at which courses are tabulated."""
 
 _LONGEST = 0.4
-"""s of the slowest growth of a palm."""
+"""Longest time (s) in which a palm grows."""
 
 _NOISE = 0.12
 """Deviation of the logarithm of a reported size. With 15 % in width and in height it is 11 %."""
@@ -75,20 +76,20 @@ _OUTLIER = 9.0
 """Largest squared deviation of a report, in squared deviations of the noise, that counts."""
 
 _MEMORY = 0.5
-"""Time (s) after which a report counts 1/e, so that a finger may become a palm later."""
+"""Time (s) after which the weight of a report is 1/e, so that a finger may become a palm later."""
 
 _REPEATED = 0.5
-"""Weight of a report that is equal to the last one: the contact does not grow, but the noise is
-that of the last report too."""
+"""Weight of a report that is equal to the previous one. It shows that the contact does not grow,
+but its noise is not independent."""
 
 _GROWING = log(0.25)
 """Log-odds of growing against coming down at once, by the best of a dozen courses."""
 
 _ONTO = (100.0, 150.0, 200.0, 250.0, 300.0, 400.0)
-"""ms that growth takes."""
+"""Durations (ms) of growth."""
 
 _FINGERTIPS, _PALMS = (5.0, 28.0), (25.0, 120.0)
-"""mm of fingertips and palms at rest."""
+"""Sizes (mm) of fingertips and palms at rest."""
 
 Place = tuple[float, float]
 
@@ -96,13 +97,13 @@ _FILE = Path(__file__).parents[1] / "data" / "palm_places.json"
 """Weights of the network, lists of numbers by name."""
 
 _UNIT = 0.1
-"""m, unit of the network's lengths."""
+"""Unit (m) of the network's lengths."""
 
 _NEAREST = 4
-"""Others that the network looks at one by one."""
+"""Number of nearest contacts that are separate inputs of the network."""
 
 LARGEST = 4.0
-"""Bound on the log-odds: beyond it, simulated people prove nothing about real ones."""
+"""Bound on the log-odds; simulated people justify no more certainty about real people."""
 
 
 class Kind(StrEnum):

@@ -1,16 +1,17 @@
 """Motion of a hand from step to step: smoothing, arrival, lift, and bounds on its speed.
 
-*Smoothing* of the posture happens in surface coordinates. Never on poses relative to the leftmost
-contact: that reference jumps by the width of a hand when another finger becomes the leftmost.
+*Smoothing* of the posture takes place in surface coordinates, never on poses relative to the
+leftmost contact. This reference jumps by the width of a hand when another finger becomes the
+leftmost contact.
 
-*Arrival*: the hand hovers as a ghost over its place, comes down from above once it is there and the
-touches rest, and rises when they leave. Task success depends more on this path of the hand than on
-its final place (measured with the simulated user: without these rules, a box is knocked over before
-it is touched).
+*Arrival*: the hand hovers as a ghost over its place. It comes down from above once it is there and
+the touches rest, and rises when the touches lift. Task success depends more on this path than on
+the final place. Measured with the simulated user, without these rules the hand knocks a box over
+before it touches the box.
 
 The *lift control*, moved by the other hand, raises the hand along the surface's normal. A slider is
-never quite still: 3 % of 18 cm would shake a held box by millimetres, sixty times a second, so its
-value is smoothed.
+never quite still: noise of 3 % of 18 cm would shake a held box by millimetres, sixty times a
+second. Its value is therefore smoothed.
 
 The *rate limit* bounds the speed of the commanded pose.
 """
@@ -39,21 +40,21 @@ class Motion(NamedTuple):
     """Common motion of the touches since the previous frame."""
 
     carried: tuple[float, float]
-    """m, on the surface: the way of their middle (y down)."""
+    """Movement (m) of the touches' mean on the surface (y down)."""
     turn: float
-    """rad, about their middle, counterclockwise as seen on the screen."""
+    """Rotation (rad) of the touches about their mean, counterclockwise on the screen."""
     about: tuple[float, float]
-    """m, where their middle was, on the surface."""
+    """Mean (m) of the touches in the previous frame, on the surface."""
 
 
 STILL = Motion((0.0, 0.0), 0.0, (0.0, 0.0))
-"""Of no touches."""
+"""Motion without touches."""
 
 
 def rigid_motion(before: ArrayLike, after: ArrayLike) -> Motion:
     """The best rigid motion from touches (n, 2) m to the same touches later.
 
-    Touches that are NaN on either side take no part; fewer than two do not turn.
+    Touches that are NaN before or after are left out. With fewer than two touches, the turn is 0.
     """
     before, after = np.asarray(before, float), np.asarray(after, float)
     both = np.isfinite(before).all(axis=1) & np.isfinite(after).all(axis=1)

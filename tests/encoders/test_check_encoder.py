@@ -67,7 +67,7 @@ def test_the_example_keeps_to_the_rules_by_its_place() -> None:
 @pytest.mark.parametrize(
     ("encoder", "says"),
     [
-        (Counting, "depends on the ones before it|gave different encoders"),
+        (Counting, "depends on earlier predictions|gave different encoders"),
         (NoPose, "not finite"),
         (Drawn, r"two trainings on equal frames.*fixed seed"),
         (dict, "not an encoder"),

@@ -782,7 +782,7 @@ def test_progress_of_any_task_is_from_0_to_1(progress: float) -> None:
 @pytest.mark.parametrize(
     ("painted", "says"),
     [
-        (PaintedRing("ring", (0.0, 0.0), 0.04), "what is painted is wrong"),
+        (PaintedRing("ring", (0.0, 0.0), 0.04), "is not a sequence of rings"),
         ((PaintedRing("ring", (np.nan, 0.0), 0.04),), "the middle of ring is wrong"),
         ((PaintedRing("ring", (0.0, 0.0), -0.04),), "the radius of ring is wrong"),
         (property(lambda self: 1 / 0), "test-broken, seed 0: .*ZeroDivisionError.*test_custom"),

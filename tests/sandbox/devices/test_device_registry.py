@@ -92,8 +92,8 @@ def test_a_device_of_an_installed_package_is_played_by_its_name(
         ("[TouchFrame(now, (Contact(0, float('nan'), 0.1),))]", "must be finite"),
         ("[TouchFrame(now, (Contact(0, 3.0, 2.0),))]", "far off the surface"),
         ("[TouchFrame(now, (Contact(2**70, 0.1, 0.1),))]", "more than 64 bits"),
-        ("[TouchFrame(now, (Contact(0.5, 0.1, 0.1),))]", "something else than numbers"),
-        ("[TouchFrame(now, (Contact('a', 0.1, 0.1),))]", "something else than numbers"),
+        ("[TouchFrame(now, (Contact(0.5, 0.1, 0.1),))]", "value that is not a number"),
+        ("[TouchFrame(now, (Contact('a', 0.1, 0.1),))]", "value that is not a number"),
     ],
 )
 def test_an_error_in_the_poll_of_a_device_of_ones_own_is_one_line_with_its_place(
