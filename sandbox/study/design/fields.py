@@ -40,14 +40,14 @@ SEEDS = {
 
 SHOWS = {
     "task": "the name of the task",
-    "goal": "what is to be done",
+    "goal": "goal of the task",
     "time": "the time of the trial",
     "progress": "how much of the goal is reached",
     "fingers": "names, colours and forces at the rings under the fingers",
     "sound": "sounds of contacts",
     "demo": "a simulated user on the same table, before a session's first trial of a task",
     "hint": "how the task is done, in words, until it is well under way",
-    "result": "after a trial its time, or what was missing",
+    "result": "after a trial its time, or the missing condition",
 }
 """Items that the participant sees or hears."""
 
@@ -138,7 +138,7 @@ _TABLES: dict[str, tuple[Field, ...]] = {
         Field("schema", WHOLE, "version of the layout of this file", SCHEMA, low=1, high=SCHEMA),
         Field("name", NAME, "name of the study, of its folder, and in every table"),
         Field("title", TEXT, "heading of pages and copies; participants do not see it", ""),
-        Field("seed", WHOLE, "what all chance follows from", 0, low=0, high=2**53),
+        Field("seed", WHOLE, "seed of all random numbers", 0, low=0, high=2**53),
         Field("participants", WHOLE, "people wanted", 12, low=1, high=10_000),
         Field("sessions", WHOLE, "times that everybody comes", 1, low=1, high=99),
         Field(
@@ -155,9 +155,9 @@ _TABLES: dict[str, tuple[Field, ...]] = {
             "which is written as after `sandbox run --vary`",
             {},
         ),
-        Field("factors", TABLES, "what is varied, from the outermost to the innermost"),
+        Field("factors", TABLES, "the varied factors, from the outermost to the innermost"),
         Field("trials", TABLE, "number, practice, time and display of trials", {}),
-        Field("tasks", TABLES, "what the page calls tasks", ()),
+        Field("tasks", TABLES, "names and goals of tasks on the page", ()),
         Field("words", TABLE, "words of the page by language, where it has none or others", {}),
         Field("breaks", TABLE, "breaks between trials", {}),
         Field("consent", TABLE, "the consent form", {}),
@@ -167,7 +167,7 @@ _TABLES: dict[str, tuple[Field, ...]] = {
         ),
         Field("questionnaires", TABLES, "questions about levels, or at the start or the end", ()),
         Field("exclusions", TABLES, "rules that exclude trials or participants", ()),
-        Field("analysis", TABLE, "what the report tests", {}),
+        Field("analysis", TABLE, "outcomes that the report tests", {}),
     ),
     "factors": (
         Field("name", NAME, "name of the factor, and of its column after `factor_`"),
@@ -217,14 +217,14 @@ _TABLES: dict[str, tuple[Field, ...]] = {
         Field(
             "expected_s", NUMBER, "how long a trial takes, for the plan", 20.0, "s", 0.05, 3600.0
         ),
-        Field("shows", LIST, "what the page shows or plays", ("task", "goal"), options=SHOWS),
+        Field("shows", LIST, "parts that the page shows or plays", ("task", "goal"), options=SHOWS),
         Field("starts", CHOICE, "when time starts on the page", "touch", options=STARTS),
         Field("when_gone", CHOICE, "while the page is away", "pause", options=WHEN_GONE),
     ),
     "tasks": (
         Field("task", STRING, "the task, as in the settings"),
-        Field("name", TEXT, "what the page calls it"),
-        Field("goal", TEXT, "what is to be done"),
+        Field("name", TEXT, "name of the task on the page"),
+        Field("goal", TEXT, "goal of the task"),
     ),
     "breaks": (
         Field(
@@ -280,7 +280,7 @@ _TABLES: dict[str, tuple[Field, ...]] = {
         Field("items", LIST, "items of kind scale or number"),
         Field("reverse", LIST, "items that run against the others: low + high - answer", ()),
         Field("from_zero", FLAG, "an answer counts from its item's `low`", False),
-        Field("factor", NUMBER, "what the result is multiplied with", 1.0, low=-1e6, high=1e6),
+        Field("factor", NUMBER, "factor on the result", 1.0, low=-1e6, high=1e6),
         Field("pairs", LIST, "of a weighted scale: choices among its items", ()),
     ),
     "exclusions": (
