@@ -180,7 +180,7 @@ class FitSettings:
         bend: Spread of flexion about the usual flexion (degrees).
         usual: Usual flexion (degrees) at a finger's first and middle joint.
         thumb: Spread of the thumb's joints about their middle, while all joints are fitted
-        (degrees).
+            (degrees).
         thumb_bend: Spread of the flexion of the thumb's joints (degrees), once the rest of the hand
             is fitted and fixed. A pinch bends them to the ends of their ranges. With so much
             freedom in the first fit, the thumb would turn the palm, since its landmarks are poor.

@@ -36,7 +36,7 @@ class Reconstruction:
         see: Returns `contacts`; they are of this moment, whenever they are looked at.
         touches: (x, y) m on the surface, smoothed, by the label of the touching finger.
         tip_height: Height (m) over the surface, where touching fingertips are once the hand is
-        down.
+            down.
     """
 
     q: Array
