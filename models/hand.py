@@ -152,10 +152,11 @@ class SceneHand(Protocol):
 
 
 IMPULSE_PERIOD = 1.0 / 60.0
-"""s, the step of the paper's physics engine, over which its impulse limit is counted."""
+"""Time step (s) of the paper's physics engine, to which its impulse limit refers."""
 
 IMPULSE_PROFILES: dict[str, float] = {"paper": 100.0, "safe": 0.5}
-"""N s (N m s for rotations). `paper` is 6000 N, which is never reached; `safe` is 30 N."""
+"""Impulse limits (N s, or N m s for rotations). `paper` is 6000 N, which is never reached; `safe`
+is 30 N."""
 
 CALM_ARMATURE = 3.0
 """Factor on the armature of the finger joints of a hand no stronger than `safe`. A lighter
@@ -168,8 +169,8 @@ torque, as in Bullet. `position`: three servos on the components of its rotation
 limited."""
 
 ROOT_MASS, ROOT_INERTIA = 1.0, 0.006
-"""kg and kg m2 added to the root's joints for the mass of a forearm; the hand jitters without
-it."""
+"""Mass (kg) and inertia (kg m2) of a forearm, added to the root's joints. Without them the hand
+jitters."""
 ROOT_STIFFNESS, ROOT_TURN_STIFFNESS = 8000.0, 40.0
 """N/m and N m/rad of the root's servos, at servo stiffness 1."""
 

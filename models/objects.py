@@ -327,7 +327,7 @@ class _Piece:
 
 
 THICKNESS = 0.016
-"""m, for a wrench of size 1, as all lengths below."""
+"""Thickness (m) of a wrench of size 1, to which all lengths below also refer."""
 HANDLE_WIDTH = 0.022
 """Width of the handle (m), on which fingers close."""
 HANDLE = (-0.032, 0.060)

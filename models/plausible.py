@@ -632,7 +632,8 @@ class SideDoubt:
 JUMPED = "hands that jump farther than a hand moves"
 POINT_JUMPED = "points of a hand that jump farther than a hand moves"
 _FROZEN = 1.0
-"""s. A hand that is held still moves in the last digits, as no device measures twice the same."""
+"""Longest time (s) without any change. Even a still hand changes in the last digits, since no
+device measures the same value twice."""
 _CORRECTION = 0.05
 """Distance (m) by which a device may correct a place from one frame to the next."""
 

@@ -80,8 +80,8 @@ class SceneSpec:
         hands: One or two hands.
         objects: Objects on the table.
         table_friction: Coulomb coefficient between the table and the objects on it.
-        timestep: s; a whole number of them makes one control period.
-        hands_collide: Two hands collide with each other, where they are solid.
+        timestep: Physics time step (s); a control period is a whole number of steps.
+        hands_collide: True if two hands collide with each other, where they are solid.
         painted: Rings painted on the table.
         own_friction: The friction of an object counts against hands and table. Otherwise that of
             the table counts on it, and of an object and a hand the larger one.

@@ -10,7 +10,7 @@ from models.pose import JOINTS, POSE_SIZE, ROOT_ROTATION
 from models.rotations import quaternion_exp, quaternion_log
 
 LONGEST = 0.5
-"""m or rad of a step in any direction."""
+"""Largest length (m or rad) of a step in any direction."""
 _ROUNDS = 4
 """Most rounds in which joints are held."""
 _AT_END = 1e-9

@@ -21,8 +21,8 @@ from models.skeleton import ADULT
 _CENTRE = np.array([-0.038, 0.047, -0.055]) + PALM_CENTRE
 """(3,) m in the hand's frame, where the tips meet."""
 _AXIS = radians(52.0)
-"""rad in the palm's plane, from x: from the thumb's tip to the fingers', as the resting thumb of
-`models.skeleton` faces."""
+"""Direction (rad from x, in the palm's plane) from the thumb's tip to the fingertips, which the
+resting thumb of `models.skeleton` faces."""
 _PITCH = 0.019
 """Distance (m) between the tips of index and middle finger."""
 _OPEN, _CLOSED = 0.085, 0.010

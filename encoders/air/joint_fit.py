@@ -217,7 +217,7 @@ class JointFit:
 
 
 _STILL = 1e-5
-"""m or rad of a step that ends the search."""
+"""Length (m or rad) of a step below which the search ends."""
 
 
 def _shortest(along: Array) -> Array:

@@ -380,12 +380,12 @@ _LEAST_TIME = 0.001
 _BETTER = 0.8
 """Share of the error below which a new beginning is better than the picture before."""
 _LEAST_PALM, _SCALES = 0.01, (0.5, 2.0)
-"""m and factors that bound the size of the engine's palm."""
+"""Least size (m) of the engine's palm, and limits of the factor on its size."""
 _NEAREST = 0.03
 """Least distance of a point from the lens (m)."""
 _DAMPING = 1e-3
 _STILL = 1e-5
-"""m or rad of a step that ends the search."""
+"""Length (m or rad) of a step below which the search ends."""
 _CENTRED = 1e-9
 """Tangent of the angle from the middle of the picture, below which a hand is there."""
 

@@ -207,7 +207,7 @@ def counts_of(tests: Tests) -> dict[int, int]:
 BATCH = 120
 """Number of poses in a batch: the number of labellings of five contacts."""
 BUDGET = 0.5
-"""s spent on each of the two measurements."""
+"""Time (s) spent on each of the two measurements."""
 MOST = 3000
 """Largest number of measured calls, enough for a median."""
 

@@ -39,8 +39,7 @@ WINDOW = 0.05
 
 HABIT = {"natural": 0.08, "closed": 0.14, "wide": 0.08}
 """Standard deviation of a spread among people with equal hands, in the logarithm of the size.
-Assumed, not measured: only the interval and the weights of the spreads depend on it.
-"""
+Assumed, not measured: only the interval and the weights of the spreads depend on it."""
 
 TAILS = 4.0
 """Degrees of freedom of Student's t: a spread that was misunderstood must not decide alone."""

@@ -309,7 +309,7 @@ def knowing_rest(model: TrainedModel, samples: Sequence[RestSample], size: float
 
 
 _LEAST = 1e-9
-"""m2 and rad2, added to a variance so that its matrix has an inverse."""
+"""Value (m2, rad2) added to a variance so that its matrix has an inverse."""
 
 
 SECONDS = 1.0
@@ -415,5 +415,5 @@ def rest_sample_of(poses: Array, kinematics: Kinematics) -> RestSample:
 
 
 def _moved(tips: Array, before: Array) -> float:
-    """m, the least movement of a fingertip."""
+    """Least movement (m) of any fingertip."""
     return float(np.sqrt(squared_lengths(tips - before)).min())

@@ -1,5 +1,5 @@
-"""The commanded pose of a hand in the air: it follows a goal that is seen, and waits for one that
-is lost."""
+"""The commanded pose of a hand in the air, which follows the hand while it is seen and waits while
+it is lost."""
 
 from __future__ import annotations
 
@@ -74,7 +74,7 @@ class FollowedHand:
         self.reset()
 
     def reset(self) -> None:
-        """Returns to the start."""
+        """Resets to the initial state."""
         self._commanded = self._goal = self._start.copy()
         self._seen_before = self._here = False
         self.unseen = np.inf
@@ -93,7 +93,7 @@ class FollowedHand:
         return ""
 
     def follow(self, goal: Array, dt: float) -> None:
-        """Moves towards a goal (48,) in the world that is seen now, in a control step of dt s."""
+        """Moves towards the pose (48,) that is seen now, in a control step of `dt` (s)."""
         s, goal = self.settings, goal.copy()
         first = not self._seen_before
         # After a long absence the old state is not used for smoothing.
@@ -110,7 +110,7 @@ class FollowedHand:
         self._here = self._here or off < s.near
 
     def lose(self, dt: float) -> None:
-        """A control step of dt s in which the hand is not seen."""
+        """Makes a control step of `dt` (s) in which the hand is not seen."""
         s = self.settings
         self.unseen += dt
         if self.unseen <= s.patience:
@@ -125,7 +125,7 @@ class FollowedHand:
         """The result of a control step.
 
         Args:
-            error: Distance (m) by which the reconstruction misses what was seen.
+            error: Distance (m) between the reconstruction and the observation.
         """
         phase = Phase.DOWN if self._here else Phase.AWAY
         if not self._here and self.unseen == 0.0:
@@ -145,7 +145,8 @@ class FollowedHand:
 
 
 _START = (0.0, -0.10, 0.12)
-"""m, wrist of the right hand before it is seen: over the table, fingers away from the person."""
+"""Wrist position (m) of the right hand before it is seen: over the table, with the fingers pointing
+away from the person."""
 
 
 class AirReconstructor:
@@ -191,13 +192,13 @@ class AirReconstructor:
         return self._hand.notice(self.side)
 
     def _elapsed(self, time: float) -> float:
-        """Time (s) since the step before; 0 at the first one, and where time runs backwards."""
+        """Time (s) since the previous step; 0 at the first step, and if time runs backwards."""
         dt = 0.0 if self._time is None else max(time - self._time, 0.0)
         self._time = time if self._time is None else max(time, self._time)
         return dt
 
     def _followed(self, dt: float) -> Reconstruction:
-        """The result of a control step of dt s: the hand follows its goal, or waits for it."""
+        """The result of a control step of `dt` (s), in which the hand follows its goal or waits."""
         if self._goal is None:
             self._hand.lose(dt)
         else:
@@ -206,6 +207,6 @@ class AirReconstructor:
 
 
 def _keep(goal: Array, before: Array, part: slice, smoothing: float, dt: float) -> None:
-    """Low-passes a part of a goal (48,) by the goal before, in place."""
+    """Low-passes a part of a goal (48,) in place, with the previous goal."""
     if smoothing > 0.0:
         goal[part] += exp(-dt / smoothing) * (before[part] - goal[part])

@@ -31,12 +31,12 @@ class Reconstruction:
         fingers: Labels of the fingers that touch.
         u: (15,) contact vector, or None without a labelled contact.
         probability: Probability of the labels, 0 to 1.
-        tip_error: Largest distance between a corrected fingertip and its touch (m), or the place
-            beside it that it was led to.
-        see: Returns `contacts`; they are of this moment, whenever they are looked at.
-        touches: (x, y) m on the surface, smoothed, by the label of the touching finger.
-        tip_height: Height (m) over the surface, where touching fingertips are once the hand is
-            down.
+        tip_error: Largest distance (m) between a corrected fingertip and its target, which is its
+            touch or a point at an offset from it.
+        see: Function that returns `contacts`; they are those of this moment even if it is called
+            later.
+        touches: Label of a touching finger -> smoothed (x, y) m on the surface.
+        tip_height: Height (m) of touching fingertips above the surface once the hand is down.
     """
 
     q: Array
@@ -51,7 +51,7 @@ class Reconstruction:
 
     @cached_property
     def contacts(self) -> tuple[Contact, ...]:
-        """All contacts on the surface, with their labels and states; places are smoothed."""
+        """All contacts on the surface, with labels, states and smoothed positions."""
         return self.see()
 
     @property
@@ -64,7 +64,8 @@ Frame_contra = TypeVar("Frame_contra", TouchFrame, HandFrame, LandmarkFrame, con
 
 
 class FrameReconstructor(Protocol[Frame_contra]):
-    """Reconstructs one hand from frames of one kind; keeps what it needs of earlier frames."""
+    """Reconstructs one hand from frames of one kind, with a state that depends on earlier
+    frames."""
 
     @property
     def surface(self) -> Surface:
@@ -73,12 +74,12 @@ class FrameReconstructor(Protocol[Frame_contra]):
 
     @property
     def empty(self) -> Frame:
-        """The frame that stands for a device before its first one."""
+        """Frame that is used until the device has sent its first frame."""
         ...
 
     @property
     def commanded(self) -> Array:
-        """The pose last commanded (48,), in the world."""
+        """The last commanded pose (48,), in the world."""
         ...
 
     @property
@@ -161,7 +162,7 @@ class PersonalReconstructor:
 
     @property
     def commanded(self) -> Array:
-        """The pose last commanded (48,), of the person's hand in the world."""
+        """The last commanded pose (48,) of the person's hand, in the world."""
         return self._outward(self.trained.commanded)
 
     @property

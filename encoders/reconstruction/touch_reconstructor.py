@@ -47,7 +47,7 @@ of position."""
 _LOW = (Phase.COMING_DOWN, Phase.DOWN)
 
 _SETTLED = 0.010
-"""rad (and m), length of an iteration's step below which a frame stops iterating. The next frame,
+"""Length (rad and m) of an iteration's step below which a frame stops iterating. The next frame,
 16 ms later, continues from there, and with resting fingers the posture converges to the most likely
 one. With 0.003, a frame takes 2.4 steps rather than 1.4, and the posture differs by less than a
 degree."""

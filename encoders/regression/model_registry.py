@@ -50,7 +50,7 @@ DEFAULT_MODEL = POPULATION
 """Name of the model that is used where none is named; all defaults are this one."""
 
 LONG = 2.0
-"""s; training that takes longer is kept for the next time."""
+"""Training time (s) above which a trained model is stored for the next time."""
 
 
 @dataclass(frozen=True)

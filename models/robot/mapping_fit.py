@@ -177,20 +177,20 @@ def flexed(person: Skeleton, share: float) -> Array:
 _GEOM = mujoco.mjtGeom
 
 RADIUS = 0.008
-"""m, of a fingertip whose shape has no radius of its own."""
+"""Radius (m) of a fingertip whose shape has no radius."""
 POSES, SPREAD = 16, 0.35
 """Number of poses of the fit, and how far they are from the middle of each joint's range, in
 halves of the range."""
 ROUNDS = 5
 """Times that all poses are met and the palm is moved to the mean of its places."""
 READY = 1e-2, 1e-1
-"""m2 and rad2, how readily the palm moves while it is looked for."""
+"""Variances (m2, rad2) of the palm's movement while its pose is fitted."""
 HELD = 1e-9, 1e-8
-"""m2 and rad2, of a palm that is held while errors are measured."""
+"""Variances (m2, rad2) of the palm's movement while errors are measured; the palm is then fixed."""
 LEAST_SIZE, GREATEST_SIZE = 0.2, 5.0
 """Lengths of fingers that a robot's hand can have, relative to a person's."""
 UNITS = {"millimetres": 1e-3, "centimetres": 1e-2, "inches": 0.0254}
-"""m, units in which models are drawn by mistake."""
+"""Units (m) in which models are drawn by mistake."""
 _BENT = (0.1, 0.4, 0.7)
 """Shares of the range of flexion at which hands are laid over each other."""
 _MOST_LINKS = 3
@@ -482,7 +482,7 @@ def _free_joint(name: str, coupled: Mapping[str, tuple[str, Law]]) -> tuple[str,
 
 
 def _radii(robot: RobotModel) -> tuple[float, ...]:
-    """m, of the rounded shapes at the fingertips."""
+    """Radii (m) of the rounded shapes at the fingertips."""
     model, round_ = robot.model, [int(_GEOM.mjGEOM_CAPSULE), int(_GEOM.mjGEOM_SPHERE)]
     out = []
     for body, _ in robot.tips:

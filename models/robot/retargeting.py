@@ -41,21 +41,21 @@ ROOT_PLACE = 7
 """Numbers of the palm's place in `qpos`."""
 
 PALM_MOVES, PALM_TURNS = 2e-4, 5e-3
-"""m2 and rad2, how readily the palm leaves its place, relative to 1 rad2 of a finger's joint: a
+"""Variances (m2, rad2) of the palm's movement, relative to 1 rad2 of a finger's joint: a
 fingertip is moved by its finger, and by the palm only as far as the finger cannot."""
 TOUCHING, IN_THE_AIR = 2e-6, 2e-4
-"""m2, damping of a fingertip that touches, and of others."""
+"""Damping (m2) of fingertips that touch, and of other fingertips."""
 HOMING = 0.15
 """Share of the way to the middle of its range, or to the palm's place, that a joint goes in a
 step as far as fingertips allow it."""
 LONGEST_STEP = 0.35
 """Largest change of a joint in a step (rad or m): the derivative is good within it."""
 STEPS, FIRST_STEPS = 6, 60
-"""Steps for the next pose of a movement, and for a pose from nowhere."""
+"""Number of steps for the next pose of a movement, and for a first pose."""
 CLOSE = 5e-5
 """Distance of fingertips that touch from their places at which no more steps are needed (m)."""
 REACHED = 0.005
-"""Distance (m) from its touch, within which a fingertip counts as there."""
+"""Distance (m) from its touch within which a fingertip counts as having reached it."""
 _GRID = 2000
 """Parts into which a joint's range is divided to find where a curve is within another range."""
 _ROUNDING = 1e-6

@@ -280,7 +280,7 @@ class RobotHand:
         return mujoco.MjModel.from_xml_string(tostring(root, encoding="unicode"))
 
     def _forces(self, limit: float) -> list[float]:
-        """N m, limits of the joints' servos: the robot's own, and at most ours."""
+        """Torque limits (N m) of the joints' servos: those of the robot, but at most ours."""
         names, own = self.robot.joint_names(), self.robot.force_limits()
         for joint, (other, _) in self.mapping.coupled.items():
             # A tendon pulls both.

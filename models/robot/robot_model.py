@@ -44,7 +44,8 @@ _SEEN_GROUPS = 3
 _OURS = re.compile(rf"palm|root(_[xyz])?|({'|'.join(FINGERS)})_link\d+")
 """Names that bodies and joints of a hand in a scene have already; a robot's own get others."""
 WORLD_PALM_MASS, WORLD_PALM_INERTIA = 0.3, 3e-4
-"""kg and kg m2, of a palm that is a part of the world: about those of a person's palm."""
+"""Mass (kg) and inertia (kg m2) of a palm that is part of the world: about those of a person's
+palm."""
 _FINITE = ("body_pos", "body_quat", "body_ipos", "body_inertia", "jnt_pos", "jnt_axis", "jnt_range")
 """Fields of numbers that decide where fingers are."""
 DEGREES = UNITS["angle"]["deg"]

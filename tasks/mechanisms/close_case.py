@@ -80,8 +80,7 @@ _STEP, _FARTHER = 0.008, 0.002
 rim."""
 _FIRST = 1.0
 """Time (s) for which the user waits for the other user to grasp, also after the other half gave
-way.
-"""
+way."""
 _YIELDS = 0.002
 """Distance (m) by which the other half moves under a push before the user waits for the other user.
 """

@@ -104,8 +104,7 @@ FARTHER = 0.0015
 """Distance (m) by which the user pushes beyond the bottom, to reach it safely."""
 _FINGER = 0.010
 """Least distance (m) along the peg from the middle of a fingertip to the mouth, or to the peg's
-end.
-"""
+end."""
 _CLEAR = 0.0086
 """Clearance (m per side) by which the hand comes down wider than the peg."""
 

@@ -39,8 +39,7 @@ from tasks.user import Sight, UserConfiguration, UserMaker
 
 _RESTING = 0.9
 """Time (s) for which five fingers rest on their keys once they are seen there; longer than
-required.
-"""
+required."""
 _APART = 0.3
 """Interval (s) between two movements of single fingers."""
 _PRESSING = 1.0

@@ -46,8 +46,8 @@ _NEAR_PLANE = 0.012
 """Distance (m) from the plane of resting fingertips within which a finger may touch."""
 
 POSE_ERROR = (0.004, np.deg2rad(2.0), np.deg2rad(8.0))
-"""m, rad, rad: standard deviation of a pose by PAALM in position, rotation and joints
-(docs/paalm.md). Parts that the touches do not determine stay as in PAALM's pose."""
+"""Standard deviations of a pose by PAALM: position (m), rotation and joints (rad). See
+docs/paalm.md. Parts that the touches do not determine remain as in PAALM's pose."""
 
 
 def capture_from_hands(

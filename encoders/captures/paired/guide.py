@@ -1,8 +1,9 @@
 """Instructions for a person during a paired capture, with progress.
 
-First the open hand, which PAALM must be able to measure; then three taps, for the clocks; then
-every set of two to five fingers, since a missing set cannot be reconstructed later. A touch device
-does not know which fingers it feels: the guide counts them and trusts the person.
+The guide asks first for the open hand, which PAALM must measure; then for three taps, which
+synchronise the clocks; then for every set of two to five fingers, since a missing set cannot be
+reconstructed later. A touch device does not report which fingers touch. The guide counts them and
+relies on the person for their labels.
 """
 
 from __future__ import annotations
@@ -21,13 +22,13 @@ DOING = "move, open and close, pinch, turn"
 SETS: tuple[tuple[int, ...], ...] = tuple(
     chosen for size in range(5, 1, -1) for chosen in combinations(range(len(FINGERS)), size)
 )
-"""The 26 sets, those with many fingers first, which locate the device best."""
+"""The 26 finger sets. Those with many fingers come first, since they locate the device best."""
 
 PICTURES = 20
-"""Pictures with the hand before the taps, where a camera sees it: it needs no measuring."""
+"""Number of pictures with the hand before the taps; a hand seen by a camera is not measured."""
 
 ROUNDS = 2
-"""Number of times that every set is asked for: in one take alone it could not be tested on."""
+"""Number of takes of every set. With a single take, a set could not be held out for testing."""
 
 _MOST_STEP = 0.1
 """Most time (s) that one frame adds, so that a paused device adds hardly any."""
@@ -46,7 +47,7 @@ class Guide:
 
     Args:
         side: The hand, left or right.
-        each: Time (s) for which every set is to be played, in all rounds together.
+        each: Time (s) for which every set is recorded, in all rounds together.
         sets: The finger sets; by default all 26.
         camera: True if a camera sees the hand, in place of a Leap.
 
@@ -117,13 +118,13 @@ class Guide:
 
     @property
     def requested(self) -> tuple[int, ...] | None:
-        """The fingers that are asked for now; None outside the sets."""
+        """The requested fingers; None while no set is requested."""
         if self._open < self._wanted or self._taps < TAPS or self.done:
             return None
         return self._sets[self._set]
 
     def touch(self, frame: TouchFrame, now: float) -> None:
-        """Processes a frame of the touch device that came at `now`, s."""
+        """Processes a frame of the touch device that arrived at the time `now` (s)."""
         if self._open < self._wanted or self.done:
             return
         if frame.contacts:

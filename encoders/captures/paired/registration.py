@@ -18,8 +18,8 @@ from models.arithmetic import Array
 from models.errors import CaptureError
 
 TURNS = 36
-"""Number of rotations about the normal that are tried; the nearest one is off by 5 degrees at
-most."""
+"""Number of rotations about the normal that are tried; the nearest of them differs from the true
+rotation by at most 5 degrees."""
 
 MOST_MISS = 0.012
 """Largest median distance between touch and fingertip of one hand (m); half the distance of two
@@ -61,7 +61,7 @@ def first_guess(touches: Array, frame: NDArray[np.int64], tips: Array, near: flo
         near: Distance (m) from that plane within which a fingertip may touch.
 
     Raises:
-        CaptureError: No rotation brings them together.
+        CaptureError: No rotation brings fingertips to the touches.
     """
     best: DevicePose | None = None
     flat, low = tips[frame, :, :2], np.abs(tips[frame, :, 2]) < near

@@ -24,19 +24,19 @@ class SubjectConfiguration:
         training_frames: Frames with 2, 3, 4 and 5 fingers on day 0; the paper's 7,083 (its 2,020
             and 874 are printed, the split of the rest between 2 and 5 fingers is ours).
         test_frames: The same for every later day; the paper's 2,538.
-        training_rate: Hz. Successive frames are nearly equal, so the script is sampled slowly:
-            7,083 frames last 8 minutes rather than 4.
+        training_rate: Frame rate (Hz) of day 0. Successive frames are nearly equal, so the script
+            is sampled slowly: 7,083 frames last 8 minutes rather than 4.
         test_rate: Rate (Hz) of later days.
         five_finger_repeats: Clips of each gesture with all fingers; other sets have one.
         take_length: Mean length of a take of a later day (s).
-        stay: s, least and greatest time between two changes of the touching fingers there.
-        transition: s, from resting on the surface to fully lifted.
+        stay: Least and greatest time (s) between two changes of the touching fingers on later days.
+        transition: Time (s) from resting on the surface to fully lifted.
 
         move: Amplitude of the hand's way over the surface (m).
-        turn: rad, amplitude of the hand's turn about the surface's normal.
+        turn: Amplitude (rad) of the hand's turn about the surface's normal.
         grasp: Amplitude of opening and closing, as a share of the natural span.
         grasp_closed: Bias towards closing: 0 opens as much as it closes, 1 only closes.
-        widest: Greatest span, as a share of the natural one.
+        widest: Greatest span, as a share of the natural span.
         pinch: Amplitude of thumb and fingers nearing each other, as a share of their distance.
         pinch_closed: As `grasp_closed`; at 1 a pinch never opens beyond the natural distance.
         pinch_least: Widest pinch: a share of the distance that is added, thus negative.
