@@ -140,7 +140,8 @@ class Baseline:
                 where=str(self.path),
                 got="; ".join(_setting(k, here) for k in other[:4]),
                 expected="; ".join(_setting(k, there) for k in other[:4]),
-                remedy=f"Give the run what the baseline has; {ANEW}"
+                remedy=f"Success under other settings does not compare. Give the run those of the "
+                f"baseline, or use another file for these settings; {ANEW}"
                 + ("; --across-encoders compares the two" if other == [ENCODER] else ""),
             )
         if exact and (differing := self.differing_program(origin)):
@@ -180,9 +181,17 @@ class Baseline:
         return f"the baseline is of {self.origin}{other}, this run of {origin}"
 
     def changed_defaults(self, origin: Origin) -> str:
-        """Returns a clause that lists the settings with changed defaults, with both values."""
+        """Returns a clause that lists the settings with changed defaults, with both values.
+
+        Settings that were given are no defaults.
+        """
         there, here = flat(self.origin.settings), flat(origin.settings)
-        changed = [name for name in here if name in there and here[name] != there[name]]
+        given = {*flat(self.origin.given), *flat(origin.given)}
+        changed = [
+            name
+            for name in here
+            if name in there and name not in given and here[name] != there[name]
+        ]
         values = (f"{name} is {here[name]}, was {there[name]}" for name in changed[:_NAMED])
         more = f" and {len(changed) - _NAMED} more" if len(changed) > _NAMED else ""
         return f"defaults have changed since: {'; '.join(values)}{more}" if changed else ""
