@@ -3,7 +3,7 @@
 // the place of black, as the table is dark.
 
 import palettes from "./palettes.json";
-import { recall, remember } from "./memory";
+import { recall, remember } from "./storage";
 import { type Key, say } from "./words";
 
 const FINGERS: Key[] = [

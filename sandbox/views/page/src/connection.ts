@@ -1,6 +1,6 @@
 // The WebSocket: sends hello, acknowledgements and heartbeats, and reconnects when it is lost.
 
-import { clientName, fileAddress, reload, socketAddress, spectator } from "./link";
+import { clientName, fileAddress, reload, socketAddress, spectator } from "./page-address";
 import { parseDemonstration } from "./demonstration";
 import { type Frame, parseFrame } from "./frame";
 import { type Down, PROTOCOL, type Refusal, type SceneMessage, type Seat, type Sheet, type Localised, type Up, type Welcome } from "./protocol";

@@ -3,7 +3,7 @@
 
 import { claim } from "./dom";
 import { Mouse } from "./mouse";
-import { recall, recallHere, remember, rememberHere } from "./memory";
+import { recall, recallHere, remember, rememberHere } from "./storage";
 
 /** One finger, in CSS pixels of the page. */
 export interface Finger {

@@ -10,7 +10,7 @@ import {
   Vector3,
 } from "three";
 import { OUTLINE, TABLE } from "./colours";
-import { METRES_PER_INCH } from "./lens";
+import { METRES_PER_INCH } from "./camera";
 import type { SurfaceView } from "./protocol";
 import { type Surfaced, surfaced } from "./shapes";
 

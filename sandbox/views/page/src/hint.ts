@@ -1,9 +1,9 @@
 // How a task is done, in words, for somebody who has not done it yet; behind "?" for everybody.
 
 import { make, show, write } from "./dom";
-import type { Rectangle } from "./lens";
-import { recall, remember } from "./memory";
-import { SIDE, leastCovering, placesFor, rowsFor } from "./places";
+import type { Rectangle } from "./camera";
+import { recall, remember } from "./storage";
+import { SIDE, leastCovering, placesFor, rowsFor } from "./text-placement";
 import type { SceneMessage, State } from "./protocol";
 import { done } from "./records";
 import { touchable } from "./screen";

@@ -2,9 +2,9 @@
 
 import type { Condition } from "./connection";
 import { make, show, write } from "./dom";
-import type { Rectangle } from "./lens";
-import { SIDE, leastCovering, placesFor, rowsFor } from "./places";
-import { ON_TABLE } from "./presses";
+import type { Rectangle } from "./camera";
+import { SIDE, leastCovering, placesFor, rowsFor } from "./text-placement";
+import { ON_TABLE } from "./palm-guard";
 import { LIFT_STRIP_PX, type SceneMessage, type State, type StudyView } from "./protocol";
 import { type Key, repeat, say, taskName, word } from "./words";
 

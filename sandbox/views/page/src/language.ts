@@ -1,6 +1,6 @@
 // The language of the page: a study's, else the one in the link or chosen in the menu, else the browser's.
 
-import { recall, recallHere, remember, rememberHere } from "./memory";
+import { recall, recallHere, remember, rememberHere } from "./storage";
 
 const KEPT = "language";
 /** Languages that are written from right to left. */

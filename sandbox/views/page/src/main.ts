@@ -1,6 +1,6 @@
 // The page: creates its parts and connects them.
 
-import { Anew } from "./anew";
+import { Anew } from "./restart";
 import { forColourBlind, standardColours, toggleColours } from "./colours";
 import { Connection } from "./connection";
 import { Delay } from "./delay";
@@ -9,17 +9,17 @@ import { make, show, write } from "./dom";
 import { canDraw } from "./drawing";
 import { type Change, type Finger, Fingers } from "./fingers";
 import type { Frame } from "./frame";
-import { FullScreen } from "./full";
+import { FullScreen } from "./full-screen";
 import { FailedGrip } from "./grip";
 import { Hint } from "./hint";
 import { Hud } from "./hud";
-import { type Rectangle, touchRectangle } from "./lens";
-import { Lift, elsewhere } from "./lift";
-import { lookOn, reload, spectator } from "./link";
+import { type Rectangle, touchRectangle } from "./camera";
+import { Lift, elsewhere } from "./lift-slider";
+import { lookOn, reload, spectator } from "./page-address";
 import { measureScreen } from "./measure";
 import { type Switch, settingsMenu, taskMenu } from "./menu";
 import { layoutOf, markLayout, tableRoom } from "./phone";
-import { Presses } from "./presses";
+import { Presses } from "./palm-guard";
 import {
   type ContactState,
   LIFT_STRIP_PX,
@@ -39,7 +39,7 @@ import { Sheets } from "./sheet";
 import { Sound } from "./sound";
 import { Study } from "./study";
 import { Stage } from "./stage";
-import { type Hindrance, Turned } from "./turned";
+import { type Hindrance, Turned } from "./unusable-table";
 import { Vibration } from "./vibration";
 import { repeat, say } from "./words";
 import { tableZoomed, watchZoom } from "./zoom";

@@ -5,7 +5,7 @@ import { make } from "./dom";
 import { handPicture } from "./hand-picture";
 import { prefer } from "./language";
 import type { TaskName } from "./protocol";
-import { fileAddress } from "./link";
+import { fileAddress } from "./page-address";
 import { done } from "./records";
 import type { Sheets } from "./sheet";
 import { FILES, language, listed, say, taskName, word } from "./words";

@@ -1,7 +1,7 @@
 // The mouse as one finger or a whole hand, as in the program's window (sandbox/devices/mouse/mouse.py): a key
 // puts down a hand whose fingers are pinned, which means that they stay without a button.
 
-import type { Rectangle } from "./lens";
+import type { Rectangle } from "./camera";
 import { GRAB_RADIUS, HANDS, NARROWEST, WHEEL_FACTOR, WHEEL_TURN, WIDEST } from "./protocol";
 
 export interface Place {

@@ -2,8 +2,8 @@
 // covers an object. On a phone that lies they are in a column on the side away from the hand; on one that stands,
 // above and below the table.
 
-import type { Rectangle } from "./lens";
-import { FOOTER } from "./places";
+import type { Rectangle } from "./camera";
+import { FOOTER } from "./text-placement";
 
 export type Layout = "lies" | "stands";
 

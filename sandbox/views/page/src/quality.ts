@@ -2,7 +2,7 @@
 // is stored for the next start. A device without a graphics card begins with the lowest.
 
 import type { WebGLRenderer } from "three";
-import { recall, remember } from "./memory";
+import { recall, remember } from "./storage";
 
 /** ms, largest mean duration of a picture; 60 Hz leaves 17. */
 const TOO_LONG = 24;

@@ -1,7 +1,7 @@
 // What a person has done on this device: the best time of every task, on tables of true size and on scaled
 // ones, whose results do not count.
 
-import { recall, remember } from "./memory";
+import { recall, remember } from "./storage";
 
 const key = (task: string, scored: boolean): string => `${scored ? "best" : "best-scaled"}:${task}`;
 

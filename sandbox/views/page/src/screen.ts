@@ -2,7 +2,7 @@
 // device until the person calibrates it with a bank card.
 
 import type { PageScreen } from "./protocol";
-import { recall, remember } from "./memory";
+import { recall, remember } from "./storage";
 import { tableRoom } from "./phone";
 
 /** ISO/IEC 7810 ID-1: every bank card, in inches. */

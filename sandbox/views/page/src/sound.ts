@@ -1,6 +1,6 @@
 // Short synthesised tones: a tick when a finger touches an object, a chord at success.
 
-import { recall, remember } from "./memory";
+import { recall, remember } from "./storage";
 
 export class Sound {
   private context: AudioContext | null = null;

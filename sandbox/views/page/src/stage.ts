@@ -3,7 +3,7 @@
 import { Color, Mesh, type MeshStandardMaterial, PCFShadowMap, Scene as World, Vector3, WebGLRenderer } from "three";
 import { BACKGROUND } from "./colours";
 import type { Frame } from "./frame";
-import { Lens, type Rectangle } from "./lens";
+import { Lens, type Rectangle } from "./camera";
 import type { SceneMessage } from "./protocol";
 import { Quality } from "./quality";
 import type { Skin } from "./skin";

@@ -3,7 +3,7 @@
 
 import { make, show, write } from "./dom";
 import { showForm } from "./zoom";
-import { type Field, type Value, makeField } from "./items";
+import { type Field, type Value, makeField } from "./form-fields";
 import type { Leave, Refusal, Sheet, StudyView, Up } from "./protocol";
 import { type Key, say, speak } from "./words";
 

@@ -18,7 +18,7 @@ import {
 } from "three";
 import { SKIN } from "./colours";
 import type { Frame } from "./frame";
-import { Ghost } from "./ghost";
+import { Ghost } from "./goal-copy";
 import { matMaterial, outline } from "./ground";
 import type { Geom, SceneMessage } from "./protocol";
 import { MARKED, type Surfaced, TO_TOUCH, geometry, place, surfaced } from "./shapes";

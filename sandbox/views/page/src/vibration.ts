@@ -1,6 +1,6 @@
 // Short vibrations where the device has them: when a hand takes hold, and at success.
 
-import { recall, remember } from "./memory";
+import { recall, remember } from "./storage";
 
 /** ms, as short as a device can make it felt. */
 const GRIP = 15;

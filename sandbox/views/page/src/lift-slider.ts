@@ -2,8 +2,8 @@
 // position when it is released, so that a slipped thumb does not make the hand drop an object.
 
 import { claim, make, write } from "./dom";
-import type { Rectangle } from "./lens";
-import { recallHere, rememberHere } from "./memory";
+import type { Rectangle } from "./camera";
+import { recallHere, rememberHere } from "./storage";
 import { LIFT_KEY, LIFT_NOTCH, LIFT_PAGE, LIFT_STRIP_PX, NOTCH_PX } from "./protocol";
 import { say } from "./words";
 

@@ -1,7 +1,7 @@
 // The link that opened the page: its token is removed from the address bar, since links are
 // photographed and shared, and stored in this tab so that the page can reconnect and reload (see return.html).
 
-import { recall, recallHere, remember, rememberHere } from "./memory";
+import { recall, recallHere, remember, rememberHere } from "./storage";
 
 const query = new URLSearchParams(location.search);
 

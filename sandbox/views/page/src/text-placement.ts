@@ -1,6 +1,6 @@
 // Where words stand: at the place where they cover least of what has to be seen.
 
-import type { Rectangle } from "./lens";
+import type { Rectangle } from "./camera";
 
 export type Size = Pick<Rectangle, "width" | "height">;
 
