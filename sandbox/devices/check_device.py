@@ -32,16 +32,16 @@ STEPS = 60
 """Number of polls with touches, as a session makes them."""
 
 PERIOD = 1.0 / 60.0
-"""s of session time between two polls."""
+"""Session time between two polls (s)."""
 
 PATIENCE = 20.0
-"""s after which a call that has not returned counts as hanging."""
+"""Time (s) after which a call that has not returned counts as hanging."""
 
 LONGEST_WAIT = 0.008
-"""s that `poll` may wait: half a control period."""
+"""Longest time (s) that `poll` may wait: half a control period."""
 
 SLACK = 1e-6
-"""m that a contact may lie beyond the surface."""
+"""Largest distance (m) of a contact beyond the surface."""
 
 _FRAMES = (TouchFrame, HandFrame, LandmarkFrame)
 

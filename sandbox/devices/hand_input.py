@@ -19,11 +19,11 @@ if TYPE_CHECKING:
     from encoders.reconstruction.reconstructor import AirReconstructor
 
 UNDER = (0.0, 0.0, -0.10)
-"""m, default position of the device in the world: 10 cm under the centre of the table's top.
+"""Default position (m) of the device in the world: 10 cm under the centre of the table's top.
 Fingertips at a box on the table are then 12 cm above the device, and the palm 20 cm, where devices
-see best."""
+are most exact."""
 FARTHEST = 2.0
-"""m, largest coordinate of a device's position; a larger one is taken as a typing error."""
+"""Largest coordinate (m) of a device's position; a larger value is taken as a typing error."""
 
 
 @dataclass(frozen=True)

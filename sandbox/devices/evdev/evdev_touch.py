@@ -57,7 +57,7 @@ class Axis:
 
     @property
     def length(self) -> float | None:
-        """m, length of the surface along this axis; None if the driver does not report it."""
+        """Length (m) of the surface along this axis; None if the driver does not report it."""
         if self.resolution <= 0 or self.high <= self.low:
             return None
         return (self.high - self.low) / self.resolution / 1000.0

@@ -55,12 +55,12 @@ class LeapCommandOptions(OverLeapOptions, LeapOptions):
 
 
 def over_leap(options: OverLeapOptions, side: str, live: bool = False) -> HandInput:
-    """How a live or simulated Leap sees a hand.
+    """The settings with which a live or simulated Leap drives a hand.
 
     Args:
         options: Position and calibration.
         side: `right` or `left`.
-        live: A person's hand is seen; without a calibration, a line says what is assumed.
+        live: True for a person's hand; without a calibration, a warning states the assumed one.
 
     Raises:
         InputError: The position or the calibration is unusable.
@@ -80,7 +80,7 @@ class PlayedLeapOptions(UnitOptions, OverLeapOptions):
 
 
 def in_leap_file(options: PlayedLeapOptions, file: str, side: str) -> HandInput:
-    """How the Leap of a recording saw a hand.
+    """The settings with which the Leap of a recording drives a hand.
 
     Args:
         options: Position and calibration; without one, the open hand in the recording is measured.

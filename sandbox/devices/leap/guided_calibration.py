@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from encoders.paalm.calibration import HandCalibration
 
 FRAMES_PER_WANTED = 3
-"""Frames read at most per frame wanted, since many may not show an open hand."""
+"""Largest number of frames read per required frame, since many may not show an open hand."""
 
 
 def measure_and_save(
@@ -27,7 +27,7 @@ def measure_and_save(
     Args:
         address: WebSocket address of the service.
         side: `right` or `left`.
-        path: File of calibrations; that of the other hand in it is kept.
+        path: File of calibrations. A calibration of the other hand in it is preserved.
         console: Console for instructions and progress.
         wanted: Number of frames with five fingers; None takes the paper's 1000, about ten seconds.
 

@@ -41,7 +41,7 @@ LARGEST_MESSAGE = 1 << 20
 """Bytes of the largest message; a frame of two hands in the newest dialect has 11 thousand."""
 
 SILENCE = 5.0
-"""s without a frame after which `follow` takes the service as gone."""
+"""Time (s) without a frame after which `follow` raises an error."""
 START_IT = "Start leapd or the Ultraleap bridge, or try `sandbox devices leap fake FILE`"
 SILENT = "the Leap service is silent: start leapd or the Ultraleap bridge, and look at its cable"
 
@@ -49,15 +49,15 @@ BACKGROUND = '{"background":true}'
 """Command that makes leapd send frames although the client has no focus; 19 bytes."""
 
 GONE = 1.0
-"""s without a frame after which a session tells the person that the service is silent."""
+"""Time (s) without a frame after which a session reports that the service is silent."""
 
 PATIENCE = 3.0
-"""s within which a live device must send its first frame."""
+"""Time (s) within which a live device must send its first frame."""
 
 _LOOK = 0.05
-"""s between two checks for new frames."""
+"""Time (s) between two checks for new frames."""
 _FIRST_PAUSE, _LONGEST_PAUSE = 0.1, 2.0
-"""s between attempts to connect, doubled after each failure."""
+"""Time (s) between attempts to connect, doubled after each failure."""
 
 
 class LeapFileDevice(FilePlayer, HandDevice):
@@ -117,8 +117,8 @@ class LeapDevice(HandDevice):
 
     @property
     def notices(self) -> Sequence[str]:
-        """What the person must know: that the service is silent, sends other units, or names
-        hands for the other side."""
+        """Warning for the person: the service is silent, sends other units, or exchanges the
+        sides of hands. Empty without a warning."""
         with self._new_frame:
             silent = time.monotonic() - self._heard
             doubt = self._decoder.side_doubt
@@ -140,7 +140,7 @@ class LeapDevice(HandDevice):
 
     @property
     def report(self) -> ReaderReport:
-        """What could not be used so far, and the units that are assumed."""
+        """Report on unusable messages so far, and on assumed units."""
         with self._new_frame:
             report = self._decoder.report
         report.leave_out("new connections", max(self.counts["connections"] - 1, 0))
@@ -154,7 +154,7 @@ class LeapDevice(HandDevice):
         """Yields frames as they arrive, without end.
 
         Args:
-            hear: Called repeatedly meanwhile; an exception from it ends the iteration.
+            hear: Called repeatedly between frames; an exception from it ends the iteration.
             remedy: Remedy in the error of a silent service.
 
         Raises:
@@ -186,7 +186,7 @@ class LeapDevice(HandDevice):
             heard = self._decoder.counts["frames"]
             try:
                 self._listen()
-            except Exception as error:  # whatever it is, the next connection may be sound
+            except Exception as error:  # of any kind, since the next connection may succeed
                 self.trouble = f"{type(error).__name__}: {error}"[:200]
             finally:
                 if self.connected.is_set() and not self._stop.is_set():
@@ -254,7 +254,7 @@ def open_leap(address: str = DEFAULT_ADDRESS, tell: bool = False) -> LeapDevice:
 
     Args:
         address: WebSocket URL.
-        tell: Print unusable frames and repeated connections when the device is closed.
+        tell: True prints unusable frames and repeated connections when the device is closed.
 
     Raises:
         DeviceError: The service sends nothing.
@@ -269,8 +269,8 @@ def open_leap(address: str = DEFAULT_ADDRESS, tell: bool = False) -> LeapDevice:
 class SplitBySide(Split):
     """Splits the hands of a Leap by side.
 
-    If one hand is above the other, both are removed from the frame, as the device cannot tell their
-    fingers apart.
+    If one hand is above the other, both are removed from the frame, since the device confuses their
+    fingers.
 
     Args:
         sides: Sides of the scene's hands, one `right` and one `left`.
@@ -288,7 +288,7 @@ class SplitBySide(Split):
         self._choose = HandSides((first, second), self.counts)
 
     def divide(self, frame: HandFrame, now: float) -> tuple[HandFrame, HandFrame]:
-        """A frame for each hand, without a hand where that of its side is not seen."""
+        """A frame for each of the two sides; it is empty while no hand of that side is in view."""
         hands = frame.hands
         hidden = any(stacked(a, b) for i, a in enumerate(hands) for b in hands[:i])
         self.counts["one hand above the other"] += hidden

@@ -18,7 +18,7 @@ from models.errors import DeviceError
 PATH = "/v6.json"
 DEFAULT_PORT = 6437
 FAKE = "0 (fake leapd)"
-"""Version that it reports, so that recordings made from it can be told from real ones."""
+"""Version that it reports, which marks recordings made from it as not real."""
 
 
 class FakeLeapd:

@@ -52,7 +52,7 @@ def is_json_in_base64(start: bytes) -> bool:
 
 
 def decompress_base64(text: str, limit: int = MOST_CHARACTERS) -> str:
-    """The text that LZString's compressToBase64 was given.
+    """The text from which LZString's compressToBase64 made a text in base64.
 
     Raises:
         RecordingError: The text is not LZString's base64, is cut short, or is larger than `limit`.
@@ -92,7 +92,7 @@ def decompress_base64(text: str, limit: int = MOST_CHARACTERS) -> str:
 
 
 def _width(known: list[str], started: bool) -> int:
-    """Number of bits of the next code, enough for all known texts and the next one."""
+    """Number of bits of the next code, enough for all texts so far and the next one."""
     return len(known).bit_length() if started else 2
 
 
@@ -113,7 +113,7 @@ _BYTE_ORDER_MARK = b"\xef\xbb\xbf"
 """Bytes that some editors put before a text."""
 
 _UNREADABLE = (msgspec.DecodeError, UnicodeDecodeError, RecursionError)
-"""Errors that damaged JSON raises; a field name that is not UTF-8 raises no DecodeError."""
+"""Errors that damaged JSON raises. A field name that is not UTF-8 raises no DecodeError."""
 
 _FRAME = ("hands", "pointables")
 """Keys by which a message is a frame."""
@@ -131,7 +131,7 @@ class LeapRecording:
     Attributes:
         frames: Frames in order of time.
         messages: The JSON objects, unpacked, as a fake leapd sends them.
-        dialect: `v1`, `v2`, `v3` or `bridge`; None if no finger was seen.
+        dialect: `v1`, `v2`, `v3` or `bridge`; None if no frame has a finger.
         used: Index of each frame's message.
         units: Units of the messages.
         counts: Numbers of frames, fingers and hands that were used or skipped, by reason.
@@ -181,9 +181,9 @@ def check_side(frames: Sequence[HandFrame], side: str, where: str, option: str) 
 
 
 def doubt_of_side(frames: Sequence[HandFrame], side: str, option: str) -> str:
-    """What to tell a person where thumbs say that a recorded hand is not of the side asked for.
+    """Warning that, by its thumb, a recorded hand is not of the requested side.
 
-    The first Leap software tells no sides.
+    The first Leap software does not report sides.
 
     Args:
         frames: Frames of a recording.
@@ -191,7 +191,7 @@ def doubt_of_side(frames: Sequence[HandFrame], side: str, option: str) -> str:
         option: Command-line option that chooses the side.
 
     Returns:
-        One line; empty where thumbs say nothing, or the same.
+        One line; empty where thumbs agree with the side or do not show it.
     """
     shown = side_by_thumb(frames)
     if shown in ("", side):
@@ -202,7 +202,7 @@ def doubt_of_side(frames: Sequence[HandFrame], side: str, option: str) -> str:
 def is_leap_recording(path: Path) -> bool:
     """True if a file is a Leap recording by its first bytes, whatever its name; it may be damaged.
 
-    A recording of this program is none, although its lines have hands, too.
+    A recording of this program is not a Leap recording, although its lines have hands, too.
     """
     try:
         with path.open("rb") as file:
@@ -420,7 +420,7 @@ def _named(keys: Sequence[Any], row: Any) -> dict[str, Any]:
 
 
 def rate_in(metadata: Mapping[str, Any]) -> float | None:
-    """Hz, frame rate in the metadata, which is written as text there; None without one."""
+    """Frame rate (Hz) from the metadata, where it is written as text; None if it is missing."""
     try:
         rate = float(metadata["frameRate"])
     except (KeyError, TypeError, ValueError):

@@ -2,7 +2,7 @@
 
 leapd and its successors send JSON over a WebSocket. The dialects differ in a pointable's fields:
 
-    v1      2013: unordered, `length` is the length the device sees; no bones, no side
+    v1      2013: unordered, `length` is the visible length; no bones, no side
     v2      2014: five named fingers with joints; their lengths are fixed
     v3      Orion: v2 with carpals, `bases` of every bone and an arm
     bridge  UltraleapTrackingWebSocket: v3 without palm sphere, and `length` is a width by mistake
@@ -15,12 +15,12 @@ The last bone ends at `btipPosition`. `tipPosition` is the centre of a sphere at
 33,262 real v3 hands the two are 6.5 mm apart on average. Software before 2.0 sends no
 `btipPosition`; its bones end at `tipPosition`.
 
-Other programs store the same in other shapes, which `canonical` knows: fingers inside of their
-hands and frames inside of an envelope. Units other than the Leap's follow from the size of the hand
-and the time between frames (`models.plausible`).
+Other programs store the same values in other shapes: fingers inside their hands, and frames inside
+an envelope. `canonical` converts these. Units other than the Leap's follow from the size of the
+hand and the time between frames (`models.plausible`).
 
-Fields are checked here and not by structs: a struct would refuse a whole finger for a wrong
-optional field (side, hand, confidence), while here everything else is used.
+Fields are checked here and not by structs. A struct would refuse a whole finger for a wrong
+optional field (side, hand, confidence); here its other fields are used.
 """
 
 from __future__ import annotations
@@ -56,38 +56,40 @@ from models.reader_report import ReaderReport
 LEAP_UNITS: Units = {"length": "mm", "time": "us"}
 """Units of a Leap."""
 USUAL_RATE = 100.0
-"""Hz of recordings without times and without a rate."""
+"""Frame rate (Hz) that is assumed for recordings without times and without a rate."""
 NORMAL_COUNTS = ("frames", "handshakes", "events", "connections")
 """Counts of a decoder or a device that are no losses."""
 
 RESTART = 1.0
-"""s. If time runs back by more, the service was restarted; by less, the frame is late."""
+"""Largest step back in time (s) of a late frame. After a larger one the service was restarted."""
 LEAP = 2.0
-"""s. A time that is farther ahead comes after a pause. It is believed once the next frame's follows
-on it, as that of a restart is: a single wrong one would stretch a recording."""
+"""Largest step ahead in time (s) that is accepted at once. A larger step, or that of a restart, is
+accepted only if the next frame's time follows it; a single wrong time would lengthen a recording.
+"""
 
 _JOINTS = ("mcpPosition", "pipPosition", "dipPosition")
 _END = "btipPosition"
 _TOO_LARGE = 2**53
-"""Integers from here on are not exact as a float."""
+"""Smallest integer from which on integers are not exact as a float."""
 _LATEST = 1e-6 * _TOO_LARGE
-"""s, time from which on no clock of ours counts; 1970 is 2e9 ago."""
+"""Time (s) beyond every clock in use; 1970 is 2e9 s ago."""
 _FARTHEST = DISTANCE.most
-"""m, largest coordinate of a valid position; the device sees about one metre."""
+"""Largest coordinate (m) of a valid position; the device's range is about one metre."""
 _MOST_HANDS = 8
 _PALM = 0.1
-"""m, about the size of a palm."""
+"""Approximate size of a palm (m)."""
 _FARTHEST_TIP = 1.4 * REACH.most
-"""m, from a palm to a fingertip in a single frame, where places are less exact."""
+"""Largest distance (m) from a palm to a fingertip in a single frame, where positions are less
+exact."""
 _OUT_OF_REACH = "fingers skipped: the tip is beyond a hand's reach of the palm"
 _NO_HAND = "none of its hands can be used"
 _FINGER_WORDS = {"thumb": 0, "index": 1, "middle": 2, "ring": 3, "pinky": 4, "little": 4}
-"""Words in the names of fingers, where a file has names in the place of numbers."""
+"""Words in the names of fingers, for files with names in place of numbers."""
 
 
 def canonical(message: Mapping[str, Any]) -> Mapping[str, Any]:
-    """A frame as leapd sends it, of one in an envelope or with its fingers inside of its hands; any
-    other message as it is."""
+    """Converts a frame in an envelope, or with fingers inside its hands, to the form that leapd
+    sends; returns any other message unchanged."""
     if "hands" not in message and "pointables" not in message:
         inner = [canonical(v) for v in message.values() if isinstance(v, dict)]
         inner = [v for v in inner if "hands" in v]
@@ -110,13 +112,13 @@ def canonical(message: Mapping[str, Any]) -> Mapping[str, Any]:
 
 
 def _inner(items: Any) -> list[dict[str, Any]]:
-    """The objects of a list, or of an object with names or numbers for them."""
+    """The objects in a list, or the values of an object whose keys are names or numbers."""
     values = items.values() if isinstance(items, dict) else items
     return [i for i in values if isinstance(i, dict)] if isinstance(values, Iterable) else []
 
 
 def _with_joints(finger: dict[str, Any]) -> dict[str, Any]:
-    """A finger with the joints of its four bones, where it has those in their place."""
+    """A finger with joints in place of its four bones, if it has bones."""
     bones = _inner(finger.get("bones"))
     if len(bones) != 4 or _JOINTS[0] in finger:
         return finger
@@ -147,9 +149,9 @@ def quantities(message: Mapping[str, Any]) -> dict[Bounds, float]:
 
 
 _SAMPLE = 48
-"""Frames of a file, and as many with a hand, by which its units are found."""
+"""Largest numbers of frames, and of frames with a hand, by which a file's units are found."""
 _APART = 8
-"""Frames with a hand of which one is measured."""
+"""One in this number of frames with a hand is measured."""
 _REGULAR = 0.8
 """Share of the differences of frame numbers that are equal where frames are numbered."""
 
@@ -232,7 +234,7 @@ class LeapDecoder:
         # Time and number of the last frame by the device's own count.
         self._stamp: float | None = None
         self._number: int | None = None
-        # s, time of the frame before, if it was refused as it leapt.
+        # Time (s) of the previous frame, if it was refused for its step in time.
         self._leapt: float | None = None
         # Time of the last message by the device's own count, used or not.
         self._latest: float | None = None
@@ -246,14 +248,14 @@ class LeapDecoder:
 
     @property
     def report(self) -> ReaderReport:
-        """What was left out so far, and what is assumed."""
+        """Report on the parts left out so far, and on assumptions."""
         left_out = Counter({k: n for k, n in self.counts.items() if n and k not in NORMAL_COUNTS})
         doubts = filter(None, (self.side_doubt, self._jumps.doubt))
         return ReaderReport(left_out, [*self.assumed, *doubts])
 
     @property
     def side_doubt(self) -> str:
-        """What is doubted of the sides of hands; empty without a doubt."""
+        """Doubts about the sides of hands; empty without any."""
         return self._doubt.sentence
 
     def feed(self, message: Any) -> HandFrame | None:
@@ -298,7 +300,7 @@ class LeapDecoder:
         return frame
 
     def _count(self, number: int | None) -> None:
-        """Counts frames that the number of the next one leaves out."""
+        """Counts frames that are missing before a frame, by its number."""
         before = self._number
         if number is not None and (before is None or number > before):
             if before is not None:
@@ -307,7 +309,7 @@ class LeapDecoder:
             self._number = number
 
     def _measure(self, message: Mapping[str, Any]) -> None:
-        """Measures a frame of a running device; units that follow hold from here on."""
+        """Measures a frame of a running device; units found by it hold from this frame on."""
         assert self._live is not None
         seen, stamp = quantities(message), message.get("timestamp")
         if _is_time(stamp):
@@ -322,8 +324,8 @@ class LeapDecoder:
                 self._offset = self._time - self._stamp * self._second
 
     def _moment(self, message: Mapping[str, Any]) -> float | None:
-        """s, time of a message on a clock that never runs backwards; None, which is counted, for a
-        late frame and for one that leaps back or ahead alone."""
+        """Time (s) of a message on a clock that never runs backwards; None, which is counted, for a
+        late frame and for a single frame whose time is far behind or ahead."""
         stamp = message.get("timestamp")
         if stamp is None and not self._stamped:
             rate = message.get("currentFrameRate")
@@ -351,7 +353,7 @@ class LeapDecoder:
             self._leapt = time
             return None
         if time < self._time or self.counts["frames"] == 1:
-            # After a single frame it is that one whose time was wrong.
+            # After a single frame, the time of that frame was wrong.
             self.counts["restarts of the device's clock"] += 1
             self._jumps.forget()
             self._offset += self._time + 1.0 / self._rate - time

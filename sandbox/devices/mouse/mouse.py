@@ -28,18 +28,18 @@ from models.surface import Surface
 from sandbox.devices.device import Device
 
 GRAB_RADIUS = 0.010
-"""m, radius around a pinned finger in which a click grabs it."""
+"""Radius (m) around a pinned finger in which a click grabs it."""
 OPENING = 0.075
-"""m between the thumb and the centre of the other fingers of a hand just put down: wide enough for
-a 5 cm box between two fingertips, and comfortable for an adult hand."""
+"""Distance (m) between the thumb and the centre of the other fingers of a hand just put down: wide
+enough for a 5 cm box between two fingertips, and comfortable for an adult hand."""
 FINGER_BREADTH = 0.019
-"""m between fingertips side by side: an adult's finger is 16 to 20 mm wide."""
+"""Distance (m) between adjacent fingertips: an adult's finger is 16 to 20 mm wide."""
 WHEEL_FACTOR = 1.03
 """Factor on the opening for one step of the wheel; at 75 mm, about 2 mm."""
 WHEEL_TURN = np.deg2rad(3.0)
-"""rad, turn of the hand for one step of the wheel."""
+"""Turn (rad) of the hand for one step of the wheel."""
 NARROWEST, WIDEST = 0.008, 0.200
-"""m, limits of the opening."""
+"""Limits (m) of the opening."""
 PENDING = 4096
 """Largest number of frames that wait for the session, a minute of moving; beyond it the oldest are
 dropped."""

@@ -42,7 +42,7 @@ _NOISY = (
     "lost_rate",
 )
 MOST_NOISE, LONGEST = 20.0, 10.0
-"""Largest multiple of the frozen noise, and longest loss in s."""
+"""Largest factor on the noise, and longest loss (s)."""
 
 
 @dataclass(frozen=True)
@@ -51,8 +51,8 @@ class LeapDisturbance:
 
     Attributes:
         noise: Factor on the noise of positions, lengths and directions, and on lost fingers.
-        lose: s for which the whole hand leaves the device's view, once, while it carries an object;
-            0 never.
+        lose: Time (s) for which the whole hand leaves the device's view, once, while it carries an
+            object; 0 means never.
     """
 
     noise: float = 1.0
@@ -107,10 +107,10 @@ def parse_simulated(text: str) -> tuple[str, LeapDisturbance]:
 
 
 HOME_OF_TWO = 0.12
-"""m from the centre, resting position of each of two hands."""
+"""Distance (m) from the centre to the resting position of each of two hands."""
 
 _CARRIED = 0.6
-"""s of carrying after which `LeapDisturbance.lose` begins."""
+"""Time (s) of carrying after which `LeapDisturbance.lose` begins."""
 
 _MIRROR = np.array([-1.0, 1.0, 1.0])
 
@@ -189,7 +189,7 @@ class SimulatedLeap(HandDevice):
         self.user.observe(Sight(snapshot.time, tips, bool(hand.solid), seen, goals, done))
 
     def poll(self, now: float) -> Sequence[HandFrame]:
-        """The hand frame that the device sees now."""
+        """The device's hand frame now."""
         if self.finished:
             return []
         origin, rotation, joints = self.own_hand(now)
@@ -234,13 +234,13 @@ def _mirrored_goal(goal: Goal) -> Goal:
 
 
 NOISE = 0.0005
-"""m, standard deviation of every joint along every axis, from frame to frame. Assumed: no headset
+"""Standard deviation (m) of every joint along every axis, from frame to frame. Assumed: no headset
 was measured."""
 _METACARPALS = (5, 10, 15, 20)
 
 
 class SimulatedHeadset(SimulatedLeap):
-    """A headset that sees the hand of a simulated user.
+    """A headset that reports the hand of a simulated user.
 
     Args:
         task: The drawn task, for the shapes of its objects; the user does not get the task itself.
@@ -268,7 +268,7 @@ class SimulatedHeadset(SimulatedLeap):
         self._rng = np.random.default_rng([seed + hand * NEXT_PERSON, 0x4E5E])
 
     def joints(self, now: float) -> SeenJoints:
-        """WebXR's 25 joints of the own hand in the world, m, as the headset sees them now."""
+        """WebXR's 25 joints of the user's hand in the world, m, as the headset reports them now."""
         origin, rotation, joints = self.own_hand(now)
         places = webxr_joints(origin, rotation, joints)
         places += self._rng.normal(0.0, NOISE, places.shape)
@@ -278,7 +278,7 @@ class SimulatedHeadset(SimulatedLeap):
         )
 
     def poll(self, now: float) -> Sequence[HandFrame]:
-        """The hand frame that the headset sees now."""
+        """The headset's hand frame now."""
         if self.finished:
             return []
         hand = seen_hand(self.joints(now))

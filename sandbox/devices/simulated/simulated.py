@@ -1,4 +1,4 @@
-"""The simulated user as a device: sees snapshots like a window, touches like a tablet."""
+"""The simulated user as a device: gets snapshots as a window does, touches as on a tablet."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ _USERS: Registry[Callable[..., User]] = Registry(
         "random, lifting": "tasks.simulated_user.user:RandomLiftUser",
     }
 )
-"""Simulated users by kind, and by what a task asks of them."""
+"""Simulated users by kind, and by the movement that a task requires."""
 
 
 class SimulatedDevice(Device):
@@ -56,7 +56,7 @@ class SimulatedDevice(Device):
 
     Attributes:
         true_labels: True finger of each touch, thumb 0 .. little 4, by the id that the screen
-            reported; empty for users who press at random. Neither user nor encoder sees it.
+            reported; empty for users who press at random. Neither user nor encoder receives it.
     """
 
     name = "simulated"
@@ -132,7 +132,7 @@ class SimulatedDevice(Device):
                 configuration, used, seed
             )
         )
-        # The user that sees and touches: the plain one, or one moved to another seat.
+        # The user, or a user who is moved to another seat.
         self._seated: User = self.user if plain else SeatedUser(self.user, seat)
         if upright:
             self._seated = FrontUser(self._seated, view)

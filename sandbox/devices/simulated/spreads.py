@@ -18,19 +18,19 @@ from models.surface import Surface
 from sandbox.devices.device import Device
 
 _SPREADS = ((0.0, 0.0, 0.0), (-22.0, -7.0, 25.0), (20.0, 9.0, -10.0))
-"""degrees relative to the middle of all ranges: extension of the fingers, their spreading about the
-middle finger, and the thumb's rotation towards them, for a relaxed, a closed and a wide hand."""
+"""Extension of the fingers, their spreading about the middle finger, and the thumb's rotation
+towards them, in degrees from the middle of all ranges, for a relaxed, a closed and a wide hand."""
 
 _TIP_HEIGHT = 0.006
-"""m above the screen, centre of a touching fingertip of the trained hand."""
+"""Height (m) above the screen of the centre of a touching fingertip of the trained hand."""
 _LOOSE = (0.1, np.deg2rad(15.0), np.deg2rad(8.0))
-"""m, rad and rad: compliance of the hand's height and tilt, and of the joints, to the screen."""
+"""Compliance of the hand's height (m), its tilt (rad) and its joints (rad) to the screen."""
 _ROUNDS = 15
 
 _REST, _PAUSE, _FIRST = 1.0, 0.8, 0.3
-"""s that the fingers rest, s that they are off the screen, and s before the first spread."""
+"""Times (s) for which the fingers rest, are off the screen, and wait before the first spread."""
 _NOISE = 0.0004
-"""m, noise of each touch in every frame."""
+"""Noise (m) of each touch in every frame."""
 
 
 def spread_layout(skeleton: Skeleton, extension: float, spreading: float, thumb: float) -> Array:

@@ -17,7 +17,7 @@ DEFAULT_WEBSOCKET_PORT = 8080
 """Default port of TUIO over WebSockets."""
 
 STALE_AFTER = 2.0
-"""s without a packet after which the touches of a TUIO sender are lifted, unless it is chosen."""
+"""Default time (s) without a packet after which the touches of a TUIO sender are lifted."""
 
 LOOPBACK = "127.0.0.1"
 
@@ -56,7 +56,7 @@ def open_tuio(
         options: How they are reached.
         place: Where the device is opened.
         tap: Called with every packet; see `TuioDevice`.
-        stale_after: s without a packet after which the touches of a sender are lifted.
+        stale_after: Time (s) without a packet after which the touches of a sender are lifted.
 
     Raises:
         DeviceError: A port is taken, or the address is not one of this machine.
@@ -76,7 +76,7 @@ def open_tuio(
 
 
 def _on_next_ports(options: TuioOptions) -> TuioOptions:
-    """A second sender comes to the next ports; a free one stays free."""
+    """Options for a second sender, with the next ports; port 0 remains 0."""
     return replace(
         options,
         port=options.port and options.port + 1,

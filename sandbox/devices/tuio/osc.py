@@ -1,9 +1,9 @@
-"""Decoder of OSC packets, which reads whatever a sender means to say and raises one kind of error.
+"""Decoder of OSC packets, which reads every message that is readable and raises one kind of error.
 
 Ready-made readers do not return from a bundle whose element claims a negative size, and raise
 errors of the interpreter on nested bundles and on text that is not UTF-8. The walk below is a loop
 over an explicit stack in which every turn consumes bytes, so its work is bounded by the size of the
-packet. A message that cannot be read costs itself alone; text in any bytes is read.
+packet. Only a message that cannot be read is lost. Text in any bytes is read.
 """
 
 from __future__ import annotations
@@ -42,7 +42,7 @@ _TEXTS, _BLOB = frozenset(b"sS"), ord("b")
 
 
 class MalformedPacket(DeviceError):  # noqa: N818  (names the packet)
-    """A packet from the network, or a part of it, cannot be understood."""
+    """A packet from the network, or a part of it, cannot be decoded."""
 
 
 class Message(NamedTuple):
@@ -67,7 +67,7 @@ def decode(data: bytes, report: ReaderReport) -> Packet:
 
     Args:
         data: The datagram.
-        report: Receives the messages that are left out, as they cannot be read.
+        report: Receives the messages that are left out because they cannot be read.
 
     Raises:
         MalformedPacket: Its messages cannot be found; this function raises no other exception.

@@ -4,7 +4,7 @@ A capture holds packets as they came from the network, invalid ones included, so
 be reproduced. `"from"` may name the sender of a packet; `{"t": seconds, "closed": "..."}` says that
 a sender's connection has ended.
 
-A file is read up to a line that is no JSON. A packet without bytes or a time costs itself alone.
+A file is read up to a line that is not JSON. Only packets without bytes or a time are left out.
 Times are read in the unit in which they are possible.
 """
 
@@ -55,9 +55,9 @@ _PLAYABLE = "The lines before this one can be played"
 _FORMATS = "`sandbox touches formats` lists what can be played"
 
 _SAMPLE = 500
-"""Packets by which the unit of time is judged."""
+"""Number of packets from which the unit of time is found."""
 _DENSE = 0.2
-"""s, mean time between two packets up to which they come in seconds."""
+"""Largest mean time between two packets for which their times are in seconds."""
 
 
 class _PacketLine(Struct):
@@ -90,7 +90,7 @@ class TouchCapture:
     Attributes:
         packets: Packets up to the end or the damage, in order of time.
         damage: Error with file and line that ended the capture early; None if it is undamaged.
-        report: What was left out and assumed.
+        report: Values left out, and assumptions.
     """
 
     packets: tuple[CapturedPacket, ...]
@@ -104,11 +104,11 @@ class TouchCapture:
 
 
 def read_capture(path: Path, unit: str = "") -> TouchCapture:
-    """Reads a capture up to its end or to the first line that is no JSON.
+    """Reads a capture up to its end or to the first line that is not JSON.
 
     Args:
         path: The file.
-        unit: Unit of its times that a person gave; another one is found.
+        unit: Unit of its times, as a person gave it; without it, the unit is found.
 
     Raises:
         RecordingError: The file does not exist, its first packet cannot be read, or its times are
@@ -143,14 +143,14 @@ def read_capture(path: Path, unit: str = "") -> TouchCapture:
 def _second(
     packets: Sequence[CapturedPacket], given: Units, where: str, report: ReaderReport
 ) -> float:
-    """s, unit of the packets' times.
+    """Unit (s) of the packets' times.
 
     Raises:
         RecordingError: They are impossible in any unit.
     """
     gaps = steps_of([packet.time for packet in packets[:_SAMPLE]])
     if not given and gaps and TOUCH_STEP.least <= fmean(gaps) <= _DENSE:
-        # In no other unit would so many packets come; they need not be decoded.
+        # In no other unit are so many packets possible, so they need not be decoded.
         return 1.0
     tuio = Tuio(math.inf)
     times: list[float] = []
@@ -251,7 +251,7 @@ class CaptureDevice(Device):
 
     @property
     def report(self) -> ReaderReport:
-        """What the decoder has left out and assumed."""
+        """The decoder's report on values left out, and on assumptions."""
         return self._tuio.report
 
     @property
@@ -287,7 +287,7 @@ class CaptureDevice(Device):
         self._next = len(self._packets)
 
     def _silence_ends(self) -> float:
-        """s, time at which the next source becomes stale, just after its limit."""
+        """Time (s) at which the next source becomes stale, just after its limit."""
         heard = [source.heard for source in self._tuio.sources if not source.stale]
         return math.nextafter(min(heard) + self._stale_after, math.inf) if heard else math.inf
 

@@ -37,7 +37,7 @@ _SOCKETS: dict[Transport, tuple[socket.SocketKind, ...]] = {
 }
 
 _PORTS_TRIED = 64
-"""Number of ports that are free for UDP and are tried until one is free for TCP as well."""
+"""Largest number of ports, free for UDP, that are tried until a port is free for TCP as well."""
 
 Tap = Callable[[float, str, bytes | None], None]
 
@@ -45,7 +45,7 @@ QUEUE_FRAMES = 2048
 """Number of frames that wait for `poll`: 17 seconds of a device of 120 Hz."""
 
 _TICK = 0.1
-"""s between two checks for silent sources and for `close` while no packet comes."""
+"""Time (s) between two checks for silent sources and for `close` while no packet comes."""
 
 _SOCKET_BUFFER = 1 << 20
 """Bytes of the socket's receive buffer, which holds packets while the thread is busy."""
@@ -70,8 +70,8 @@ class TuioDevice(Device, Closeable):
             and retries until it answers. Empty listens instead.
         tap: Called with time (s), peer and bytes of every packet; the bytes are None when the
             connection has ended. It runs in the receiving thread and must return quickly. An
-            InputError of it ends the device: `poll` raises it.
-        stale_after: s of silence after which the touches of a source are lifted.
+            InputError that it raises ends the device: `poll` raises this error.
+        stale_after: Time (s) of silence after which the touches of a source are lifted.
         queue_frames: Number of frames kept for `poll`; when full, the oldest is dropped and
             counted.
 
@@ -162,12 +162,12 @@ class TuioDevice(Device, Closeable):
 
     @property
     def address(self) -> str:
-        """Address at which it listens, as HOST:PORT, or that of the sender it connects to."""
+        """Address at which it listens, as HOST:PORT, or that of the sender to which it connects."""
         return self._address
 
     @property
     def announced_port(self) -> int:
-        """The port to tell people, at which it listens: that of `address`."""
+        """The port at which it listens, for display: the port of `address`."""
         return self.port if self._socket is not None or self._listens_tcp else self.websocket_port
 
     @property
@@ -190,7 +190,7 @@ class TuioDevice(Device, Closeable):
 
     @property
     def report(self) -> ReaderReport:
-        """A copy of the report on what was left out and assumed."""
+        """A copy of the report on values left out, and on assumptions."""
         with self._news:
             return self._tuio.report.copy()
 
@@ -202,7 +202,8 @@ class TuioDevice(Device, Closeable):
 
     @property
     def finished(self) -> bool:
-        """True once closed or failed, and every frame fetched; `poll` tells a failure first."""
+        """True once it is closed or has failed, every frame is fetched, and `poll` has raised the
+        failure."""
         with self._news:
             return not self._queue and not self._alive and (self._failure is None or self._told)
 
@@ -240,7 +241,7 @@ class TuioDevice(Device, Closeable):
             self._socket.close()
 
     def receive(self, data: bytes, peer: str) -> None:
-        """Takes in a packet; called from any thread."""
+        """Processes a packet; called from any thread."""
         with self._news:
             now = self._now()
             self._pass_to_tap(now, peer, data)
@@ -285,7 +286,7 @@ class TuioDevice(Device, Closeable):
             self._news.notify_all()
 
     def _pass_to_tap(self, now: float, peer: str, data: bytes | None) -> None:
-        """Tells the tap; once it has refused, which the next `poll` raises, nothing more counts."""
+        """Calls the tap; an error of the tap is raised by the next `poll`, and ends the device."""
         if self._tap is None or self._failure is not None:
             return
         try:
@@ -333,8 +334,8 @@ def touch_frame(commit: Commit, surface: Surface, now: float, sizes: ContactSize
     Touches of a silent source end as lifted, not as cancelled: most likely a finger was lifted and
     the last packet lost, so the hand must release what it held.
 
-    A touch with a width and a height has them as its extent, and the size of the circle of equal
-    area, as far as they are those of a finger or hand.
+    The width and height of a touch become its extent, and its size is that of the circle of equal
+    area, as far as these are plausible for a finger or hand.
     """
     width, height = (float(length) for length in surface.size)
     contacts = []
@@ -352,10 +353,10 @@ def touch_frame(commit: Commit, surface: Surface, now: float, sizes: ContactSize
 def _listen(
     bind: str, port: int, kinds: Sequence[socket.SocketKind]
 ) -> dict[socket.SocketKind, socket.socket]:
-    """Opens one socket of each kind, all at one port; port 0 takes one that is free for all.
+    """Opens one socket of each kind, all at one port; port 0 takes a port that is free for all.
 
-    A port that is free for one kind only is held until the search ends, or the system might offer
-    it again.
+    A port that is free for one kind only is held until the search ends; otherwise the system might
+    offer it again.
     """
     with contextlib.ExitStack() as held:
         for tries_left in reversed(range(_PORTS_TRIED)):
@@ -374,7 +375,7 @@ def _listen(
 
 
 def _bound(kind: socket.SocketKind, bind: str, port: int) -> socket.socket:
-    """Opens a socket at an address; that of UDP returns from `recvfrom` at least every tick."""
+    """Opens a socket at an address; a UDP socket returns from `recvfrom` at least every tick."""
     sock = socket.socket(socket.AF_INET, kind)
     try:
         if kind == socket.SOCK_DGRAM:
@@ -384,7 +385,7 @@ def _bound(kind: socket.SocketKind, bind: str, port: int) -> socket.socket:
             sock.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
         sock.bind((bind, port))
         if kind == socket.SOCK_STREAM:
-            sock.listen()  # from here on nobody else gets the port
+            sock.listen()  # from here on no other program gets the port
     except (OSError, OverflowError, UnicodeError) as error:
         sock.close()
         raise DeviceError(

@@ -43,7 +43,7 @@ Size = tuple[float, float] | tuple[None, None]
 class TuioPlace(NamedTuple):
     """Position and size of a touch, in 0..1 of the surface's width and height.
 
-    `label` is the finger, 0 (thumb) to 4; None if the sender does not know it.
+    `label` is the finger, 0 (thumb) to 4; None if the sender does not report it.
     """
 
     x: float
@@ -90,10 +90,10 @@ class TuioFrame:
 
 
 def read_int32(value: object) -> int:
-    """Reads a 32-bit integer; a whole number that is sent as a float is one.
+    """Reads a 32-bit integer; a whole number that is sent as a float counts as an integer.
 
     Raises:
-        MalformedPacket: The value is not one.
+        MalformedPacket: The value is not an integer.
     """
     if isinstance(value, float) and value.is_integer():
         value = int(value)
@@ -103,7 +103,7 @@ def read_int32(value: object) -> int:
 
 
 def read_ids(values: Iterable[object], most: int, report: ReaderReport) -> tuple[int, ...]:
-    """Ids of the living touches, each once; those that are none, or too many, are left out."""
+    """Ids of the living touches, each once; invalid and surplus ids are left out."""
     ids: dict[int, None] = {}
     for value in values:
         try:
@@ -115,7 +115,7 @@ def read_ids(values: Iterable[object], most: int, report: ReaderReport) -> tuple
 
 
 def read_position(x: object, y: object) -> tuple[float, float]:
-    """A position on the surface; one in the margin is moved onto the edge.
+    """A position on the surface; a position in the margin is moved onto the edge.
 
     Raises:
         MalformedPacket: It is not two numbers, or lies beyond the margin.
@@ -134,7 +134,7 @@ def read_position(x: object, y: object) -> tuple[float, float]:
 def read_size(width: object, height: object, report: ReaderReport) -> Size:
     """Width and height in 0..1; None where the sender does not measure both (0).
 
-    Lengths that are no shares of the surface, as of a sender that sends pixels, are left out.
+    Lengths that are not shares of the surface, such as pixels, are left out.
     """
     if not width or not height:
         return None, None
@@ -251,7 +251,7 @@ def _read_command(arguments: Sequence[object], frame: TuioFrame, report: ReaderR
     """Adds one alive, set or fseq message to a frame.
 
     Raises:
-        MalformedPacket: It breaks the protocol, and costs itself alone.
+        MalformedPacket: The message breaks the protocol; only this message is left out.
     """
     command, values = (arguments[0], arguments[1:]) if arguments else (None, ())
     if command == "alive":
@@ -269,7 +269,7 @@ def _read_command(arguments: Sequence[object], frame: TuioFrame, report: ReaderR
 
 
 def _number(values: Sequence[object], uncounted: int, report: ReaderReport) -> int:
-    """The number of a frame; one that cannot be read counts as that of a frame without."""
+    """The number of a frame; `uncounted` if it cannot be read."""
     try:
         return read_int32(values[0] if values else None)
     except MalformedPacket as error:
@@ -358,7 +358,7 @@ def _read(message: Message, frame: TuioFrame, report: ReaderReport) -> None:
     """Adds one ptr, bnd or alv message to a frame.
 
     Raises:
-        MalformedPacket: It breaks the protocol, and costs itself alone.
+        MalformedPacket: The message breaks the protocol; only this message is left out.
     """
     values = message.arguments
     if message.address == _ALIVE:

@@ -1,4 +1,4 @@
-"""The hand of a simulated person in the air: joint positions from a wanted pinch, and movements.
+"""The hand of a simulated person in the air: joint positions for a pinch, and movements.
 
 The palm faces down; thumb, index and middle finger reach down from it and meet, ring and little
 finger stay stretched, out of the way. Every seed gives another person, with their own bone lengths
@@ -21,12 +21,12 @@ from models.arithmetic import Array, length, small_product
 from tasks.user import UserConfiguration
 
 AXIS = float(np.deg2rad(52.0))
-"""rad in the palm, from its x, direction from the thumb's tip to the fingers' that the resting
-thumb of `models.skeleton` faces."""
+"""Direction (rad from x, in the palm's plane) from the thumb's tip to the fingertips, which the
+resting thumb of `models.skeleton` faces."""
 CENTRE = (-0.038, 0.047, -0.055)
 """(3,) m in palm coordinates, point at which the tips of an average hand meet."""
 PITCH = 0.019
-"""m between the tips of index and middle finger."""
+"""Distance (m) between the tips of index and middle finger."""
 STRETCHED = {3: (8.0, -4.0, 12.0, 8.0), 4: (8.0, -12.0, 12.0, 8.0)}
 """Joint angles of ring and little finger, degrees."""
 PINCHING = (0, 1, 2)
@@ -35,7 +35,7 @@ PINCHING = (0, 1, 2)
 
 @dataclass(frozen=True)
 class Pinch:
-    """The wanted pose of a pinching hand.
+    """The target pose of a pinching hand.
 
     Attributes:
         centre: (3,) m in the world, midpoint between thumb and fingers.
@@ -66,7 +66,7 @@ class Pinch:
         return np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
 
     def tips(self) -> Array:
-        """(3, 3) m in the world, wanted tips of thumb, index and middle, without `bent`."""
+        """(3, 3) m in the world, target tips of thumb, index and middle, without `bent`."""
         return self.centre + small_product(pinching_tips(self.gap), self.rotation.T)
 
 
@@ -120,13 +120,13 @@ class Body:
 
 
 _ARM = 0.10
-"""m, radius that converts a turn of the wrist to a length of movement."""
+"""Radius (m) that converts a turn of the wrist to a length of movement."""
 _PEAK = 1.875
 """Ratio of peak to mean speed in a minimum-jerk movement."""
 
 
 class HandMovement:
-    """Wanted and actual pose of a hand over time.
+    """Target and actual pose of a hand over time.
 
     Args:
         start: Initial pose.

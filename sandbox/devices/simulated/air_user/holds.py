@@ -14,9 +14,9 @@ from tasks.task import Goal, flat_yaw
 from tasks.user import SeenObject
 
 _STEP = float(np.deg2rad(25.0))
-"""rad, largest turn in one movement of an object that turns about a bolt."""
+"""Largest turn (rad) in one movement of an object that turns about a bolt."""
 _GRIP = 0.040
-"""m along the handle of a wrench of size 1, at which it is held: far out, for a long lever."""
+"""Position (m) along the handle at which a wrench of size 1 is held: far out, for a long lever."""
 
 
 @dataclass(frozen=True)
@@ -39,11 +39,11 @@ class Hold:
 
     @property
     def half(self) -> float:
-        """m from its centre to its upper side."""
+        """Distance (m) from its centre to its upper side."""
         return self.top - float(self.position[2])
 
     def half_above(self, low: float) -> float:
-        """m, height of its centre above `low`."""
+        """Height (m) of its centre above `low`."""
         return float(self.position[2]) - low
 
 
@@ -67,7 +67,7 @@ def hold_of(seen: SeenObject, near: Array) -> Hold:
 
     Args:
         seen: The object.
-        near: (2,) m; of a tray's two handles the one nearer to this point is taken.
+        near: (2,) m; a tray is held by the handle that is nearer to this point.
     """
     shape, position, yaw = seen.shape, seen.position, flat_yaw(seen.rotation)
     if isinstance(shape, Box):
@@ -97,7 +97,7 @@ def remaining_motion(seen: SeenObject, goal: Goal) -> tuple[Array, float]:
 
 
 def pinch_motion(seen: SeenObject, goal: Goal, pinch: Array) -> tuple[Array, float]:
-    """Shift (2,) m and turn, rad, of a pinch at (2,) m that bring the held object to its goal."""
+    """Shift (2,) m and turn, rad, by which a pinch at (2,) m brings the held object to its goal."""
     off, turn = remaining_motion(seen, goal)
     pivot, shape = seen.position[:2], seen.shape
     if isinstance(shape, Wrench) and shape.bolt is not None:
@@ -113,7 +113,7 @@ def stays_down(shape: SceneObject) -> bool:
 
 
 def at_goal(seen: SeenObject, goal: Goal) -> bool:
-    """True if an object is at its goal, within what the user can see."""
+    """True if an object is at its goal, within the precision of the user's sight."""
     off, turn = remaining_motion(seen, goal)
     if isinstance(seen.shape, Wrench):
         near = seen.shape.bolt is not None or length(off) < 0.006
@@ -126,5 +126,5 @@ def at_goal(seen: SeenObject, goal: Goal) -> bool:
 
 
 def quarter_turn(angle: float) -> float:
-    """rad, smallest angle that is equal up to quarter turns."""
+    """Smallest angle (rad) that is equal up to quarter turns."""
     return float((angle + np.pi / 4) % (np.pi / 2) - np.pi / 4)

@@ -38,7 +38,7 @@ _FINGERS = (1, 2)
 _AT, _HELD = 0.002, 0.004
 """Distances between drawn pads and faces below which fingers are at an object, and hold it, m."""
 _CLOSER, _FIRM = 0.006, 0.014
-"""Further closing of the gap while the fingers are not at an object, and once when they are, m."""
+"""Further closing (m) of the gap while the fingers are not at an object, and once when they are."""
 _NARROWEST = 0.010
 """Smallest gap between the person's own fingers, m."""
 _RISEN = 0.75
@@ -48,12 +48,12 @@ _TIMES = 6
 _LEAST = 0.005
 """Smallest additional height, m."""
 _SINKS, _LOW = 0.002, 0.010
-"""Smallest sinking of an object for which lowering continues, once the object is lower than the
-second value above its place, m."""
+"""Smallest sinking (m) of an object for which the hand is lowered further, and height (m) above
+the place below which this rule holds."""
 _PUSHES = 2
 """Largest number of times that an object is pushed to its place before the hand lets go."""
 _UNDER = 0.003
-"""Depth below an object's upper side at which a finger counts as beside it, m."""
+"""Depth (m) below an object's upper side from which a finger counts as beside it."""
 
 
 class PatientPerson(AirPerson):

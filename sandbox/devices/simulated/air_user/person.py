@@ -37,10 +37,10 @@ from tasks.task import Goal
 from tasks.user import SeenObject, Sight, UserConfiguration
 
 _ASIDE = 0.025
-"""m beside the line from the drawn thumb to the fingers at which an object has slipped out."""
+"""Distance (m) from the line between drawn thumb and fingers beyond which an object has slipped."""
 _ROOM, _ROOM_WEIGHT = 0.018, 40.0
-"""m, wanted clearance of a fingertip from other objects, and rad of turning that a metre less
-costs."""
+"""Desired clearance (m) of a fingertip from other objects, and the turn (rad) that is as costly as
+a clearance smaller by 1 m."""
 
 
 @dataclass(frozen=True)
@@ -48,23 +48,23 @@ class AirHabits:
     """Parameters of the way a person works with a hand in the air.
 
     Attributes:
-        over: m, height of the tips above objects while the hand moves about.
+        over: m, height of the tips above objects during transport of the open hand.
         opening: m, gap on each side between the open hand and the object to hold.
-        squeeze: m by which each side closes beyond the object's faces.
+        squeeze: m, distance by which each side closes beyond the object's faces.
         grip: m, height of the tips above the centre of an object to lift.
         clear: m, height of the tips above the table for an object that stays down: fingers that
             push a flat object high up ride over it.
         lift: m, height above all surrounding objects at which an object is carried.
         good: m, error of the drawn tips that the user accepts before closing.
         placed, straight: m and rad, error of a carried object at which it is lowered.
-        press: m by which it is lowered below its goal.
-        looks: Number of corrections before the user goes on regardless.
+        press: m, distance by which it is lowered below its goal.
+        looks: Number of corrections after which the user goes on in any case.
         attempts: Number of grasps before giving up.
         share: Share of an error that one correction removes.
         follows, stuck: Share of an error that remains after a correction, and m, error before and
-            after it: above both, the drawn hand is taken to be blocked by something.
+            after it: above both, the drawn hand is taken to be blocked.
         settle: s, time for which the user watches the effect of a movement, beyond the reaction
-            time; they go by the mean position of their fingertips during it.
+            time. The user judges by the mean position of the fingertips during this time.
     """
 
     over: float = 0.035
@@ -106,15 +106,15 @@ class AirPerson:
         seed: Seed of the person's hand and of everything random.
         radius: (5,) m, radii of the drawn fingertips.
         habits: Parameters of the way of working.
-        home: (2,) m in the world as they see it, resting position of the hand; of two handles they
-            take the nearer one.
+        home: (2,) m in the world from the person's seat, resting position of the hand. Of two
+            handles, the person takes the nearer.
 
     Attributes:
         grasps: Number of grasps so far.
     """
 
     _most_bent = 0.03
-    """m, farthest that a tip is led from its place in a pinch, along each axis."""
+    """Largest distance (m) of a tip from its place in a pinch, along each axis."""
 
     def __init__(
         self,
@@ -139,7 +139,7 @@ class AirPerson:
         self._kind, self._rng = configuration.kind, rng
         self._held = self._stood = self._gap = self._off = 0.0
         self._bent = start.bent
-        # Offset of the own pinch from the wanted position of the drawn one.
+        # Offset of the own pinch from the target position of the drawn pinch.
         self._offset = np.zeros(3)
 
     @property
@@ -148,7 +148,7 @@ class AirPerson:
         return self._stage is Stage.LIFTED
 
     def observe(self, sight: Sight) -> None:
-        """Takes in what is on the screen now."""
+        """Stores the snapshot that is on the screen now."""
         self._eye.observe(sight)
         self._lately.append(sight)
 
@@ -227,7 +227,7 @@ class AirPerson:
             return
         aim = self._movement.aim
         if self._blocked(sight, hold):
-            # Something is in the way: up again, with the hand as it was.
+            # The way is blocked: the hand is raised again, and not turned or opened.
             self._offset = np.zeros(3)
             centre = np.array([*wanted[:2], self._highest(sight) + self.habits.over])
             self._go(replace(aim, centre=centre, bent=self._bent), Stage.LOOKING, now)
@@ -237,7 +237,7 @@ class AirPerson:
         self._go(replace(aim, gap=gap), Stage.CLOSED, now, 1.3)
 
     def _blocked(self, sight: Sight, hold: Hold) -> bool:
-        """True if the fingers do not stand about a thing so that they may close."""
+        """True if the fingers are not around an object and thus may not close."""
         return self._off > self.habits.stuck
 
     def _lift(self, sight: Sight, now: float) -> None:
@@ -309,7 +309,7 @@ class AirPerson:
         ideal = replace(aim, centre=wanted).tips()
         error = small_product(ideal - np.array([sight.tips[f] for f in PINCHING]), rotation)
         before, self._off = self._off, float(np.sqrt(squared_lengths(error)).max())
-        # A drawn hand that does not follow is held up by something: pushing on does not help.
+        # A drawn hand that does not follow is blocked, and pushing on does not help.
         stuck = (
             self._tries > 1
             and min(self._off, before) > self.habits.stuck
@@ -339,7 +339,7 @@ class AirPerson:
         return hold_of(self._seen_object(sight), self._home)
 
     def _grip(self, hold: Hold, sight: Sight) -> Array:
-        """(3,) m, wanted midpoint between the tips when they close."""
+        """(3,) m, target midpoint between the tips when they close."""
         x, y, z = hold.position.tolist()
         if stays_down(self._seen_object(sight).shape):
             return np.array([x, y, float(self._radius[list(PINCHING)].max()) + self.habits.clear])
@@ -349,16 +349,16 @@ class AirPerson:
         return next(g for g in sight.goals if g.object == self._name)
 
     def _highest(self, sight: Sight, others: bool = False) -> float:
-        """m, top of the highest object; `others` leaves out the object in hand."""
+        """Top (m) of the highest object; `others` leaves out the object in hand."""
         seen = [o for name, o in sight.objects.items() if not others or name != self._name]
         return max((hold_of(o, self._home).top for o in seen), default=0.0)
 
     def _centres(self, width: float) -> float:
-        """m between the tips' centres for a gap between the finger pads."""
+        """Distance (m) between the tips' centres for a gap between the finger pads."""
         return width + float(self._radius[0] + self._radius[1:3].mean())
 
     def _comfortable(self, hold: Hold, sight: Sight) -> float:
-        """rad, turn of the hand for a hold: with room for the fingers, and little to turn."""
+        """Turn (rad) of the hand for a hold: with room for the fingers, and little to turn."""
         _, turn = remaining_motion(self._seen_object(sight), self._goal(sight))
         best = (np.inf, 0.0)
         for side in range(0, 4, 1 if hold.quarter else 2):
@@ -396,19 +396,19 @@ def _up(height: float) -> Array:
 
 
 _AHEAD = 0.020
-"""m by which the own end is raised above the other one."""
+"""Height (m) by which the own end is raised above the other end."""
 _UP = 0.6
 """Share of the lift above which both ends count as up, so that the tray may be carried along."""
 _STEP, _STEP_TURN = 0.025, float(np.deg2rad(8.0))
-"""m and rad, largest sideways movement before the user looks at the other end again."""
+"""Largest sideways shift (m) and turn (rad) before the user looks at the other end again."""
 _IN_PLACE, _STRAIGHT, _LEVEL = 0.005, float(np.deg2rad(3.0)), 0.004
-"""m sideways, rad and m in height: tolerances within which an end is not corrected."""
+"""Tolerances within which an end is not corrected: m sideways, rad, and m in height."""
 _GONE = 0.030
-"""m from the drawn fingers at which a handle is taken to have slipped."""
+"""Distance (m) from the drawn fingers beyond which a handle is taken to have slipped."""
 _LOOK = 0.10
-"""s between two looks of a waiting user."""
+"""Time (s) between two observations by a waiting user."""
 _FELT = 0.35
-"""Share of a seen error that is corrected at once; small, since both users' corrections add up."""
+"""Share of an observed error that is corrected at once; small, since both users correct it."""
 
 
 class AirCarrier(AirPerson):
