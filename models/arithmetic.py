@@ -1,18 +1,18 @@
 """Array types, and arithmetic whose result is the same on every machine.
 
-Products of matrices, and solutions of linear equations, are added in an order that never changes.
-NumPy and SciPy hand these to BLAS and LAPACK, which add in another order on every processor. What
-becomes part of a simulation's state is computed here instead: small matrices by MuJoCo's own
-routines, which are the same for one version of MuJoCo and one architecture, stacks of tiny ones
-term by term. Arrays for MuJoCo are float64 and C-contiguous.
+Matrix products and solutions of linear equations add their terms in an order that never changes.
+NumPy and SciPy pass them to BLAS and LAPACK, which add in another order on every processor. Numbers
+that become part of a simulation's state are therefore computed here. Small matrices use MuJoCo's
+own routines, whose results are the same for one version of MuJoCo and one architecture. Stacks of
+tiny matrices are computed term by term. Arrays for MuJoCo are float64 and C-contiguous.
 
 Transcendental functions of arrays are the system's libm. NumPy has several versions of these
 functions and chooses one for the processor; their last digits differ. Here they are computed number
 by number, by the libm that MuJoCo calls as well. A hundred numbers cost about 6 us.
 
-Digests of what this machine computes name what differs between two machines. Version numbers do not
-say enough: one version of glibc has several variants of its functions and chooses by the processor.
-So the functions are asked for some thousand values, and these are digested.
+Two machines are compared by digests of numbers that they compute. Version numbers are not enough:
+one version of glibc has several variants of its functions and chooses by the processor. A digest
+therefore covers some thousand values of these functions.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ from numpy.typing import ArrayLike, NDArray
 
 # Numbers: positions, poses, times, probabilities.
 Array = NDArray[np.float64]
-# Which elements of another array.
+# Booleans that select elements of another array.
 Mask = NDArray[np.bool_]
 Single = NDArray[np.float32]
 
@@ -118,10 +118,10 @@ def squared_lengths(x: Array) -> Array:
 
 
 def total(numbers: Iterable[float]) -> float:
-    """Sum of numbers, added from the first to the last; of whole numbers it is exact.
+    """Sum of numbers, added from the first to the last. The sum of whole numbers is exact.
 
-    Python's `sum` of floats compensates their rounding from version 3.12 on, and has other last
-    digits there.
+    From version 3.12 on, Python's `sum` compensates the rounding of floats, so its last digits
+    differ from those of earlier versions.
     """
     so_far: float = 0
     for number in numbers:

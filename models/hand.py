@@ -58,8 +58,8 @@ class Follower(Protocol):
 
     @property
     def missed(self) -> frozenset[int]:
-        """Labels of the fingers that touch and whose tips could not be put where the last pose has
-        them."""
+        """Labels of the fingers that touch and whose tips could not reach their places in the last
+        pose."""
         ...
 
     def __call__(self, q: Array, fingers: Collection[int]) -> Array:
@@ -67,8 +67,8 @@ class Follower(Protocol):
 
         Args:
             q: The pose.
-            fingers: Labels of the fingers that touch: where not all fingertips can be where the
-                pose has them, theirs matter.
+            fingers: Labels of the fingers that touch. Where not all fingertips can reach their
+                places in the pose, these take precedence.
         """
         ...
 

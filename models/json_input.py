@@ -103,7 +103,8 @@ def numbered_lines(path: Path, longest: int) -> Iterator[tuple[int, bytes]]:
 
 
 def whole_json(data: bytes) -> bool:
-    """True if a text is whole JSON; NaN and Infinity, which some programs write, count."""
+    """True if a text is complete JSON. NaN and Infinity, which some programs write, are
+    accepted."""
     try:
         any_json(data)
     except _UNREADABLE:
@@ -112,13 +113,13 @@ def whole_json(data: bytes) -> bool:
 
 
 def any_json(data: bytes) -> Any:
-    """The value of a text, as far as another program may write it otherwise than the standard.
+    """The value of a JSON text, which may deviate from the standard as other programs do.
 
     NaN and Infinity are numbers, and names that are not UTF-8 are read as Latin-1.
 
     Raises:
-        msgspec.DecodeError: It is not JSON.
-        RecursionError: It is nested too deeply.
+        msgspec.DecodeError: The text is not JSON.
+        RecursionError: The text is nested too deeply.
     """
     try:
         return msgspec.json.decode(data)
@@ -198,8 +199,8 @@ def checked(
 
 
 def loosely_decoded(data: bytes) -> Any:
-    """A JSON value, in which a number may be NaN or infinite, as Python writes it, and text may be
-    in any bytes; None if the data are no JSON."""
+    """A JSON value; None if the data are not JSON. As in Python's JSON, a number may be NaN or
+    infinite; text may consist of any bytes."""
     try:
         return json.loads(data.removeprefix(_BYTE_ORDER_MARK).decode(errors="replace"))
     except (ValueError, RecursionError):
@@ -207,7 +208,7 @@ def loosely_decoded(data: bytes) -> Any:
 
 
 def converted(value: object, form: type[T]) -> T | None:
-    """A decoded value as an object of a type; None if it is none."""
+    """A decoded value, converted to a type; None if it does not fit the type."""
     try:
         return msgspec.convert(value, form)
     except (msgspec.ValidationError, OverflowError):
@@ -259,8 +260,8 @@ def check_layout(
 
 
 def _twice(data: bytes) -> str:
-    """A key that one object has twice with different values; empty if there is none, and for what
-    is no JSON."""
+    """A key that an object contains twice with different values; empty without such a key, and for
+    data that are not JSON."""
     found: list[str] = []
 
     def unique(pairs: list[tuple[str, Any]]) -> dict[str, Any]:

@@ -14,7 +14,7 @@ from models.rotations import exp, exp_and_left_jacobian, skew
 from models.skeleton import Skeleton
 
 _LEVELS = 3
-"""Most bones in one finger; the thumb's chain is padded with a bone of no length."""
+"""Largest number of bones in a finger. The thumb's chain is padded with a bone of length 0."""
 
 
 class Placement(NamedTuple):

@@ -1,4 +1,4 @@
-"""Sentences for people: English text, and what another language needs to say the same."""
+"""Sentences for people: the English text, with a key and values for other languages."""
 
 from __future__ import annotations
 
@@ -9,17 +9,16 @@ Values = Mapping[str, str | list[str]]
 
 
 class Message(str):
-    """An English sentence that knows its key and its values.
+    """An English sentence with its key and its values.
 
-    It is a string, and everything that prints or stores it stores English. A view that speaks
-    another language looks the key up among its own sentences (sandbox/words) and never compares
-    the text.
+    It is a string of English text, and is printed and stored as such. A view in another language
+    looks the key up among its own sentences (sandbox/words) and never compares the text.
 
     Args:
         key: Name of the sentence, the same in all languages.
         text: The English sentence, with its values as {name}.
-        values: Values by name: numbers as they are printed, or names of things, for which a
-            language has words of its own; a list for several things.
+        values: Values by name: numbers as they are printed, or names that another language
+            translates; a list for several names.
     """
 
     key: str
@@ -41,8 +40,8 @@ def counted(number: int, one: str, several: str | None = None) -> str:
     """A number with its noun: `1 trial`, `12 trials`, `1,204 people`.
 
     Args:
-        number: How many there are.
-        one: The noun for one of them.
-        several: The noun for any other number; by default `one` with an s.
+        number: The count.
+        one: The noun in the singular.
+        several: The noun in the plural; by default `one` with an s.
     """
     return f"{number:,} {one if number == 1 else several or one + 's'}"

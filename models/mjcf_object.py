@@ -40,11 +40,11 @@ GEOM_KINDS = {
 _PROBE = 1e-3
 """Radius of the ball with which distances are measured (m); the result is corrected by it."""
 _FLOOR = 10.0
-"""m below the object, top of the block against which its lowest point is measured."""
+"""Depth (m) below the object of the top of the block against which its lowest point is measured."""
 _PROBE_NAME, _FLOOR_NAME = "hand sandbox probe", "hand sandbox floor"
 """Names of the ball and of the block, which no description has; many have a floor of their own."""
 _BESIDE = 0.005
-"""Distance (m) beyond its own width, by which an object may lie beside its origin."""
+"""Distance (m), beyond its own width, by which an object may lie beside its origin."""
 _FAR = 100.0
 """Largest distance that is measured (m)."""
 
@@ -201,8 +201,8 @@ class MjcfObject:
         return self.size * np.min(corners, axis=0), self.size * np.max(corners, axis=0)
 
     def _check_middle(self) -> None:
-        """Refuses an object of another unit, and one that lies beside the origin of its body, which
-        is its place.
+        """Refuses an object in another unit, and an object that lies beside its body's origin,
+        which is its place.
 
         Meshes are often drawn somewhere in a room. The origin may be anywhere within the object.
         """
@@ -335,20 +335,20 @@ def check_position(position: ArrayLike, where: str) -> None:
 
 
 def described_in(mjcf: str | Path, name: str) -> str:
-    """Where a description is, for messages: its file, or the object that it is of."""
+    """Place of a description, for messages: its file, or the object that it describes."""
     return str(mjcf) if _is_file(mjcf) else f"MJCF of {name}"
 
 
 def unreadable(mjcf: str | Path, name: str, error: Exception) -> InputError:
-    """The error that MuJoCo refuses a description, in one line.
+    """The error for a description that MuJoCo refuses, in one line.
 
     Args:
         mjcf: The description.
-        name: Name of the object that it is of.
+        name: Name of the object that it describes.
         error: MuJoCo's error, whose text names the element and its line.
     """
     where, text = described_in(mjcf, name), " ".join(str(error).split())
-    # Of a mesh, a texture or an include that is missing, MuJoCo does not say where it looked.
+    # MuJoCo's error for a missing mesh, texture or include does not contain the folder.
     opened = re.search("Error opening file '([^']+)'", text)
     if opened and not (beside := _folder(mjcf) / opened[1]).exists():
         return InputError(
@@ -414,7 +414,7 @@ def drawn_colour(model: Any, geom: int) -> Array:
 
 
 _PLAIN_RGBA = np.array([0.5, 0.5, 0.5, 1.0], np.float32)
-"""Of a geom that says none."""
+"""Colour of a geom that states none."""
 
 
 def geom_element(
@@ -499,7 +499,7 @@ def read_mjcf(mjcf: str | Path, kind: str) -> Any:
 def _without_references(spec: Any) -> Any:
     """The specification without sensors, pairs and keyframes, none of which a scene takes over.
 
-    MuJoCo leaves a body apart from the one that it is welded to if one of them names it.
+    If such an element names a body, MuJoCo does not merge it with the body that it is welded to.
     """
     for element in (*spec.sensors, *spec.excludes, *spec.pairs, *spec.keys):
         spec.delete(element)
@@ -509,7 +509,7 @@ def _without_references(spec: Any) -> Any:
 def described_files(mjcf: str | Path) -> list[Path]:
     """Files that a description consists of: its own, those that it includes, and its meshes.
 
-    Textures are left out, as they are out of objects.
+    Textures are left out, since objects have none.
 
     Args:
         mjcf: A whole description, or the path of a file, relative to the current folder.
@@ -520,7 +520,7 @@ def described_files(mjcf: str | Path) -> list[Path]:
 
 
 def _find_files(mjcf: str | Path, folders: list[Path], found: list[Path]) -> None:
-    """Adds a description's files to those that were found; what is missing is left out.
+    """Adds a description's files to those that were found; missing files are left out.
 
     Args:
         mjcf: A description.
@@ -535,9 +535,9 @@ def _find_files(mjcf: str | Path, folders: list[Path], found: list[Path]) -> Non
     try:
         root = ElementTree.fromstring(file.read_bytes() if _is_file(mjcf) else str(mjcf))
     except (ElementTree.ParseError, LookupError, ValueError):
-        # MuJoCo refuses it with the line, where it is used.
+        # MuJoCo refuses such a file, with the line, where it is used.
         return
-    # MuJoCo may be told to look for names alone, whatever folders the description has before them.
+    # With `strippath`, MuJoCo uses file names alone, without the folders in front of them.
     bare = False
     for compiler in root.iter("compiler"):
         bare = compiler.get("strippath") == "true" or bare
@@ -551,7 +551,7 @@ def _find_files(mjcf: str | Path, folders: list[Path], found: list[Path]) -> Non
                 if element.tag == "include":
                     _find_files(place, folders, found)
                 elif element.tag == "model":
-                    # What it names is relative to its own folder.
+                    # Names in a model's file are relative to the folder of that file.
                     _find_files(place, [place.parent], found)
                 elif place.is_file() and place not in found:
                     found.append(place)

@@ -64,7 +64,8 @@ class Scalable(Protocol):
     """Contract of an object whose size can be varied."""
 
     def scaled(self, size: float) -> SceneObject:
-        """The object with all its lengths times a factor, of the same mass, as it starts."""
+        """The object in another size: all lengths times a factor, with the same mass, as at the
+        start."""
         ...
 
 
@@ -525,7 +526,8 @@ def _add_visible_part(
     rgb: tuple[float, float, float],
     turn: float = 0.0,
 ) -> None:
-    """Adds a part that is only visible, m above the body's middle and turned by rad."""
+    """Adds a visible part without collisions, `height` (m) above the body's middle and turned by
+    `turn` (rad)."""
     SubElement(
         body,
         "geom",

@@ -22,8 +22,8 @@ from models.surface import Surface
 HANDS = ("right", "left")
 TURNS = (0, 90, 180, 270)
 SIZES = (0.6, 1.6)
-"""Least and greatest length of a hand relative to the trained one: from a small child's to beyond
-any adult's. A value outside is a typing error."""
+"""Least and greatest length of a hand relative to the trained hand: from a small child's hand to
+more than any adult's. A value outside this range is a typing error."""
 
 
 @dataclass(frozen=True)
@@ -78,8 +78,8 @@ class Person:
 class RestSample:
     """Touches and pose of a person's hand at one moment; JSON values only.
 
-    Both are in the 3-D surface frame of the screen's lower edge, of the person's own size, as of a
-    right hand. `encoders.person.rest_posture` uses them.
+    Both are in the 3-D surface frame of the screen's lower edge, in the person's own size, mirrored
+    to a right hand. `encoders.person.rest_posture` uses them.
 
     Attributes:
         touches: Place (x right, y down) m of each finger, thumb first; None while it is lifted.

@@ -1,11 +1,11 @@
 """Sizes, rates, distances, speeds and angles that hands and touches can have, and the units that
 follow.
 
-A file of another program rarely says its units. A reader measures a few quantities of it, such as
+A file of another program rarely states its units. A reader measures a few quantities of it, such as
 the length of a finger and the time between two frames, and `find_units` finds the units in which
-all of them are possible. The unit that the format usually has is taken where it fits, any other
-one is reported, and a file for which none or several fit is refused. `LiveUnits` does the same for
-a device that is running, which is never refused.
+all of them are possible. The format's usual unit is used if it fits. Any other unit is reported. A
+file that no unit fits, or that several other units fit, is refused. `LiveUnits` does the same for a
+running device, which is never refused.
 
 Bounds of lengths are narrower than the smallest ratio of two units (1 in = 2.54 cm), those of times
 narrower than 1000, so that not more than one unit fits. Their sources:
@@ -78,10 +78,10 @@ Values = Sequence[float] | Array
 
 @dataclass(frozen=True, eq=False)
 class Bounds:
-    """Range of a quantity; each is equal to itself alone.
+    """Range of a quantity; an object is equal only to itself.
 
     Attributes:
-        name: What it is, for messages.
+        name: Name of the quantity in messages.
         least: Smallest possible value in the first units of `UNITS`.
         most: Largest possible value.
         powers: Dimension -> its power in the quantity.
@@ -111,8 +111,8 @@ class Bounds:
 
 
 AT_ONCE = 2.0
-"""Times that a size of a single frame may be larger or smaller than a hand's: devices may be
-mistaken by much for a moment."""
+"""Factor by which a size in a single frame may be above or below the bounds of a hand's size, since
+a device may be far off for a moment."""
 HAND = Bounds("the length of the hand", 0.115, 0.286)
 FINGER = Bounds("the longest finger", 0.055, 0.138)
 PALM = Bounds("the distance from wrist to knuckles", 0.050, 0.126)
@@ -137,18 +137,19 @@ LARGEST_TABLE = 1.6
 """Longest side of a touch table (m), where nothing says its size."""
 TOUCH_STEP = Bounds("the time between two frames with touches", 0.0021, 2.0, (("time", 1),))
 _LONGEST, _SLENDEREST = 0.25, 10.0
-"""Longest side of a contact (m), and the most that its longer side is of the shorter one."""
+"""Longest side of a contact (m), and largest ratio of its longer side to its shorter side."""
 _NARROWEST = 1.0 / _SLENDEREST
 _SMALL, _LARGE = CONTACT.least**2, _LONGEST**2 / _SLENDEREST
-"""Width times height of contacts that are none too small or long (m2)."""
+"""Least and greatest width times height (m2) of contacts of possible size and shape."""
 USUAL_LEAST, USUAL_MOST = 0.004, 0.040
-"""m, widths and heights of most contacts; any two of them are possible together."""
+"""Least and greatest width or height (m) of most contacts; any two of these sizes are possible
+together."""
 _FINGERTIP = 0.035
 """Largest size of a fingertip (m)."""
 
 MARGIN = 0.25
-"""How far beyond the surface a touch may be reported, in lengths of the surface: sensors see a
-little beyond their edge. It is moved onto the edge."""
+"""Greatest distance beyond the surface of a touch that is accepted, in lengths of the surface:
+sensors reach a little beyond their edge. Such a touch is moved onto the edge."""
 
 _FIRST = {dimension: next(iter(units)) for dimension, units in UNITS.items()}
 
@@ -159,7 +160,7 @@ def unit_size(units: Units, dimension: str) -> float:
 
 
 def parse_units(text: str, where: str = "--unit") -> dict[str, str]:
-    """Units by dimension of `mm`, `ms` or `mm,ms`; of an empty text none.
+    """Units by dimension, from `mm`, `ms` or `mm,ms`; an empty text gives none.
 
     Raises:
         InputError: A name is unknown, or two are of one dimension.
@@ -190,9 +191,9 @@ def find_units(
     """The units of a file, in which all its quantities are possible.
 
     Args:
-        seen: Values of quantities in the file's own units; the middle one of each counts, so that
-            single wrong ones do no harm. A quantity without values is unknown.
-        declared: Unit of each dimension that the format has, usually or by its own statement.
+        seen: Values of quantities in the file's own units. The median of each is used, so that
+            single wrong values do no harm. A quantity without values is unknown.
+        declared: Unit of each dimension, as usual for the format or as the file states it.
         given: Units that a person gave, which are not doubted.
         where: The file, for the error.
         report: Receives a sentence about units that are not the declared ones.
@@ -213,11 +214,10 @@ def find_units(
 
 
 def forget_beyond(seen: dict[Bounds, list[float]]) -> None:
-    """Takes a hand's part beyond the picture out of quantities in which a hand is wide enough for
-    pixels.
+    """Removes `BEYOND` from the quantities if hands are wide enough for pixels.
 
-    In pixels a hand is as far out as a model guesses it. In shares its part beyond the picture
-    tells them from places that count from -1 to 1.
+    In pixels, a model may guess parts of a hand at any distance outside the picture. In shares, the
+    distance beyond the picture distinguishes shares from places that count from -1 to 1.
     """
     if IN_PICTURE.includes(median(seen.get(IN_PICTURE, [0.0]))):
         seen.pop(BEYOND, None)
@@ -228,10 +228,10 @@ _MISTAKEN = 0.25
 
 
 def steps_of(times: Sequence[float]) -> list[float]:
-    """Times between frames, for `STEP`, without the few that do not go on.
+    """Times between frames, for `STEP`, without the few that are zero or negative.
 
-    Those of a clock that stands still, or runs backwards more often than by mistake, are impossible
-    ones.
+    If a clock stands still, or often runs backwards, the result contains its zero or negative
+    times, which are impossible.
     """
     steps = [b - a for a, b in pairwise(times)]
     back = [step for step in steps if step < 0.0]
@@ -261,7 +261,7 @@ def _possible(
         return all(bounds.includes(v * bounds.scale(units)) for bounds, v in doubted.items())
 
     def counts_frames(units: Units) -> bool:
-        # A number of a frame is no time in ms, which is the least step.
+        # Frame numbers, one apart, are not times in ms, although 1 ms is the least step.
         changed = STEP in doubted and units["time"] != fixed["time"]
         return changed and doubted[STEP] * STEP.scale(units) == STEP.least
 
@@ -335,7 +335,8 @@ def _assumed(
 
 
 def doubt_degrees(largest: float, report: ReaderReport) -> None:
-    """Reports angles, in degrees, that no movement has and that radians would have.
+    """Reports a file whose angles, in degrees, are too small for a movement but possible as
+    radians.
 
     Args:
         largest: Greatest absolute angle of the whole file, degrees.
@@ -349,19 +350,19 @@ def doubt_degrees(largest: float, report: ReaderReport) -> None:
 
 
 def touch_steps(times: Sequence[float], touched: Sequence[bool]) -> list[float]:
-    """The mean time for which a frame with touches was the newest; empty for too few to judge.
+    """Mean time for which a frame with touches was the newest; empty for too few frames.
 
-    A device that only sends changes is silent for any time while nothing touches it, and frames may
-    come in bursts; so neither all steps nor the middle one tell its rate.
+    A device that sends only changes is silent while nothing touches it, and frames may come in
+    bursts. Neither all steps nor their median therefore give its rate.
     """
     steps = [b - a for a, b, on in zip(times, times[1:], touched, strict=False) if on]
     return [math.fsum(steps) / len(steps)] if len(steps) >= FEWEST else []
 
 
 def in_order(rows: Sequence[T], report: ReaderReport) -> list[T]:
-    """Rows of a file in the order of their times; those that break it are left out.
+    """Rows of a file in the order of their times; rows that break this order are left out.
 
-    Where two rows are in the wrong order, the one after them tells which of the two is wrong.
+    Where two rows are in the wrong order, the row after them decides which of the two is wrong.
     """
     times = list(map(attrgetter("time"), rows))
     if times == sorted(times):
@@ -382,22 +383,22 @@ def in_order(rows: Sequence[T], report: ReaderReport) -> list[T]:
 def on_surface(position: float) -> float | None:
     """A position along a surface whose ends are 0 and 1; one in the margin is moved onto the edge.
 
-    None for what is beyond the margin or no number.
+    None for a position beyond the margin, or not a number.
     """
     return min(max(position, 0.0), 1.0) if -MARGIN <= position <= 1.0 + MARGIN else None
 
 
 @dataclass
 class ContactSizes:
-    """The sizes of a device's contacts, as far as fingers and hands have them.
+    """Sizes of a device's contacts, checked against the sizes of fingers and hands.
 
     Args:
         report: Receives the sizes that are left out, and whether most are larger than fingers.
         wanted: Number of sizes that are judged.
 
     Attributes:
-        decided: True once enough sizes were judged. Usual ones (`USUAL_LEAST` to `USUAL_MOST`) need
-            not be asked about from then on.
+        decided: True once enough sizes were judged. From then on, usual sizes (`USUAL_LEAST` to
+            `USUAL_MOST`) need no check.
     """
 
     report: ReaderReport
@@ -452,7 +453,7 @@ class ContactSizes:
 
 
 class TouchIds:
-    """Notices a device that gives its touches new ids all the time, which identify nothing.
+    """Detects a device that gives its touches new ids all the time, which identify nothing.
 
     Args:
         report: Receives the doubt.
@@ -464,7 +465,7 @@ class TouchIds:
         self._judged, self._renamed = 0, 0
 
     def look(self, frame: TouchFrame) -> None:
-        """Looks at a frame; after some with touches, at no more."""
+        """Examines a frame; has no effect once enough frames with touches were examined."""
         if self._judged == _JUDGED or not (frame.contacts or self._before):
             return
         now = {contact.id: (contact.x, contact.y) for contact in frame.contacts}
@@ -492,22 +493,22 @@ _JUDGED = 200
 IMPOSSIBLE_SIZE = "sizes that no finger or hand has"
 
 _SAME = 0.2
-"""Share of a hand's size, within which the points of two are those of one hand."""
+"""Distance, as a share of a hand's size, within which points of two hands are those of one hand."""
 _SOME = 4
-"""Points of which one is compared first."""
+"""Interval of the points that are compared first."""
 ON_ANOTHER = "hands that lie on another one"
 
 
 def lie_on(one: Sequence[Sequence[float]], other: Sequence[Sequence[float]], size: float) -> bool:
-    """True if a device sees one hand twice: the points of both are at the same places.
+    """True if a device reports one hand twice: the points of both are at the same places.
 
     Args:
         one: Points of a hand in any unit, at least one.
         other: The same points of another hand.
-        size: How long a hand is in this unit.
+        size: Length of a hand in this unit.
     """
     most = len(one) * _SAME * size
-    # Some points of two hands are mostly farther apart than all of them may be.
+    # Two hands are mostly so far apart that some of their points exceed the limit for all points.
     return (
         len(one) == len(other)
         and math.fsum(map(distance, one[::_SOME], other[::_SOME])) < most
@@ -518,13 +519,14 @@ def lie_on(one: Sequence[Sequence[float]], other: Sequence[Sequence[float]], siz
 _BENT = 0.5
 """Sine of the angle by which fingers are bent enough to show the palm's side."""
 _CLEAR = 0.3
-"""Least volume, of three directions of length 1, that shows a side."""
+"""Least volume spanned by three directions of length 1 from which a side follows."""
 _ENOUGH, _MORE = 8, 4
-"""Frames that must contradict a side, and how many times more than those that agree."""
+"""Least number of frames that contradict a side, and least ratio of their number to that of the
+frames that agree."""
 _BEGINNING, _EVERY = 32, 16
-"""Frames that are looked at first, and those of which one is after them."""
+"""Number of frames that are examined first, and interval of the frames examined after them."""
 _SETTLED = 48
-"""Frames with a side's hand whose fingers are bent, after which no more are looked at."""
+"""Number of frames with bent fingers of a hand, after which no more frames are examined."""
 
 
 def bent_side(fingers: Sequence[Sequence[Vector]]) -> str:
@@ -543,7 +545,7 @@ def bent_side(fingers: Sequence[Sequence[Vector]]) -> str:
     for knuckle, pip, _, tip in fingers:
         x, y, z = _between(knuckle, pip)
         u, v, w = _between(pip, tip)
-        # What of the rest of the finger does not go on along its first bone.
+        # Part of the rest of the finger that is perpendicular to its first bone.
         share = (x * u + y * v + z * w) / ((x * x + y * y + z * z) or 1.0)
         d, e, f = d + x, e + y, f + z
         g, h, i = g + u - share * x, h + v - share * y, i + w - share * z
@@ -573,7 +575,7 @@ class SideDoubt:
 
     @property
     def sentence(self) -> str:
-        """What is doubted, for the person; empty without a doubt."""
+        """The doubt as a sentence for the person; empty without a doubt."""
         for side, against in self._contradicted.items():
             if against >= _ENOUGH and against > _MORE * self._agreed.get(side, 0):
                 other = "left" if side == "right" else "right"
@@ -584,12 +586,12 @@ class SideDoubt:
         return ""
 
     def due(self) -> bool:
-        """True if the next frame is one that is looked at."""
+        """True if the next frame is to be examined."""
         self._frames += 1
         return self._frames <= _BEGINNING or self._frames % _EVERY == 0
 
     def look_through(self, side: str, fingers: Array) -> None:
-        """Looks at a hand in frames spread over a recording.
+        """Examines a hand in frames spread over a recording.
 
         Args:
             side: Its name.
@@ -604,16 +606,16 @@ class SideDoubt:
             self.look(side, fingers[t].tolist())
 
     def look_at(self, hand: TrackedHand) -> None:
-        """Looks at a hand whose device knows fingers and their joints."""
+        """Examines a hand of a device that reports fingers and their joints."""
         known = {f.finger: f.joints for f in hand.fingers if f.finger and f.joints}
         self.look(hand.side, [known[finger] for finger in sorted(known)])
 
     def look(self, side: str | None, fingers: Sequence[Sequence[Vector]]) -> None:
-        """Looks at a hand.
+        """Examines a hand in one frame.
 
         Args:
-            side: Its name; None for a device that does not know it.
-            fingers: As for `bent_side`; fewer than two say nothing.
+            side: Name of the hand; None for a device that does not name it.
+            fingers: As for `bent_side`; fewer than two have no effect.
         """
         if not side or side in self._settled or len(fingers) < 2:
             return
@@ -624,7 +626,7 @@ class SideDoubt:
         counts[side] = counts.get(side, 0) + 1
         agreed = self._agreed.get(side, 0)
         left = _SETTLED - agreed - self._contradicted.get(side, 0)
-        # As many agree as all others together cannot outweigh, or enough were looked at.
+        # The frames left cannot outweigh those that agree, or enough frames were examined.
         if left <= 0 or self._contradicted.get(side, 0) + left <= _MORE * agreed:
             self._settled.add(side)
 
@@ -641,8 +643,8 @@ _CORRECTION = 0.05
 class HandJumps:
     """Finds hands that jump farther than a hand can move, in a recording or while a device runs.
 
-    A hand that stays where it jumped to is right there: it jumps in one frame only. One that was
-    not in the frame before may be anywhere.
+    A hand that stays at the place to which it jumped is right there: it jumps in one frame only. A
+    hand that was not in the frame before may be anywhere.
 
     Attributes:
         frozen: Longest time for which a hand did not move in any digit (s).
@@ -653,11 +655,11 @@ class HandJumps:
         self.forget()
 
     def forget(self) -> None:
-        """Forgets where hands were, as where the clock or the unit changes."""
-        # Time since which each hand is where it is.
+        """Forgets the places of hands, for a change of clock or unit."""
+        # Time since which each hand has been in the same place.
         self._since: dict[Hashable, float] = {}
-        # Time and place of each hand of the frame before, when it last did not jump, and of its
-        # jump in the frame before.
+        # Time and place of each hand when it last did not jump, and of its jump in the previous
+        # frame; for hands in the previous frame.
         self._known: dict[Hashable, tuple[float, Vector]] = {}
         self._jumped: dict[Hashable, tuple[float, Vector]] = {}
 
@@ -666,7 +668,7 @@ class HandJumps:
 
         Args:
             time: s, not before that of the last frame.
-            places: Place of every hand of the frame, by what identifies it.
+            places: Place of every hand of the frame, by the hand's identifier.
         """
         known, jumped, since = self._known, self._jumped, self._since
         self._known, self._jumped, self._since = {}, {}, {}
@@ -687,7 +689,7 @@ class HandJumps:
 
     @property
     def doubt(self) -> str:
-        """What to say of a hand that stands still; empty where none did for long."""
+        """Sentence about a hand that stands still; empty if none did for long."""
         if self.frozen < _FROZEN:
             return ""
         return (
@@ -752,8 +754,8 @@ class LiveUnits:
         return self._frames >= self.wanted
 
     def look(self, seen: Mapping[Bounds, float]) -> None:
-        """Takes the quantities of a frame, in the device's own units; without a hand they say
-        nothing."""
+        """Takes the quantities of a frame, in the device's own units; a frame without a hand has no
+        effect."""
         if self.decided or not seen.keys() & {FINGER, PALM, REACH}:
             return
         for bounds, value in seen.items():

@@ -1,8 +1,9 @@
-"""Loads tasks, devices, encoders and measures by name: ours, and those of other people.
+"""Loads tasks, devices, encoders and measures by name: built-in ones, and those of other people.
 
-One kind of plug-in is a `PluginKind`. Its registry has the built-in ones; those of other people
-come from entry points of installed packages, from Python files and from modules. What is named is
-imported, and nothing else. Errors of somebody else's code become one line with its file and line.
+A `PluginKind` is one kind of plug-in. Its registry contains the built-in plug-ins. Those of other
+people come from entry points of installed packages, from Python files and from modules. A plug-in
+is imported when it is named, and not before. An error in somebody else's code becomes one line with
+its file and line number.
 """
 
 from __future__ import annotations
@@ -71,7 +72,7 @@ class Registry(MutableMapping[str, T]):
 
 
 def imported(place: str) -> Any:
-    """Imports what `MODULE:NAME` names; for places in this program, whose errors pass unchanged."""
+    """Imports the object at `MODULE:NAME`, a place in this program; errors pass unchanged."""
     module, _, member = place.partition(":")
     return getattr(importlib.import_module(module), member)
 
@@ -82,7 +83,7 @@ class Place(NamedTuple):
     Attributes:
         source: Path of the file, or name of the module.
         member: Name of the class; None if a file is named alone.
-        argument: What follows the class; None if nothing does.
+        argument: Text after the class; None without it.
         in_file: True for a file.
     """
 
@@ -134,15 +135,15 @@ class PluginKind(Generic[T]):
     """One kind of plug-in, and how it is found and loaded.
 
     Attributes:
-        noun: What it is called: "task".
-        group: Group of the entry points; each has the name of what it offers.
+        noun: Name of the kind, such as "task".
+        group: Group of the entry points; the name of an entry point is that of its plug-in.
         error: Class of the errors.
-        registry: The built-in ones; their names go before those that packages offer.
-        defines: True for a class of this kind, so that a file that defines one of them can be named
-            without its class; None where the class must be named.
+        registry: The built-in plug-ins; their names take precedence over those of packages.
+        defines: True for a class of this kind. A file that defines a single such class can be named
+            without the class; with None, the class must be named.
         takes_argument: A name or a place may be followed by `:ARGUMENT`.
         article: "a" or "an".
-        verb: What fails when one cannot be used: "loaded" or "opened".
+        verb: Participle in the error for a plug-in that cannot be used: "loaded" or "opened".
     """
 
     noun: str
@@ -158,11 +159,12 @@ class PluginKind(Generic[T]):
         """Loads the plug-in that a text names; None if the text names none.
 
         Args:
-            text: Name of a built-in one, or one of an installed package, `FILE.py[:CLASS]` or
+            text: Name of a built-in plug-in or of one in an installed package, `FILE.py[:CLASS]` or
                 `MODULE:CLASS`; perhaps with an argument (see `takes_argument`).
 
         Raises:
-            InputError: Of this kind: it is there and cannot be loaded, or two packages offer it.
+            InputError: The plug-in exists but cannot be loaded, or two packages offer it. Its class
+                is `error`.
         """
         name, argument = text, ""
         if self.takes_argument:
@@ -179,16 +181,17 @@ class PluginKind(Generic[T]):
         return None if place is None else self.load(place)
 
     def place_in(self, text: str) -> Place | None:
-        """The place that a text names, as this kind takes them; None for another text."""
+        """The place that a text names, in the forms of this kind of plug-in; None for another
+        text."""
         place = place_in(text)
         if place is None or not self.takes_argument:
             return place if place and place.argument is None else None
-        # A class begins with a capital letter, unlike what may follow the name of a built-in one.
+        # A class begins with a capital letter; text after the name of a built-in plug-in does not.
         member = place.member or ""
         return place if member and (place.in_file or "A" <= member[0] <= "Z") else None
 
     def names(self) -> tuple[str, ...]:
-        """Names of the built-in ones, then of those that packages offer; loads none of them."""
+        """Names of the built-in plug-ins, then of those in packages; none is loaded."""
         return (*self.registry, *sorted(set(self.offered()) - set(self.registry)))
 
     def offered(self) -> dict[str, list[EntryPoint]]:
@@ -202,7 +205,7 @@ class PluginKind(Generic[T]):
         return entries
 
     def from_package(self, name: str) -> Plugin | None:
-        """Loads what a package offers under a name; None if no package offers it.
+        """Loads the plug-in that a package offers under a name; None if no package offers it.
 
         Raises:
             InputError: Of this kind: two packages offer it, or loading it fails.
@@ -224,7 +227,8 @@ class PluginKind(Generic[T]):
             return Plugin(entry.load(), where)
 
     def load(self, place: Place) -> Plugin:
-        """Loads what is at a place; of a file alone, the only one that it defines.
+        """Loads the plug-in at a place; for a file without a class, the only plug-in that it
+        defines.
 
         Raises:
             InputError: Of this kind: the file or the module does not exist, fails, or has nothing
@@ -259,7 +263,8 @@ class PluginKind(Generic[T]):
     def member_at(self, text: str) -> str:
         """Name that a plug-in has in its file, which has been loaded from `FILE.py[:CLASS]`.
 
-        It may be another than the class has itself, as that of a class which a function has made.
+        It may differ from the name of the class itself, for example where a function made the
+        class.
         """
         place = place_in(text)
         assert place is not None and place.file is not None
@@ -303,14 +308,14 @@ class PluginKind(Generic[T]):
 
     @property
     def _at_the_top(self) -> str:
-        """The next step for whoever named a file that defines none of this kind."""
+        """Next step for a person who named a file without a plug-in of this kind."""
         return (
             f"Define the {self.noun} as a class at the top of the file; one that is imported or "
             "made by a function there is named as FILE.py:NAME"
         )
 
     def _names_in(self, module: ModuleType) -> list[str]:
-        """Names of what a module defines itself of this kind."""
+        """Names of the plug-ins of this kind that a module itself defines."""
         if self.defines is None:
             return []
         return [
@@ -325,7 +330,7 @@ class PluginKind(Generic[T]):
             with self.guarded(str(place)):
                 return importlib.import_module(place.source)
         with self.guarded(place.source):
-            # Asking may fail too: a folder on the way may be somebody else's.
+            # This check may fail too: a folder on the path may belong to another user.
             if not path.is_file():
                 raise self.error(
                     "no such file",
@@ -337,7 +342,7 @@ class PluginKind(Generic[T]):
 
 
 def _missing(path: Path) -> str:
-    """The next step for whoever named a file that is not there."""
+    """Next step for a person who named a file that does not exist."""
     looked = f"It was looked for in {path.parent}"
     if not path.parent.is_dir():
         return f"{looked}, and there is no such folder"
@@ -351,14 +356,14 @@ def package(entry: EntryPoint) -> str:
 
 
 def failure(error: BaseException) -> str:
-    """One line about an error in somebody else's code: the error, and the file and line of it."""
+    """One line about an error in somebody else's code: the error, with its file and line."""
     trace = traceback.extract_tb(error.__traceback__)
     text = f"{type(error).__name__}: {' '.join(str(error).split())[:300]}"
     # Lines of Python's import machinery, and of code that Python makes, do not help the reader.
     theirs = [step for step in trace if not step.filename.startswith("<")]
     if isinstance(error, SyntaxError | ImportError) or not theirs:
         return text
-    # Where their code called ours wrongly, the line of theirs is the one to look at.
+    # Where other people's code called ours wrongly, the useful line is in their code.
     last = ([step for step in theirs if not _is_ours(step.filename)] or theirs)[-1]
     return f"{text} ({last.filename}:{last.lineno})"
 
@@ -378,7 +383,7 @@ _FILES: dict[str, Path] = {}
 """Name of a module that `load_file` has made -> its file."""
 
 _neighbours: dict[str, Path] = {}
-"""Modules that loaded files have imported from their own folders, and that folder."""
+"""Module that a loaded file has imported from its own folder -> that folder."""
 
 _parts: dict[Path, tuple[Path, ...]] = {}
 """File that `load_file` has loaded -> files of the modules beside it that take part in it."""
@@ -388,12 +393,11 @@ _parts: dict[Path, tuple[Path, ...]] = {}
 def _importing_from(folder: Path) -> Iterator[set[str]]:
     """Lets `import NAME` find NAME.py in a folder, after everything else on Python's path.
 
-    Gives a set, which has the names of the folder's modules that were imported, once that is done.
+    Yields a set. At the end it contains the names of the folder's modules that were imported.
 
-    Files of two folders may each have a neighbour of the same name: each gets its own. Python
-    writes no bytecode meanwhile: it takes old bytecode for a file that was changed within one
-    second and has kept its size, and then another code would run than the one that is recorded.
-    """
+    Files of two folders may each have a neighbour of the same name; each file gets its own. Python
+    writes no bytecode meanwhile. It would use old bytecode for a file that was changed within one
+    second and has the same size, and would then run other code than the code that is recorded."""
     for name, owner in list(_neighbours.items()):
         top = folder / name.partition(".")[0]
         if owner != folder and (_is_beside(folder, name) or top.is_dir()):
@@ -432,18 +436,19 @@ def _is_in_plain_folder(folder: Path, name: str) -> bool:
 
 
 def files_of(file: Path) -> list[Path]:
-    """A loaded file, and those of the modules beside it that it has imported, in order.
+    """A loaded file, and the files of the modules beside it that it has imported, in order.
 
-    Which other files of the folder were loaded makes no difference.
+    The result does not depend on which other files of the folder were loaded.
 
     Args:
-        file: Absolute, of a file that `load_file` has loaded, or of a script.
+        file: Absolute path of a file that `load_file` has loaded, or of a script.
     """
     return sorted({file, *_parts.get(file, ())})
 
 
 def _taking_part(file: Path, imported: set[str]) -> tuple[Path, ...]:
-    """Files of the modules beside a file that it has imported, or that another file has before."""
+    """Files of the modules beside a file that it imports, even if another file imported them
+    first."""
     folder = file.parent
     names, looked = set(imported), set[str]()
     waiting = [*_names_imported(file, ""), *imported]
@@ -489,7 +494,7 @@ def load_file(path: Path) -> ModuleType:
     While the file runs, it can import modules that lie beside it.
 
     Args:
-        path: Absolute, of a Python file.
+        path: Absolute path of a Python file.
     """
     # A unique name, so that it hides no other module; dataclasses look up their module by name.
     name = f"{path.stem}_{blake2b(str(path).encode(), digest_size=4).hexdigest()}"
@@ -509,7 +514,7 @@ def load_file(path: Path) -> ModuleType:
 
 
 def loaded_from(module: str) -> Path | None:
-    """The file of a module that has no name to import it by: of a file loaded, or of a script."""
+    """The file of a module that cannot be imported by name: a loaded file, or a script."""
     if module == "__main__":
         script = sys.modules[module].__dict__.get("__file__")
         return Path(script).resolve() if script else None
@@ -528,7 +533,7 @@ def place_of(source: Mapping[str, Any]) -> str:
 
 
 def how_to_get(source: Mapping[str, Any]) -> str:
-    """The next step for whoever lacks that class: what to install, or what to put where."""
+    """Next step for a person without that class: the package to install, or the file to provide."""
     if source.get("package"):
         return f"Install it: pip install '{source['package']}=={source.get('version')}'"
     if source.get("file"):

@@ -29,7 +29,7 @@ TABLE_PRIORITY = 1
 
 @dataclass(frozen=True)
 class PaintedRing:
-    """A ring that is painted on the table: everybody sees it, and nothing touches it.
+    """A ring that is painted on the table: visible, without collisions.
 
     Nothing but rings can be painted: no lines and no texts.
 
@@ -83,8 +83,9 @@ class SceneSpec:
         timestep: Physics time step (s); a control period is a whole number of steps.
         hands_collide: True if two hands collide with each other, where they are solid.
         painted: Rings painted on the table.
-        own_friction: The friction of an object counts against hands and table. Otherwise that of
-            the table counts on it, and of an object and a hand the larger one.
+        own_friction: True if the friction of an object applies to its contacts with hands and the
+            table. Otherwise the table's friction applies on the table, and between an object and a
+            hand the larger of both.
     """
 
     hands: tuple[SceneHand, ...]
@@ -159,7 +160,7 @@ class Scene:
         # The dictionary keeps the last link of every finger.
         self._ends = [{link.finger: geom(link.tip_geom).id for link in h.links} for h in spec.hands]
         self._palms = [self._palm_geoms(h) for h in spec.hands]
-        # Of solid parts: the hand's own bits, and those that it lets others meet.
+        # contype and conaffinity of solid parts.
         self._bits = [(CONTACT_HAND, 0) for _ in spec.hands]
         if spec.hands_collide and len(spec.hands) > 1:
             self._let_hands_collide()
@@ -220,12 +221,12 @@ class Scene:
         return [int(g) for g in np.flatnonzero(of_palm & (self.model.geom_contype > 0))]
 
     def _let_hands_collide(self) -> None:
-        """Two hands meet each other, and neither meets itself: the second has a bit of its own that
-        only the first lets meet."""
+        """Lets two hands collide with each other, and neither with itself: the second hand has an
+        additional bit in contype that only the first hand has in conaffinity."""
         self._bits = [(CONTACT_HAND, CONTACT_HANDS), (CONTACT_HAND | CONTACT_HANDS, 0)]
         model = self.model
         for hand, (mine, others) in enumerate(self._bits):
-            # MuJoCo keeps the bits of all geoms of a body as the body's.
+            # MuJoCo stores the bits of all geoms of a body for the body, too.
             for body in np.unique(model.geom_bodyid[self.parts(hand)]):
                 model.body_contype[body] |= mine
                 model.body_conaffinity[body] |= others
@@ -366,8 +367,9 @@ def scene_xml(spec: SceneSpec) -> str:
 
 
 def _with_own_friction(body: Element) -> Element:
-    """The same body, whose friction goes before that of hands and table: of two geoms MuJoCo takes
-    the numbers of the one with the higher priority, and of equal ones the larger friction."""
+    """The same body, whose friction takes precedence over that of hands and table. For two geoms,
+    MuJoCo uses the friction of the geom with the higher priority; at equal priorities, the larger
+    friction."""
     for geom in body.iter("geom"):
         geom.set("priority", str(TABLE_PRIORITY + 1))
     return body

@@ -1,9 +1,8 @@
 """Forward kinematics of one pose at a time, for the loop that reconstructs at every control step.
 
 MuJoCo places the bones and differentiates fingertips and joints, so the result depends on MuJoCo's
-version and on the system's libm, and on nothing else. What NumPy adds are sums and products of
-single numbers, which every processor rounds alike. Results agree with those of `Kinematics` to
-rounding.
+version and on the system's libm, and on nothing else. NumPy only adds and multiplies single
+numbers, which every processor rounds alike. Results agree with those of `Kinematics` to rounding.
 Captures and training use `Kinematics`, so their digests do not depend on this module.
 """
 
@@ -41,8 +40,8 @@ class SinglePose:
 
     Args:
         skeleton: The hand's skeleton.
-        fingers: Labels of the k wanted fingers, in this order. The result for a finger does not
-            depend on the others, to the bit.
+        fingers: Labels of the k fingers, in the order of the results. The result for a finger does
+            not depend on the other fingers, to the bit.
     """
 
     def __init__(self, skeleton: Skeleton, fingers: Sequence[int] = range(len(FINGERS))) -> None:
@@ -65,7 +64,7 @@ class SinglePose:
         self._sums = np.empty((2, turns))
         self._tiny = np.tile([[_TINY], [0.5 * _TINY]], turns)
         self._one = np.ones(turns)
-        # Of every rotation c, b and -b, and its numbers c w, b w, -b w and a.
+        # For every rotation: c, b and -b, and the numbers c w, b w, -b w and a.
         self._scales, self._numbers = np.empty((3, turns)), np.empty((10, turns))
         # Block diagonal: 1 for the root's position, then the right Jacobian of every rotation.
         self._right = np.eye(POSE_SIZE)
@@ -137,8 +136,8 @@ class SinglePose:
         """Joints and then fingertips (14 + k, 3) m, and their derivative (14 + k, 3, 48).
 
         Unlike elsewhere, the derivative by the root's rotation is by a turn in the root's own
-        frame: exp(w) becomes exp(w) exp(d). So a hand that faces the camera, whose rotation vector
-        is near pi, is a hand like any other.
+        frame: exp(w) becomes exp(w) exp(d). A hand that faces the camera has a rotation vector near
+        pi; with this derivative it is no special case.
         """
         tips = self.tips(q)
         mujoco.mj_comPos(self._model, self._data)
@@ -204,8 +203,8 @@ class SinglePose:
 def tips_and_jacobians(hand: SinglePose, q: Array) -> tuple[Array, Array]:
     """Fingertips (n, k, 3) in m and their derivative (n, k, 3, 48) by the poses (n, 48).
 
-    A trial must get the same result side by side with others as alone, so every pose is computed
-    by itself.
+    Every pose is computed by itself, so that a trial has the same result alone and side by side
+    with others.
     """
     if len(q) == 1:
         tips, jacobian = hand.tips_and_jacobian(q[0])

@@ -34,7 +34,7 @@ PRESETS: dict[str, tuple[float, float]] = {
 """Landscape size of the touch area by name, inches. ipad2: 1024 x 768 at 132 ppi, the paper's."""
 
 SCALES = (0.05, 20.0)
-"""Range of a surface's scale: a watch, and a wall."""
+"""Range of a surface's scale, from a watch to a wall."""
 
 _SIZE = re.compile(r"^\s*([0-9.]+)\s*x\s*([0-9.]+)\s*(in|mm|cm)?\s*$", re.IGNORECASE)
 _FLIP = np.array([1.0, -1.0])
@@ -53,8 +53,8 @@ class Surface:
         origin: World position of the top left corner, metres.
         rotation: (3, 3) world from surface: the world directions of the 3-D surface axes.
         calibrated: False where the size is a guess; views and logs say so.
-        scale: Length on the screen of what is one long on the surface: 1 at true size, less on a
-            phone, where the whole table is smaller than a hand.
+        scale: Length on the screen divided by the same length on the surface: 1 at true size, less
+            on a phone, where the whole table is smaller than a hand.
     """
 
     width_in: float = PRESETS["ipad2"][0]
@@ -190,5 +190,6 @@ def parse_surface(text: str) -> Surface:
 
 
 def inside(places: NDArray[np.float64], border: float, size: NDArray[np.float64]) -> bool:
-    """True if places (n, 2) m on a surface of a size (2,) m are all so far, m, from its border."""
+    """True if all places (n, 2) m on a surface of size (2,) m are at least `border` (m) inside
+    it."""
     return bool(np.all(places >= border) and np.all(places <= size - border))
