@@ -1,8 +1,8 @@
 """Acclaim skeletons (.asf) and their motion (.amc), as the CMU motion capture database has them.
 
-A bone lies along `direction` for `length` and begins where its parent ends; all directions are
-given in the frame of the whole skeleton at rest. `axis` turns a bone's own frame into that one, and
-its degrees of freedom rotate it about that frame's fixed axes, in the order they are listed.
+A bone lies along `direction` for `length` and begins at its parent's end. All directions are given
+in the frame of the whole skeleton at rest. `axis` rotates a bone's own frame into that frame. The
+bone's degrees of freedom rotate it about the fixed axes of its own frame, in the order of the list.
 """
 
 from __future__ import annotations
@@ -23,11 +23,11 @@ from models.plausible import doubt_degrees
 from models.reader_report import ReaderReport
 
 INCH = 0.0254
-"""m; a file's lengths divided by its `length` unit are interpreted as inches, as is usual for CMU
-files, although no publication confirms it."""
+"""Inch (m). A file's lengths, divided by its `length` unit, are interpreted as inches, as is usual
+for CMU files, although no publication confirms it."""
 
 CMU_RATE = 120.0
-"""Hz."""
+"""Rate (Hz) of CMU's files."""
 
 RATE_REMARK = "#!keys a second:"
 """Prefix of the rate in the comment that our own files contain."""
@@ -56,8 +56,8 @@ class AcclaimSkeleton:
         parents: Index of each bone's parent, -1 for the root.
         origin: (3,) m, position of the root at rest.
         degrees: True if the file's angles are degrees, False for radians.
-        unit: m, the file's unit of length.
-        report: What the reader of the file left out and assumed.
+        unit: Unit of length of the file (m).
+        report: Parts of the file that the reader left out or assumed.
     """
 
     bones: tuple[_Bone, ...]
@@ -73,10 +73,10 @@ def read_asf(path: Path, unit: float | None = None) -> AcclaimSkeleton:
 
     Args:
         path: The file.
-        unit: m, the file's unit of length; None uses the unit in the file, taken as inches.
+        unit: Unit of length of the file (m); None uses the unit in the file, taken as inches.
 
     Raises:
-        MotionError: It is not an ASF file, is cut short, or a bone is incomplete.
+        MotionError: The file is not an ASF file, is cut short, or a bone is incomplete.
     """
     report = ReaderReport()
     sections = _sections(path, report)
@@ -115,11 +115,11 @@ def read_amc(path: Path, skeleton: AcclaimSkeleton, rate: float | None = None) -
     Args:
         path: The file.
         skeleton: From `read_asf`.
-        rate: Hz; None uses the rate in the file, where it states one, or CMU's 120.
+        rate: Rate (Hz); None uses the rate in the file, or CMU's 120 if it contains none.
 
     Raises:
-        MotionError: It is not an AMC file, a frame is incomplete or out of order, or a bone
-            unknown.
+        MotionError: The file is not an AMC file, a frame is incomplete or out of order, or a bone
+            is unknown.
     """
     report = ReaderReport()
     report.add(skeleton.report)
@@ -148,7 +148,7 @@ def read_amc(path: Path, skeleton: AcclaimSkeleton, rate: float | None = None) -
         elif len(words) == 1 and words[0].isdecimal():
             _check_whole(frames, wanted, where)
             if not frames:
-                # A clip that was cut out of a longer take begins at any number.
+                # The first frame of a clip cut out of a longer take may have any number.
                 first = int(words[0])
             elif int(words[0]) != first + len(frames):
                 raise MotionError(
@@ -176,7 +176,7 @@ def read_amc(path: Path, skeleton: AcclaimSkeleton, rate: float | None = None) -
 
 
 def _stated_rate(lines: list[str], where: str) -> float:
-    """Rate in Hz that the lines before the first frame state; CMU's where they state none."""
+    """Rate (Hz) stated in the lines before the first frame; CMU's rate if there is none."""
     for n, line in enumerate(lines, start=1):
         words = line.split()
         if line.startswith(RATE_REMARK):
@@ -213,7 +213,7 @@ def _motion(
                 largest = max(largest, float(np.abs(column).max()))
         stacked = np.stack(angles, axis=-1) if angles else np.zeros((frames, 0))
         turn = rotations_of_angles(stacked, axes, fixed=True)
-        # Bones at rest share one frame, so that a child needs no rest rotation of its own.
+        # At rest, all bones share one frame, so that a child needs no rest rotation of its own.
         rotations[:, j] = bone.frame @ turn @ bone.frame.T
     if degrees:
         doubt_degrees(largest, report)
@@ -351,14 +351,14 @@ def _check_whole(frames: list[dict[str, list[float]]], wanted: dict[str, int], w
 ORDER = "ZYX"
 CENTIMETRES = 100.0
 LENGTH = 2.54
-"""The file's unit of length: numbers divided by it are inches."""
+"""Unit of length of the file: numbers divided by it are inches."""
 
 
 class AmcWriter(MotionWriter):
     """One hand as ASF and AMC.
 
     Args:
-        path: Path of either file; the other has the same name with the other ending.
+        path: Path of either file; the other file has the same name with the other ending.
         armature: The hand.
         rate: Rate (Hz) of the keys.
     """
@@ -380,7 +380,7 @@ class AmcWriter(MotionWriter):
         (keys,) = hands
         root, turns = self._armature.relative(keys, self._zero, Y_UP)
         count = len(root)
-        # For fixed axes the order is reversed: the last one comes first.
+        # For fixed axes, the order is reversed: the last axis comes first.
         angles = np.rad2deg(self.euler.angles(turns))[..., ::-1].reshape(count, -1)
         numbers = np.arange(self.frames + 1, self.frames + count + 1)[:, None]
         values = np.concatenate([numbers, CENTIMETRES * root, angles], axis=1)

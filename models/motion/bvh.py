@@ -1,8 +1,8 @@
 """BVH files: a hierarchy of joints with offsets and channels, then one line of numbers a frame.
 
-BVH has only usage, and no standard: rotations are degrees and apply in the order in which a joint
-lists its channels, about axes that turn along; a joint's position channels replace its offset from
-its parent. Files do not state their unit, which is mostly centimetres.
+BVH has no standard, only common usage. Rotations are degrees and apply in the order of a joint's
+channels, about axes that rotate along. A joint's position channels replace its offset from its
+parent. Files do not state their unit, which is mostly centimetres.
 """
 
 from __future__ import annotations
@@ -24,13 +24,13 @@ from models.plausible import doubt_degrees
 from models.reader_report import ReaderReport
 
 CENTIMETRE = 0.01
-"""m, the most common unit of length."""
+"""Centimetre (m), the most common unit of length."""
 
 _BRACE = re.compile(r"(?<![^\s{}])[{}]|[{}](?=[{}]*(?!\S))")
 """A brace at the beginning or the end of a word; a name may have one inside."""
 
 _LONGEST_NAME = 20
-"""Most words in a name; a file without the brace after it is not searched further."""
+"""Largest number of words in a name; a file with more words before a brace is refused."""
 
 _CHANNELS = {f"{axis}{kind}" for axis in "xyz" for kind in ("position", "rotation")}
 
@@ -43,7 +43,7 @@ class _Joint:
     channels: list[str] | None = None
     end: list[float] | None = None
     first: int = 0
-    """Column of its first channel."""
+    """Column of the joint's first channel."""
 
 
 @dataclass
@@ -55,15 +55,16 @@ class _Hierarchy:
 def read_bvh(path: Path, unit: float = CENTIMETRE) -> Motion:
     """Reads a BVH file.
 
-    The format consists of words: a brace may stand behind a name, and a frame may be several lines.
-    Rows beyond the number that the file states are read, and reported.
+    The format consists of words: a brace may follow a name, and a frame may take several lines.
+    Rows beyond the stated number of frames are read, and reported.
 
     Args:
         path: The file.
-        unit: m, the file's unit of length.
+        unit: Unit of length of the file (m).
 
     Raises:
-        MotionError: It is not a BVH file, is cut short, or contains a number that is not finite.
+        MotionError: The file is not a BVH file, is cut short, or contains a number that is not
+            finite.
     """
     report = ReaderReport()
     lines = read_lines(path, "a BVH file", report)
@@ -84,11 +85,11 @@ def _read_rows(
         before: Number of lines before them.
         count: Number of frames that the file states.
         channels: Numbers in a frame.
-        report: Receives what differs from the stated number.
+        report: Receives a difference from the stated number of frames.
     """
     rows = [(n, line.split()) for n, line in enumerate(lines, start=before + 1) if line.strip()]
     if rows and all(len(words) != channels for _, words in rows):
-        # No line is a frame: frames run over several lines.
+        # No line is a whole frame: frames take several lines.
         every = [word for _, words in rows for word in words]
         if len(every) == count * channels:
             return np.array(numbers(every, len(every), str(path))).reshape(count, channels)
@@ -122,7 +123,7 @@ def _read_hierarchy(path: Path, lines: list[str]) -> tuple[_Hierarchy, int]:
         word = words.next()
         key = word.upper()
         if key in ("ROOT", "JOINT"):
-            # The enclosing joint of a JOINT, none for a ROOT.
+            # The enclosing joint of a JOINT; None for a ROOT.
             if (key == "ROOT") != (not open_) or None in open_:
                 raise MotionError("unexpected joint", where=words.where, got=word)
             where = words.where
@@ -224,7 +225,7 @@ def _check(joint: _Joint | None, where: str) -> None:
 def _read_head(path: Path, lines: list[str], at: int) -> tuple[int, float, int]:
     """Number of frames, seconds per frame, and the index of the first frame's line.
 
-    Both may stand in one line.
+    Both numbers may be in one line.
     """
     values: list[float] = []
     rest = ""
@@ -314,7 +315,7 @@ class BvhWriter(MotionWriter):
         out.write(_hierarchy(armature, self._zero, order).encode("ascii"))
         out.write(b"MOTION\nFrames: ")
         self._count_at = out.file.tell()
-        # Eight decimals, or 60 Hz would not be 60 Hz to its fifth digit.
+        # With fewer than eight decimals, 60 Hz would be wrong in its fifth digit.
         out.write(f"{'':{_COUNT}}\nFrame Time: {frame_time:.8f}\n".encode("ascii"))
         self._line = " ".join([NUMBER] * (3 + 3 * len(armature.names))) + "\n"
 

@@ -2,8 +2,8 @@
 
 Millimetres, z up (`X_SCREEN` +X, `Y_SCREEN` +Z), single precision, Intel byte order; no analog
 channels. Blocks have 512 bytes: a header, the parameters, then four numbers for each point of each
-frame. The number of frames is in three places and is filled in at the end; a number above
-65,535 is in `TRIAL:ACTUAL_END_FIELD` alone, as later users of the format agreed.
+frame. The number of frames is in three places and is filled in at the end. A number above 65,535 is
+only in `TRIAL:ACTUAL_END_FIELD`, as later users of the format agreed.
 """
 
 from __future__ import annotations
@@ -54,7 +54,7 @@ class C3dWriter(MotionWriter):
     def write(self, *hands: Keys) -> None:
         """Appends keys of all hands at the same moments."""
         places = self._points.place(hands)
-        # The fourth number would be the residual, and which cameras saw the point.
+        # The fourth number, the residual and the cameras that saw the point, stays 0.
         values = np.zeros((*places.shape[:2], 4), "<f4")
         values[..., :3] = MILLIMETRES * places
         self._outputs[0].write(values.tobytes())
@@ -64,8 +64,8 @@ class C3dWriter(MotionWriter):
         """Fills in the number of frames, and pads the last block."""
         out = self._outputs[0]
         if self.frames <= MOST:
-            # Where the count does not fit, ezc3d reads to the end, and takes a filled block for
-            # frames.
+            # If the count does not fit, ezc3d reads to the end of the file and takes a padded block
+            # for frames.
             out.write(bytes(-out.file.tell() % BLOCK))
         capped = struct.pack("<H", min(self.frames, MOST))
         out.put(2 * 4, capped)

@@ -2,7 +2,7 @@
 
 R = R_a(alpha) R_b(beta) R_c(gamma), axes a, b, c all different. A rotation has two families of
 triples, (alpha, beta, gamma) and (alpha + pi, pi - beta, gamma + pi), each up to whole turns. At
-the poles, beta = +-pi/2, only alpha +- gamma is known: gamma then stays where it was.
+the poles, beta = +-pi/2, only alpha +- gamma is determined: gamma then keeps its previous value.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ import numpy as np
 from models.arithmetic import Array
 
 POLE = 1e-7
-"""Cosine of the middle angle below which the outer two cannot be told apart."""
+"""Cosine of the middle angle below which the outer two angles cannot be distinguished."""
 
 ZONE = np.deg2rad(75.0)
 """Middle angle beyond which a joint may change from one family to the other (rad)."""
@@ -34,8 +34,8 @@ def angles_of(rotations: Array, order: str) -> Array:
         # With gamma = 0 the rest of the matrix is a turn about the first axis.
         alone = np.arctan2(sign * rotations[..., c, b], rotations[..., b, b])
         first = np.where(pole, alone, first)
-    # Near a pole, rounding errors in the matrix change the first angle much. The last one is what
-    # remains once the first is turned back, and so makes up for them.
+    # Near a pole, rounding errors in the matrix change the first angle much. The last angle is
+    # computed after the first rotation is undone, and so compensates for them.
     sine_a, cosine_a = sign * np.sin(first), np.cos(first)
     last = np.arctan2(
         sign * (cosine_a * rotations[..., b, a] + sine_a * rotations[..., c, a]),
@@ -45,10 +45,10 @@ def angles_of(rotations: Array, order: str) -> Array:
 
 
 class ContinuousEuler:
-    """Converts rotations of joints over time to angles, each nearest to the one before.
+    """Converts rotations of joints over time to angles, each nearest to the previous one.
 
     Args:
-        order: Such as `ZXY`.
+        order: Euler order, such as `ZXY`.
 
     Attributes:
         biggest_step: Largest change of any angle from one moment to the next (rad).
@@ -113,7 +113,7 @@ class ContinuousEuler:
 
 
 def _nearest(angles: Array, before: Array) -> Array:
-    """The same angles, shifted by whole turns to be nearest to those before."""
+    """The same angles, shifted by whole turns to be nearest to the previous angles."""
     return np.asarray(angles + TURN * np.round((before - angles) / TURN))
 
 

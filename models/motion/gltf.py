@@ -2,8 +2,8 @@
 
 Metres, up is +y. Joints are nested nodes, each in its own frame; a rotated node above the wrist
 turns our z axis up into glTF's y. Keys are linear: a quaternion for every joint, and the wrist's
-position. In the file the description comes before the numbers, and the numbers of one joint lie
-side by side: until the end every channel is kept in a temporary file of its own.
+position. In the file, the description precedes the numbers, and the numbers of one joint are
+contiguous. Every channel is therefore collected in a temporary file of its own until the end.
 """
 
 from __future__ import annotations
@@ -45,13 +45,14 @@ class GltfWriter(MotionWriter):
         self._rate = checked_rate(rate)
         self._armatures = armatures
         self._names = names or tuple(f"{a.skeleton.side} hand" for a in armatures)
-        # Before the file is opened, since that may fail, and then everything is closed.
+        # Created before the file is opened: if that fails, everything is closed.
         self._closing = ExitStack()
         super().__init__(path)
         self._last: list[Array | None] = [None] * len(armatures)
         self._first: list[tuple[Array, Array]] = []
         try:
-            # Beside the file, since the folder for temporary files may be in memory.
+            # In the folder of the output file, since the folder for temporary files may be in
+            # memory.
             self._places = [self._temporary() for _ in armatures]
             self._turns = [[self._temporary() for _ in a.names] for a in armatures]
         except OSError as error:
@@ -90,7 +91,8 @@ class GltfWriter(MotionWriter):
         turns = matrix_to_quaternion(keys.turns)
         before = self._last[i]
         chain = turns if before is None else np.concatenate([before[None], turns])
-        # A quaternion and its opposite mean the same rotation; the one nearer to the last is kept.
+        # A quaternion and its opposite are the same rotation; the one nearer to the previous is
+        # used.
         flips = np.where((chain[1:] * chain[:-1]).sum(axis=-1) < 0, -1.0, 1.0)
         if before is None:
             flips = np.concatenate([np.ones_like(chain[:1, :, 0]), flips])

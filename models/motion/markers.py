@@ -1,7 +1,7 @@
 """Labelled 3-D markers over time, as Qualisys Track Manager exports them to text.
 
-A header of `KEY<TAB>value` lines, then one line a frame. Where the recorder lost sight of a marker,
-the three numbers are empty, `nan` or all zero. Some systems write decimal commas.
+A header of `KEY<TAB>value` lines, then one line per frame. Where the recorder lost a marker, the
+three numbers are empty, `nan` or all zero. Some systems write decimal commas.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from models.motion.text import numbers, read_lines
 from models.reader_report import ReaderReport
 
 MILLIMETRE = 0.001
-"""m, the unit of Qualisys exports."""
+"""Millimetre (m), the unit of Qualisys exports."""
 
 _GAPS = ("", "nan")
 """Cells that mean a missing number."""
@@ -31,7 +31,7 @@ class MarkerTracks:
         names: Unique names of the markers.
         time: (T,) s, increasing.
         places: (T, M, 3) m, positions in the recorder's frame, NaN where a marker was not seen.
-        report: What the reader of the file left out and assumed.
+        report: Parts of the file that the reader left out or assumed.
     """
 
     names: tuple[str, ...]
@@ -48,16 +48,17 @@ def read_markers(path: Path, unit: float = MILLIMETRE) -> MarkerTracks:
 
     Args:
         path: The file.
-        unit: m, the file's unit of length.
+        unit: Unit of length of the file (m).
 
     Raises:
-        MotionError: It is not such a file, is cut short, or contains a number that is not finite.
+        MotionError: The file is not such a file, is cut short, or contains a number that is not
+            finite.
     """
     report = ReaderReport()
     lines = read_lines(path, "a Qualisys TSV file", report)
     head: dict[str, list[str]] = {}
     at = 0
-    # Keys are capitals; the first line that does not begin with one belongs to the table.
+    # Keys are capitals; the table begins at the first line without a key.
     while at < len(lines):
         key, *values = lines[at].rstrip("\t").split("\t")
         if not key or key != key.upper() or key[0].isdigit() or key[0] in "-+.":
@@ -69,14 +70,14 @@ def read_markers(path: Path, unit: float = MILLIMETRE) -> MarkerTracks:
     rate = numbers([_point(w) for w in head.get("FREQUENCY", [])], 1, f"{path}, FREQUENCY")[0]
     if rate <= 0:
         raise MotionError("not a frame rate", where=f"{path}, FREQUENCY", got=rate)
-    # A line of column titles may follow, and Frame and Time columns with it.
+    # A line of column titles may follow, and also columns Frame and Time.
     titles = lines[at].split("\t") if at < len(lines) else []
     lead = 0
     if titles and titles[0].strip() and not _is_number(titles[0]):
         lead = sum(title.strip() in ("Frame", "Time") for title in titles[:2])
         at += 1
     width = lead + 3 * len(names)
-    # Where no marker was seen, a line is tabs alone.
+    # A line consists of tabs alone if no marker was seen.
     rows = [
         (n, line)
         for n, line in enumerate(lines[at:], start=at + 1)

@@ -32,11 +32,11 @@ class Motion:
         parents: (J,) index of each joint's parent, -1 for a root.
         shifts: (T, J, 3) m, position of every joint in its parent's frame.
         rotations: (T, J, 3, 3), parent from joint.
-        ends: (J, 3) m, end of a joint's bone in the joint's frame; NaN where there is none.
+        ends: (J, 3) m, end of a joint's bone in the joint's frame; NaN for joints without an end.
         frame_time: Duration of one frame (s).
-        numbers: (T,) number of each frame from 0, increasing, where the recorder left frames out;
-            None if it left out none.
-        report: What the reader of the file left out and assumed.
+        numbers: (T,) number of each frame from 0, increasing, if the recorder left frames out; None
+            if it left out none.
+        report: Parts of the file that the reader left out or assumed.
     """
 
     names: tuple[str, ...]

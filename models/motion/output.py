@@ -1,4 +1,4 @@
-"""Base classes of motion writers, whose files appear whole or not at all."""
+"""Base classes of motion writers, whose files appear complete or not at all."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ class AtomicFile:
     """A file that is written under a temporary name and renamed when it is complete.
 
     Args:
-        path: Its final name; an existing file is replaced only at the end.
+        path: The final name of the file; an existing file is replaced only at the end.
 
     Raises:
         MotionError: The file cannot be written there.
@@ -34,7 +34,7 @@ class AtomicFile:
     def __init__(self, path: Path) -> None:
         self.path = path
         try:
-            # A link stays, and another program that writes the same file has a name of its own.
+            # A link stays a link. Programs that write the same file use different temporary names.
             self._target = path.resolve()
             self._part = self._target.with_name(f"{path.name}.{token_hex(4)}.part")
             self.file: BinaryIO = self._part.open("x+b")
@@ -86,7 +86,7 @@ class AtomicFile:
 
     def abort(self) -> None:
         """Removes the unfinished files."""
-        # Flushing may fail on a full disk; the bytes are not wanted anyway.
+        # Flushing may fail on a full disk; the bytes are not needed any more.
         with suppress(OSError):
             self.file.close()
         self._part.unlink(missing_ok=True)
@@ -164,7 +164,7 @@ def checked_rate(rate: float) -> float:
     """A rate in Hz.
 
     Raises:
-        MotionError: It is not a rate.
+        MotionError: The value is not a rate.
     """
     if not 0 < rate <= 10_000:
         raise MotionError("not a frame rate", got=rate, expected="0 to 10000 Hz")
@@ -174,8 +174,8 @@ def checked_rate(rate: float) -> float:
 def rows(values: Array, line: str, decimals: int = 6) -> bytes:
     """Text of rows (n, k), each formatted by the same pattern of k numbers.
 
-    Formats all rows at once, in a third of the time of row by row.
+    All rows are formatted at once, in a third of the time of separate rows.
     """
-    # Text shows zero without a sign.
+    # Zero is written without a sign.
     rounded = np.round(values, decimals) + 0.0
     return (line * len(rounded) % tuple(rounded.ravel().tolist())).encode("ascii")

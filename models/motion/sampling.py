@@ -17,11 +17,11 @@ from models.motion.output import checked_rate
 from models.rotations import quaternion_to_matrix
 
 MOST = 250_000
-"""Keys that may lie between two poses, 70 minutes at 60 Hz: where a clock leaps by days there would
-be more than any memory holds."""
+"""Largest number of keys between two poses, 70 minutes at 60 Hz. If a clock leaps by days, the keys
+would exceed any memory."""
 
 SLACK = 1e-6
-"""Share of a period by which a key may lie after the last pose, since clocks round."""
+"""Share of a period by which a key may lie after the last pose, because of rounded clocks."""
 
 
 class Poses(NamedTuple):
@@ -109,7 +109,7 @@ def slerp(a: Array, b: Array, share: Array) -> Array:
     (1)."""
     cosine = np.sum(a * b, axis=-1, keepdims=True)
     b = np.where(cosine < 0, -b, b)
-    # Twice the half angle's tangent keeps its digits where the angle is small.
+    # The tangent of half the angle is accurate for small angles.
     angle = 2 * np.arctan2(
         np.linalg.norm(a - b, axis=-1, keepdims=True), np.linalg.norm(a + b, axis=-1, keepdims=True)
     )

@@ -1,4 +1,4 @@
-"""Reads text files from outside whole, or refuses them with one clear error."""
+"""Reads whole text files from outside, or refuses them with one clear error."""
 
 from __future__ import annotations
 
@@ -15,14 +15,14 @@ from models.reader_report import ReaderReport
 LARGEST = 512 * 2**20
 """Largest size in bytes: a day of motion capture is smaller, a decompression bomb is larger."""
 MOST = 1e15
-"""Greatest length or angle in any unit; squares and sines of larger ones are not finite."""
+"""Greatest length or angle in any unit; squares and sines of larger numbers are not finite."""
 
 
 def read_lines(path: Path, what: str, report: ReaderReport) -> list[str]:
     """Reads the lines of a text file, plain or packed with gzip (recognised by content).
 
-    Numbers and key words are ASCII in all formats; only names can have other bytes. A file that is
-    not UTF-8 or UTF-16 is read as Shift-JIS or Latin-1.
+    Numbers and key words are ASCII in all formats; only names can contain other bytes. A file that
+    is not UTF-8 or UTF-16 is read as Shift-JIS or Latin-1.
 
     Args:
         path: The file.
@@ -49,7 +49,7 @@ def read_lines(path: Path, what: str, report: ReaderReport) -> list[str]:
     if not data.strip():
         raise MotionError("the file is empty", where=where, expected=what)
     if data[:2] in (b"\xff\xfe", b"\xfe\xff"):
-        # What spreadsheets and editors call Unicode.
+        # UTF-16, which spreadsheets and editors call Unicode.
         data = data.decode("utf-16", errors="replace").encode()
     if b"\0" in data:
         raise MotionError("this is not text", where=where, expected=what)
@@ -59,8 +59,8 @@ def read_lines(path: Path, what: str, report: ReaderReport) -> list[str]:
 
 def decoded(data: bytes, report: ReaderReport) -> str:
     """The text of a file; reports its encoding if it is not UTF-8."""
-    # Latin-1, in which all bytes are letters, comes last. It has none at 0x80 to 0x9F, where most
-    # characters of Shift-JIS begin.
+    # Latin-1 comes last, since all bytes are letters in it. It has no letters at 0x80 to 0x9F,
+    # where most characters of Shift-JIS begin.
     encodings = ["utf-8-sig", "latin-1"]
     if any(0x80 <= byte < 0xA0 for byte in set(data)):
         encodings.insert(1, "cp932")

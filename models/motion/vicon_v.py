@@ -5,7 +5,7 @@ begin with their length and end with an empty one. A header of zeros ends them, 
 numbers follow, one a frame. Little endian; millimetres and radians, z up; a segment has a rotation
 vector `<a-X>` .. `<a-Z>` and, where it moves freely, a position `<t-X>` .. `<t-Z>`.
 
-Vicon's own description (issue 2 of 2001) could be read in parts only. The rest follows a reader
+Only parts of Vicon's own description (issue 2 of 2001) were readable. The rest follows a reader
 that was written for real files (readV.m of ComedyLab).
 """
 
@@ -49,7 +49,7 @@ class ViconMotion:
         rate: Hz.
         values: (T, columns), mm and rad.
         numbers: (T,) number of each frame from 0; a recorder may leave frames out.
-        report: What the reader of the file left out and assumed.
+        report: Parts of the file that the reader left out or assumed.
     """
 
     labels: tuple[str, ...]
@@ -63,7 +63,8 @@ def read_v(path: Path) -> ViconMotion:
     """Reads a V file.
 
     Raises:
-        MotionError: It is not a V file, is cut short, or contains a number that is not finite.
+        MotionError: The file is not a V file, is cut short, or contains a number that is not
+            finite.
     """
     try:
         if path.stat().st_size > LARGEST:
@@ -94,10 +95,10 @@ def motion_of(
         path: Path of the motion, for messages.
         skeleton: From `read_vsk`.
         motion: From `read_v`.
-        unit: m, the file's unit of length.
+        unit: Unit of length of the file (m).
 
     Raises:
-        MotionError: The file moves none of the skeleton's segments, or another subject's.
+        MotionError: The file moves no segment of the skeleton, or moves another subject.
     """
     report = ReaderReport()
     report.add(skeleton.report)
@@ -197,7 +198,7 @@ def _group(data: bytes, at: int, report: ReaderReport) -> _Group:
     dtype = TYPES.get(kind, "<i1")
     if not (0 < rate < 1e6) or np.dtype(dtype).itemsize != width or not labels:
         raise ValueError
-    # One encoding for all labels, and the same choice as in the skeleton's file.
+    # All labels have one encoding, chosen in the same way as in the skeleton's file.
     text = decoded(b"\n".join(labels), report)
     return _Group(number, dtype, rate, tuple(text.split("\n")))
 
@@ -244,7 +245,7 @@ class VWriter(MotionWriter):
     """One hand as V and VSK.
 
     Args:
-        path: Path of either file; the other has the same name with the other ending.
+        path: Path of either file; the other file has the same name with the other ending.
         armature: The hand.
         rate: Rate (Hz) of the keys.
         subject: Prefix of the labels.
@@ -281,7 +282,7 @@ class VWriter(MotionWriter):
         self.frames += count
 
     def _continuous(self, vectors: Array) -> Array:
-        """Rotation vectors without jumps by whole turns; only the wrist's could jump."""
+        """Rotation vectors without jumps by whole turns; only those of the wrist could jump."""
         last = vectors[0, 0] if self._last is None else self._last
         chain = np.concatenate([last[None], vectors[:, 0]])
         jumps = np.abs(np.diff(chain, axis=0)).max(axis=1) > np.pi / 2

@@ -1,7 +1,7 @@
 """Vicon skeletons (.vsk), read and written: nested segments, their joints, and markers on them.
 
-XML, millimetres, radians. A segment's `POSITION` and `ORIENTATION` (a rotation vector) are its
-joint's in the parent segment; any of the numbers may be the name of a parameter, with a sign.
+XML, millimetres, radians. A segment's `POSITION` and `ORIENTATION` (a rotation vector) are those of
+its joint in the parent segment; a number may be replaced by the name of a parameter, with a sign.
 The format is not published: this reader follows a genuine file and the reader of the DART library.
 """
 
@@ -49,7 +49,7 @@ class ViconSkeleton:
         frames: (3, 3) of each segment, parent from segment at rest.
         joints: Kind of each segment's joint, a key of `JOINTS`.
         markers: Name -> segment and position (3,) m in it.
-        report: What the reader of the file left out and assumed.
+        report: Parts of the file that the reader left out or assumed.
     """
 
     names: list[str] = field(default_factory=list)
@@ -71,10 +71,10 @@ def read_vsk(path: Path, unit: float = MILLIMETRE) -> ViconSkeleton:
 
     Args:
         path: The file.
-        unit: m, the file's unit of length.
+        unit: Unit of length of the file (m).
 
     Raises:
-        MotionError: It is not a VSK file, is damaged, or two of its segments share a name.
+        MotionError: The file is not a VSK file, is damaged, or two of its segments share a name.
     """
     report = ReaderReport()
     text = "\n".join(read_lines(path, "a VSK file", report))

@@ -1,8 +1,8 @@
-"""Constraints of a robot's model: joints that follow others, and what a scene leaves out.
+"""Constraints of a robot's model: joints that follow others, and parts that a scene leaves out.
 
-A hand in a scene is written anew, from the compiled model. Couplings become polynomials that the
-retargeting follows. Everything else that differs is found by a comparison of both compiled models,
-field by field, and named.
+A scene contains a new description of the hand, made from the compiled model. Couplings become
+polynomials that the retargeting follows. All other differences are found by a comparison of both
+compiled models, field by field, and named.
 """
 
 from __future__ import annotations
@@ -21,7 +21,8 @@ if TYPE_CHECKING:
     from models.robot.robot_hand import RobotHand
 
 Law = tuple[float, ...]
-"""Coefficients of a polynomial in the angle of another joint, from the constant one on."""
+"""Coefficients of a polynomial in the angle of another joint; the constant coefficient comes
+first."""
 
 NARROW = 0.01
 """Width of a tendon's range below which its two joints are coupled (m or rad)."""
@@ -49,18 +50,20 @@ _FIELDS = {
         "dof_frictionloss": "friction of joints",
     },
 }
-"""Fields of a compiled model that are compared, with their names for people: all that decide where
-the parts of a hand are and how they move. Contacts and shapes are those of every hand here."""
+"""Fields of a compiled model that are compared, with their names for people: all fields that
+determine the places and movements of a hand's parts. Contacts and shapes are the same for every
+robot's hand in a scene."""
 _TRIES = 4
 """Poses at which couplings are compared."""
 _NAMES = 4
 """Most names in a text."""
 _SAME = 1e-6
-"""m, rad, kg and so on, relative for numbers above 1: differences by rounding."""
+"""Largest difference by rounding (m, rad, kg and so on), relative for numbers above 1."""
 
 
 def coupling_laws(robot: RobotModel) -> Iterator[tuple[str, str, Law]]:
-    """Pairs of joints that an equality or a narrow tendon couples: follower, other, polynomial."""
+    """Pairs of joints that an equality or a narrow tendon couples: follower, followed joint,
+    polynomial."""
     model = robot.model
     for e in range(model.neq):
         if _couples(model, e):
@@ -79,7 +82,8 @@ def coupling_laws(robot: RobotModel) -> Iterator[tuple[str, str, Law]]:
 
 
 def not_followed(hand: RobotHand) -> list[str]:
-    """What a hand in a scene has not, or has otherwise, than the robot's model: one text a kind."""
+    """Parts of the robot's model that a hand in a scene lacks or has in another form: one text per
+    kind."""
     found: dict[str, list[str]] = {}
     robot = hand.robot
     for kind, name in (
@@ -139,7 +143,7 @@ def _constraints(hand: RobotHand) -> Iterator[tuple[str, str]]:
 
 
 def _is_followed(hand: RobotHand, equality: int) -> bool:
-    """True if joints that are coupled as in the hand hold an equality of two joints."""
+    """True if the hand's couplings satisfy an equality of two joints."""
     robot, model = hand.robot, hand.robot.model
     joints = [int(model.eq_obj1id[equality]), int(model.eq_obj2id[equality])]
     if not set(joints) <= set(robot.joints):
@@ -175,7 +179,7 @@ def _actuators(robot: RobotModel) -> Iterator[tuple[str, str]]:
 
 
 def _differences(hand: RobotHand) -> Iterator[tuple[str, str]]:
-    """Fields that differ between the robot's own model and that of the hand in a scene.
+    """Fields that differ between the robot's own model and the model of the hand in a scene.
 
     Yields:
         The field, and the name of a body or joint.

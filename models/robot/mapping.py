@@ -1,4 +1,4 @@
-"""A mapping: how a robot's hand stands in for a person's, as a small TOML file.
+"""Mapping of a robot's hand to a person's hand, as a small TOML file.
 
     model = "my_hand.xml"
     side = "right"
@@ -13,10 +13,10 @@
     ff_dip = ["ff_pip", 1.0]
     mf_dip = ["mf_pip", [0.3, 0.9, 0.1]]
 
-A coupled joint follows another one: by the ratio of their angles, or by a polynomial in the other's
-angle, rad, whose coefficients begin with the constant one.
+A coupled joint follows another one: by the ratio of their angles, or by a polynomial in the other
+joint's angle, rad, whose coefficients begin with the constant one.
 
-`sandbox devices robot fit` writes one.
+`sandbox devices robot fit` writes such a file.
 """
 
 from __future__ import annotations
@@ -43,8 +43,8 @@ REMEDIES = {
     "gymnasium_robotics": "pip install 'hand-sandbox[robots]'",
     "robosuite": "pip install --no-deps robosuite==1.5.2",
 }
-"""Package -> command that installs it. Of robosuite, the files of its models are enough; what it
-needs to run asks for NumPy before 2."""
+"""Package -> command that installs it. For robosuite, the files of its models are enough; its other
+dependencies require NumPy before 2."""
 MENAGERIE = "mujoco_menagerie"
 """Models by Google DeepMind: a repository, which the package robot_descriptions loads into a folder
 of its own, and a package, which loads a model when it is first used."""
@@ -55,7 +55,7 @@ MODEL_SUFFIXES = (".xml", URDF)
 """Suffixes of the kinds of models that MuJoCo reads."""
 
 LEAST_FINGERS = 3
-"""Fingers, the thumb among them, that a hand must have: with fewer, left and right look alike."""
+"""Least number of fingers of a hand, thumb included: with fewer, left and right look alike."""
 
 
 @dataclass(frozen=True)
@@ -74,11 +74,12 @@ class RobotMapping:
         scales: (n,) length of each finger relative to that of a person's.
         offset: (3,) m, origin of the robot's palm in the frame of a person's hand of trained size.
         turn: (4,) quaternion (w, x, y, z): a person's hand from the robot's palm.
-        coupled: Joints that follow others: name -> name of the other, and the ratio of angles, or
-            the coefficients of a polynomial in the other's angle, rad, from the constant one on.
+        coupled: Joints that follow others: name -> name of the followed joint, and the ratio of
+            angles, or the coefficients of a polynomial in the followed joint's angle, rad, from the
+            constant one on.
         places: (n,) of (3,) m, the middle of the fingertips in the frames of the bodies that `tips`
             names; empty where `tips` are sites, or bodies that begin there.
-        file: Where it was read from.
+        file: The file that it was read from.
     """
 
     model: str
@@ -190,10 +191,10 @@ def coefficients(law: float | tuple[float, ...]) -> tuple[float, ...]:
 
 
 def check_tips(tips: Sequence[str], where: str) -> None:
-    """Refuses names of fingertips that are too few or too many for a hand, or the same twice.
+    """Refuses names of fingertips that are too few or too many for a hand, or not unique.
 
     Raises:
-        InputError: They are.
+        InputError: The names are refused.
     """
     if not LEAST_FINGERS <= len(tips) <= len(FINGERS):
         raise InputError(
@@ -229,7 +230,7 @@ def located(model: str, folder: Path) -> Path:
         try:
             spec = find_spec(package)
         except (ModuleNotFoundError, ValueError):
-            # Of a package inside of one that is not there, or of a name that none can have.
+            # The parent package does not exist, or no package can have this name.
             spec = None
         if spec is None or not spec.submodule_search_locations:
             raise InputError(
@@ -315,9 +316,10 @@ def _numbers(values: tuple[float, ...]) -> str:
 ROBOTS = ("shadow", "adroit", "inspire", "allegro", "leap")
 """Hands that are known by name. The first two are in the package gymnasium-robotics, the extra
 `robots`: the Shadow Dexterous Hand, and Adroit, which is a Shadow Hand on an arm with other limits.
-The Inspire Hand is in the package robosuite, whose other needs clash with ours, so no extra brings
-it. The Allegro Hand and the LEAP Hand, which have no little finger, are in mujoco_menagerie: in a
-clone where the package robot_descriptions keeps it, or in the package mujoco-menagerie."""
+The Inspire Hand is in the package robosuite, whose dependencies clash with ours, so no extra
+includes it. The Allegro Hand and the LEAP Hand, which have no little finger, are in
+mujoco_menagerie: in a clone at the place of the package robot_descriptions, or in the package
+mujoco-menagerie."""
 
 
 def find_robot(name: str) -> RobotMapping:

@@ -1,8 +1,9 @@
-"""Fit of a mapping: how a robot's hand stands for a person's, from its model and tips' names.
+"""Fit of a mapping between a robot's hand and a person's, from the robot's model and tips' names.
 
-The side of the hand is that whose fingers span a like volume. The robot's palm is laid over the
-person's by the places of knuckles and fingertips. Then it is moved to where the robot's fingers
-meet the person's fingertips in many poses with their joints near the middle of their ranges.
+The hand's side is the side on which the fingers of a person's hand span a similar volume. The
+robot's palm is laid over the person's by the places of knuckles and fingertips. Then it is moved to
+the place where the robot's fingers meet the person's fingertips in many poses with joints near the
+middle of their ranges.
 """
 
 from __future__ import annotations
@@ -106,16 +107,17 @@ def _points(model: Any, body: int) -> Array:
 STRAIGHT, BENT = 0.1, 0.7
 """Shares of the range of flexion."""
 NEARER = 0.03
-"""Share of its distance by which a thumb's tip must be nearer to a finger's to lie on its side."""
+"""A thumb's tip lies on one side of the fingers if its distances to the outer fingers' tips differ
+by more than this share."""
 LEAST_WAY = 1e-6
 """Length (m) below which a vector has no direction."""
 
 
 def volume(knuckles: Array, straight: Array, bent: Array) -> float:
-    """The volume with its sign, -1 to 1; NaN for fingers that do not bend, as without ranges.
+    """Volume with its sign, -1 to 1; NaN for fingers that do not bend, for example without ranges.
 
     Args:
-        knuckles: (n, 3) m, where the fingers begin, from the index finger on.
+        knuckles: (n, 3) m, beginnings of the fingers, from the index finger on.
         straight: (n, 3) m, their tips when they are straight.
         bent: (n, 3) m, their tips when they are bent.
     """
@@ -138,8 +140,8 @@ def robot_volume(robot: RobotModel) -> float:
 def order_of(robot: RobotModel) -> list[int]:
     """The numbers of the fingers without the thumb, 1 to n - 1, as they lie in the hand.
 
-    The first is the one beside the thumb. If the thumb is about as far from both outer fingers, it
-    is that with the smaller number.
+    The first is the finger beside the thumb. If the thumb is about as far from both outer fingers,
+    the first is the outer finger with the smaller number.
     """
     knuckles, tips = robot.bent(STRAIGHT)
     fingers = range(1, len(knuckles))
@@ -154,7 +156,7 @@ def order_of(robot: RobotModel) -> list[int]:
 
 
 def person_volume(person: Skeleton, fingers: int = len(FINGERS)) -> float:
-    """The volume of a person's hand, by the first of its fingers, the thumb among them."""
+    """The volume of a person's hand, of its first fingers; the count includes the thumb."""
     knuckles = np.array([person.bones[bone].anchor for bone in person.first_bone])
     straight, bent = (SinglePose(person).tips(flexed(person, share)) for share in (STRAIGHT, BENT))
     own = slice(1, fingers)
@@ -166,7 +168,7 @@ def flexed(person: Skeleton, share: float) -> Array:
 
     Args:
         person: The hand.
-        share: How far, of the range of flexion.
+        share: Share of the range of flexion by which the fingers are bent.
     """
     q = np.zeros(POSE_SIZE)
     # Flexion of a bone is a negative turn about its x axis.
@@ -179,10 +181,11 @@ _GEOM = mujoco.mjtGeom
 RADIUS = 0.008
 """Radius (m) of a fingertip whose shape has no radius."""
 POSES, SPREAD = 16, 0.35
-"""Number of poses of the fit, and how far they are from the middle of each joint's range, in
-halves of the range."""
+"""Number of poses of the fit, and their distance from the middle of each joint's range, as a share
+of half the range."""
 ROUNDS = 5
-"""Times that all poses are met and the palm is moved to the mean of its places."""
+"""Number of rounds. In each round, the hand follows all poses, and the palm is moved to the mean of
+its places."""
 READY = 1e-2, 1e-1
 """Variances (m2, rad2) of the palm's movement while its pose is fitted."""
 HELD = 1e-9, 1e-8
@@ -200,10 +203,10 @@ _MOST_LINKS = 3
 def _check_order(robot: RobotModel, tips: Sequence[str]) -> None:
     """Checks that fingertips are given from the finger beside the thumb on.
 
-    In another order a hand would be one of the other side.
+    In another order, the hand would count as a hand of the other side.
 
     Raises:
-        InputError: They are given in another order.
+        InputError: The fingertips are given in another order.
     """
     order = [tips[0], *(tips[finger] for finger in order_of(robot))]
     if order != list(tips):
@@ -222,14 +225,15 @@ class MappingFit:
 
     Attributes:
         mapping: The mapping.
-        errors: (poses, n) m, distance of each fingertip from the person's, the palm held.
-        shape: Root mean square distance of knuckles and fingertips of the hands (m), laid over each
-            other and bent alike.
-        mirrored: m, the same for the person's other hand.
+        errors: (poses, n) m, distance of each fingertip from the person's fingertip, with a fixed
+            palm.
+        shape: Root mean square distance (m) of knuckles and fingertips of both hands, laid over
+            each other and bent alike.
+        mirrored: The same distance (m) for the person's other hand.
         side: Difference between the volumes of both hands (`models.robot.mapping_fit`); NaN without
             ranges of joints.
-        other_side: The same for the person's other hand.
-        not_followed: Parts of the model that the hand in a scene does not have or has otherwise.
+        other_side: The same difference for the person's other hand.
+        not_followed: Parts of the model that the hand in a scene lacks or has in another form.
     """
 
     mapping: RobotMapping
@@ -256,8 +260,8 @@ def fit_mapping(
         tips: Names of the sites or bodies at the middle of the n fingertips, thumb first; a hand
             with four lacks the little finger, one with three the ring finger too.
         palm: Name of the body that carries all fingers; empty finds it.
-        model: The model's place as the mapping will have it; empty takes the file's name.
-        ends: Whether `tips` are the bodies of last links, whose meshes end with the fingertips.
+        model: The model's place to be written into the mapping; empty uses the file's name.
+        ends: True if `tips` are the bodies of last links, whose meshes end with the fingertips.
         hand: `right` or `left`; empty finds the side, which needs the ranges of joints.
 
     Raises:
@@ -324,7 +328,7 @@ class _Laid(NamedTuple):
 
 
 def _moved(mapping: RobotMapping, person: Skeleton) -> tuple[RobotMapping, Array]:
-    """The mapping with its palm where it is best, and errors (poses, n) m with the palm held."""
+    """The mapping with its palm at the best place, and errors (poses, n) m with a fixed palm."""
     poses = _poses(person)
     for _ in range(ROUNDS):
         follow = _retargeter(mapping, person, READY)
@@ -334,7 +338,7 @@ def _moved(mapping: RobotMapping, person: Skeleton) -> tuple[RobotMapping, Array
             qpos = follow.follow(q)
             places.append(qpos[:3])
             turns.append(qpos[3:7])
-        # The scales move the palm away from the fingertips; the offset is what is left.
+        # The scales move the palm away from the fingertips; the offset is the remaining distance.
         scales = np.array(mapping.scales)[:, None]
         tips = [SinglePose(person).tips(q)[: len(scales)] for q in poses]
         rest = [p - np.mean((1.0 - scales) * t, axis=0) for p, t in zip(places, tips, strict=True)]
@@ -373,7 +377,7 @@ def _laid_over(robot: RobotModel, person: Skeleton) -> _Laid:
     knuckles = np.array([person.bones[i].anchor for i in person.first_bone])[:fingers]
     theirs, own = [], []
     for share in _BENT:
-        # Thumbs have joints of other kinds in every hand: where they begin says enough.
+        # The joints of thumbs differ between hands, so only the place where a thumb begins is used.
         bases, tips = robot.bent(share)
         theirs += [knuckles, SinglePose(person).tips(flexed(person, share))[1:fingers]]
         own += [bases, tips[1:]]
@@ -421,13 +425,13 @@ def _carrier(path: Path, tips: Sequence[str]) -> str:
 
 
 def _whole_hands(model: Any) -> bool:
-    """True if bodies of the world branch again: the world is then no palm but carries hands."""
+    """True if the world has bodies that branch again: then it carries hands and is not a palm."""
     parents = [int(model.body_parentid[b]) for b in range(1, model.nbody)]
     return any(parents.count(b) > 1 for b in range(1, model.nbody))
 
 
 def _check_size(robot: RobotModel, person: Skeleton) -> None:
-    """Refuses a hand that is many times as large or small as a person's: its unit is not m."""
+    """Refuses a hand many times as large or small as a person's: its unit is not the metre."""
     sizes = _scales(robot, person)
     size = float(np.median(sizes))
     if LEAST_SIZE < size < GREATEST_SIZE:
@@ -466,13 +470,13 @@ def _coupled(robot: RobotModel) -> dict[str, tuple[str, float | tuple[float, ...
 
 
 def _rounded(joint: str, law: Law) -> tuple[str, float | Law]:
-    """A coupling as its mapping has it: a ratio where it is one."""
+    """A coupling in the form of a mapping: a ratio where the polynomial is one."""
     return joint, law[1] if not law[0] and not any(law[2:]) else law
 
 
 def _free_joint(name: str, coupled: Mapping[str, tuple[str, Law]]) -> tuple[str, Law]:
-    """The joint at the end of a joint's chain of couplings, which follows no other, and the
-    polynomial in its angle."""
+    """The free joint at the end of a joint's chain of couplings, and the polynomial in its
+    angle."""
     joint, law = coupled[name]
     while joint in coupled:
         joint, step = coupled[joint]

@@ -1,9 +1,9 @@
-"""Retargeting: a robot's hand takes the pose of a person's hand, fingertip on fingertip.
+"""Retargeting: a robot's hand takes the pose of a person's hand, fingertip to fingertip.
 
 Each step solves a damped least-squares problem: fingertips go to their places, joints stay within
-their ranges and near the middle of them, and the palm stays near the place that the person's palm
-has. The palm's place is that of the person's, farther from every fingertip by the finger's scale.
-Fingers that touch weigh more than those in the air.
+their ranges and near the middle of them, and the palm stays near its place. This place is that of
+the person's palm, with the distance to every fingertip multiplied by the finger's scale. Fingers
+that touch weigh more than fingers in the air.
 
 MuJoCo places and differentiates the fingertips, and all products are in fixed order, so the result
 depends on MuJoCo's version and the system's libm alone.
@@ -38,22 +38,22 @@ from models.skeleton import Skeleton
 ROOT = 6
 """Degrees of freedom of the palm."""
 ROOT_PLACE = 7
-"""Numbers of the palm's place in `qpos`."""
+"""Number of coordinates of the palm's place in `qpos`."""
 
 PALM_MOVES, PALM_TURNS = 2e-4, 5e-3
-"""Variances (m2, rad2) of the palm's movement, relative to 1 rad2 of a finger's joint: a
-fingertip is moved by its finger, and by the palm only as far as the finger cannot."""
+"""Variances (m2, rad2) of the palm's movement, relative to 1 rad2 of a finger's joint. A fingertip
+is moved by its finger; the palm moves only where the finger cannot reach."""
 TOUCHING, IN_THE_AIR = 2e-6, 2e-4
 """Damping (m2) of fingertips that touch, and of other fingertips."""
 HOMING = 0.15
-"""Share of the way to the middle of its range, or to the palm's place, that a joint goes in a
-step as far as fingertips allow it."""
+"""Share of the way to the middle of a joint's range, or to the palm's place, that is gone in a step
+as far as the fingertips allow."""
 LONGEST_STEP = 0.35
-"""Largest change of a joint in a step (rad or m): the derivative is good within it."""
+"""Largest change of a joint in a step (rad or m), within which the derivative is accurate."""
 STEPS, FIRST_STEPS = 6, 60
 """Number of steps for the next pose of a movement, and for a first pose."""
 CLOSE = 5e-5
-"""Distance of fingertips that touch from their places at which no more steps are needed (m)."""
+"""Distance (m) of touching fingertips from their places below which no more steps are needed."""
 REACHED = 0.005
 """Distance (m) from its touch within which a fingertip counts as having reached it."""
 _GRID = 2000
@@ -61,7 +61,7 @@ _GRID = 2000
 _ROUNDING = 1e-6
 """Angle (rad) by which a follower may leave its range: models round their numbers."""
 _PASSES = 3
-"""Times that joints at their limits are left out and the step is solved again."""
+"""Number of times that joints at their limits are left out and the step is solved again."""
 
 
 class Retargeter:
@@ -77,9 +77,10 @@ class Retargeter:
         scales: (n,) length of each finger relative to that of the person.
         offset: (3,) m, origin of the robot's palm in the frame of the person's hand.
         turn: (4,) quaternion, person's hand from robot's palm.
-        followers: Joints that follow others: (n,) number of the other, or its own; and n
-            polynomials in the other's angle, each by its coefficients from the constant one on.
-        palm: m2 and rad2, how readily the palm leaves its place.
+        followers: Joints that follow others: (n,) number of the followed joint, or the joint's own;
+            and n polynomials in the followed joint's angle, each by its coefficients from the
+            constant one on.
+        palm: Variances (m2, rad2) of the palm's movement from its place.
 
     Attributes:
         off: (n,) m, distance of each fingertip from its place after the last step.
@@ -101,21 +102,21 @@ class Retargeter:
         count = model.nv
         self._master, laws = followers
         self._ratio = np.array([law[1] for law in laws])
-        # Joints whose law is more than a ratio.
+        # Joints whose polynomial is more than a ratio.
         self._curved = [
             (joint, int(self._master[joint]), law)
             for joint, law in enumerate(laws)
             if law[0] or any(law[2:])
         ]
         low, high = model.jnt_range[4:].T.copy()
-        # A joint that is followed stays where its followers are within their ranges too.
+        # The range of a followed joint is limited so that its followers stay within theirs.
         for joint, (master, law) in enumerate(zip(self._master, laws, strict=True)):
             if master != joint:
                 ends = _within(law, (low[joint], high[joint]), (low[master], high[master]))
                 low[master], high[master] = max(low[master], ends[0]), min(high[master], ends[1])
         self._low, self._high = low, high
         self._middle = 0.5 * (low + high)
-        # From the joints that are chosen to all joints: followers go along.
+        # Matrix from free joints to all joints, since followers move along.
         self._free = np.array([m == j for j, m in enumerate(self._master)])
         self._spread = np.zeros((count, count))
         self._spread[:ROOT, :ROOT] = np.eye(ROOT)
@@ -136,13 +137,13 @@ class Retargeter:
 
     @property
     def missed(self) -> frozenset[int]:
-        """Labels of the fingers that touch and could not be where they should be, or that this hand
+        """Labels of the fingers that touch and did not reach their places, or that this hand
         lacks."""
         off = (f for f in self._touching if self.off[f] > REACHED)
         return frozenset(off) | self._lacking
 
     def reset(self) -> None:
-        """Forgets the last result; the next pose is met from nowhere."""
+        """Forgets the last result; the next pose is solved from the beginning."""
         self._last = None
 
     def follow(self, q: Array, fingers: Collection[int] = range(len(FINGERS))) -> Array:
@@ -150,7 +151,7 @@ class Retargeter:
 
         Args:
             q: The pose.
-            fingers: Labels of the fingers that touch: theirs are the tips that matter.
+            fingers: Labels of the fingers that touch; their tips have priority.
         """
         targets = self._tips(q)[: self._fingers]
         place, turn = self._palm(q, targets)
@@ -166,7 +167,7 @@ class Retargeter:
             qpos[:3], qpos[3:ROOT_PLACE] = place, turn
             steps = FIRST_STEPS
         else:
-            # The palm moves along, as far away from its place as it was.
+            # The palm moves with the person's and keeps its distance from its place.
             before, before_turn, now = self._last[:3], self._last[3:7], self._last[7:]
             away = np.empty(4)
             back = before_turn * np.array([1.0, -1.0, -1.0, -1.0])
@@ -187,7 +188,7 @@ class Retargeter:
         return max(self.off[finger] for finger in fingers)
 
     def _palm(self, q: Array, targets: Array) -> tuple[Array, Array]:
-        """Place (3,) m and quaternion (4,) that the robot's palm should have."""
+        """Place (3,) m and quaternion (4,) to which the robot's palm is drawn."""
         rotation = exp(q[ROOT_ROTATION])
         palm = q[ROOT_POSITION] + stacked_applied(rotation, self._offset)
         wanted = targets + self._scales[:, None] * (palm - targets)
@@ -199,7 +200,7 @@ class Retargeter:
         return place / self._fingers, turn
 
     def _errors(self, targets: Array) -> Array:
-        """(3 n,) m, ways of the fingertips to their places."""
+        """Vectors (3 n,) m from the fingertips to their places."""
         mujoco.mj_kinematics(self._model, self._data)
         errors = targets - self._data.site_xpos.take(self._sites, 0)
         self.off = np.sqrt(squared_lengths(errors))
@@ -216,7 +217,7 @@ class Retargeter:
         jacobian = matrix_product(self._raw, self._spread) if self._coupled else self._raw
         home = np.empty(model.nv)
         home[:3] = place - data.qpos[:3]
-        # What turns the palm back, in its own frame.
+        # Rotation of the palm back to its place, in its own frame.
         mujoco.mju_subQuat(home[3:ROOT], turn, data.qpos[3:ROOT_PLACE])
         angles = data.qpos[ROOT_PLACE:]
         home[ROOT:] = self._middle - angles
@@ -245,7 +246,8 @@ class Retargeter:
         data.qpos[ROOT_PLACE:] = self._all(new)
 
     def _all(self, angles: Array) -> Array:
-        """Angles (n,) of all joints: followers take theirs from the others."""
+        """Angles (n,) of all joints; those of followers are computed from the joints that they
+        follow."""
         out = angles[self._master] * self._ratio
         for joint, master, law in self._curved:
             out[joint] = _polynomial(law, float(angles[master]))
@@ -269,12 +271,12 @@ def _within(
 ) -> tuple[float, float]:
     """Range of a joint in which its follower is within the follower's own range.
 
-    Of a curve that leaves the range and comes back, it is the longest part.
+    If the curve leaves the range and comes back, the result is the longest part.
 
     Args:
         law: The follower's polynomial.
         own: Least and greatest angle of the follower.
-        other: The same of the joint that it follows.
+        other: Least and greatest angle of the joint that it follows.
 
     Raises:
         InputError: There is no such range.

@@ -43,10 +43,10 @@ CLASS = "robot"
 class RobotHand:
     """A robot's hand that follows a person's; implements `models.hand.SceneHand`.
 
-    Its palm moves freely, carried by servos as ours is: it stands for the arm. A finger's servos
-    give no more torque than the robot's own, where its model says how much that is. What collides
-    is a capsule for every link, from joint to joint, and from the last one to the fingertip; the
-    robot's own shapes are seen.
+    Its palm moves freely, carried by servos like our hand's, which stand for the arm. A finger's
+    servos are limited to the robot's own torque, where its model contains one. Collisions use a
+    capsule for every link, from joint to joint, and from the last joint to the fingertip. The
+    robot's own shapes are only visible.
 
     Attributes:
         name: Prefix of its elements' names.
@@ -55,7 +55,7 @@ class RobotHand:
         size: Length of the person's hand relative to the trained one.
         impulse: Impulse limit of every servo, N s (N m s) per 1/60 s.
         stiffness: Factor on the stiffness of all servos.
-        solid_end: Length of the part of a last link that collides (m), measured from the tip, where
+        solid_end: Length (m) of the part of a last link that collides, measured from the tip, where
             only fingertips are solid; None makes the whole link collide.
     """
 
@@ -75,7 +75,7 @@ class RobotHand:
 
     @property
     def digest(self) -> str:
-        """Digest of all that its motion depends on."""
+        """Digest of all data on which its motion depends."""
         return hand_digest(self.mapping, self.robot)
 
     @property
@@ -198,7 +198,7 @@ class RobotHand:
         return _controls(self.joint_positions(q))
 
     def follower(self) -> RobotFollower:
-        """Follower of one movement, from its last pose on."""
+        """Follower of one movement, which starts from its last pose."""
         return RobotFollower(self.retargeter())
 
     def coordinates(self, qpos: Array) -> Array:
@@ -206,20 +206,20 @@ class RobotHand:
         return _controls(qpos)
 
     def joint_positions(self, q: Array) -> Array:
-        """Joint positions (7 + n,) at a pose (48,), retargeted from nowhere."""
+        """Joint positions (7 + n,) at a pose (48,), retargeted without an earlier pose."""
         self._still.reset()
         return self._still.follow(q)
 
     def tips_of(self) -> Callable[[Array], Array]:
-        """Function from a pose (48,) to the fingertips (5, 3) m of the person's hand, which the
-        robot's should reach."""
+        """Function from a pose (48,) to the fingertips (5, 3) m of the person's hand, which are the
+        targets of the robot's fingertips."""
         return SinglePose(self.person).tips
 
     def retargeter(self, palm: tuple[float, float] = (PALM_MOVES, PALM_TURNS)) -> Retargeter:
         """A new retargeter of this hand.
 
         Args:
-            palm: m2 and rad2, how readily the palm leaves its place.
+            palm: Variances (m2, rad2) of the palm's movement from its place.
         """
         names = self.robot.joint_names()
         master = np.arange(len(names), dtype=np.int64)
@@ -283,7 +283,7 @@ class RobotHand:
         """Torque limits (N m) of the joints' servos: those of the robot, but at most ours."""
         names, own = self.robot.joint_names(), self.robot.force_limits()
         for joint, (other, _) in self.mapping.coupled.items():
-            # A tendon pulls both.
+            # A tendon pulls both joints.
             own[names.index(joint)] = min(own[names.index(joint)], own[names.index(other)])
         return [min(float(force), limit) for force in own]
 
@@ -322,13 +322,12 @@ class RobotFollower:
 
     @property
     def missed(self) -> frozenset[int]:
-        """Labels of the fingers that touch and that the robot could not put where they should
-        be."""
+        """Labels of the fingers that touch and that the robot could not bring to their places."""
         return self._retargeter.missed
 
 
 def hand_digest(mapping: RobotMapping, robot: RobotModel) -> str:
-    """Digest of what a robot's motion depends on: its model and its mapping."""
+    """Digest of the data on which a robot's motion depends: its model and its mapping."""
     numbers = (
         mapping.side,
         mapping.radii,

@@ -1,7 +1,7 @@
 """A robot's hand as MuJoCo compiles it, cut off at its palm.
 
-MuJoCo compiles the whole description on its own, with its defaults, meshes and includes. What is
-below the palm goes into our scene as plain MJCF, so neither names nor settings can clash.
+MuJoCo compiles the whole description on its own, with its defaults, meshes and includes. The bodies
+below the palm go into our scene as plain MJCF, so neither names nor settings can clash.
 """
 
 from __future__ import annotations
@@ -42,20 +42,21 @@ _HINGE = int(mujoco.mjtJoint.mjJNT_HINGE)
 _SEEN_GROUPS = 3
 """MuJoCo's viewer shows the geoms of groups 0 to 2."""
 _OURS = re.compile(rf"palm|root(_[xyz])?|({'|'.join(FINGERS)})_link\d+")
-"""Names that bodies and joints of a hand in a scene have already; a robot's own get others."""
+"""Names of bodies and joints that a hand in a scene already has; a robot's own parts with these
+names are renamed."""
 WORLD_PALM_MASS, WORLD_PALM_INERTIA = 0.3, 3e-4
-"""Mass (kg) and inertia (kg m2) of a palm that is part of the world: about those of a person's
+"""Mass (kg) and inertia (kg m2) of a palm that is part of the world, similar to those of a person's
 palm."""
 _FINITE = ("body_pos", "body_quat", "body_ipos", "body_inertia", "jnt_pos", "jnt_axis", "jnt_range")
-"""Fields of numbers that decide where fingers are."""
+"""Numeric fields that determine the places of fingers."""
 DEGREES = UNITS["angle"]["deg"]
 RADIANS = 1.0 / DEGREES
-"""Factors of angles that were taken for radians, or for degrees."""
+"""Factors that correct angles that were taken for radians, or for degrees."""
 MESHES = (".obj", ".stl", ".msh")
 """Suffixes of the meshes that MuJoCo reads."""
 _BALANCED = "inertias that no body can have, made equal about all axes"
 LEAST_LINK = 0.004
-"""Shortest link of a finger (m): shorter ones are the parts of one joint."""
+"""Shortest link of a finger (m); shorter links are parts of one joint."""
 
 
 @dataclass(frozen=True)
@@ -82,12 +83,12 @@ class RobotModel:
             world.
         tips: Names of the sites or bodies at the middle of the fingertips, thumb first.
         places: (3,) m each, the middle of the fingertips in the frames of these bodies; without
-            them, their origins.
+            places, the bodies' origins are used.
 
     Attributes:
         path: Its MJCF file.
         model: MuJoCo's model of the whole description.
-        mended: What was mended in the description: kinds of faults and names of bodies.
+        mended: Repairs of the description: kinds of faults and names of bodies.
         joints: Numbers of the hinges and slides below the palm, in MuJoCo's order.
         links: Links with a length of their own, finger by finger, from the palm outwards.
 
@@ -130,7 +131,7 @@ class RobotModel:
                     got=f"nan or inf in {field}",
                 )
         self._check_ranges()
-        # MuJoCo takes such a joint for one without limits.
+        # MuJoCo treats such a joint as one without limits.
         empty = [j for j in self.joints if model.jnt_range[j, 0] > model.jnt_range[j, 1]]
         if empty:
             raise InputError(
@@ -182,8 +183,8 @@ class RobotModel:
     def force_limits(self) -> Array:
         """(n,) N m, greatest torque of the actuators of every joint, in its stronger direction.
 
-        Actuators of fixed tendons count for all joints of the tendon. Infinite where no limit is
-        given.
+        Actuators of fixed tendons count for all joints of the tendon. The torque of joints without
+        a limit is infinite.
         """
         model = self.model
         actuators: dict[int, float] = {}
@@ -233,11 +234,11 @@ class RobotModel:
         return [(int(joint), float(arm)) for joint, arm in pairs]
 
     def bent(self, share: float) -> tuple[Array, Array]:
-        """Where fingers begin, and fingertips, (n, 3) m each in the palm's frame.
+        """Beginnings of the fingers, and fingertips, (n, 3) m each in the palm's frame.
 
         Args:
-            share: How far joints are bent that bend one way only, of their range; the others are
-                in the middle of theirs.
+            share: Share of the range by which joints are bent that bend one way only; other joints
+                are in the middle of their ranges.
         """
         model, data = self.model, mujoco.MjData(self.model)
         low, high = self.limits().T
@@ -257,12 +258,12 @@ class RobotModel:
         return np.array(bases), np.array([in_palm(b, np.array(p)) for b, p in self.tips])
 
     def reach(self, finger: int, most: int) -> float:
-        """Length of a finger's last links (m), of `most` of them."""
+        """Total length of a finger's last `most` links (m)."""
         own = [link for link in self.links if link.finger == finger]
         return total(length(np.array(link.end)) for link in own[-most:])
 
     def fill(self, parent: Element, body: int, prefix: str) -> dict[int, Element]:
-        """Adds what is in and below a body to an element of MJCF.
+        """Adds a body's contents, and the bodies below it, to an element of MJCF.
 
         Args:
             parent: Element of the body.
@@ -330,7 +331,7 @@ class RobotModel:
 
     @cached_property
     def identity(self) -> bytes:
-        """All that its motion depends on, as bytes."""
+        """All data on which its motion depends, as bytes."""
         model, joints, bodies = self.model, self.joints, self.bodies
         arrays: list[Any] = [
             model.body_parentid[bodies],
@@ -445,8 +446,8 @@ class RobotModel:
         return list({self._shape(g): g for g in reversed(own)}.values())[::-1]
 
     def _shape(self, geom: int) -> tuple[object, ...]:
-        """What a geom looks like, but for its colour: some models have each shape twice, to be
-        seen and to collide."""
+        """Key of a geom's look without its colour: some models contain each shape twice, to be
+        visible and to collide."""
         model, mesh = self.model, int(self.model.geom_dataid[geom])
         arrays = [model.geom_pos[geom], model.geom_quat[geom], model.geom_size[geom]]
         if int(model.geom_type[geom]) == int(_GEOM.mjGEOM_MESH):
@@ -505,7 +506,7 @@ LEAST_ARMATURE = 2e-4
 
 
 def of_mapping(mapping: RobotMapping) -> RobotModel:
-    """The hand that a mapping names."""
+    """The robot's hand of a mapping."""
     path = mapping.path
     changed = path.stat().st_mtime_ns
     return _of_file(path, changed, mapping.palm, mapping.tips, mapping.places)
@@ -523,17 +524,17 @@ def _of_file(
 
 
 def compiled(path: Path) -> tuple[Any, tuple[tuple[str, str], ...]]:
-    """MuJoCo's model of a file, and what was mended in it or left out: kinds and names of parts.
+    """MuJoCo's model of a file, and its repaired or omitted parts: kinds and names.
 
-    A URDF that MuJoCo refuses is read without shapes whose files it cannot read, where the link's
-    inertia is given, and with inertias that no body can have made possible. In MJCF the author can
-    say so.
+    A URDF that MuJoCo refuses is read again. Shapes whose files MuJoCo cannot read are left out
+    where the link's inertia is given, and physically impossible inertias are corrected. In MJCF,
+    the author can set these options.
 
     Raises:
-        InputError: It is of another kind, or MuJoCo cannot compile it.
+        InputError: The file is of another kind, or MuJoCo cannot compile it.
     """
     if path.suffix.lower() not in MODEL_SUFFIXES:
-        # MuJoCo would print a warning of its own beside its error.
+        # MuJoCo would print a warning of its own in addition to its error.
         raise InputError(
             "this is no model of a robot",
             where=str(path),
@@ -575,13 +576,14 @@ def _warnings() -> Iterator[list[str]]:
 def _spec(path: Path) -> Any:
     spec = mujoco.MjSpec.from_file(str(path))
     if path.suffix.lower() == URDF:
-        # MuJoCo would make fixed links, such as palms and fingertips, a part of others.
+        # Without this option, MuJoCo merges fixed links, such as palms and fingertips, into others.
         spec.compiler.fusestatic = False
     return spec
 
 
 def _without_unreadable_shapes(spec: Any) -> list[tuple[str, str]]:
-    """Leaves out meshes of a URDF whose files MuJoCo cannot read; the kind and the links' names."""
+    """Leaves out meshes of a URDF whose files MuJoCo cannot read; returns the kind and the links'
+    names."""
     folder = Path(spec.modelfiledir) / spec.meshdir
     unreadable = {
         mesh.name
@@ -599,7 +601,7 @@ def _without_unreadable_shapes(spec: Any) -> list[tuple[str, str]]:
 
 
 def _with_possible_inertias(spec: Any) -> list[tuple[str, str]]:
-    """Lets MuJoCo make inertias possible that break A + B >= C; the kind and the links' names."""
+    """Lets MuJoCo correct inertias that break A + B >= C; returns the kind and the links' names."""
     spec.compiler.balanceinertia = True
     found = []
     for body in spec.bodies:
@@ -622,7 +624,7 @@ def link_turn(end: tuple[float, float, float]) -> Array:
 
 
 def _own(name: str) -> str:
-    """A robot's own name for a scene, in which ours are taken."""
+    """Name in a scene for a part of a robot whose own name the scene already uses."""
     return f"own_{name}" if _OURS.fullmatch(name) else name
 
 

@@ -1,7 +1,7 @@
 """The skin of a hand: a surface that bends with the bones.
 
-It is made once for the built-in hand (`python -m training skin` in a checkout) and shipped. For
-every other hand it is stretched along that hand's bones, and mirrored for a left one. Posing is
+The skin of the built-in hand was made once (`python -m training skin` in a checkout) and is
+shipped. For other hands it is stretched along their bones, and mirrored for a left hand. Posing is
 linear blend skinning: each vertex is the weighted mean of the positions to which its bones would
 move it, as in MuJoCo's skins, glTF and three.js.
 """
@@ -37,7 +37,7 @@ def tone_colours(tone: Array) -> Array:
     """Colours (..., 3) of skin tones (..., 2): warmth and brightness, 0 to 1."""
     pale, warm, shade = (np.array(c) for c in (PALE, WARM, SHADE))
     lit = pale + (warm - pale) * tone[..., :1]
-    # Shadow in flesh is not grey: light that went through it comes out red.
+    # A shadow on skin is reddish, not grey, since light comes out of flesh red.
     return np.asarray(lit * (1.0 - (1.0 - tone[..., 1:]) * (1.0 - shade)))
 
 
@@ -47,10 +47,10 @@ def linear(colour: Array) -> Array:
 
 
 BONES = 15
-"""Palm and 14 phalanges."""
+"""Number of bones: palm and 14 phalanges."""
 SKIN_FILE = "data/skin.npz"
 FULL = 255
-"""Weights are integers that sum to this, so that they sum to one exactly in every format."""
+"""Sum of the integer weights of a vertex, so that weights sum to exactly one in every format."""
 
 
 @dataclass(frozen=True)
@@ -180,7 +180,7 @@ def dense(bones: NDArray[np.uint8], weights: NDArray[np.uint8]) -> Array:
     """Dense weights (n, 15) of all bones, from four bones (n, 4) and their weights (n, 4) out of
     255."""
     out = np.zeros((len(bones), BONES))
-    # Unused places name bone 0 with no weight.
+    # Unused entries contain bone 0 with weight 0.
     np.add.at(out, (np.arange(len(bones))[:, None], bones), weights / FULL)
     return out
 
