@@ -8,10 +8,11 @@ A tablet tries to reconnect as long as its page is open, and a restarted program
 address if the port is fixed. So the token of a fixed port is stored in a file that only this user
 can read; delete it to get another token at the next start.
 
-A connection that has not sent the token yet is unauthenticated. A few of them are allowed; when one
-more comes, the oldest is closed: our page sends its token within milliseconds, an attacker who only
-occupies connections never does. Authenticated connections have their own limit. An address that
-connects too often is rejected before its request is read, since reading takes a millisecond.
+A connection is unauthenticated until it has sent the token. A few unauthenticated connections are
+allowed. When another one is opened, the oldest is closed: our page sends its token within
+milliseconds, and an attacker who only occupies connections never sends it. Authenticated
+connections have their own limit. An address that connects too often is rejected before its request
+is read, since reading takes a millisecond.
 """
 
 from __future__ import annotations
@@ -37,7 +38,7 @@ TOKEN_BYTES = 16
 TOKEN_NAME = "token"
 TOKENLESS = ("/", "/?role=spectator")
 """The only requests that are answered without a token: the addresses that the page leaves in the
-address bar. They get a page that knows nothing but how to find the token in its own tab."""
+address bar. The answer is a page that only finds the token in its own tab."""
 
 
 @dataclass(frozen=True)
@@ -97,7 +98,7 @@ class Access:
         return "" if self.knows_token(path) else "token"
 
     def is_return_page(self, path: str, socket: bool) -> bool:
-        """True if a request without a token may get the page that finds back by itself."""
+        """True if a request without a token may get the page that finds the token in its tab."""
         return not socket and path in TOKENLESS
 
     def knows_token(self, path: str) -> bool:
@@ -183,7 +184,8 @@ class Counters:
 
 
 MOST_UNAUTHENTICATED = 64
-"""Largest number of unauthenticated connections; at 1000 new ones a second each has 64 ms."""
+"""Largest number of unauthenticated connections; at 1000 new connections a second, each has 64 ms
+to send the token."""
 MOST_AUTHENTICATED = 32
 """Largest number of authenticated connections: sockets of pages, and requests for files."""
 
@@ -203,7 +205,7 @@ class ConnectionLimits:
     def __init__(self, counters: Counters) -> None:
         self._counters = counters
         self._arrivals: dict[str, Allowance] = {}
-        # In order of arrival; True once its request was judged, and so counted.
+        # In order of arrival; True once the request was accepted or refused, and thereby counted.
         self._unauthenticated: dict[ServerConnection, bool] = {}
         self._authenticated: set[ServerConnection] = set()
 
@@ -234,8 +236,8 @@ class ConnectionLimits:
             oldest.transport.abort()
 
     def judge(self, connection: ServerConnection) -> bool:
-        """Notes that a connection's request is judged now, which counts it; False if it was closed
-        in favour of others before, and so has been counted."""
+        """Marks that a connection's request is accepted or refused now, which counts it. Returns
+        False if it was closed in favour of others before, and is therefore already counted."""
         if connection not in self._unauthenticated:
             return False
         self._unauthenticated[connection] = True
@@ -258,7 +260,7 @@ class ConnectionLimits:
     def remove(self, connection: ServerConnection) -> None:
         """Removes a connection that has ended."""
         self._authenticated.discard(connection)
-        # A request that was judged has been counted with its reason.
+        # An accepted or refused request has been counted with its reason.
         if self._unauthenticated.pop(connection, True) is False:
             self._counters.add("failed handshake")
 

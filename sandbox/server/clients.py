@@ -55,28 +55,28 @@ from sandbox.trial.logs import LatencyLog
 
 MESSAGES_PER_SECOND, BURST = 240.0, 1200.0
 """Rate limit; touches at 120 Hz, acknowledgements at 60 Hz and beats are 185 messages a second.
-When a network stalls, a page goes on for 4 s before it gives up its socket; all that it has said
-then comes at once."""
+When a network stalls, a page continues to send for 4 s before it closes its socket; afterwards all
+of these messages may arrive at once."""
 PATIENCE, FORGIVEN = 240.0, 1.0
-"""Number of refused messages after which the connection is closed, and how many of them are
-forgiven in a second."""
+"""Number of refused messages after which the connection is closed, and number by which their count
+falls in a second."""
 MOST_WAITING = 512
-"""Number of messages that wait for a page that does not read, echoes of minutes; then the
-connection is aborted."""
+"""Largest number of messages that wait for a page that does not read: the echoes of minutes.
+Beyond it, the connection is aborted."""
 MOST_CLIENTS = 8
 SILENT_TOUCHED, SILENT = 1.0, 1.5
-"""s without a message after which a page counts as away: with a finger down, when it sends ten
-messages a second, and without, when it sends two."""
+"""Time (s) without a message after which a page counts as away: with a finger down, when it sends
+ten messages a second, and without a finger, when it sends two."""
 SEAT_TIMEOUT, REQUESTED_SEAT_TIMEOUT = 60.0, 10.0
-"""s after which a player who is away loses the seat to a page that waits; the second one while such
-a page requests it."""
+"""Time (s) after which a player who is away loses the seat to a waiting page: without and with a
+request for the seat."""
 Queued = TypeVar("Queued")
 MOST_QUEUED = 256
-"""Number of requests, or of answers to questions, that wait to be read; more than a person gives
-before somebody reads them."""
+"""Largest number of requests, or of answers to questions, that wait to be read; more than a person
+sends before they are read."""
 
 WRONG_VERSION, TOO_MANY, REPLACED, NONSENSE, GOODBYE = 4001, 4002, 4003, 4004, 4005
-"""Close codes, which the page explains to the person; the last one when the program ends."""
+"""Close codes, which the page explains to the person; the last code is for the program's end."""
 
 
 class Client:
@@ -92,10 +92,10 @@ class Client:
         screen: Current size of its screen.
         player: True if its touches are used.
         last_message: s, time of its last message.
-        visible: False while the page says that it is hidden or turned away.
+        visible: False while the page reports that it is hidden or turned away.
         menu: True while its player has a menu open.
         missed: True if its last message was refused unread, as too many came.
-        silenced: True if its touches were cancelled, as it fell silent with a finger down.
+        silenced: True if its touches were cancelled because it fell silent with a finger down.
         requests_seat: True if it waits and has requested the player's seat.
     """
 
@@ -131,11 +131,11 @@ class Client:
 
     @property
     def seen(self) -> float:
-        """s, time at which its person was last able to play."""
+        """Time (s) at which its person was last able to play."""
         return self.last_message if self.visible else self._hidden
 
     def set_visible(self, visible: bool) -> None:
-        """Takes in whether the page can be played now."""
+        """Stores whether the page can be played now."""
         if self.visible and not visible:
             self._hidden = self._clock()
         self.visible = visible
@@ -158,7 +158,7 @@ class Client:
         self._skins = tuple(skins)
 
     def send_seat(self, seat: Seat) -> None:
-        """Queues who may play, if that has changed."""
+        """Queues the permission to play, if it has changed."""
         if seat != self._seat:
             self._seat = seat
             self.send(encode(seat))
@@ -169,10 +169,10 @@ class Client:
         self._due.set()
 
     def got(self, number: int) -> float | None:
-        """Returns the credit of a frame and of those before it.
+        """Returns the credit of a frame and of all frames before it.
 
         Returns:
-            s since the frame was sent; None if unknown or acknowledged before.
+            Time (s) since the frame was sent; None if it is unknown or was acknowledged before.
         """
         if not self._acknowledged < number <= self._sent:
             return None
@@ -320,7 +320,7 @@ class Clients:
 
     @property
     def silence(self) -> float:
-        """s since a player was last there; infinite before the first. From any thread."""
+        """Time (s) since a player was last present; infinite before the first. From any thread."""
         seen = [c.seen for c in tuple(self._clients) if c.player]
         return time.monotonic() - max(seen, default=self._last_present)
 
@@ -331,7 +331,7 @@ class Clients:
         return all(self._is_away(c, now) for c in tuple(self._clients) if c.player)
 
     def _is_away(self, client: Client, now: float) -> bool:
-        """The one rule of when a page cannot be played: it is hidden, or silent for too long."""
+        """True if a page cannot be played: it is hidden, or silent for too long."""
         touched = client.silenced or (self._device is not None and self._device.touched)
         limit = SILENT_TOUCHED if touched else SILENT
         return not client.visible or now - client.last_message > limit
@@ -405,7 +405,7 @@ class Clients:
             if up is not None:
                 self._take(client, up)
             elif client.missed and client.player and self._device and self._device.touched:
-                # Where the fingers are now, or that they were lifted, was perhaps in that message.
+                # The refused message may have moved or lifted fingers.
                 self._counters.add("missed touches")
                 self._device.cancel_all()
 
@@ -413,8 +413,8 @@ class Clients:
         client.hello, client.screen = hello, hello.screen
         same = hello.role == "player" and hello.client == self._last_player
         for other in [c for c in self._clients if c.player and same and c is not client]:
-            # The same page has reconnected before the loss of its old socket was noticed.
-            # Its end is not waited for: a dead socket takes a second to close.
+            # The same page has reconnected before the loss of its old socket was detected.
+            # The server does not wait for the old socket's end, which takes a second.
             self._leave(other)
             other.close(REPLACED, "the page is open elsewhere")
         if hello.role == "player" and (player := self._player()) and self._trouble:
@@ -427,13 +427,13 @@ class Clients:
         self._welcome(client)
 
     def _has_room(self, hello: Hello) -> bool:
-        """True if a page may stay: one place is the player's, the others are for whoever comes."""
+        """True if a page may stay: one place is the player's, the others are for any page."""
         others = [c for c in self._clients if c.hello and not c.player]
         mine = hello.role == "player" and self._may_sit(hello)
         return mine or len(others) < MOST_CLIENTS - 1
 
     def _may_sit(self, hello: Hello) -> bool:
-        """True if the player's seat is the page's own, or nobody's."""
+        """True if the player's seat is the page's own, or free."""
         return hello.client == self._last_player or (self._player() is None and self._seat_is_free)
 
     @property
@@ -444,7 +444,7 @@ class Clients:
 
     @property
     def _seat_timeout(self) -> float:
-        """s after which a player who is away loses the seat."""
+        """Time (s) after which a player who is away loses the seat."""
         return (
             REQUESTED_SEAT_TIMEOUT if any(c.requests_seat for c in self._clients) else SEAT_TIMEOUT
         )
@@ -495,7 +495,7 @@ class Clients:
             return
         client.player = False
         if client.menu:
-            # It is open no more. A page that comes back with it open says so again.
+            # The menu is closed now. A page that reconnects with an open menu reports it again.
             client.menu = False
             self._keep(self.requests, PlayerRequest("resume"))
         self._last_present = client.seen
@@ -505,7 +505,7 @@ class Clients:
         self._fill_seat(client)
 
     def _fill_seat(self, gone: Client | None = None) -> None:
-        """Gives a seat that is free to the first other page that asked to be the player."""
+        """Gives a free seat to the first other page that requested it."""
         if self._player() is not None or not self._seat_is_free:
             return
         for other in self._clients:
@@ -515,7 +515,7 @@ class Clients:
                 return
 
     def _give_up_seat(self, now: float) -> None:
-        """Takes the seat from a player who has been hidden for too long, if somebody waits."""
+        """Takes the seat from a player who has been hidden for too long, if another page waits."""
         player = self._player()
         if player is None or now - player.seen <= self._seat_timeout:
             return
@@ -530,7 +530,7 @@ class Clients:
         return [c for c in self._clients if c.hello and c.hello.role == "player" and not c.player]
 
     def _send_seats(self, now: float) -> None:
-        """Sends who may play, and when, to all pages for which that has changed."""
+        """Sends changes of the waiting time to waiting pages, and of requests to the player."""
         player = self._player()
         absent = now - (player.seen if player else self._left)
         there = player is not None and not self._is_away(player, now)
@@ -576,21 +576,21 @@ class Clients:
                 self._counters.add("not the player")
 
     def _keep(self, waiting: queue.SimpleQueue[Queued], up: Queued) -> None:
-        """Queues what another thread reads, which may not be reading now."""
+        """Queues an item for another thread, which may not be reading now."""
         if waiting.qsize() < MOST_QUEUED:
             waiting.put(up)
         else:
             self._counters.add("input that nobody waits for")
 
     async def part(self) -> None:
-        """Says goodbye to all pages, which do not take the end for a fault then."""
+        """Announces the end to all pages, so that they do not treat it as a fault."""
         for client in self._clients:
             client.close(GOODBYE, "the session has ended")
         # The closing handshakes begin.
         await asyncio.sleep(0)
 
     async def watch(self) -> None:
-        """Cancels the touches of a silent page, and ends the keeping of seats; runs until it is
+        """Cancels the touches of silent pages, and frees reserved seats in time; runs until it is
         cancelled."""
         while True:
             await asyncio.sleep(0.1)

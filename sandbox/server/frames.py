@@ -1,4 +1,4 @@
-"""What a page gets of a session: its scene, the skins of its hands, a frame a control step.
+"""A session's data for a page: its scene, the skins of its hands, and a frame per control step.
 
 A frame is binary, little-endian: a header of 32 bytes, one pose of seven float32 per body (position
 in m, quaternion w, x, y, z), and the rest (score, contacts, goals) as JSON of `protocol.State`.
@@ -165,7 +165,7 @@ def _palm_box(scene: SimulatedScene, geom: int, root: str, things: set[str]) -> 
 
 
 def localised(text: str) -> Localised:
-    """A sentence as the page gets it; without a key if it has none."""
+    """A sentence in the page's form; without a key if it has none."""
     if isinstance(text, Message):
         return Localised(text.key, dict(text.values), str(text))
     return Localised("", {}, text)
@@ -176,9 +176,9 @@ def state_of(snapshot: Snapshot, pause: Pause, own: int | None = None) -> State:
 
     Args:
         snapshot: The snapshot.
-        pause: Why simulated time stands still; empty while it runs.
-        own: Index of the hand whose contacts come from the page; contacts of others get ids that
-            the page's fingers do not use. None if all contacts come from one source.
+        pause: Reason why simulated time stands still; empty while it runs.
+        own: Index of the hand whose contacts come from the page. Contacts of other hands get ids
+            that the page's fingers do not use. None if all contacts come from one source.
     """
     score, hands = snapshot.score, snapshot.hands
     loads = snapshot.loads or [NO_LOAD] * len(hands)
@@ -247,7 +247,7 @@ def _part(scene: SimulatedScene, root: str, things: set[str]) -> Any:
 
 
 def _floats(values: object) -> Any:
-    """A tuple of all values, rounded for the message."""
+    """Tuple of all values, rounded for the message."""
     return tuple(round(v, 7) for v in np.asarray(values, float).ravel().tolist())
 
 

@@ -1,7 +1,7 @@
 """The server of the page: one thread with its own event loop; no session waits for it.
 
-`AutoPause` says when simulated time stands still on pages: before the first touch, and while a
-player is away. Play and studies use this rule. `PageServer.away` says when one page is away.
+`AutoPause` stops simulated time before the first touch on a page, and while a player is away. Play
+and studies use this rule. `PageServer.away` is true while a single page is away.
 """
 
 from __future__ import annotations
@@ -120,17 +120,17 @@ class PageServer(ServerThread):
 
     @property
     def screen(self) -> PageScreen | None:
-        """The player's screen; None before one came."""
+        """The player's screen; None before a player has connected."""
         return self._pages.screen
 
     @property
     def language(self) -> str:
-        """Language of the player's page, by ISO 639-1; empty before one came."""
+        """Language of the player's page, by ISO 639-1; empty before a player has connected."""
         return self._pages.language
 
     @property
     def browser(self) -> str:
-        """What the browser of the player's page calls itself; empty before one came."""
+        """Name that the player's browser reports; empty before a player has connected."""
         return self._pages.browser
 
     @property
@@ -140,7 +140,7 @@ class PageServer(ServerThread):
 
     @property
     def away(self) -> bool:
-        """True if nobody can play: the player's page is closed, hidden or silent."""
+        """True if play is impossible: the player's page is closed, hidden or silent."""
         return self._pages.away
 
     @property
@@ -154,7 +154,8 @@ class PageServer(ServerThread):
 
     @property
     def silence(self) -> float:
-        """s since a player was last there: heard, and not hidden; infinite before the first."""
+        """Time (s) since a player was last present, neither silent nor hidden; infinite before the
+        first."""
         return self._pages.silence
 
     def take_requests(self) -> list[PlayerRequest]:
@@ -170,7 +171,7 @@ class PageServer(ServerThread):
 
         Args:
             sheet: Sheet of a study.
-            tell: False if the player's page shows it already.
+            tell: False if the player's page already shows it.
         """
         self._loop.call_soon_threadsafe(self._pages.show_sheet, sheet, tell)
 
@@ -205,7 +206,7 @@ class PageServer(ServerThread):
         self._loop.call_soon_threadsafe(self._open_scene, shown)
 
     def show_demonstration(self, scene: int, message: bytes) -> None:
-        """Sends the player a demonstration for a scene, unless another one is shown by now."""
+        """Sends the player a demonstration for a scene, unless another scene is shown by now."""
 
         def send() -> None:
             if self._shown is not None and self._shown.message.scene == scene:
@@ -215,7 +216,7 @@ class PageServer(ServerThread):
             self._loop.call_soon_threadsafe(send)
 
     def show_problem(self, *sentences: str) -> None:
-        """Shows on all pages why there is no scene, until there is one.
+        """Shows the reason for a missing scene on all pages until the next scene.
 
         Meanwhile the next page that connects may become the player's.
         """
@@ -228,7 +229,7 @@ class PageServer(ServerThread):
 
         Args:
             snapshot: The snapshot.
-            pause: Why simulated time stands still; empty while it runs.
+            pause: Reason why simulated time stands still; empty while it runs.
         """
         shown = self._shown
         if shown is None:
@@ -258,7 +259,7 @@ class PageServer(ServerThread):
         wants_socket = request.headers.get("Upgrade", "").lower() == "websocket"
         reason = self._refusal(request, wants_socket)
         if reason == "token" and self.access.is_return_page(request.path, wants_socket):
-            # Reloads are among them; strangers, too, so that a flood of them is seen.
+            # Reloads are counted, and strangers, too, so that a flood of requests is visible.
             self.counters.add("asked without a token")
             return self._files.way_back()
         if reason:
@@ -277,7 +278,7 @@ class PageServer(ServerThread):
         return self._files.response(path, origin, self.access.token, self._language, accepted)
 
     def _words(self, request: Request) -> dict[str, str]:
-        """Words for somebody who gets no page, in the study's language or the browser's."""
+        """Text for a person whose page is refused, in the study's language or the browser's."""
         accepted = request.headers.get_all("Accept-Language")
         return words_in(self._language or preferred(accepted[0] if accepted else ""))
 
@@ -323,11 +324,11 @@ def tls_context(certificate: str, key: str) -> ssl.SSLContext:
 
 
 class AutoPause:
-    """Stops simulated time while a player cannot play, and lists for how long.
+    """Stops simulated time while a player cannot play, and lists these absences.
 
     Time begins with the first touch on any page. It stops as soon as a page is away, and goes on
-    when that page is back and touched, or touched still. A goal that is held already needs nobody,
-    so the trial is played to its end.
+    when that page is back and is touched, or is still touched. Once the goal is held, no player is
+    needed, so the trial is played to its end.
 
     Args:
         pages: Server and device of every page; a page without a device counts as touched while it
@@ -355,7 +356,7 @@ class AutoPause:
         self.away: set[int] = set()
 
     def check(self, time_s: float, held: bool, paused: bool = False) -> Pause:
-        """Why simulated time must stand still now; empty if it may run.
+        """Reason why simulated time must stand still now; empty if it may run.
 
         Args:
             time_s: s, simulated time.

@@ -1,4 +1,4 @@
-"""The touch rectangle of a page's screen, and what a page says where no task fits on it."""
+"""The touch rectangle of a page's screen, and a page's message if no task fits on it."""
 
 from __future__ import annotations
 
@@ -17,11 +17,11 @@ from tasks.registry import TASKS, hands_of
 from tasks.task import place_surface
 
 LARGEST = (10.32, 7.74)
-"""in, largest touch rectangle, that of the largest tablets. On a larger screen it lies in the
+"""Largest touch rectangle (in), that of the largest tablets. On a larger screen it lies in the
 centre, since a hand does not reach further."""
 
 LEAST = PRESETS["ipad2"]
-"""in, touch rectangle that has room for every task."""
+"""Touch rectangle (in) that has room for every task."""
 
 
 def room(screen: PageScreen, lifts: bool = False) -> tuple[float, float]:
@@ -36,7 +36,7 @@ def room(screen: PageScreen, lifts: bool = False) -> tuple[float, float]:
 
 
 def rectangle(screen: PageScreen, hands: int = 1, lifts: bool = False) -> dict[str, Any]:
-    """The touch rectangle of a screen, as settings: all its room, up to the largest tablet's.
+    """The touch rectangle of a screen, as settings: all its room, up to that of the largest tablet.
 
     For two hands it may be as wide as two tablets. For `lifts` see `room`.
     """
@@ -48,11 +48,11 @@ def rectangle(screen: PageScreen, hands: int = 1, lifts: bool = False) -> dict[s
 
 
 def scaled(screen: PageScreen, lifts: bool = False) -> dict[str, Any]:
-    """The touch rectangle of a screen that its table fills, whatever its inches, as settings.
+    """The touch rectangle of a screen that is filled by the table at any size, as settings.
 
-    The table is as large as the largest tablet's where that leaves it at least as large as the
-    paper's, so that every task fits; on a phone it is as large as the paper's, where fingers cover
-    less of it. The result counts for a mouse, and not on a phone.
+    The table has the size of the largest tablet if it is then at least as large as the paper's
+    table, so that every task fits. On a phone it has the size of the paper's table, so that fingers
+    cover less of it. The result counts for a mouse, and not on a phone.
     """
     width, height = room(screen, lifts)
     (most_w, most_h), (least_w, least_h) = LARGEST, LEAST
@@ -62,7 +62,7 @@ def scaled(screen: PageScreen, lifts: bool = False) -> dict[str, Any]:
     size = min(width / scale, most_w), min(height / scale, most_h)
     return {
         "size_in": tuple(round(side, 4) for side in size),
-        # At another scale there is no size that could be wrong.
+        # At another scale no size can be wrong.
         "calibrated": True,
         "scale": scale,
         "scored": screen.fit == "mouse",
@@ -81,11 +81,11 @@ def common(rectangles: Sequence[dict[str, Any]]) -> dict[str, Any]:
 CANNOT_BEGIN = Message(
     "cannot_begin", "This cannot be played as it was asked for: the computer says why."
 )
-"""What a page says of every other error, whose text is for whoever typed the command."""
+"""A page's message for every other error, whose text is for the person at the command line."""
 
 
 def explain_refusal(error: InputError, settings: Settings, strip_in: float = 0.0) -> list[Message]:
-    """Returns what a player is told on why a trial cannot begin, and what to do instead.
+    """Returns the message for a player whose trial cannot begin, with a remedy.
 
     Args:
         error: Error raised when the trial was built.
@@ -134,7 +134,7 @@ def explain_refusal(error: InputError, settings: Settings, strip_in: float = 0.0
 
 
 def _lengths(width_in: float, height_in: float) -> dict[str, str]:
-    """Width and height in inches and in centimetres: a language says one of them."""
+    """Width and height in inches and in centimetres; each language uses one of the units."""
     cm = 100.0 * METRES_PER_INCH
     return {
         "width_in": f"{width_in:.1f}",

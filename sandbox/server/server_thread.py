@@ -20,7 +20,7 @@ from sandbox.devices.device import Closeable
 from sandbox.server.access import Access, ConnectionLimits, Counters, limited_connection
 
 GREETING = 5.0
-"""s within which a page has to make its handshake, and to send its first message."""
+"""Time (s) within which a page has to make its handshake, and to send its first message."""
 
 
 class ServerThread(Closeable):
@@ -60,7 +60,7 @@ class ServerThread(Closeable):
             self._thread.join(timeout=5.0)
 
     def _start(self, name: str, host: str, port: int) -> OSError | None:
-        """Starts the thread, from its subclass; returns why it cannot serve there, or None."""
+        """Starts the thread; called by the subclass. Returns the error that prevents serving."""
         self._thread = threading.Thread(target=self._run, args=(host, port), name=name, daemon=True)
         self._thread.start()
         ready = self._ready.get()
@@ -82,7 +82,7 @@ class ServerThread(Closeable):
         """Runs until it is cancelled when the server closes; does nothing by default."""
 
     async def _part(self) -> None:
-        """Says goodbye before the connections are closed; does nothing by default."""
+        """Sends last messages before the connections are closed; does nothing by default."""
 
     def _refusal(self, request: Request, wants_socket: bool) -> str:
         """Reason for refusing a request, in one word; empty if it is accepted."""
@@ -114,7 +114,7 @@ class ServerThread(Closeable):
                 compression=None,
                 max_size=self._largest,
                 max_queue=8,
-                # A frame is sent when the one before it has left, so that it is the newest.
+                # A frame is sent when the previous frame has left, so that it is the newest.
                 write_limit=0,
                 open_timeout=GREETING,
                 ping_interval=5,
@@ -147,11 +147,11 @@ def cannot_serve(what: str, host: str, port: int, error: OSError, remedy: str = 
     """The error of a server whose address or port is not available.
 
     Args:
-        what: What cannot be served.
+        what: Name of the service.
         host: IP address.
         port: TCP port.
         error: The system's error.
-        remedy: What to do about it.
+        remedy: Remedy for the user.
     """
     return DeviceError(
         f"{what} cannot be served here",

@@ -1,6 +1,6 @@
 """The page's static files, read once, and served with headers that forbid loading anything else.
 
-To a browser that accepts it they are sent compressed.
+They are sent compressed to browsers that accept it.
 """
 
 from __future__ import annotations
@@ -22,8 +22,8 @@ STATIC = Path(__file__).resolve().parents[1] / "views" / "static"
 TOKEN_PLACE, LANGUAGE_PLACE = b"{{token}}", b"{{language}}"
 MANIFEST_PLACE = b"{{manifest}}"
 MANIFEST = b'<link rel="manifest" href="manifest.json?token={{token}}">'
-"""Makes the page installable, which browsers allow with TLS only. The start address of what is
-installed has no token."""
+"""Makes the page installable, which browsers allow with TLS only. The start address of the
+installed page has no token."""
 INDEX, HEADSET = "/index.html", "/headset.html"
 """The page of fingers on a screen, and that of a headset."""
 WAY_BACK = "/return.html"
@@ -71,10 +71,10 @@ class StaticFiles:
             )
 
     def way_back(self) -> Response:
-        """The response to a request without a token, the same for everybody.
+        """The response to a request without a token, equal for all requests.
 
-        The page looks for the token in its own tab, and loads the real page with it. It may run its
-        own script, which is named by its hash, and load or send nothing.
+        The page finds the token in its own tab, and loads the real page with it. It may run its own
+        script, which is allowed by its hash, and may load or send nothing.
         """
         body = self._files[WAY_BACK]
         script = body.partition(b"<script>")[2].partition(b"</script>")[0]

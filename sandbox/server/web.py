@@ -1,4 +1,4 @@
-"""Devices whose input comes from a page, and the page of fingers or a mouse among them."""
+"""Devices whose input comes from a page, including the page of fingers or a mouse."""
 
 from __future__ import annotations
 
@@ -49,18 +49,18 @@ class PageDevice(ABC, Generic[F]):
     @property
     @abstractmethod
     def touched(self) -> bool:
-        """True while the person plays: a finger is down, or a hand is seen."""
+        """True while the person plays: a finger is down, or a hand is in view."""
 
     @abstractmethod
     def receive(self, message: PageTouches | PageHands, screen: PageScreen) -> bool:
-        """Takes in a message, in the server's thread; False if it is none for this device."""
+        """Processes a message, in the server's thread; False if it is not for this device."""
 
     @abstractmethod
     def cancel_all(self) -> None:
-        """The page was closed or fell silent: nothing is touched or seen any more."""
+        """Called when the page was closed or fell silent: no finger is down, no hand is in view."""
 
     def begin_page(self) -> None:
-        """A page begins to send: its messages are counted anew."""
+        """Called when a page begins to send: the count of its messages restarts."""
         with self._lock:
             self._frames = deque(((frame, 0) for frame, _ in self._frames), maxlen=QUEUE_FRAMES)
             self.applied = 0
@@ -71,7 +71,7 @@ class PageDevice(ABC, Generic[F]):
             self.frame_ready.clear()
             waiting = list(self._frames)
             self._frames.clear()
-            # Under the lock: a page that begins now must not get the number of the one before it.
+            # Under the lock: a page that begins now must not get the number of the previous page.
             self.applied = max([self.applied, *(seq for _, seq in waiting)])
         return [frame for frame, _ in waiting]
 
@@ -82,7 +82,7 @@ class PageDevice(ABC, Generic[F]):
 
 
 def _on_screen(position: float | None, length: float) -> TypeGuard[float]:
-    """True for a position that a finger on a screen may be dragged to, from a corner within it."""
+    """True for a position to which a finger on a screen can be dragged from a corner within it."""
     return position is not None and abs(position) <= 2.0 * length
 
 
@@ -122,7 +122,7 @@ class WebDevice(Device, PageDevice[TouchFrame]):
             return bool(self._present)
 
     def receive(self, message: PageTouches | PageHands, screen: PageScreen) -> bool:
-        """Takes in touches; called from the server's thread."""
+        """Processes touches; called from the server's thread."""
         if not isinstance(message, PageTouches):
             return False
         # Fingers have their true size, also on a scaled table.
@@ -148,7 +148,7 @@ class WebDevice(Device, PageDevice[TouchFrame]):
                 if not (inside or i in self._inside):
                     continue
                 x, y = places[i] = min(max(x, 0.0), width), min(max(y, 0.0), height)
-                # A browser that does not know the width reports one pixel, or zero.
+                # A browser that does not measure the width reports one pixel, or zero.
                 size = extent = None
                 if width_px is not None and width_px > 1.0:
                     size = width_px * metres

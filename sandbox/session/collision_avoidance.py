@@ -402,7 +402,7 @@ class Near(NamedTuple):
         parts: Indices (n,) of the parts' geoms; a part may occur twice, as for two ends of a
             capsule.
         distances: Distances (n,) between surfaces, m; negative inside.
-        things: Indices (n,) of the near geoms, of objects or other hands.
+        things: Indices (n,) of the near geoms, which belong to objects or other hands.
     """
 
     parts: Sequence[int]

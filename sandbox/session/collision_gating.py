@@ -1,7 +1,7 @@
 """Collision gating: a hand collides only once it is down and no fingertip is inside an object.
 
 Until then it is a ghost that passes through objects. A finger that became solid inside an object
-would throw it across the room; a person who sees a ghost moves the finger out instead.
+would throw it across the room; a person with a ghost on the screen moves the finger out instead.
 
 Contact modes (hard, soft, none) can change during a session without a jump of its state. Soft
 contacts give way, and a soft hand is weak, so that an object squeezed by mistake is not thrown.
@@ -49,10 +49,10 @@ class ContactMode(StrEnum):
 
 
 SOFT_IMPULSE = 0.05
-"""N s per 1/60 s, impulse limit of every servo of a soft hand: 3 N."""
+"""Impulse limit (N s per 1/60 s) of every servo of a soft hand: 3 N."""
 SOFT_SOLREF = (0.080, 1.0)
-"""s and damping ratio of a soft contact; hard ones have 4 ms. A fingertip that holds a box at 3 N
-is 1.3 mm inside it."""
+"""Time constant (s) and damping ratio of a soft contact; hard contacts have 4 ms. A fingertip that
+holds a box at 3 N is 1.3 mm inside it."""
 SOFT_SOLIMP = (0.97, 0.995, 0.001, 0.5, 2.0)
 """Impedance of a soft contact, at least that of a hard one. A held box creeps by 0.8 mm in 5 s if
 softness comes from a lower impedance, by 0.1 mm if it comes from the time constant
@@ -62,7 +62,7 @@ SOFT_TOLERANCE = 1e-11
 with hard contacts, but with soft ones it rocks an object held by two fingers. The lower tolerance
 takes no measurable time."""
 CHANGE = 0.2
-"""s, duration of a change from hard to soft and back."""
+"""Duration (s) of a change from hard to soft and back."""
 
 _OWN = 1e6
 """Weight of a soft hand's contact parameters against an object's own."""
@@ -154,16 +154,16 @@ class ContactModes:
 
 
 CLEARANCE = 0.0005
-"""m, least distance of a fingertip's surface from an object when it becomes solid."""
+"""Least distance (m) of a fingertip's surface from an object when it becomes solid."""
 ARRIVED = 0.008
-"""m, largest lag of the simulated fingertips behind the commanded ones when they become solid."""
+"""Largest lag (m) of the simulated fingertips behind the commanded ones when they become solid."""
 
 FINGERTIP = 0.010
-"""m, about the radius of a fingertip: it reaches so far beyond its touch."""
+"""Approximate radius (m) of a fingertip, by which it reaches beyond its touch."""
 ALONG = np.linspace(0.0, 1.0, 7)
 """Shares of a last link's length at which its distance to objects is checked. The thumb's last link
-is 52 mm long: with fewer points the corner of a box could lie 6 mm deep between two of them
-unnoticed; with these, half a millimetre."""
+is 52 mm long. With fewer points the corner of a box could lie 6 mm deep between two points without
+detection; with these points, half a millimetre."""
 
 GHOST: frozenset[int] = frozenset()
 
@@ -171,8 +171,8 @@ _LOW = (Phase.COMING_DOWN, Phase.DOWN)
 
 STUCK = Message("stuck", f"{MOVE_APART}: a finger is inside an object")
 STUCK_TIME = 0.15
-"""s that a finger of a hand that is down has been inside an object before the person is told: no
-longer than it takes to lead a finger out that is only beside it."""
+"""Time (s) for which a finger of a hand that is down is inside an object before the person gets a
+notice: no longer than it takes to move a finger at the object's side out of it."""
 
 
 @dataclass(frozen=True)
@@ -183,13 +183,13 @@ class CollisionGatingRules:
         ghost_until_clear: A hand that is down stays a ghost until its tips are outside all objects.
         distal_only: Only the last links of touching fingers are ever solid; otherwise every link.
         links: Number of solid links of a finger, counted from its tip.
-        together: All fingers of a hand become solid in the same step; otherwise each by itself.
-        lead: Fingertips beside things are led off their touches, out of them, and keep the width
-            of their grip until they spread.
-        from_above: A hand turns solid on its way down, so that it presses what lies under it, and
-            so does a finger that joins a hand that is down.
-        all_over: Palm and all links of all fingers are solid once the touching fingertips are,
-            each part as soon as it is clear; replaces `distal_only` and `links`.
+        together: All fingers of a hand become solid in the same step; otherwise each separately.
+        lead: Fingertips at objects are offset from their touches, out of the objects, and keep the
+            width of their grip until they spread.
+        from_above: A hand becomes solid on its way down, so that it presses objects under it. A
+            finger that joins a hand that is down does the same.
+        all_over: Palm and all links of all fingers become solid once the touching fingertips are
+            solid, each part as soon as it is clear; replaces `distal_only` and `links`.
     """
 
     ghost_until_clear: bool = True
@@ -208,11 +208,11 @@ class CollisionGate:
         scene: The scene.
         hand: Index of the hand.
         rules: Rules of collision gating.
-        parts: Chooses the other solid parts of a hand that is solid all over; None otherwise.
+        parts: Chooses the other solid parts for the rule `all_over`; None without this rule.
 
     Attributes:
         fingers: Labels of the touching fingers that are solid now.
-        inside: Labels of the fingers that cannot become solid, as they are inside an object.
+        inside: Labels of the fingers that cannot become solid because they are inside an object.
     """
 
     def __init__(
@@ -227,7 +227,7 @@ class CollisionGate:
         links = scene.spec.hands[hand].links
         body = scene.model.body
         self._has = frozenset(link.finger for link in links)
-        # A finger that the hand lacks is at its palm, and never solid.
+        # A missing finger of the hand is at its palm, and never solid.
         palm = [Link(0, scene.spec.hands[hand].palm, 0.0, 0.0, "", "")] * 2
         fingers = [
             [link for link in links if link.finger == f] or palm for f in range(len(FINGERS))
@@ -241,14 +241,14 @@ class CollisionGate:
         self._reach = np.array([link.length for link in last])
         self._radius = np.array([link.radius for link in last])
         self._commanded = scene.spec.hands[hand].tips_of()
-        # All of the part that becomes solid must be clear of objects, and not the tip alone: a
-        # finger leans, and may be inside a high object with its tip well beside it.
+        # The whole part that becomes solid must be clear of objects, and not only its tip: a
+        # leaning finger may be inside a high object while its tip is outside.
         inner = np.array([link.solid_from for link in last])
         self._shares = inner + ALONG[:, None] * (1.0 - inner)
         self._behind = ((self._shares - 1.0) * self._reach)[:, :, None]
         self.fingers = GHOST
         self.inside = GHOST
-        # Steps in a row that each finger has been inside an object.
+        # Number of consecutive steps for which each finger has been inside an object.
         self._stuck: dict[int, int] = {}
 
     @property
@@ -268,7 +268,7 @@ class CollisionGate:
         return mine if self._parts is None else mine + self._parts.signature
 
     def tips(self, data: BodyPoses) -> Array:
-        """(5, 3) m, fingertips of the simulated hand; of a finger that it lacks, its palm."""
+        """(5, 3) m, fingertips of the simulated hand; for a missing finger, the palm."""
         return self._along(data, 1.0)
 
     def links(self, data: mujoco.MjData) -> Array:
@@ -276,14 +276,14 @@ class CollisionGate:
         return np.concatenate([self._along(data, share) for share in self._shares])
 
     def balls(self, data: mujoco.MjData) -> tuple[Array, Array]:
-        """Middles (n, 3) and radii (n,), m, of balls that cover all that can be solid."""
+        """Middles (n, 3) and radii (n,), m, of balls that cover all parts that can be solid."""
         if self._parts is not None:
             return self._parts.balls(data)
         points = self.links(data)
         return points, np.full(len(points), FINGERTIP)
 
     def behind_tips(self, data: BodyPoses) -> Array:
-        """(7, 5, 3) m, the points of `links`, seen from each finger's tip."""
+        """(7, 5, 3) m, the points of `links`, relative to each finger's tip."""
         # The middle column of each rotation is a bone's own direction.
         axis = data.xmat.take(self._bodies, 0)[:, 1::3]
         behind: Array = self._behind * axis
@@ -300,7 +300,7 @@ class CollisionGate:
         Args:
             data: Current state of the simulation.
             reconstruction: Current reconstruction from touches or hand frames.
-            ghost: Makes every finger a ghost, whatever the reconstruction.
+            ghost: Makes every finger a ghost for any reconstruction.
         """
         low = _LOW if self._rules.from_above else (Phase.DOWN,)
         arrived = reconstruction.phase in low and not ghost
@@ -312,13 +312,13 @@ class CollisionGate:
             target = self._commanded(reconstruction.q)
             near = np.sqrt(squared_lengths(self.tips(data) - target)) < ARRIVED
             if self._rules.from_above and staying:
-                # Such as one that presses a key while others rest on theirs.
+                # Such as a finger that presses a key while others rest on their keys.
                 near = np.full_like(near, True)
             free = near & (self._clear(data) if self._rules.ghost_until_clear else True)
             fit = frozenset(f for f in joining if free[f])
             stuck = {f: self._stuck.get(f, 0) + 1 for f in joining if near[f] and not free[f]}
-            # A hand that comes down becomes solid as a whole: a finger that is solid before the
-            # others would push away the object that they are about to grasp.
+            # A hand that comes down becomes solid as a whole: a finger that becomes solid before
+            # the others would push away the object to grasp.
             if staying or not self._rules.together:
                 staying |= fit
             elif fit == joining:
@@ -348,8 +348,8 @@ class CollisionGate:
         return np.asarray(clear)
 
     def _inner_links(self, data: BodyPoses) -> list[Array]:
-        """Points along each finger's links before the last one, an array (5, 3) in m for each share
-        of the way. The list is empty where only last links are solid."""
+        """Points along each finger's links before the last link: an array (5, 3) in m for each
+        share of the way. The list is empty if only last links are solid."""
         if self._rules.links == 1:
             return []
         start, end = data.xpos.take(self._before, 0), data.xpos.take(self._bodies, 0)

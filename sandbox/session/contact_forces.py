@@ -1,11 +1,11 @@
-"""Finger loads: the force of each finger, the force that a grip stores, and how near its limit is.
+"""Finger loads: the force of each finger, the force stored by a grip, and the used share of limits.
 
-Fingers that close on a thing press across its faces, and their servos also pull along them: the
-grip holds the thing in a place where it would not stay by itself. Both are read from MuJoCo's
-contacts; how much of their limit the servos use is read from its actuators.
+Fingers that close on an object press across its faces, and their servos also pull along the faces:
+the grip holds the object in a place where it would not stay without it. Both forces are computed
+from MuJoCo's contacts. The used share of the servos' limits is computed from its actuators.
 
-Reading takes a third of a millisecond, so that what is needed for it is copied at once, and read
-where somebody looks, in any thread.
+The computation takes a third of a millisecond. So its inputs are copied at once, and the loads are
+computed only when a caller needs them, in any thread.
 """
 
 from __future__ import annotations
@@ -28,8 +28,9 @@ from sandbox.session.messages import FingerLoad, HandLoad
 
 @dataclass(frozen=True)
 class Forces:
-    """Copies of MuJoCo's arrays: of n contacts the geoms (n, 2), frames (n, 9), address and number
-    of their rows (n,); the rows; forces of the servos, and their largest (servos,), N or N m."""
+    """Copies of MuJoCo's arrays: for n contacts the geoms (n, 2), frames (n, 9), addresses and
+    numbers of their rows (n,); the rows; forces of the servos, and their limits (servos,), N or
+    N m."""
 
     geoms: NDArray[np.int64]
     frames: Array
@@ -40,7 +41,7 @@ class Forces:
     limits: Array
 
     def of(self, contact: int) -> Array:
-        """(3,) N in a contact's frame, its normal first: of an elliptic cone, the rows are that."""
+        """(3,) N in a contact's frame, its normal first: the rows of an elliptic cone."""
         force = np.zeros(3)
         first, rows = int(self.address[contact]), min(int(self.rows[contact]), 3)
         if first >= 0:
@@ -83,14 +84,14 @@ class FingerLoads:
         """The load of each hand at the moment of some copies."""
         hands, n = len(self._scene.spec.hands), len(FINGERS)
         forces = np.zeros((hands * n, 3))
-        # Vectors on each object that is touched, by object and finger.
+        # Force vectors on each touched object, by object and finger.
         pushes: dict[int, dict[int, Array]] = {}
         owners = self._owners[kept.geoms]
         for contact in np.flatnonzero((owners >= 0).any(axis=1)).tolist():
             one = kept.of(contact)
             across, x, y = one.tolist()
             along = sqrt(x * x + y * y)
-            # A contact's normal points from its first geom to its second one.
+            # A contact's normal points from its first geom to its second geom.
             push = one @ kept.frames[contact].reshape(3, 3)
             for side, part in enumerate(owners[contact].tolist()):
                 if part >= 0:
@@ -108,7 +109,7 @@ class FingerLoads:
         )
 
     def _used(self, kept: Forces) -> list[list[float]]:
-        """Largest share of a limit, of each finger of each hand, and last of its palm."""
+        """Largest used share of a limit for each hand: for each finger, and last for the palm."""
         if not self._servos:
             return [[0.0] * (len(FINGERS) + 1) for _ in self._scene.spec.hands]
         actuators, outputs, starts, places = self._outputs
@@ -122,8 +123,8 @@ class FingerLoads:
 
     @cached_property
     def _outputs(self) -> tuple[NDArray[np.int64], ...]:
-        """Of n actuators of hands (n,), their outputs (m,), the first output of each among those
-        (n,), and its place (n,) among the fingers and palms of all hands."""
+        """Of n actuators of hands: the actuators (n,), their outputs (m,), the index (n,) of each
+        actuator's first output among these, and its index (n,) among all fingers and palms."""
         model, palm = self._scene.model, len(FINGERS)
         actuators = np.array(list(self._servos), np.int64)
         places = [
@@ -137,7 +138,7 @@ class FingerLoads:
 
     @cached_property
     def _roots(self) -> NDArray[np.int64]:
-        """(geoms,) number of the object that each geom belongs to."""
+        """(geoms,) number of the object of each geom."""
         model = self._scene.model
         return np.asarray(model.body_rootid[model.geom_bodyid], np.int64)
 
@@ -153,7 +154,7 @@ class FingerLoads:
 
     @cached_property
     def _servos(self) -> dict[int, tuple[int, int]]:
-        """Hand and finger of each actuator of a hand; -1 as its finger is the palm."""
+        """Hand and finger of each actuator of a hand; finger -1 means the palm."""
         model, servos = self._scene.model, {}
         for i, hand in enumerate(self._scene.spec.hands):
             fingers = _bodies_of_fingers(model, hand)
@@ -166,7 +167,7 @@ class FingerLoads:
 
 
 def _bodies_of_fingers(model: mujoco.MjModel, hand: SceneHand) -> dict[int, int]:
-    """Finger of each body of a hand's fingers: of links, and of what carries them."""
+    """Finger of each body of a hand's fingers: of links, and of the bodies that carry links."""
     palm, fingers = model.body(hand.palm).id, {}
     for link in hand.links:
         body = model.body(link.body).id
@@ -177,9 +178,10 @@ def _bodies_of_fingers(model: mujoco.MjModel, hand: SceneHand) -> dict[int, int]
 
 
 def _stored(pushes: Mapping[int, Mapping[int, Array]], fingers: int) -> list[float]:
-    """N, what is stored in each finger's grip, from the force vectors (3,) by object and finger.
+    """Force (N) stored in each finger's grip, from the force vectors (3,) by object and finger.
 
-    The other fingers' force against a finger's own, and at most as much as its own.
+    It is the part of the other fingers' force that is opposite to the finger's own force, and at
+    most as large as its own force.
     """
     stored = [0.0] * fingers
     for thing in pushes.values():

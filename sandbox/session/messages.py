@@ -1,7 +1,7 @@
 """Snapshots, which a session sends to its views; a view may drop any but the latest.
 
-A window, a film or a simulated user sees nothing but snapshots. Events, which are ordered and never
-lost, are in `sandbox.trial.logs`.
+Snapshots are the only data for a window, a film or a simulated user. Events, which are ordered and
+never lost, are in `sandbox.trial.logs`.
 """
 
 from __future__ import annotations
@@ -19,11 +19,11 @@ from tasks.score import Score
 from tasks.task import Goal, place
 
 MOVE_APART = "Spread your fingers"
-"""What a person is told beside a finger that is inside an object."""
+"""Text for the person next to a finger that is inside an object."""
 
 TOLD, STRONGEST = 1.0, 70.0
-"""N stored by a grip: below the first views say nothing, as a resting finger presses with as much;
-at the second, the strongest grip that people were tried at, the arc around a finger is closed."""
+"""Forces (N) stored by a grip. Below the first, which a resting finger also reaches, views show
+nothing. At the second, the strongest grip tested with people, the arc around a finger is closed."""
 
 
 @dataclass(frozen=True)
@@ -33,11 +33,11 @@ class HandView:
     Attributes:
         target: (48,) commanded pose in the world, drawn as the ghost hand.
         tips: (5, 3) m, fingertips of the simulated hand.
-        solid: Labels of the fingers that can collide now; the hand is a ghost while it is empty.
+        solid: Labels of the fingers that can collide now; if empty, the hand is a ghost.
         phase: Phase between hovering and down (`encoders.reconstruction.hand_motion.Phase`).
         contacts: Contacts on the touch surface.
-        inside: Labels of the fingers that are inside an object and therefore not solid; beside them
-            a view says `MOVE_APART`.
+        inside: Labels of the fingers that are inside an object and therefore not solid; a view
+            shows `MOVE_APART` next to them.
         surface: The touch surface of the contacts, in the world.
         probability: Probability of the labels, 0 to 1.
     """
@@ -53,7 +53,7 @@ class HandView:
 
     @cached_property
     def places(self) -> Array:
-        """(contacts, 3) m, where the contacts are in the world, on the touch surface."""
+        """(contacts, 3) m, positions of the contacts in the world, on the touch surface."""
         return self.surface.to_world([(c.x, c.y) for c in self.contacts] or np.zeros((0, 2)))
 
 
@@ -86,7 +86,7 @@ class FingerLoad:
 
     @property
     def at_limit(self) -> bool:
-        """True if some servo of the finger gives all the force that it may."""
+        """True if a servo of the finger is at its force limit."""
         return self.used >= FULL
 
 
@@ -96,7 +96,7 @@ class HandLoad:
 
     Attributes:
         fingers: Loads of its fingers, thumb first.
-        used: Share of their limit that the servos of the palm use at most, 0 to 1.
+        used: Largest share of its limit that a servo of the palm uses, 0 to 1.
     """
 
     fingers: tuple[FingerLoad, ...]
@@ -104,18 +104,18 @@ class HandLoad:
 
     @property
     def palm_at_limit(self) -> bool:
-        """True if some servo of the palm, which carries all fingers, gives all that it may."""
+        """True if a servo of the palm, which carries all fingers, is at its force limit."""
         return self.used >= FULL
 
     @property
     def at_limit(self) -> bool:
-        """True if some servo gives all the force that it may."""
+        """True if a servo is at its force limit."""
         return self.palm_at_limit or any(finger.at_limit for finger in self.fingers)
 
     @property
     def full(self) -> frozenset[int]:
-        """Labels of the fingers that touch objects while a servo of their own or of the palm gives
-        all the force that it may."""
+        """Labels of the fingers that touch objects while a servo of the finger or of the palm is at
+        its force limit."""
         return frozenset(
             label
             for label, finger in enumerate(self.fingers)
@@ -124,10 +124,10 @@ class HandLoad:
 
 
 NO_LOAD = HandLoad((FingerLoad(),) * len(FINGERS), 0.0)
-"""Of a hand that touches nothing."""
+"""The load of a hand that touches nothing."""
 
 FULL = 0.999
-"""Share of a servo's limit from which on the limit counts as reached."""
+"""Share of a servo's limit from which the limit counts as reached."""
 
 
 @dataclass(frozen=True)
@@ -139,8 +139,8 @@ class Snapshot:
         step: Physics steps since the trial's start.
         qpos: All joint positions of the scene's model, for a view with its own MjData.
         score: Score so far.
-        see_hands, see_objects, see_loads: Return `hands`, `objects` and `loads` of this moment,
-            whenever they are looked at, which for most snapshots is never.
+        see_hands, see_objects, see_loads: Compute `hands`, `objects` and `loads` of this moment on
+            first use; most snapshots never need them.
         task_goals: Goals of the task, as it was drawn.
         notices: Messages for the person.
         contact: Contact mode: `hard`, `soft` or `none`.
@@ -178,18 +178,18 @@ class Snapshot:
 
     @cached_property
     def loads(self) -> tuple[HandLoad, ...]:
-        """Loads of each hand; empty where no hand is solid, or nobody has kept them."""
+        """Loads of each hand; empty if no hand is solid, or if the session computes no loads."""
         return self.see_loads()
 
     def stored(self, hand: int, label: int | None) -> float:
-        """N that a grip of a hand stores in a finger; 0 where nothing is worth telling."""
+        """Force (N) that a grip of a hand stores in a finger; 0 if it is too small to show."""
         if label is None or not self.loads:
             return 0.0
         force = self.loads[hand].fingers[label].stored
         return force if force >= TOLD else 0.0
 
     def at_limit(self, hand: int, label: int | None) -> bool:
-        """True if a hand has no more force for a finger that touches something."""
+        """True if a hand has no more force for a touching finger."""
         return bool(self.loads) and label in self.loads[hand].full
 
     @property

@@ -1,7 +1,7 @@
-"""Layouts of five fingers that a session has found: for the settings of a later one, and profiles.
+"""Layouts of five fingers found in a session, for the settings of later sessions and for profiles.
 
-They are in metres in the person's own size, in the frame of a right hand from the screen's lower
-edge: x right, y down, thumb first.
+They are in metres at the size of the person's hand, in the frame of a right hand from the screen's
+lower edge: x right, y down, thumb first.
 """
 
 from __future__ import annotations
@@ -26,16 +26,16 @@ DIGITS = 5
 
 
 def stored_layouts(own: OwnLayouts, size: float) -> Layouts:
-    """Layouts as settings and profiles keep them, of a hand of a size."""
+    """Converts layouts of a hand of a given size to the form of settings and profiles."""
     xy = (own.metres * size).round(DIGITS)
     return tuple(tuple((x, y) for x, y in places) for places in xy.tolist())
 
 
 def known_layouts(layouts: Sequence[Sequence[tuple[float, float]]], size: float) -> OwnLayouts:
-    """Kept layouts of a hand of a size, divided by it, for names of fingers.
+    """Converts stored layouts of a hand of a given size to those of the trained hand.
 
     Raises:
-        EncoderError: They are too many, or not those of a right hand's five fingers.
+        EncoderError: There are too many, or they are not of a right hand's five fingers.
     """
     if len(layouts) > MOST:
         raise EncoderError("too many layouts", got=len(layouts), expected=f"at most {MOST}")
@@ -47,7 +47,7 @@ def known_layouts(layouts: Sequence[Sequence[tuple[float, float]]], size: float)
 def learned_layouts(session: Session) -> dict[str, Layouts]:
     """The layouts of hands that have learned new ones, by the hand's name.
 
-    Those known at the session's beginning are included, as far as there is room.
+    Layouts from the session's beginning are included, as far as there is room.
     """
     learned = {}
     for rig in session.rigs:

@@ -25,27 +25,29 @@ from sandbox.session.collision_gating import FINGERTIP
 from tasks.task import reaches_a_side
 
 AWAY = 0.5
-"""s that an object must be out of reach before it returns: the person sees where it went."""
+"""Time (s) for which an object must be out of reach before it returns, so that the person can
+follow it."""
 GRIP = 0.005
-"""m, least depth at which the plane of the fingertips before an upright surface must cut an object
-for them to grip it."""
+"""Least depth (m) at which the plane of the fingertips before an upright surface must cut an object
+for a grip."""
 CEILING = 0.5
-"""m above a flat surface that no hand lifts an object to."""
+"""Height (m) above a flat surface to which no hand lifts an object."""
 FLOOR = -0.05
-"""m, world z of an object's centre below which it has sunk through the table."""
+"""World z (m) of an object's centre below which it has sunk through the table."""
 BORDER = 0.030
-"""m, least distance from the surface's border to the centre of an object that is put down
+"""Least distance (m) from the surface's border to the centre of an object that is put down
 elsewhere than at its start."""
 ROOM = 0.005
-"""m, least gap between an object that is put down and its neighbours."""
+"""Least gap (m) between an object that is put down and its neighbours."""
 BESIDE_GOAL = 0.030
-"""m, least distance from a goal of an object that is put down nearer to it than it started."""
+"""Least distance (m) from a goal for an object that is put down nearer to it than its start."""
 GRID = 0.010
-"""m between two candidate places."""
+"""Distance (m) between two candidate places."""
 FARTHEST = 0.40
-"""m, largest distance of a candidate place from the start."""
+"""Largest distance (m) of a candidate place from the start."""
 NEAREST = 64
-"""Candidate places at which contacts are looked at, where the balls around things leave no room."""
+"""Largest number of candidate places that are checked by contacts, if the balls around objects
+leave no room."""
 
 
 class Respawn:
@@ -54,8 +56,8 @@ class Respawn:
     Args:
         scene: The scene.
         surfaces: Touch surfaces, one per hand.
-        goals: (n, 3) m, where objects are to be brought to. Places that are no nearer to one than
-            the object's start come first, and none nearer than `BESIDE_GOAL` is taken.
+        goals: (n, 3) m, goal positions of objects. Places that are no nearer to a goal than the
+            object's start come first, and no place nearer than `BESIDE_GOAL` is used.
 
     Attributes:
         counts: Number of returns of each object, by name; objects that never left are not in it.
@@ -64,7 +66,7 @@ class Respawn:
     def __init__(self, scene: Scene, surfaces: Sequence[Surface], goals: ArrayLike = ()) -> None:
         self._scene, self._surfaces = scene, tuple(surfaces)
         self._regions = [_Region(surface) for surface in surfaces]
-        # What cannot leave is in the way where an object is put down.
+        # Objects that cannot leave are obstacles where an object is put down.
         self._all = [_Place(scene, t) for t in scene.spec.objects]
         by_name = {place.name: place for place in self._all}
         # A free mechanism is several objects that come and go together.
@@ -86,8 +88,8 @@ class Respawn:
 
         Args:
             data: The simulation; changed, and brought up to date, if an object is put back.
-            hands: Returns the middles (n, 3) and radii (n,), m, of balls that cover what can be
-                solid of the hands, and that must stay clear.
+            hands: Returns the middles (n, 3) and radii (n,), m, of balls that cover the parts of
+                the hands that can be solid. These balls must stay clear.
 
         Returns:
             Names of the objects that were put back.
@@ -136,15 +138,15 @@ class Respawn:
     def _over_a_side(
         self, data: mujoco.MjData, place: _Place, surface: Surface, x: float, off: float
     ) -> bool:
-        """True if an object before an upright surface sticks out over a side of it, where no finger
-        gets to its outer face, so that nobody can grip it.
+        """True if an object before an upright surface reaches over a side of it, so that no finger
+        reaches its outer face, and it cannot be gripped.
 
         Args:
             data: The simulation.
             place: The object.
             surface: The surface.
-            x: m, where its middle is along the surface.
-            off: m, how far its middle is off the surface.
+            x: m, position of its middle along the surface.
+            off: m, distance of its middle from the surface.
         """
         width = METRES_PER_INCH * surface.width_in
         far = min(x, width - x)
@@ -158,9 +160,9 @@ class Respawn:
     def _put(self, data: mujoco.MjData, place: _Place, points: Array, radii: Array) -> bool:
         """Puts an object at the free place nearest to its start; False without a free place.
 
-        Its start is free where it touches nothing there. Another place is free where the balls
-        around things are apart, so that fingers have room between them, or, if they are nowhere,
-        where things do not touch.
+        Its start is free if it touches nothing there. Another place is free if the balls around
+        objects are apart, so that fingers have room between them. Without such a place, a place is
+        free if objects do not touch.
         """
         others = [p for p in self._all if p is not place and p.name not in place.together]
         shifts = self._shifts[place.name]
@@ -183,7 +185,7 @@ class Respawn:
             if self._clear_of_hands(tried, place, shift, points, radii):
                 place.put(data, shift)
                 return True
-        # A ball around a long thing is much larger than the thing.
+        # A ball around a long object is much larger than the object.
         for shift in shifts[:NEAREST]:
             if apart(shift):
                 place.put(data, shift)
@@ -193,8 +195,8 @@ class Respawn:
     def _clear_of_hands(
         self, tried: mujoco.MjData, place: _Place, shift: Array, points: Array, radii: Array
     ) -> bool:
-        """True if an object at its start, moved by a shift (3,) m, keeps clear of all balls, and so
-        does what it carries. A copy of the state, `tried`, is changed for that."""
+        """True if an object at its start, moved by a shift (3,) m, and the objects that it carries
+        are clear of all balls. A copy of the state, `tried`, is changed for this test."""
         parts = self._parts[place.name]
         if len(parts) == 1 and place.anywhere:
             clear = place.thing.clearance(points, place.home + shift, place.turn)
@@ -243,7 +245,7 @@ class Respawn:
         there |= ~shifts.any(axis=1)
         if not len(self._goals):
             return np.asarray(shifts[there])
-        # Whoever loses an object must not gain by it.
+        # A lost object must not be an advantage.
         away = [squared_lengths(place.home + shifts - goal) for goal in self._goals]
         nearest = np.min(away, axis=0)
         fair = nearest >= nearest[0]
@@ -252,7 +254,7 @@ class Respawn:
 
 
 class _Region:
-    """A touch surface, as plain floats: objects are looked at in every step.
+    """A touch surface, as plain floats, since objects are checked in every step.
 
     Args:
         surface: The surface.
@@ -272,7 +274,7 @@ class _Region:
         self._axes = None if surface.aligned else surface.rotation.T.tolist()
 
     def seen(self, position: list[float]) -> list[float]:
-        """m along the surface to the right and up it, and off it, of a world position (3,) m."""
+        """Surface coordinates (m) of a world position (3,) m: to the right, up, and off it."""
         away = [p - c for p, c in zip(position, self._corner, strict=True)]
         if self._axes is None:
             return away
@@ -291,13 +293,13 @@ class _Place:
         types = model.jnt_type[joints]
         self.free = bool(np.any(types == mujoco.mjtJoint.mjJNT_FREE))
         slides = types == mujoco.mjtJoint.mjJNT_SLIDE
-        # An object hinged to the table cannot leave. One that slides along two axes can, and so can
-        # one on a slide without ends.
+        # An object hinged to the table cannot leave. An object that slides along two axes, or on a
+        # slide without ends, can leave.
         endless = slides & (model.jnt_limited[joints] == 0)
         self.anywhere = self.free or int(slides.sum()) >= 2
         self.can_leave = self.anywhere or bool(endless.any())
         self.radius = scene.object_radius(thing.name)
-        # What it carries goes along with it.
+        # The objects that it carries move with it.
         self.together = thing.together if isinstance(thing, MechanismPart) else ()
         if not self.can_leave:
             return
@@ -306,7 +308,7 @@ class _Place:
         self._qpos = slice(int(model.jnt_qposadr[first]), int(end))
         end = model.nv if last + 1 == model.njnt else model.jnt_dofadr[last + 1]
         self._dofs = slice(int(model.jnt_dofadr[first]), int(end))
-        # What it carries comes to rest with it.
+        # The objects that it carries come to rest with it.
         if self.free:
             root = model.body_rootid
             carried = int((root[model.dof_bodyid] == root[body]).sum())
@@ -350,7 +352,7 @@ def _inside(surface: Surface, positions: Array) -> NDArray[np.bool_]:
 
 
 _SHARES = np.linspace(0.0, 1.0, 50)
-"""Of the length of a side of a surface, at which its points are looked at."""
+"""Shares of the length of a surface's side at which points are checked."""
 
 
 def _border(width: float, height: float) -> Array:

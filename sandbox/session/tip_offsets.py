@@ -214,7 +214,7 @@ class TipOffsets:
             reconstruction: Current reconstruction from touches.
             ghost: True while the hand passes through objects by the contact mode.
         """
-        # A finger that a robot's hand lacks holds nothing.
+        # A missing finger of a robot's hand holds nothing.
         touches = {f: xy for f, xy in reconstruction.touches.items() if f in self._radius}
         self._before, self._touches = self._touches, touches
         self._near = {} if ghost else self._objects_near(data)
@@ -312,7 +312,7 @@ class TipOffsets:
         self, offset: Array, tip: Array, data: BodyPoses, clear: _Clearance | None, finger: int
     ) -> Array:
         """Returns the next offset (2,) of a solid finger whose offset is not 0, m."""
-        # Test the tip first: it mostly decides, and some objects take long to measure.
+        # Test the tip first: it mostly decides, and the distance to some objects takes long.
         if clear is not None and (
             clear(tip[None]).min() <= WELL_CLEAR
             or clear(tip + self._gate.behind_tips(data)[:, finger]).min() <= WELL_CLEAR
@@ -337,7 +337,7 @@ class TipOffsets:
             way = self._way_out(tip, behind, clear, self._radius[finger])
             if way is not None and self._towards_touches(finger, way):
                 way = None
-        # Without a way out the finger stays, and the person gets a notice.
+        # Without a way out the finger remains in place, and the person gets a notice.
         return offset if way is None else _towards(offset, way, SPEED)
 
     def _towards_touches(self, finger: int, way: tuple[float, float]) -> bool:

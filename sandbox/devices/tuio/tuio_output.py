@@ -15,7 +15,7 @@ from models.surface import Surface
 from sandbox.devices.tuio.tuio_frames import CURSORS
 
 PERIOD = 1.0
-"""s between two redundant bundles, which repeat the current state in case packets were lost."""
+"""Time (s) between two redundant bundles, which repeat the current state after lost packets."""
 
 SETS_PER_BUNDLE = 12
 """Largest number of touches in a bundle, which must fit into one packet of any network (about 1,000
@@ -30,7 +30,7 @@ PASSING = {
     errno.EHOSTDOWN,
     errno.ENOBUFS,
 }
-"""Errors of a network that may come back. The receiver then gets the state with the next redundant
+"""Errors of a network that may recover. The receiver then gets the state with the next redundant
 bundle."""
 
 _FSEQ_MODULUS = 2**31 - 1
@@ -115,7 +115,7 @@ class TuioOutput:
 
     Attributes:
         packets: Number of packets sent.
-        refused: Number of packets for which the system reported that nobody receives them.
+        refused: Number of packets for which the system reported that no program receives them.
     """
 
     def __init__(self, to: str, surface: Surface) -> None:
@@ -152,7 +152,7 @@ def connected(to: str) -> socket.socket:
     host, _, port = to.rpartition(":")
     channel = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
     try:
-        # Connected, so that the system reports when nobody listens.
+        # Connected, so that the system reports a missing receiver.
         if not host:
             raise ValueError("the host is missing")
         # RFC 6761: this name is always the loopback address; a bare machine may not resolve it.
@@ -168,10 +168,10 @@ def connected(to: str) -> socket.socket:
 
 
 def send_packet(channel: socket.socket, data: bytes, to: str) -> bool:
-    """Sends a packet; True if the system reports that nobody received it or an earlier one.
+    """Sends a packet; True if the system reports that no program received it or an earlier packet.
 
     Raises:
-        DeviceError: It cannot be sent, and not because of a network that may come back.
+        DeviceError: It cannot be sent, for another reason than a network that may recover.
     """
     try:
         try:

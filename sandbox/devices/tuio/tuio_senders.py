@@ -2,15 +2,15 @@
 
 TUIO has no messages for touch-down and touch-up: a touch begins with the first position of a living
 id and ends when its id is missing from the list of living ids. State and counters are kept per
-source and profile, so that frames of one sender are not taken as late because of another's counter.
+source and profile, so that a frame of one sender is never late by the counter of another sender.
 
 A source is identified by host and name. Two senders of one host may have the same name, or none,
 and then differ by their ports; but some libraries send every packet from another port. So a packet
-from a new port belongs to the source whose frames it continues, and to a new one where it continues
-none. A source that moved to another port although the old one is heard again was two senders, and
-each gets its own touches back.
+from a new port belongs to the source whose frames it continues; if it continues none, it belongs to
+a new source. If packets arrive again from the old port of a source that moved to a new port, the
+source was two senders, and each gets its own touches back.
 
-A program that sends both versions, or over two transports, reports every finger twice: two such
+A program that sends both versions, or over two transports, reports every finger twice. Two such
 sources of one host whose touches all lie at the same places are one sender, and count once.
 """
 
@@ -38,14 +38,14 @@ RESTART_GAP = 100
 clients); a smaller fall means that a packet was overtaken."""
 
 RESTART_FRAMES = 4
-"""Frames in a row, counted upwards, after which a counter that fell has begun anew: some senders
-count to 63 or 255 only. A packet that was overtaken comes alone."""
+"""Number of consecutive frames, counted upwards, after which a counter that fell has restarted:
+some senders count to 63 or 255 only. An overtaken packet comes alone."""
 
 RECONNECTION = 0.25
-"""s in which a sender whose connection has ended may come back with its touches."""
+"""Time (s) in which a sender whose connection has ended may return with its touches."""
 
 RESTART_TIME = 1.0
-"""s after the last frame from which on a fall of a TUIO 2.0 counter means a restarted sender."""
+"""Time (s) after the last frame from which a fall of a TUIO 2.0 counter means a restart."""
 
 ID_STRIDE = 2**32
 """Offset between the ids of two sources, as ids are int32 and unique per source only."""
@@ -81,8 +81,9 @@ class TuioSource:
         slot: Number among the sources with touches; None before its first touch.
         places: Positions of its living touches, by id.
         open: Unclosed frame by profile.
-        before: The source as it was before it moved to its present port; None if it never did.
-        twin: The source that reports the same touches, which are shown of that one.
+        before: The source before it moved to its present port; None if it never moved.
+        twin: Another source that reports the same touches; only the touches of that source are
+        shown.
     """
 
     name: str
@@ -110,7 +111,7 @@ class TuioSource:
         return _without_port(self.peer)
 
     def continues(self, frame: TuioFrame | None) -> bool:
-        """True if a packet from another port of its host is its own.
+        """True if a packet from another port of its host comes from this source.
 
         Args:
             frame: First frame of the packet about touches; None if it has none.
@@ -127,7 +128,7 @@ class TuioSource:
             return shared or wanders or not (mine and alive)
         step = frame.number - last
         if wanders:
-            return abs(step) <= RESTART_GAP  # overtaken packets, too
+            return abs(step) <= RESTART_GAP  # including overtaken packets
         return step == 1 or (0 <= step <= RESTART_GAP and (shared or not (mine or alive)))
 
     def moved(self, peer: str) -> TuioSource:
@@ -144,7 +145,7 @@ class TuioSource:
         )
 
     def settle(self) -> TuioSource:
-        """Marks it as a source with a port of its own, to which it has come back."""
+        """Marks it as a source with a port of its own, to which it has returned."""
         self._settled, self.slot, self.twin = True, None, None
         return self
 
@@ -193,7 +194,7 @@ class TuioSource:
     def silence(self) -> None:
         """Marks it stale: removes its touches, counters and unclosed frames.
 
-        The positions are kept, because a finger that only rested is alive in the next frame.
+        The positions are kept, because a resting finger is alive in the next frame.
         """
         self.stale, self.slot, self.twin = True, None, None
         self.open.clear()
@@ -204,7 +205,7 @@ class TuioSource:
         """The living touches, none while the source is silent."""
         if self.slot is None:
             return
-        # A sender that labels every pointer as a right index finger does not know fingers.
+        # A sender that labels every pointer as a right index finger cannot distinguish fingers.
         times = Counter(place.label for place in self.places.values())
         for touch, place in self.places.items():
             size = (place.width, place.height) if place.width else self._size(place)
@@ -226,7 +227,7 @@ class TuioSource:
 
 
 MAX_SOURCES = 64
-"""Largest number of known sources; beyond it the one silent for longest is removed."""
+"""Largest number of sources; beyond it, the source that was silent for longest is removed."""
 
 MAX_TOUCHES = 128
 """Largest number of touches of all sources in one frame; bounds the memory for many senders."""
@@ -300,9 +301,9 @@ class Tuio:
     """Tracks the touches of all senders; the caller supplies packets and the time.
 
     Args:
-        stale_after: s without a packet after which a source's touches are lifted. The protocol has
-            no such rule, and a finger whose last packet is lost would stay down for ever. It must
-            not be short, because a resting finger may send nothing.
+        stale_after: Time (s) without a packet after which a source's touches are lifted. The
+            protocol has no such rule, and a finger whose last packet is lost would stay down for
+            ever. The time must not be short, because a resting finger may send nothing.
     """
 
     def __init__(self, stale_after: float = 2.0) -> None:
@@ -314,7 +315,7 @@ class Tuio:
 
     @property
     def sources(self) -> tuple[SourceStatus, ...]:
-        """Status of all known senders, in order of appearance."""
+        """Status of all senders, in order of appearance."""
         return tuple(
             SourceStatus(
                 s.name,
@@ -328,7 +329,7 @@ class Tuio:
         )
 
     def feed(self, data: bytes, peer: str, now: float) -> list[Commit]:
-        """Processes a packet from a network address; what is malformed in it is left out."""
+        """Processes a packet from a network address; malformed parts are left out."""
         self.statistics.packets += 1
         before = self.report.left_out.copy()
         try:
@@ -344,7 +345,7 @@ class Tuio:
         self._count_ignored([a for a in ignored if not _is_tuio20(a)] + also_ignored)
         commits: list[Commit] = []
         if not packet.messages:
-            # An empty bundle says that its sender is there.
+            # An empty bundle shows that its sender is alive.
             for source in self._sources:
                 if source.peer == peer and not source.stale:
                     source.heard = now
@@ -373,14 +374,14 @@ class Tuio:
         return commits
 
     def end(self) -> list[Commit]:
-        """Cancels the touches of senders that have left, as none comes back any more."""
+        """Cancels the touches of senders that have left for good."""
         commits: list[Commit] = []
         for source in [s for s in self._sources if s.left]:
             self._end(source, commits)
         return commits
 
     def _end(self, source: TuioSource, commits: list[Commit]) -> None:
-        """Lifts the touches of a silent source, or cancels those of one that has left."""
+        """Lifts the touches of a silent source, or cancels those of a source that has left."""
         shown = frozenset(touch.id for touch in source.touches())
         if source.left:
             self._forget(source)
@@ -391,8 +392,8 @@ class Tuio:
             self._commit(source, commits, shown if source.left else frozenset())
 
     def disconnect(self, peer: str, now: float) -> None:
-        """Takes in that a connection has ended; a sender that comes back at once keeps its touches,
-        as some connect for every packet."""
+        """Processes the end of a connection. A sender that returns at once keeps its touches, since
+        some senders connect for every packet."""
         for source in [s for s in self._sources if s.peer == peer]:
             if source.slot is None:
                 self._forget(source)
@@ -429,7 +430,7 @@ class Tuio:
         self, part: TuioFrame, source: TuioSource, now: float, commits: list[Commit]
     ) -> None:
         begun = source.open.pop(POINTERS, None)
-        if part.source is None:  # messages without a bundle, or the rest of one
+        if part.source is None:  # messages without a bundle, or the rest of a bundle
             if begun is None:
                 self.statistics.unfinished += 1
                 return
@@ -478,7 +479,7 @@ class Tuio:
     def _find_twin(self, source: TuioSource) -> None:
         """Finds another source of its host that reports the same touches.
 
-        Version 2.0 is shown, which knows more, under the ids that were shown before.
+        The source of version 2.0 is shown, which has more data, under the ids shown before.
         """
         if source.twin is not None or source.stale or not source.places:
             return
@@ -509,7 +510,7 @@ class Tuio:
         now: float,
         commits: list[Commit],
     ) -> TuioSource:
-        """The source of a message; without a name, the last one at that address."""
+        """The source of a message; without a name, the last source at that address."""
         source = self._find(peer, name, version, frame)
         if source is None:
             if len(self._sources) >= MAX_SOURCES:
@@ -552,7 +553,7 @@ class Tuio:
         return max(found, key=lambda s: s.turn, default=None)
 
     def _at_new_port(self, source: TuioSource, peer: str) -> TuioSource:
-        """The source at another port of its host; it comes back to one as the sender it was."""
+        """The source at another port of its host. At its former port, it is the former sender."""
         index = self._sources.index(source)
         if source.before is not None and source.before.peer == peer:
             back, source.before = source.before.settle(), None
@@ -575,7 +576,7 @@ class Tuio:
         self._part(source)
 
     def _part(self, source: TuioSource, heir: TuioSource | None = None) -> None:
-        """Gives the sources whose touches a source has shown another one, or none."""
+        """Assigns the sources whose touches a source showed to another source, or to none."""
         for other in self._sources:
             if other.twin is source:
                 other.twin = heir
@@ -593,8 +594,8 @@ def _bare(host: str) -> str:
 
 
 def _same_places(some: Mapping[int, TuioPlace], others: Mapping[int, TuioPlace]) -> bool:
-    """True if every touch of two sources lies where one of the other does: nobody puts two fingers
-    at one place."""
+    """True if every touch of each of two sources lies at a touch of the other. Two fingers cannot
+    be at one place."""
     return len(some) == len(others) and all(
         any(max(abs(a.x - b.x), abs(a.y - b.y)) < SAME_PLACE for b in others.values())
         for a in some.values()

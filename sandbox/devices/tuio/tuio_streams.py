@@ -2,7 +2,7 @@
 
 One thread with its own event loop either listens, or connects to one sender and reconnects when the
 connection ends, since the reference implementations of senders accept connections. TUIO has no
-authentication; but a web page in this machine's browser must not be able to send touches.
+authentication, but a web page in this machine's browser must not be able to send touches.
 """
 
 from __future__ import annotations
@@ -34,12 +34,12 @@ MAX_CONNECTIONS = 32
 """Largest number of simultaneous connections; a sender needs one."""
 
 SILENT = 10.0
-"""s of silence after which a TCP connection is ended if another one needs its place: a tablet that
-fell asleep does not say so."""
+"""Time (s) of silence after which a TCP connection is ended if another connection needs its place:
+a tablet that falls asleep sends no message about it."""
 
 _TICK = 0.1
 _REDIAL = 0.5
-"""s between two attempts to connect to a sender."""
+"""Time (s) between two attempts to connect to a sender."""
 _LENGTH = 4
 """Number of bytes of a packet's length in a TCP stream, most significant first."""
 
@@ -81,7 +81,7 @@ def parse_target(text: str) -> SenderAddress:
     try:
         parts = urlsplit(text)
         scheme, host, port = parts.scheme, parts.hostname or "", parts.port
-        host.encode("idna")  # as connecting does, which a name with an empty part would end
+        host.encode("idna")  # as connecting does, which fails for a name with an empty part
     except ValueError:
         scheme, host, port = "", "", None
     if scheme not in ("tcp", "ws", "wss") or not host or port == 0:
@@ -101,8 +101,8 @@ class Streams:
     Args:
         receiver: Receiver of the packets.
         bind: Address to listen on for WebSockets.
-        tcp: Bound socket to listen on for TCP, which is closed with the connections; None does not
-            listen for TCP.
+        tcp: Bound socket to listen on for TCP, which is closed with the connections. With None, it
+            does not listen for TCP.
         websocket_port: Port for WebSockets; 0 takes a free one, None does not listen for them.
         target: Address of a sender to connect to, instead of listening.
 
@@ -249,8 +249,8 @@ class Streams:
             self._connections -= 1
 
     def _end_silent_connection(self) -> bool:
-        """Ends the TCP connection that has been silent for longest; False if none has been for
-        `SILENT`."""
+        """Ends the TCP connection that has been silent for longest; False if none has been silent
+        for the time `SILENT`."""
         silent = min(self._heard, key=lambda writer: self._heard[writer], default=None)
         if silent is None or time.monotonic() - self._heard[silent] < SILENT:
             return False

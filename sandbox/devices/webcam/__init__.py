@@ -86,7 +86,7 @@ def webcam_choice(text: str, camera: Camera | None = None) -> WebcamChoice:
 
     Args:
         text: The option's value.
-        camera: Camera whose values hold where the text says nothing; None is the default one.
+        camera: Camera whose values hold if the text does not set them; None is the default camera.
 
     Raises:
         InputError: A part of it is unknown or impossible.
@@ -115,7 +115,7 @@ def webcam_choice(text: str, camera: Camera | None = None) -> WebcamChoice:
 
 
 def before_camera(options: BeforeCameraOptions, argument: str, side: str) -> HandInput:
-    """How a live camera sees a hand.
+    """The settings with which a live camera drives a hand.
 
     Raises:
         InputError: The camera is impossible.
@@ -129,7 +129,7 @@ class PlayedCameraOptions(UnitOptions, BeforeCameraOptions):
 
 
 def in_landmark_file(options: PlayedCameraOptions, file: str, side: str) -> HandInput:
-    """How the camera of a recording saw a hand.
+    """The settings with which the camera of a recording drives a hand.
 
     Raises:
         InputError: The camera is impossible, or the recording cannot be read.

@@ -1,4 +1,4 @@
-"""What finds hands in pictures: where it is installed, and fetching it."""
+"""The engine that finds hands in pictures: its folder, and its installation."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ FILES: Mapping[str, str] = {
     MODEL: "ef3f184fa8d5e6905ea4770282627d6937975119af763054312d05985c059bda",
     LICENCE: "8707eef0533987efc5b155d64761eeb6e20793f50b9bd1a68dad1cf4719d0ed8",
 }
-"""Name of each file that is kept -> its SHA-256."""
+"""Name of each required file -> its SHA-256."""
 
 INSTALL = "`sandbox devices webcam install` brings it, once, with the network"
 
@@ -55,7 +55,7 @@ def data_folder() -> Path:
 
 
 def engine_folder() -> Path:
-    """Where the engine is kept, installed or not."""
+    """The engine's folder, whether it is installed or not."""
     return data_folder() / f"webcam-{ENGINE_VERSION}-{MODEL_VERSION}"
 
 
@@ -68,12 +68,12 @@ def digest(path: Path) -> str:
 
 
 def missing(folder: Path) -> list[str]:
-    """Files of the engine that a folder lacks."""
+    """Files of the engine that are missing in a folder."""
     return [name for name in FILES if not (folder / name).is_file()]
 
 
 def damaged(folder: Path) -> list[str]:
-    """Files of the engine that a folder lacks, or whose contents are not as published."""
+    """Files of the engine that are missing in a folder, or whose contents are not as published."""
     return [name for name, wanted in FILES.items() if digest(folder / name) != wanted]
 
 
@@ -116,7 +116,7 @@ _IN_MODEL = {
 _LICENCE_IN_WHEEL = f"mediapipe-{MODEL_VERSION}.dist-info/LICENSE"
 
 _LONGEST = 600.0
-"""s after which a fetch is given up."""
+"""Time (s) after which a fetch is given up."""
 _LARGEST = 1 << 27
 """Bytes of the largest answer that is read."""
 _NPM, _PYPI = "https://registry.npmjs.org/", "https://pypi.org/simple/"
@@ -126,13 +126,13 @@ Say = Callable[[str], None]
 
 
 def install(say: Say) -> Path:
-    """Fetches, checks and keeps the engine; returns its folder.
+    """Fetches, checks and stores the engine; returns its folder.
 
     Args:
-        say: Told what happens, a line at a time.
+        say: Receives lines on the progress.
 
     Raises:
-        DeviceError: A package cannot be fetched, is another one, or cannot be kept.
+        DeviceError: A package cannot be fetched or stored, or its contents are not as published.
     """
     folder = engine_folder()
     if not damaged(folder):
@@ -150,10 +150,10 @@ def install(say: Say) -> Path:
 
 
 def checked(data: bytes, wanted: str, name: str) -> bytes:
-    """The data, if its SHA-256 is the wanted one.
+    """The data, if its SHA-256 is the expected one.
 
     Raises:
-        DeviceError: It is another one.
+        DeviceError: It has another SHA-256.
     """
     digest = sha256(data).hexdigest()
     if digest != wanted:
@@ -168,7 +168,7 @@ def checked(data: bytes, wanted: str, name: str) -> bytes:
 
 
 def engine_files(archive: bytes) -> dict[str, bytes]:
-    """The kept files of npm's archive, by the names under which they are kept."""
+    """The required files of npm's archive, by the names under which they are stored."""
     with tarfile.open(fileobj=io.BytesIO(archive)) as tar:
         names = [name for name in FILES if name not in (MODEL, LICENCE)]
         files = {}
@@ -261,7 +261,7 @@ def _run(command: list[str], place: Path, name: str) -> None:
     except (OSError, subprocess.TimeoutExpired) as error:
         raise _unfetched(name, type(error).__name__) from None
     if done.returncode:
-        # The last line that is no advice says what went wrong.
+        # The last line that is not advice describes the error.
         lines = [line.strip() for line in done.stderr.splitlines() if line.strip()]
         told = [line for line in lines if "error" in line.lower()] or lines
         raise _unfetched(name, told[0][:160] if told else f"exit status {done.returncode}")

@@ -48,7 +48,7 @@ from sandbox.devices.device import FilePlayer, LandmarkDevice
 
 SOURCE = "webcam"
 MOST_SEEN = 4
-"""Largest number of hands in a message; the page looks for three."""
+"""Largest number of hands in a message; the page detects up to three."""
 _LARGEST = 1e5
 """Largest plausible coordinate or size of a picture, px."""
 
@@ -81,7 +81,7 @@ class PictureMessage(msgspec.Struct):
         trouble: Reason for a missing picture; None with a picture.
         corners: Corners of a surface that the person marked, px: top left, top right, bottom right,
             bottom left; None in other messages.
-        unread: Number of unreadable hands, which `seen` lacks.
+        unread: Number of unreadable hands, which are not in `seen`.
     """
 
     time: float | None = None
@@ -327,7 +327,7 @@ def _impossible(hand: SeenHand, size: tuple[int, int]) -> str:
         return COLLAPSED
     x, y = hand.image[0]
     if 0.0 <= x <= size[0] and 0.0 <= y <= size[1]:
-        return ""  # As most are.
+        return ""  # as for most hands
     for places, pixels in zip(zip(*hand.image, strict=True), size, strict=True):
         if min(places) > pixels or max(places) < 0.0:
             return OUTSIDE
@@ -349,7 +349,7 @@ def _rough_place(hand: SeenHand, size: tuple[int, int]) -> Vector:
     a, b, c = (hand.world[n][:2] for n in _ACROSS)
     in_space = math.dist(b, a) + math.dist(c, a) + math.dist(c, b)
     in_picture = math.dist(index, wrist) + math.dist(little, wrist) + math.dist(little, index)
-    # m a pixel. The focal length of a usual camera is about the picture's longer side, px.
+    # Metres per pixel. The focal length of a usual camera is about the picture's longer side, px.
     scale = in_space / max(in_picture, 1.0)
     x = (wrist[0] + index[0] + little[0]) / len(_ACROSS)
     y = (wrist[1] + index[1] + little[1]) / len(_ACROSS)
@@ -508,16 +508,16 @@ def read_landmarks(path: Path, unit: str = "") -> LandmarkRecording:
 
 
 _SAMPLE, _APART = 96, 16
-"""Pictures by which units are found, and those among them of which one is measured."""
+"""Number of pictures from which units are found; one in the second number is measured."""
 
 
 _MIRRORED = -0.8
-"""Correlation below which points in the picture and in space lie the other way round."""
+"""Correlation below which the points in the picture are mirrored against those in space."""
 _STRETCHED = 1.4
-"""Times that a hand may be wider in the picture than in space, relative to its height; pictures of
-5:4, the nearest to a square, whose width and height are exchanged have 1.6."""
+"""Largest factor by which a hand is wider in the picture than in space, relative to its height. For
+pictures of 5:4, the nearest to a square, with exchanged width and height the factor is 1.6."""
 _WIDE = 0.01
-"""m, standard deviation of points in space along an axis that shows how they lie."""
+"""Least standard deviation (m) of points in space along an axis for comparing their directions."""
 
 
 def _doubt_pictures(messages: Sequence[PictureMessage], report: ReaderReport) -> None:
@@ -617,7 +617,7 @@ class LandmarkFileDevice(FilePlayer, LandmarkDevice):
         recording: A recording from `read_landmarks`.
 
     Attributes:
-        camera: The camera that took it; None if the recording does not say.
+        camera: The camera that took it; None if the recording does not state it.
     """
 
     name = "landmark recording"

@@ -45,7 +45,7 @@ ENGINE = "/engine/"
 LARGEST_MESSAGE = 1 << 16
 """Bytes of the largest message; three hands have about four thousand."""
 PATIENCE = 20
-"""Damaged messages after which a page is sent away: it is not ours."""
+"""Number of damaged messages after which a page is disconnected, since it is not ours."""
 REPLACED = "Another page has taken the camera's place. This one can be closed."
 ENDED = "The session is over: the camera is off. This page can be closed."
 
@@ -64,7 +64,7 @@ class LandmarkServer(ServerThread):
 
     Args:
         engine: Folder with the engine and its model (`sandbox.devices.webcam.engine`).
-        wanted: What the page is told first: the sides that the session follows, and so on.
+        wanted: The first message to the page: the sides that the session follows, and so on.
         take: Called in the server's thread with every message of the page.
         gone: Called in the server's thread when the page has left.
         port: TCP port; 0 uses a free one.
@@ -127,7 +127,7 @@ class LandmarkServer(ServerThread):
         return answered(HTTPStatus.OK, headers, body)
 
     async def _handle(self, page: ServerConnection) -> None:
-        """Takes in the messages of a page; the newest page is the camera's."""
+        """Processes the messages of a page; the newest page is the camera's."""
         before, self._page = self._page, page
         if before is not None:
             await _send_away(before, REPLACED)
@@ -166,7 +166,7 @@ def served_names(engine: Path) -> Sequence[str]:
 
 
 BACK = 1.0
-"""s by which a page's time runs back when another page has taken its place unseen."""
+"""Least step back in time (s) that shows that another page has replaced the page."""
 
 
 class PageClock:
@@ -182,7 +182,7 @@ class PageClock:
         self._anew = False
 
     def begin_anew(self) -> None:
-        """The page has left, so the next frame is of another one."""
+        """Called when the page has left; the next frame is of another page."""
         self._anew = True
 
     def moved(self, frame: LandmarkFrame, arrived: float) -> LandmarkFrame:
@@ -190,7 +190,7 @@ class PageClock:
 
         Args:
             frame: A frame with the times of its page.
-            arrived: s, when it arrived, on a clock of this machine that never runs backwards.
+            arrived: s, time of its arrival, on a clock of this machine that never runs backwards.
         """
         last = self._last
         if last and (self._anew or frame.time + self._offset < last.time - BACK):
@@ -207,7 +207,7 @@ class PageClock:
 KEPT = 600
 """Largest number of frames that wait to be fetched: 20 s of pictures."""
 HANDS = 3
-"""Hands that the engine looks for: one more than a person has, so that a second person is seen."""
+"""Number of hands that the engine detects: more than a person has, to notice a second person."""
 
 NOTICES = {
     "absent": "no camera: see its page in the browser",
@@ -216,7 +216,7 @@ NOTICES = {
     "engine": "what finds hands does not run: see the camera's page in the browser",
     "hidden": "the camera's page is hidden: bring its window beside this one",
 }
-"""What a person at the session is told, by what the page says."""
+"""Message for the person at the session, by the page's report."""
 CLOSED = "the camera's page is closed: open its link again"
 WAITING = "open the camera's page in a browser of this machine"
 
@@ -283,7 +283,7 @@ class WebcamDevice(LandmarkDevice):
 
     @property
     def notices(self) -> Sequence[str]:
-        """Why there is no picture, or what is assumed of it; empty while all is well."""
+        """Reason for a missing picture, or assumptions on it; empty without either."""
         with self._lock:
             notices = (self._notice,) if self._notice else self._assumed
         return tuple(filter(None, notices))
@@ -294,7 +294,7 @@ class WebcamDevice(LandmarkDevice):
 
     @property
     def report(self) -> ReaderReport:
-        """What could not be used so far, by reason, and what is assumed."""
+        """Report on unusable input so far, by reason, and on assumptions."""
         report = ReaderReport()
         with self._lock:
             report.add_counts({k: n for k, n in self.counts.items() if k != "pictures"})
@@ -315,12 +315,12 @@ class WebcamDevice(LandmarkDevice):
         return frames
 
     def close(self) -> None:
-        """Tells the page, whose camera goes off, and ends the service; may be called twice."""
+        """Ends the service and the page's use of the camera; may be called twice."""
         super().close()
         self.server.close()
 
     def _take(self, message: PictureMessage) -> None:
-        """Takes in a message; called in the server's thread."""
+        """Processes a message; called in the server's thread."""
         if message.corners is not None:
             with self._lock:
                 self.corners = message.corners
@@ -343,7 +343,7 @@ class WebcamDevice(LandmarkDevice):
             with self._lock:
                 self.counts["pictures that are not valid"] += 1
             if message.unread:
-                # It is our page, whose engine could not say where a hand is.
+                # It is our page, whose engine gave an invalid position of a hand.
                 return
             raise
         with self._came:

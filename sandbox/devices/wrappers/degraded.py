@@ -16,7 +16,7 @@ from sandbox.session.messages import Snapshot
 from tasks.variation import Variation
 
 LENGTH = 0.1
-"""s, duration of a drop-out."""
+"""Duration (s) of a drop-out."""
 
 _FIRST_ID = 1_000_000
 """First id of touches that come back on a simulated screen."""
@@ -31,7 +31,7 @@ class DropOuts:
         first: First id of touches that come back; no other touches may have such ids.
 
     Attributes:
-        given: The device's own id of every touch that came back, by the id that it then got.
+        given: The device's own id of every touch that came back, by its new id.
     """
 
     def __init__(self, rate: float, seed: int, first: int = _FIRST_ID) -> None:
@@ -45,7 +45,7 @@ class DropOuts:
 
     @property
     def loses(self) -> bool:
-        """True if it loses touches; otherwise a touch keeps its id."""
+        """True if it loses touches. If False, every touch keeps its id."""
         return self._rate > 0.0
 
     def degrade(self, frame: TouchFrame) -> TouchFrame:
@@ -76,14 +76,14 @@ class DropOuts:
 
 
 GHOST_LENGTH = 0.1
-"""s, duration of a ghost touch, equal to that of a drop-out."""
+"""Duration (s) of a ghost touch, equal to that of a drop-out."""
 FIRST_RETURNED = 1_000_000_000
-"""First id of touches that come back; a simulated screen of its own gives lower ones."""
+"""First id of touches that come back; the ids of a simulated screen are lower."""
 FIRST_GHOST = 2_000_000_000
 """First id of ghost touches."""
 
 _SLACK = 1e-9
-"""s, tolerance, since times are sums of control periods."""
+"""Tolerance (s) of times, which are sums of control periods."""
 
 
 class Noise:
@@ -186,13 +186,13 @@ class DegradedDevice(DeviceWrapper):
 
     @property
     def true_labels(self) -> Mapping[int, int]:
-        """The wrapped device's, and the same fingers by the ids that drop-outs gave them."""
+        """True labels of the wrapped device, including those of touches with new ids."""
         own = self.device.true_labels
         again = {new: own[i] for new, i in self._drop_outs.given.items() if i in own}
         return {**own, **again}
 
     def show(self, snapshot: Snapshot) -> None:
-        """Passes the snapshot to a device that needs it, with its own ids of its touches."""
+        """Passes the snapshot to a device that needs it, with the device's own ids of touches."""
         if not self.device.takes_snapshots:
             return
         hands = tuple(

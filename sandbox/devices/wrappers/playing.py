@@ -1,4 +1,4 @@
-"""What a window puts around the device that a person plays with.
+"""Wrappers around the device with which a person plays in a window.
 
 Two keys are a lift control (`LiftKeys`), the mouse and the fingers on a page are one device
 (`MergedDevice`), and a trial begins with the first touch (`FirstTouch`), so that the person can
@@ -15,7 +15,7 @@ from models.frames import Contact, TouchFrame
 from sandbox.devices.device import Device, DeviceWrapper
 
 SPEED = 0.45
-"""1/s, share of the whole lift while a key is held."""
+"""Speed of the lift while a key is held, as a share of its range per second (1/s)."""
 
 
 class LiftKeys(DeviceWrapper):
@@ -47,7 +47,7 @@ class LiftKeys(DeviceWrapper):
             self._tapped = direction or self._tapped
 
     def follow(self, lift: float) -> None:
-        """Takes over the lift of another control, from which the keys continue; makes no frame."""
+        """Copies the lift of another control, from which the keys continue; makes no frame."""
         with self._lock:
             self._lift = lift
 
@@ -70,7 +70,7 @@ class LiftKeys(DeviceWrapper):
 
 
 FAR = 2**30
-"""First new id beside a device whose ids stay; no page counts so far."""
+"""First new id if the ids of one device are preserved; no page reaches such numbers."""
 
 
 class MergedDevice(Device):
@@ -78,12 +78,12 @@ class MergedDevice(Device):
 
     Args:
         devices: The devices; frames keep the times of their own clocks.
-        kept: Index of the device whose ids stay as they are, as a page knows its own touches by
-            them; None if all get new ones.
+        kept: Index of the device whose ids are preserved, since a page identifies its touches by
+            them; None if the touches of all devices get new ids.
 
     Attributes:
         parts: The devices.
-        lift: True if any of them has a lift control; of several, the one moved last counts.
+        lift: True if any of them has a lift control; of several, the control moved last counts.
         frame_ready: Event that is set when a device with such an event has a frame.
         lifted: Lift of the last frame; None before a control was moved.
     """
@@ -114,7 +114,7 @@ class MergedDevice(Device):
 
     @property
     def clock_origin(self) -> float | None:
-        """That of all devices; None where they differ."""
+        """The value of all devices; None if they differ."""
         origins = {device.clock_origin for device in self.parts}
         return origins.pop() if len(origins) == 1 else None
 

@@ -1,9 +1,9 @@
 """One device for two hands: its frames are divided, and each hand becomes a device.
 
-`Split` says how frames are divided: a screen by the places of the hands (`SplitByPlace`), a Leap by
-their sides (`sandbox.devices.leap.leap`); a camera and a headset give every frame to both
-hands, which look for their own sides. `MergedUsers` is the opposite: two simulated users with one
-device.
+`Split` is the rule by which frames are divided: for a screen by the places of the hands
+(`SplitByPlace`), for a Leap by their sides (`sandbox.devices.leap.leap`). A camera and a headset
+give every frame to both hands, each of which uses the hand of its own side. `MergedUsers` is the
+opposite: two simulated users with one device.
 """
 
 from __future__ import annotations
@@ -43,11 +43,11 @@ class Split:
         return frame, frame
 
     def resting(self) -> Sequence[Any]:
-        """Frames that stand in where the device has none; none by default."""
+        """Frames that replace missing frames of the device; none by default."""
         return ()
 
     def notices(self, now: float) -> Sequence[str] | None:
-        """Messages for the person in place of the device's; None for those of the device."""
+        """Messages for the person that replace the device's messages; None for the device's own."""
         return None
 
 
@@ -72,7 +72,7 @@ class SplitByPlace(Split):
         return first, second
 
     def resting(self) -> Sequence[TouchFrame]:
-        """The last frame: a resting finger sends none, but is still assigned to its hand."""
+        """The last frame: a resting finger causes no frame, but is still assigned to its hand."""
         return () if self._last is None else (replace(self._last, cancelled=frozenset()),)
 
 
@@ -110,7 +110,7 @@ class SharedDevice:
 class SharedPart(DeviceWrapper):
     """One hand's part of a shared device.
 
-    What the device needs and says once for both hands goes through the first one.
+    Snapshots and messages that concern both hands pass through the first hand only.
 
     Args:
         shared: The shared device.
@@ -138,12 +138,12 @@ class SharedPart(DeviceWrapper):
 
     @property
     def takes_snapshots(self) -> bool:
-        """The device's for the first hand, so that it sees every snapshot once."""
+        """The device's value for the first hand, so that the device gets every snapshot once."""
         return self._first and self.device.takes_snapshots
 
     @property
     def notices(self) -> Sequence[str]:
-        """Those of the division, or the device's, once for both hands."""
+        """Messages of the division, or else of the device, once for both hands."""
         own = self._shared.split.notices(self._now)
         if own is not None:
             return own
