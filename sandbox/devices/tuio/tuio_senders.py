@@ -82,8 +82,7 @@ class TuioSource:
         places: Positions of its living touches, by id.
         open: Unclosed frame by profile.
         before: The source before it moved to its present port; None if it never moved.
-        twin: Another source that reports the same touches; only the touches of that source are
-        shown.
+        twin: Another source that reports the same touches, and whose touches are shown instead.
     """
 
     name: str
