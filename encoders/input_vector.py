@@ -19,7 +19,8 @@ from models.frames import FINGERS
 from models.surface import METRES_PER_INCH
 
 LIFTED = -1.0
-"""Both coordinates of a finger that does not touch; the paper found its value to matter little."""
+"""Both coordinates of a finger that does not touch; the paper found that the value matters
+little."""
 
 CONTACT_VECTOR_SIZE = 15
 

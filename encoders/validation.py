@@ -55,8 +55,8 @@ def error_product(q: Array, truth: Array) -> float:
 def bounded_errors(residuals: Array) -> Array:
     """Errors (T, N) with the length of each frame's error limited.
 
-    Otherwise a few frames with extreme errors of plain least squares would dominate the covariance
-    of all poses.
+    Without a limit, a few frames with extreme errors of plain least squares would dominate the
+    covariance of all poses.
     """
     spread = np.median(np.abs(residuals), axis=0) * 1.4826 + 1e-9
     length = np.sqrt(np.mean((residuals / spread) ** 2, axis=1))

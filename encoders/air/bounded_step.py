@@ -12,20 +12,20 @@ from models.rotations import quaternion_exp, quaternion_log
 LONGEST = 0.5
 """Largest length (m or rad) of a step in any direction."""
 _ROUNDS = 4
-"""Most rounds in which joints are held."""
+"""Largest number of rounds in which joints are fixed at the ends of their ranges."""
 _AT_END = 1e-9
 """Angle (rad) within which a joint is at the end of its range."""
 
 
 def bounded_step(q: Array, square: Array, down: Array, lower: Array, upper: Array) -> Array:
-    """The Gauss-Newton step (48,), with joints held that would leave their range.
+    """The Gauss-Newton step (48,), in which joints that would leave their range are fixed.
 
     Args:
         q: (48,) pose.
-        square: (48, 48) positive definite, J'J of the misses.
-        down: (48,) J'r of the misses.
-        lower: (42,) rad, ends of the joints' ranges.
-        upper: (42,) rad.
+        square: (48, 48) positive definite, J'J of the residuals.
+        down: (48,) J'r of the residuals.
+        lower: (42,) rad, lower ends of the joints' ranges.
+        upper: (42,) rad, upper ends of the joints' ranges.
     """
     held = np.zeros(POSE_SIZE, bool)
     for _ in range(_ROUNDS):
@@ -49,7 +49,7 @@ def stepped(q: Array, step: Array, lower: Array, upper: Array) -> Array:
 
 
 def _solved(square: Array, down: Array, held: Mask) -> Array:
-    """The step (48,) that solves the equations, 0 where the pose is held."""
+    """The step (48,) that solves the equations, 0 for fixed components."""
     S, r = square.copy(), -down
     if held.any():
         S[held] = 0.0

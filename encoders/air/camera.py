@@ -1,4 +1,4 @@
-"""A camera: what its picture shows, and where it stands before the table.
+"""A camera: its field of view, and its place in front of the table.
 
 Camera frame: origin in the lens, x right and y down in the picture, z away from the camera. With no
 tilt and no roll, the camera looks at the person horizontally from across the table: its x is the
@@ -22,11 +22,11 @@ from models.errors import InputError
 from models.frames import Vector
 
 DEFAULT_VIEW = 60.0
-"""Degrees of the picture's width that a webcam sees in a picture of 4:3, where nobody says it.
-Webcams name 60 to 78 degrees, mostly across the diagonal of 16:9; a picture of 4:3 cut out of it
-has about 50 to 62."""
+"""Horizontal field of view (degrees) that is assumed for a webcam with pictures of 4:3 if it is not
+given. Manufacturers state 60 to 78 degrees, mostly across the diagonal of 16:9; a 4:3 part of such
+a picture has about 50 to 62."""
 VIEWS = (20.0, 150.0)
-"""Least and greatest angle; anything else is a typing error."""
+"""Least and greatest field of view (degrees); a value outside is a typing error."""
 FARTHEST = 3.0
 """Largest coordinate of a camera's place (m)."""
 
@@ -39,7 +39,7 @@ class Camera:
     """A camera; JSON values only.
 
     Attributes:
-        view: Degrees between the left and the right edge of the picture.
+        view: Horizontal field of view (degrees), from the left to the right edge of the picture.
         at: (3,) m, position of the lens in the world.
         tilt: Degrees by which it looks down: 0 horizontally, 90 straight down.
         roll: Degrees by which it is turned about its line of sight, clockwise seen from behind it.
@@ -96,15 +96,16 @@ class Camera:
         return rays
 
     def pixels(self, points: Array, size: tuple[int, int]) -> Array:
-        """(n, 2) pixels of points (n, 3) m in the camera's frame, all before the camera."""
+        """Positions (n, 2) in pixels of points (n, 3) m in the camera's frame, all in front of the
+        camera."""
         centre = np.array([0.5 * size[0], 0.5 * size[1]])
         pixels: Array = centre + self.focal_length(size[0]) * points[:, :2] / points[:, 2:]
         return pixels
 
     def seen(self, points: Array) -> Array:
-        """Points (n, 3) of the world in the camera's frame."""
+        """Converts points (n, 3) of the world to the camera's frame."""
         return small_product(points - np.array(self.at), self.axes.T)
 
     def unseen(self, points: Array) -> Array:
-        """Points (n, 3) of the camera's frame in the world."""
+        """Converts points (n, 3) of the camera's frame to the world."""
         return small_product(points, self.axes) + np.array(self.at)

@@ -1,7 +1,7 @@
 """A controller as a hand: its grip is the palm, its trigger closes a pinch of three fingers.
 
-Controllers do not see fingers, so the hand around one is ours: pinching points of an average hand,
-open or closed by as much as the trigger is pulled.
+Controllers do not sense fingers, so the hand around a controller is ours: pinching points of an
+average hand, open or closed according to the trigger.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from models.rotations import quaternion_to_matrix
 from models.skeleton import ADULT
 
 _CENTRE = np.array([-0.038, 0.047, -0.055]) + PALM_CENTRE
-"""(3,) m in the hand's frame, where the tips meet."""
+"""Point (3,) m in the hand's frame, at which the tips meet."""
 _AXIS = radians(52.0)
 """Direction (rad from x, in the palm's plane) from the thumb's tip to the fingertips, which the
 resting thumb of `models.skeleton` faces."""
@@ -28,14 +28,15 @@ _PITCH = 0.019
 _OPEN, _CLOSED = 0.085, 0.010
 """Distance (m) between the centres of the tips of thumb and fingers."""
 _BENT = JointFitSettings(free=25.0, steps=40)
-"""Joints stay near the middle of their ranges, where the tips leave them free."""
+"""Settings that hold joints near the middle of their ranges where the tips do not determine
+them."""
 _GRIP = {
     "right": np.array([[0.0, 0.0, 1.0], [0.0, -1.0, 0.0], [1.0, 0.0, 0.0]]),
     "left": np.array([[0.0, 0.0, -1.0], [0.0, -1.0, 0.0], [1.0, 0.0, 0.0]]),
 }
-"""Axes of a grip from those of a hand that is represented as a right one. WebXR's grip: x out of
-the back of a right hand and into that of a left one, -z towards the thumb of a closed hand, so that
-the fingers of an open one point along -y."""
+"""Axes of a grip from those of a hand that is represented as a right hand. WebXR's grip: x out of
+the back of a right hand and into the back of a left hand, -z towards the thumb of a closed hand, so
+that the fingers of an open hand point along -y."""
 
 
 def controller_points(side: str, trigger: float, position: Array, quaternion: Array) -> Array:
@@ -60,7 +61,7 @@ def _pinching(gap: float) -> Array:
     points = JointPoints(ADULT).points(np.zeros(POSE_SIZE))
     wanted = np.full(points.shape, np.nan)
     wanted[list(PALM)] = points[list(PALM)]
-    # Ring and little finger stay as they are at rest.
+    # Ring and little finger stay at rest.
     for place in (*range(KNUCKLES[2], TIPS), TIPS + 3, TIPS + 4):
         wanted[place] = points[place]
     axis = np.array([cos(_AXIS), sin(_AXIS), 0.0])

@@ -1,12 +1,12 @@
-"""Fits the pose of a hand of known size to the joints that a headset sees.
+"""Fits the pose of a hand of known size to the joints that a headset reports.
 
-The palm is laid on the wrist and the four knuckles, every bone is turned into the direction of its
-two joints, and a few Gauss-Newton steps bring the points of our hand to those that were seen: the
-tips nearly exactly, the rest as far as our bones, which have other lengths, allow. Joints stay in
-their ranges. What positions do not tell, such as the twist of a stretched finger, stays in the
-middle of its range.
+The palm is laid on the wrist and the four knuckles, and every bone is rotated into the direction of
+its two joints. A few Gauss-Newton steps then move the points of our hand to the reported points:
+the tips nearly exactly, the others as far as possible with our bones, which have other lengths.
+Joints stay in their ranges. Angles that do not follow from positions, such as the twist of a
+stretched finger, stay in the middle of their ranges.
 
-Each frame is solved by itself, so a replay may begin anywhere.
+Each frame is solved separately, so a replay may begin anywhere.
 """
 
 from __future__ import annotations
@@ -37,14 +37,14 @@ from models.single_pose import SinglePose
 from models.skeleton import Skeleton
 
 WRIST, THUMB, KNUCKLES, TIPS = 0, 1, (3, 6, 9, 12), 15
-"""Places in the list of points: the wrist, the thumb's first joint, the fingers' first joints, and
+"""Indices in the list of points: the wrist, the thumb's first joint, the fingers' first joints, and
 the first of the five tips."""
 PALM = (WRIST, *KNUCKLES)
-"""Points that keep their distances whatever the fingers do."""
+"""Points whose distances do not depend on the fingers' postures."""
 COUNT = TIPS + len(FINGERS)
 SPREAD = np.array([0.012, 0.010, 0.006, *(0.004, 0.003, 0.003) * 4, *(0.001,) * 5])
-"""(20,) m, standard deviations of the points: tips must be where the person's are, since they hold
-things; the wrist and the thumb's root lie elsewhere in a device's hand than in ours."""
+"""Standard deviations (20,) m of the points. Tips must be at the person's tips, since they hold
+objects. The wrist and the thumb's root have another place in a device's hand than in ours."""
 
 _JOINTS: dict[int, tuple[int | None, ...]] = {0: (THUMB, THUMB + 1, None)}
 _JOINTS |= {label: (k, k + 1, k + 2) for label, k in enumerate(KNUCKLES, start=1)}
@@ -80,7 +80,7 @@ class JointPoints:
 
 
 def seen_points(hand: TrackedHand) -> Array:
-    """(20, 3) m, points of a seen hand; those that it lacks are not a number."""
+    """Points (20, 3) m of a reported hand; NaN for missing points."""
     points = np.full((COUNT, 3), np.nan)
     if hand.wrist is not None:
         points[WRIST] = hand.wrist
@@ -95,7 +95,8 @@ def seen_points(hand: TrackedHand) -> Array:
 
 
 def seen_size(hand: TrackedHand, skeleton: Skeleton) -> float | None:
-    """Length of a seen hand relative to a skeleton: the middle one of its fingers' bones' ratios.
+    """Length of a reported hand relative to a skeleton: the median of the ratios of its fingers'
+    bones.
 
     None if no finger has its joints.
     """
@@ -103,7 +104,7 @@ def seen_size(hand: TrackedHand, skeleton: Skeleton) -> float | None:
     ratios = []
     for finger in hand.fingers:
         if finger.finger and finger.joints is not None:
-            # The last bone ends at the skin on some devices, and within the tip on others.
+            # On some devices the last bone ends at the skin, on others within the tip.
             bones = list(pairwise(finger.joints))[:-1]
             own = lengths[finger.finger][:-1]
             ratios += [distance(a, b) / ours for (a, b), ours in zip(bones, own, strict=True)]
@@ -135,7 +136,7 @@ class JointsFitted(NamedTuple):
 
     Attributes:
         pose: (48,) in the frame of the points.
-        error: Root mean square of the tips' distances from the seen ones (m).
+        error: Root mean square distance (m) of the tips from the reported tips.
     """
 
     pose: Array
@@ -147,7 +148,7 @@ class JointFit:
 
     Args:
         skeleton: The right hand's skeleton, of the person's size.
-        settings: What the fit trusts.
+        settings: Weights of the fit.
     """
 
     def __init__(self, skeleton: Skeleton, settings: JointFitSettings | None = None) -> None:
@@ -161,7 +162,7 @@ class JointFit:
         """Fits a hand; None if it has no palm: the wrist and three knuckles are needed.
 
         Args:
-            seen: (20, 3) m, points of a right hand, not a number where one is missing
+            seen: (20, 3) m, points of a right hand, NaN where a point is missing
                 (`joint_points.seen_points`).
         """
         there: Mask = np.isfinite(squared_lengths(seen))
@@ -189,12 +190,12 @@ class JointFit:
         return JointsFitted(q, error)
 
     def _laid(self, palm: Array, there: Mask) -> Array:
-        """The pose (48,) at rest whose palm lies on the seen one (5, 3), by its knuckles."""
+        """The pose (48,) at rest whose palm lies on the reported palm (5, 3), by its knuckles."""
         q = np.zeros(POSE_SIZE)
         own = self._palm[there]
         q[ROOT_ROTATION] = turn_between(own, palm[there])
         turned = stacked_applied(exp(q[ROOT_ROTATION]), own)
-        # A longer palm has its wrist farther away, not its fingers.
+        # If the palms differ in length, the wrists differ and the knuckles coincide.
         q[ROOT_POSITION] = (palm[there][1:] - turned[1:]).mean(axis=0)
         return q
 
@@ -231,7 +232,7 @@ def _shortest(along: Array) -> Array:
 
 
 def _prior(skeleton: Skeleton, s: JointFitSettings) -> Array:
-    """(48,) precisions of the joints' components about their middle, in 1/rad2; 0 of the root."""
+    """Precisions (48,) in 1/rad2 of the joints' components about their middle; 0 for the root."""
     spread = []
     for i, bone in enumerate(skeleton.bones):
         if bone.finger == 0:

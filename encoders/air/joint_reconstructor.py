@@ -24,22 +24,22 @@ _MIRROR = np.array([-1.0, 1.0, 1.0])
 
 
 def following(rate: RateLimit | None = None) -> FollowingSettings:
-    """Settings of following a headset's joints, which are steadier than a camera's."""
+    """Settings of following a headset's joints, which are less noisy than a camera's."""
     return FollowingSettings(rate=rate or RateLimit(), smoothing=0.02, joint_smoothing=0.02)
 
 
 class JointReconstructor(AirReconstructor):
-    """Reconstructs one hand from the joints that a device sees, in the world.
+    """Reconstructs one hand from the joints that a device reports, in the world.
 
     Args:
         side: `right` or `left`.
         size: Length of the hand relative to the average one.
-        settings: How the commanded pose follows.
-        fit: What the fit trusts.
+        settings: Settings with which the commanded pose follows.
+        fit: Weights of the fit.
         surface: Workspace of a task; None is the default tablet.
 
     Attributes:
-        empty: The frame that stands for a device before its first one.
+        empty: The frame that is used before the device's first frame.
         counts: Number of frames that could not be used, by reason.
     """
 
@@ -65,16 +65,17 @@ class JointReconstructor(AirReconstructor):
         """Processes a frame; called once per control step, even if nothing has changed."""
         dt = self._elapsed(frame.time)
         hand = next((h for h in frame.hands if h.side == self.side), None)
-        # The same hand gives the same goal; it need not be solved again.
+        # The same hand gives the same goal and is not solved again.
         if hand is None or hand is not self._seen:
             self._seen, self._goal = hand, None if hand is None else self._solved(hand)
         return self._followed(dt)
 
     def _solved(self, hand: TrackedHand) -> Array | None:
-        """The pose (48,) of a seen hand in the world; None if too few of its joints are seen."""
+        """The pose (48,) of a reported hand in the world; None if too few of its joints are
+        reported."""
         left = self.side == "left"
         points = seen_points(hand)
-        # A left hand is the right-hand code between two mirrors.
+        # A left hand is mirrored before and after the code for right hands.
         fit = self._fit.fit(points * _MIRROR if left else points)
         if fit is None:
             self.counts["hands without a palm"] += 1

@@ -1,16 +1,16 @@
 """Fits the pose of a hand of known size to its landmarks in a picture.
 
-The engine says well where each joint is in the picture, and poorly how far away it is: its bones
-change their lengths from picture to picture. Here bones keep their lengths, joints their ranges,
-and each last joint follows its middle one; the pose is found whose points are seen where the
-landmarks are. What a single picture leaves open (a finger may point a little towards the camera or
-a little away) is decided by the engine's own guess of depth, by what is usual, and by the picture
-before.
+The engine locates each joint well in the picture, and poorly in depth: its bones change their
+lengths from picture to picture. Here bones keep their lengths, joints stay in their ranges, and
+each last joint follows its middle joint. The fitted pose is the one whose points appear at the
+landmarks. A single picture leaves some angles open (a finger may point a little towards the camera
+or away from it). They follow from the engine's guess of depth, from usual postures, and from the
+previous picture.
 
-All of it is one least-squares problem of 48 unknowns, solved by a few Gauss-Newton steps from the
-pose before. Landmarks that fit badly count less (Cauchy's weights). Joints stay in their ranges: a
-joint at its end that would go on is held there, and the others make up for it. A few steps more
-bend the thumb alone, which a pinch takes far from its middle.
+The fit is one least-squares problem of 48 unknowns, solved by a few Gauss-Newton steps from the
+previous pose. Landmarks that fit badly count less (Cauchy's weights). Joints stay in their ranges:
+a joint that would leave its range is fixed at the end, and the others compensate for it. A few more
+steps bend the thumb alone, since a pinch moves it far from the middle of its ranges.
 """
 
 from __future__ import annotations
@@ -43,7 +43,7 @@ from models.skeleton import Skeleton
 WRIST = 0
 KNUCKLES = (5, 9, 13, 17)
 PALM = (WRIST, *KNUCKLES)
-"""Landmarks that keep their distances whatever the fingers do."""
+"""Landmarks whose distances do not depend on the fingers' postures."""
 OF_POINTS = (WRIST, 1, 2, *(k + i for k in KNUCKLES for i in range(3)), 4, 8, 12, 16, 20)
 """Landmark of each point of `HandPoints`: wrist, 14 joints, 5 tips."""
 
@@ -135,8 +135,8 @@ def turn_between(a: Array, b: Array) -> Array:
 
 
 def place_of(points: Array, rays: Array) -> Array:
-    """The translation (3,) m after which points (n, 3) m are seen along rays (n, 2), as nearly as
-    possible: x + tx = u (z + tz), linear in the translation."""
+    """The translation (3,) m after which points (n, 3) m best appear along rays (n, 2). The
+    equations x + tx = u (z + tz) are linear in the translation."""
     n = len(points)
     rows = np.zeros((2 * n, 3))
     rows[:n, 0] = rows[n:, 1] = 1.0
@@ -153,7 +153,8 @@ def place_of(points: Array, rays: Array) -> Array:
 
 
 _LEAST = 1e-9
-"""Keeps the equations solvable where all landmarks are one point; moves a real hand by nothing."""
+"""Makes the equations solvable if all landmarks are one point; its effect on a real hand is
+negligible."""
 
 
 _POINTS = list(OF_POINTS)
@@ -175,7 +176,7 @@ class FitSettings:
             places differently in the hand than our skeleton.
         depth: Spread of the engine's depth of a landmark relative to the hand's middle (m).
         outlier: Factor on `picture` beyond which a landmark begins to count less.
-        twist, aside: Spread of a finger's first bone about its axis and to its side (degrees).
+        twist, aside: Spread of a finger's first bone about its axis and sideways (degrees).
         play: Spread of twist and sideways play of the other joints (degrees).
         bend: Spread of flexion about the usual flexion (degrees).
         usual: Usual flexion (degrees) at a finger's first and middle joint.
@@ -190,10 +191,11 @@ class FitSettings:
         coupling: Flexion of the last joint, divided by that of the middle joint.
         linear, toward, angular: Spreads of speeds between two pictures: of the wrist across and
             along the camera's axis (m/s), and of the rotations of wrist and joints (rad/s).
-        steps, first_steps: Gauss-Newton steps of a picture after another, and of a first one.
-        thumb_steps: Steps of the thumb after them.
-        doubt: Error (m) of a picture beyond which the fit begins again from the first guess, and
-            keeps the better of both.
+        steps, first_steps: Gauss-Newton steps for a picture after another picture, and for a first
+            picture.
+        thumb_steps: Additional steps for the thumb.
+        doubt: Error (m) of a picture beyond which the fit is repeated from the first guess, and the
+            better result is used.
     """
 
     picture: float = 0.005
@@ -224,7 +226,7 @@ class Fit(NamedTuple):
 
     Attributes:
         pose: (48,) of a right hand in the camera's frame.
-        error: Root mean square over the landmarks of how far beside its landmark a point is (m), at
+        error: Root mean square distance (m) between points and their landmarks in the picture, at
             the hand's distance.
     """
 
@@ -237,7 +239,7 @@ class LandmarkFit:
 
     Args:
         skeleton: The right hand's skeleton, of the person's size.
-        settings: What the fit trusts.
+        settings: Weights of the fit.
     """
 
     def __init__(self, skeleton: Skeleton, settings: FitSettings | None = None) -> None:
@@ -257,13 +259,13 @@ class LandmarkFit:
         self.reset()
 
     def reset(self) -> None:
-        """Forgets the picture before."""
+        """Forgets the previous picture."""
         self._pose: Array | None = None
 
     @property
     def pose(self) -> Array | None:
         """The pose (48,) of the last picture, in the camera's frame, before the thumb's own steps;
-        None before the first."""
+        None before the first picture."""
         return self._pose
 
     def fit(self, rays: Array, world: Array, dt: float) -> Fit:
@@ -272,7 +274,7 @@ class LandmarkFit:
         Args:
             rays: (21, 2) x/z and y/z of the landmarks in the camera's frame.
             world: (21, 3) m, the engine's guess in space, in the camera's axes.
-            dt: Time (s) since the picture before; without meaning for the first.
+            dt: Time (s) since the previous picture; without meaning for the first picture.
         """
         s = self.settings
         depth = self._depth(rays, world)
@@ -295,7 +297,7 @@ class LandmarkFit:
         return first_guess(self._palm, rays, stacked_applied(toward, world))
 
     def _depth(self, rays: Array, world: Array) -> Array:
-        """(20,) m by which each point is farther along the line of sight than their mean."""
+        """Distances (20,) m by which points are farther along the line of sight than their mean."""
         scale = self._palm_size / max(_spread(world[list(PALM)]), _LEAST_PALM)
         z = min(max(scale, _SCALES[0]), _SCALES[1]) * world[_POINTS, 2]
         return z - z.mean()
@@ -341,7 +343,7 @@ class LandmarkFit:
         return Fit(q, sqrt(float(squared_lengths(aside).mean())))
 
     def _with_thumb(self, pose: Array, rays: Array) -> Fit:
-        """The pose (48,) with a freer thumb; the rest of the hand keeps still."""
+        """The pose (48,) with a freer thumb; the rest of the hand is fixed."""
         s, q = self.settings, pose
         seen = rays[_POINTS][_THUMB_POINTS]
         for _ in range(s.thumb_steps):
@@ -378,7 +380,8 @@ class LandmarkFit:
 _LEAST_TIME = 0.001
 """Least time between two pictures (s)."""
 _BETTER = 0.8
-"""Share of the error below which a new beginning is better than the picture before."""
+"""Largest ratio of errors at which a restarted fit is better than the fit from the previous
+picture."""
 _LEAST_PALM, _SCALES = 0.01, (0.5, 2.0)
 """Least size (m) of the engine's palm, and limits of the factor on its size."""
 _NEAREST = 0.03
@@ -387,7 +390,7 @@ _DAMPING = 1e-3
 _STILL = 1e-5
 """Length (m or rad) of a step below which the search ends."""
 _CENTRED = 1e-9
-"""Tangent of the angle from the middle of the picture, below which a hand is there."""
+"""Tangent of the angle from the middle of the picture, below which a hand counts as centred."""
 
 
 def _prior(skeleton: Skeleton, s: FitSettings) -> tuple[Array, Array]:
@@ -397,7 +400,7 @@ def _prior(skeleton: Skeleton, s: FitSettings) -> tuple[Array, Array]:
     wanted: list[float] = []
 
     def add(terms: dict[int, float], value: float, spread: float) -> None:
-        """A row: the sum of terms is the value, in rad, within a spread in degrees."""
+        """Adds a row: the sum of terms equals the value (rad) within a spread (degrees)."""
         row = np.zeros(count)
         for i, factor in terms.items():
             row[i] = factor
@@ -439,13 +442,13 @@ def _flexion(skeleton: Skeleton, bone: int) -> float:
 
 
 def _cauchy(squares: Array, scale: float) -> Array:
-    """Square roots of Cauchy's weights of squared misses (n,)."""
+    """Square roots of Cauchy's weights for squared residuals (n,)."""
     weights: Array = 1.0 / np.sqrt(1.0 + squares / (scale * scale))
     return weights
 
 
 def _moved(q: Array, before: Array) -> Array:
-    """(48,) by which a pose has moved, the root's turn in its own frame."""
+    """Movement (48,) of a pose, with the root's rotation in its own frame."""
     moved = q - before
     product, conjugate = np.zeros(4), np.zeros(4)
     mujoco.mju_negQuat(conjugate, quaternion_exp(before[ROOT_ROTATION]))
@@ -457,7 +460,7 @@ def _moved(q: Array, before: Array) -> Array:
 def _turn_to_ray(rays: Array) -> Array:
     """(3, 3) rotation from the axis of the camera to the line of sight to the hand's middle.
 
-    The engine looks at a hand as if it were in the middle of the picture.
+    The engine treats a hand as if it were in the middle of the picture.
     """
     x, y = rays.mean(axis=0).tolist()
     long = sqrt(x * x + y * y + 1.0)

@@ -1,7 +1,7 @@
 """Landmarks as a source of poses: a reconstructor of one hand from one picture after another.
 
 It has the interface of all reconstructors (`encoders.reconstruction.reconstructor`). A picture is
-solved once, when it comes; between two pictures the commanded pose goes on towards the last one.
+solved once, on arrival. Between two pictures, the commanded pose goes on towards the last result.
 """
 
 from __future__ import annotations
@@ -22,10 +22,11 @@ from models.skeleton import ADULT
 from models.surface import Surface
 
 _FORGET = 0.5
-"""Time (s) without a picture of the hand after which the next one is solved from the beginning."""
+"""Time (s) without a picture of the hand after which the next picture is solved from the first
+guess."""
 
 WITHOUT = "pictures without the hand"
-"""Count of a reconstructor."""
+"""Key in a reconstructor's counts."""
 
 
 class LandmarkReconstructor(AirReconstructor):
@@ -35,12 +36,12 @@ class LandmarkReconstructor(AirReconstructor):
         camera: The camera.
         side: `right` or `left`.
         size: Length of the hand relative to the average one; its distance follows from it.
-        following: How the commanded pose follows.
-        fit: What the fit trusts.
+        following: Settings with which the commanded pose follows.
+        fit: Weights of the fit.
         surface: Workspace of a task; None is the default tablet.
 
     Attributes:
-        empty: The frame that stands for a device before its first one.
+        empty: The frame that is used before the device's first frame.
         counts: Number of pictures without this hand, and with more hands of its side, by reason.
     """
 
@@ -75,12 +76,12 @@ class LandmarkReconstructor(AirReconstructor):
             self._taken = frame.taken
             self._solve(frame)
         elif not frame.hands:
-            # A device that fell silent.
+            # The device has stopped sending.
             self._goal = None
         return self._followed(dt)
 
     def _solve(self, frame: LandmarkFrame) -> None:
-        """Solves a new picture; without the hand in it there is no goal."""
+        """Solves a new picture; without the hand in the picture there is no goal."""
         hand = self._choose(frame)
         if hand is None:
             self._goal = None
@@ -92,18 +93,18 @@ class LandmarkReconstructor(AirReconstructor):
         rays = self.camera.rays(np.array(hand.image), frame.size)
         world = np.array(hand.world)
         if self.side == "left":
-            # A left hand is the right-hand code between two mirrors.
+            # A left hand is mirrored before and after the code for right hands.
             rays, world = rays * [-1.0, 1.0], world * [-1.0, 1.0, 1.0]
         pose, self._error = self._fit.fit(rays, world, dt)
         self._goal = self._in_world(mirrored(pose) if self.side == "left" else pose)
         self._image_middle = np.array(hand.image).mean(axis=0)
 
     def _choose(self, frame: LandmarkFrame) -> SeenHand | None:
-        """This reconstructor's hand among those of a picture; None if it is not there.
+        """This reconstructor's hand among the hands of a picture; None if it is not there.
 
-        Of several, the one nearest to where the hand was, or the surest where it was nowhere. A
-        hand of the other side is taken for this one where this one just was, if no hand of its own
-        side is there: the engine mistakes the side of a hand for moments.
+        Of several hands, it is the nearest to the last place of the hand, or without a recent place
+        the most certain hand. A hand of the other side is accepted at this hand's recent place, if
+        no hand of its own side is there: the engine mistakes sides for moments.
         """
         own = [h for h in frame.hands if h.side == self.side]
         if len(own) > 1:
@@ -126,12 +127,13 @@ class LandmarkReconstructor(AirReconstructor):
         return before and self._image_middle is not None
 
     def _is_near(self, hand: SeenHand) -> bool:
-        """True if a hand lies over the place where this one was."""
+        """True if a hand overlaps the last place of this hand."""
         palm = np.array(hand.image)
         return self._off(hand) < float(np.abs(palm - palm.mean(axis=0)).max())
 
     def _off(self, hand: SeenHand) -> float:
-        """Pixels from where the hand was, along the farther axis."""
+        """Distance (pixels) from the last place of the hand, along the axis with the larger
+        difference."""
         assert self._image_middle is not None
         return float(np.abs(np.array(hand.image).mean(axis=0) - self._image_middle).max())
 

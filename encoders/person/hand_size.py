@@ -7,8 +7,8 @@ logarithms of the ten distances between fingertips, to each of which a hand's si
 number. The result is the most likely size, with the interval that contains 95 % of its likelihood.
 
 The trained subject may be simulated, with simulated natural layouts; the variation of spreads
-between people is an assumption (`HABIT`). So the size is primarily the one that makes a person's
-touches most similar to those in the training data, and it is used for that.
+between people is an assumption (`HABIT`). The size is therefore mainly the scale at which a
+person's touches are most similar to those in the training data, which is also its use.
 """
 
 from __future__ import annotations
@@ -32,30 +32,30 @@ SPREADS = ("natural", "closed", "wide")
 """The spreads that a person is asked for, in this order."""
 
 RANK = {"closed": 0.05, "natural": 0.5, "wide": 0.95}
-"""Share of the trained subject's five-finger layouts that are smaller than its own such spread."""
+"""Share of the trained subject's five-finger layouts that are smaller than its own layout of this
+spread."""
 
 WINDOW = 0.05
-"""Share of the layouts on either side of that rank which count as this spread."""
+"""Share of the layouts on either side of that rank that count as this spread."""
 
 HABIT = {"natural": 0.08, "closed": 0.14, "wide": 0.08}
 """Standard deviation of a spread among people with equal hands, in the logarithm of the size.
 Assumed, not measured: only the interval and the weights of the spreads depend on it."""
 
 TAILS = 4.0
-"""Degrees of freedom of Student's t: a spread that was misunderstood must not decide alone."""
+"""Degrees of freedom of Student's t, so that one misunderstood spread does not decide alone."""
 
 SHRINKAGE = 0.1
-"""Share of each distance's own variance in the covariance, since there are few independent
-frames."""
+"""Share of each distance's own variance in the covariance, because of few independent frames."""
 
 PROPORTION = 0.05
-"""Standard deviation, in the logarithm, of each distance by itself, added to the trained hand's
-variation for the proportions of other hands and the noise of touches. Assumed."""
+"""Standard deviation, in the logarithm, of each distance by itself, for the proportions of other
+hands and the noise of touches; added to the trained hand's variation. Assumed."""
 
 LEAST_GROWTH = 1.1
 """Least growth from closed to natural and from natural to wide."""
 STRANGEST = 60.0
-"""Squared Mahalanobis distance of a shape (10 numbers) beyond which it is not like a trained
+"""Squared Mahalanobis distance of a shape (10 numbers) beyond which it does not resemble a trained
 hand."""
 WIDEST = 1.4
 """Upper end of the interval divided by its lower end, beyond which the size is undetermined."""
@@ -88,7 +88,7 @@ class _Spread:
 
     mean: Array
     shape: Array
-    """Inverse covariance (10, 10) of the distances, without their common part, which counts as
+    """Inverse covariance (10, 10) of the distances without their common part, which belongs to the
     habit."""
     whole: Array
     """Inverse covariance (10, 10) including the habit."""
@@ -111,7 +111,7 @@ class HandSizes:
         self._spreads = {name: _spread(name, logs, rank) for name in SPREADS}
 
     def estimate(self, layouts: Sequence[ArrayLike]) -> HandSize:
-        """Estimates the size of a right hand (mirror a left one before).
+        """Estimates the size of a right hand (mirror a left hand first).
 
         Args:
             layouts: Three times (5, 2) m, the touches of five fingers in a natural, a closed and a

@@ -5,15 +5,15 @@ scaled for the best fit to that arc, give the fingers' labels and the hand's yaw
 knowledge of either, for a hand of any size from any side. (Labellers, which also label two or three
 fingers, need prior knowledge of the usual yaw of hands.)
 
-Layouts are complex numbers here, x + iy with y up the screen: a product then turns and scales.
+Layouts are complex numbers here, x + iy with y up the screen: a product rotates and scales.
 
-Warns if a hand's yaw is outside the range of the encoder's training data.
+The module also warns if a hand's yaw is outside the range of the encoder's training data.
 
 Encoders are not rotation-invariant: the paper's device lay in front of the person, and so did ours.
-A hand's yaw must be estimated from the touches. The yaw of the encoder's pose cannot be used: it is
-learned from hands with the usual yaw, and for other touches the encoder gives wrong fingers at the
+A hand's yaw must be estimated from the touches. The yaw of the encoder's pose is unusable: the
+encoder is trained on hands with the usual yaw, and explains other touches by wrong fingers at the
 usual yaw. The natural layout, in contrast, gives the yaw of four or five touches without prior
-knowledge of fingers or yaw. Two or three touches fit it in several ways; there the yaw follows from
+knowledge of fingers or yaw. Two or three touches fit it in several ways; their yaw follows from
 their labels, so that at least a hand that turns further after it has come down is noticed.
 """
 
@@ -45,7 +45,7 @@ LEAST = 4
 """Least number of touches that determine labels and yaw; three fit in several ways."""
 
 _ROUNDS = 20
-"""Rounds of rotating layouts onto their mean; it converges long before."""
+"""Largest number of rounds that rotate layouts onto their mean; it converges long before."""
 
 
 class Match(NamedTuple):
@@ -57,7 +57,7 @@ class Match(NamedTuple):
     """Yaw in rad, counterclockwise from the natural layout of a hand straight in front of its
     owner."""
     likeness: float
-    """Correlation of the two layouts' coordinates, 0 to 1; 1 is the same shape."""
+    """Correlation of the two layouts' coordinates, 0 to 1; 1 for the same shape."""
 
 
 class NaturalLayout:
@@ -82,7 +82,7 @@ class NaturalLayout:
         mean = z.mean(axis=0)
         for _ in range(_ROUNDS):
             mean = _turned(z, -_angles(_inner(mean, z))[:, None]).mean(axis=0)
-        # The shape does not define straight ahead: it is the hands' average yaw.
+        # The shape does not define straight ahead; the hands' average yaw does.
         yaw = _angles(_inner(mean, z))
         ahead = atan2(fsum(arithmetic.sin(yaw).tolist()), fsum(arithmetic.cos(yaw).tolist()))
         self.places: Complex = _turned(mean, np.full(len(mean), ahead))
@@ -94,7 +94,7 @@ class NaturalLayout:
         """Finds the fingers of touches, for a right hand of any size and yaw.
 
         Args:
-            xy: (k, 2) m, 2 to 5 touches; below `LEAST` the answer is a guess.
+            xy: (k, 2) m, 2 to 5 touches; with fewer than `LEAST`, the result is a guess.
         """
         z = _complex(xy)
         labels = hypotheses(len(z))
@@ -110,7 +110,8 @@ class NaturalLayout:
 
     def turn(self, xy: Iterable[Sequence[float]], labels: Iterable[int]) -> float:
         """Yaw in rad of touches (k, 2), k >= 2, with known fingers (k,)."""
-        # Like `match`, for one labelling: plain numbers are quicker than arrays of two or three.
+        # As `match`, for one labelling. For two or three numbers, plain floats are faster than
+        # arrays.
         places = [(p[0], -p[1]) for p in xy]
         there = [self._place_of[label] for label in labels]
         mx, my = _middle(places)
@@ -202,7 +203,7 @@ class YawRange:
     """Range of the hands' yaw in an encoder's training data.
 
     Attributes:
-        layout: Their natural layout, which gives the yaw.
+        layout: Natural layout of these hands, which gives the yaw.
         low, high: rad, counterclockwise; 0 is the average yaw.
     """
 
@@ -215,7 +216,7 @@ class YawRange:
         """Computes the range from contact vectors (T, 15) of the training data.
 
         Raises:
-            CaptureError: Too few of them have five fingers.
+            CaptureError: Too few of the vectors have five fingers.
         """
         known = _LATEST.get("range")
         if known is not None and known[0] is U:
@@ -250,7 +251,7 @@ class YawRange:
         """Angle in rad by which a yaw is outside of the range; 0 inside."""
         if self.low <= turn <= self.high:
             return 0.0
-        # The range has two ends, and from outside both can be reached.
+        # The range has two ends, and a hand outside may turn to either of them.
         return min(abs(remainder(end - turn, 2 * pi)) for end in (self.low, self.high))
 
 
@@ -264,7 +265,7 @@ class YawWarningSettings:
         lasting: Time (s) for which a hand must be outside before the warning starts, and inside
             before it ends.
         apart: Least time between the beginnings of two warnings (s).
-        every: Time (s) between two looks at a hand, which need not be at every control step.
+        every: Time (s) between two checks of a hand, which need not happen at every control step.
     """
 
     outside: float = float(np.deg2rad(15.0))
@@ -304,7 +305,7 @@ class YawMonitor:
         self._looked = time
         turn = None if u is None else self.range.turn(u)
         if turn is None:
-            # A hand that has left has no yaw; the notice stays until the next one is seen.
+            # A lifted hand has no yaw; the notice stays until the next hand is seen.
             self._since = None
             return self.notice
         s, beyond = self.settings, self.range.beyond(turn)

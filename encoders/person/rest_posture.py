@@ -1,14 +1,14 @@
-"""Rest posture: what a person's hand looks like while it touches, seen once.
+"""Rest posture: the posture of a person's hand while it touches, seen once.
 
-Touches leave a constant of every person open: how high the wrist is held, how far fingers bend at
-rest, where a device has its zero. An encoder for any person errs by it in all frames. A camera or a
-Leap that sees the hand on the surface for a moment gives it: the difference between the seen pose
-and the encoder's, averaged over a few samples. A single sample also has what the hand happens to do
-just then, so the difference counts only for as much as it is likely to stay (a random effect whose
-variance the population gives).
+Touches leave some constants of every person open: the height of the wrist, the flexion of fingers
+at rest, the zero of a device. An encoder for any person has this error in all frames. A camera or a
+Leap that sees the hand on the surface for a moment measures it: the difference between the seen
+pose and the encoder's, averaged over a few samples. A single sample also contains the accidental
+posture of its moment, so the difference counts only for its likely constant part (a random effect
+whose variance is that of the population).
 
-A sample has the touches and the pose of one moment, in metres and radians, of the person's own
-size, in the 3-D surface frame of the screen's lower edge, as of a right hand.
+A sample has the touches and the pose of one moment, in metres and radians, in the person's own
+size, in the 3-D surface frame of the screen's lower edge, mirrored to a right hand.
 """
 
 from __future__ import annotations
@@ -47,17 +47,18 @@ SCHEMA = 1
 KIND = "hand-sandbox rest posture"
 
 MOST = 12
-"""Most samples of a posture; more hardly improve it."""
+"""Largest number of samples of a posture; more samples hardly improve it."""
 
 LEAST_FINGERS = 2
-"""A single touch has no layout, from which an encoder could predict a pose."""
+"""Least number of touches: a single touch has no layout from which an encoder could predict a
+pose."""
 
 SLACK = 0.35
-"""Angle (rad) by which a seen joint may be outside our hand's range: other hands have other
+"""Angle (rad) by which a seen joint may be outside our hand's range, since other hands have other
 zeros."""
 
 FAR = 0.05
-"""m at the trained hand's size, greatest distance of a fingertip of our hand in a seen pose from
+"""Greatest distance (m, at the trained hand's size) of a fingertip of our hand in a seen pose from
 its touch. Bones differ by a centimetre; two fingers that are swapped are farther apart."""
 
 DIGITS = 5
@@ -76,7 +77,7 @@ class _RestFile(Struct, forbid_unknown_fields=True):
 
 
 def rest_samples(capture: Capture, most: int = MOST) -> RestSamples:
-    """The last frame of takes of a capture, evenly spaced among all takes."""
+    """Last frames of takes of a capture, evenly spaced among all takes."""
     last = np.flatnonzero(np.diff(capture.trial, append=capture.trial[-1] + 1))
     last = last[capture.down[last].sum(axis=1) >= LEAST_FINGERS]
     chosen = last[np.unique(np.linspace(0, len(last) - 1, most).astype(int))] if len(last) else last
@@ -92,7 +93,7 @@ def check_rest_samples(samples: Sequence[RestSample], size: float) -> None:
     """Checks the samples of a right hand of a size.
 
     Raises:
-        EncoderError: There are none or too many, or no such hand has the joints or touches.
+        EncoderError: There are no samples or too many, or no such hand has the joints or touches.
     """
     if not 1 <= len(samples) <= MOST:
         raise EncoderError(
@@ -140,7 +141,7 @@ def check_rest_samples(samples: Sequence[RestSample], size: float) -> None:
 
 
 def _arrays(samples: Sequence[RestSample], size: float) -> tuple[Array, Array]:
-    """Touches (n, 5, 2) and poses (n, 48) of a hand of a size, at the trained hand's."""
+    """Touches (n, 5, 2) and poses (n, 48) of a hand of a size, scaled to the trained hand's."""
     nothing = (np.nan, np.nan)
     xy = np.array(
         [[nothing if p is None else p for p in sample.touches] for sample in samples], float
@@ -158,7 +159,8 @@ def read_rest(path: Path, hand: str) -> RestSamples:
     """
     if path.suffix == ".npz":
         capture = load_capture(path)
-        # A capture's poses are a right hand's; that of a left hand is mirrored, and says so.
+        # Poses of a capture are those of a right hand; a left hand's capture is mirrored and
+        # marked.
         side = str(capture.meta.get("recorded_side") or capture.meta.get("side", hand))
         samples = rest_samples(capture)
     else:
@@ -175,16 +177,17 @@ def read_rest(path: Path, hand: str) -> RestSamples:
 
 
 def load_rest(path: Path, hand: str, size: float) -> RestSamples:
-    """Reads a rest posture: a file of samples, or a capture (.npz), of whose takes the last frames.
+    """Reads a rest posture: a file of samples, or a capture (.npz), of which the last frames of
+    takes are used.
 
     Args:
         path: The file.
-        hand: `right` or `left`, of the person whose rest posture is wanted.
+        hand: `right` or `left`, the hand of the person whose rest posture is read.
         size: Size of the person's hand.
 
     Raises:
-        InputError: The file is missing, of another version or kind, of the other hand, or no hand
-            has its joints.
+        InputError: The file is missing, of another version or kind, of the other hand, or contains
+            joints that no hand has.
     """
     samples = read_rest(path, hand)
     try:
@@ -214,13 +217,13 @@ def save_rest(samples: Sequence[RestSample], path: Path, hand: str, simulated: b
     """Writes a rest posture, with the samples of the person's own hand.
 
     Args:
-        samples: As of a right hand.
+        samples: Samples of the hand, mirrored to a right hand.
         path: The file.
         hand: `right` or `left`; a left hand's samples are mirrored.
-        simulated: True if nobody was seen.
+        simulated: True if no real person was seen.
 
     Raises:
-        InputError: The file cannot be written; what was there stays.
+        InputError: The file cannot be written; an existing file is unchanged.
     """
     own = [_mirrored(sample) for sample in samples] if hand == "left" else list(samples)
     values: dict[str, Any] = {"kind": KIND, "schema": SCHEMA, "hand": hand, "simulated": simulated}
@@ -247,7 +250,7 @@ class _Shifted(Encoder):
 
     Args:
         plain: A fitted encoder.
-        offset: (48,) m and rad, those of the root in the frame that turns with the hand.
+        offset: (48,) m and rad; the root's offset is in the frame that turns with the hand.
     """
 
     def __init__(self, plain: Encoder, offset: Array) -> None:
@@ -266,7 +269,7 @@ class _Shifted(Encoder):
         return np.asarray(moved.reshape(q.shape))
 
     def arrays(self) -> dict[str, NDArray[Any]]:
-        """Those of the inner encoder, and the offset."""
+        """The arrays of the inner encoder, and the offset."""
         return self.plain.arrays() | {"offset": self.offset}
 
 
@@ -275,12 +278,12 @@ def knowing_rest(model: TrainedModel, samples: Sequence[RestSample], size: float
 
     Args:
         model: A model for any person.
-        samples: Samples of the person's hand, as of a right hand.
+        samples: Samples of the person's hand, mirrored to a right hand.
         size: Size of the person's hand.
 
     Raises:
-        EncoderError: The model is of one person and knows nothing of others, or no hand has samples
-            such as these.
+        EncoderError: The model is for one person and has no variance between people, or no hand has
+            such samples.
     """
     personal = model.personal_covariance
     if personal is None:
@@ -298,7 +301,7 @@ def knowing_rest(model: TrainedModel, samples: Sequence[RestSample], size: float
     for row in off[1:]:
         mean += row
     mean /= len(off)
-    # Covariance of a mean: what stays, and what differs from sample to sample.
+    # Covariance of a mean: the constant part, and the part that varies between samples.
     varying = model.residual_covariance - personal
     spread = personal + varying / len(off) + _LEAST * np.eye(POSE_SIZE)
     gain = np.array([solve_positive(spread.copy(), row) for row in personal])
@@ -315,11 +318,11 @@ _LEAST = 1e-9
 SECONDS = 1.0
 """Time (s) for which a hand is held still."""
 STILL = 0.012
-"""Distance (m) from its median place within which every fingertip stays. Landmarks of a still hand
-shake a fingertip by some millimetres."""
+"""Distance (m) from its median place within which every fingertip stays. In landmarks of a still
+hand, a fingertip moves by some millimetres."""
 LEVEL = 0.030
-"""Distance (m) from their median height within which the fingertips of a resting hand are, so that
-all of them may touch. Thumbs lie lower than fingers stand, and a device errs by a centimetre."""
+"""Largest distance (m) of a resting hand's fingertips from their median height, so that all of them
+may touch. Thumbs lie lower than fingers, and a device errs by a centimetre."""
 MOVED = 0.040
 """Distance (m) by which a hand moves between two samples."""
 
@@ -329,15 +332,15 @@ class SeenRest:
 
     The person holds the hand still for a second, relaxed, with all fingertips on one level: on a
     table, on the switched-off screen, or above the device. The pose is the median of that second.
-    The level of the fingertips stands for the screen, and the places over which they are for the
-    touches.
+    The level of the fingertips replaces the screen, and the points below them replace the touches.
 
     Args:
         skeleton: The right hand's skeleton, of the person's size.
 
     Attributes:
         samples: The samples so far.
-        trouble: Why the last hand that was held still is not a sample; empty if it is one.
+        trouble: Reason why the last hand that was held still is not a sample; empty if it is a
+            sample.
     """
 
     def __init__(self, skeleton: Skeleton) -> None:
@@ -352,11 +355,11 @@ class SeenRest:
         self._frames.clear()
 
     def add(self, time: float, q: Array) -> bool:
-        """Takes in a pose.
+        """Processes a pose.
 
         Args:
-            time: s.
-            q: (48,) pose as of a right hand; x right, y away from the person, z up.
+            time: Time (s) of the pose.
+            q: (48,) pose, mirrored to a right hand; x right, y away from the person, z up.
 
         Returns:
             True if a sample was taken.
@@ -389,8 +392,8 @@ def rest_sample_of(poses: Array, kinematics: Kinematics) -> RestSample:
     """The sample of a hand that was held still.
 
     Args:
-        poses: (n, 48) as of a right hand; z is up.
-        kinematics: That of the hand's skeleton.
+        poses: (n, 48), mirrored to a right hand; z is up.
+        kinematics: Kinematics of the hand's skeleton.
 
     Raises:
         EncoderError: The fingertips are not on one level.
@@ -408,7 +411,7 @@ def rest_sample_of(poses: Array, kinematics: Kinematics) -> RestSample:
             f"{'above' if heights[worst] > 0 else 'below'} the others",
             expected=f"{100 * LEVEL:.0f} cm or less, as of a hand that rests on a screen",
         )
-    # The screen begins at the leftmost and farthest touch; only what is relative to it counts.
+    # The screen begins at the leftmost and farthest touch; only relative positions count.
     q[ROOT_POSITION] -= [tips[:, 0].min(), tips[:, 1].max(), np.median(tips[:, 2]) - PAD_HEIGHT]
     places = (kinematics.tips(q)[:, :2] * [1.0, -1.0]).round(DIGITS).tolist()
     return RestSample(tuple((x, y) for x, y in places), tuple(q.round(DIGITS).tolist()))

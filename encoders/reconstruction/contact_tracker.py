@@ -2,7 +2,7 @@
 
 Touch screens lose resting fingers and find them again, and a grasp must survive this. A lost finger
 is therefore kept for a short time and shifted with the other fingers, and a new id close by
-inherits it. A touch that the system *cancelled* was not lifted by the person, and is kept longer.
+inherits it. A *cancelled* touch, which the system ended and not the person, is kept longer.
 
 Palms are distinguished from fingers by the width, height, growth and position of contacts.
 
@@ -83,7 +83,8 @@ _REPEATED = 0.5
 but its noise is not independent."""
 
 _GROWING = log(0.25)
-"""Log-odds of growing against coming down at once, by the best of a dozen courses."""
+"""Logarithm of the odds that a size grows, against an immediate full size, for the best of a dozen
+courses."""
 
 _ONTO = (100.0, 150.0, 200.0, 250.0, 300.0, 400.0)
 """Durations (ms) of growth."""
@@ -116,9 +117,9 @@ class Kind(StrEnum):
 
 @dataclass
 class _Judged:
-    """A contact's sizes, what it is taken for, and its last log-odds by size.
+    """Sizes of a contact, its current kind, and its last log-odds by size.
 
-    `settled`: its last report changed nothing.
+    `settled`: the last report changed nothing.
     """
 
     course: SizeCourse
@@ -201,7 +202,7 @@ class PalmJudge:
 
 
 class _Course(NamedTuple):
-    """A way from one size to another in mm, within some ms."""
+    """Change from one size to another (mm) within a time (ms)."""
 
     first: float
     last: float
@@ -209,13 +210,13 @@ class _Course(NamedTuple):
     palm: bool
 
     def size(self, time: float) -> float:
-        """mm, some seconds after touch-down."""
+        """Size (mm) at a time (s) after touch-down."""
         share = 1.0 if self.takes <= 0 else min(1000.0 * time / self.takes, 1.0)
         return self.first + share * (self.last - self.first)
 
     @property
     def prior(self) -> float:
-        """Log of the density of its last size, and of growing."""
+        """Logarithm of the prior density of its last size, and of growing."""
         low, high = _PALMS if self.palm else _FINGERTIPS
         return -log(high - low) + (_GROWING if self.takes else 0.0)
 
@@ -244,10 +245,10 @@ _IS_PALM = np.array([c.palm for c in _ALL])
 _PRIOR = np.array([c.prior for c in _ALL])
 _TIMES = round(_LONGEST / _GRID) + 1
 _LOG_SIZES = np.array([[log(c.size(_GRID * t)) for c in _ALL] for t in range(_TIMES)])
-"""(times, courses) logarithms of mm."""
+"""Logarithms (times, courses) of sizes in mm."""
 
 _LEAST, _MOST = log(_FINGERTIPS[0]), log(_PALMS[1])
-"""Logarithms of mm."""
+"""Logarithms of the least and greatest size in mm."""
 
 
 class SizeCourse:
@@ -257,7 +258,7 @@ class SizeCourse:
         began: Time of touch-down (s).
 
     Attributes:
-        began: As given.
+        began: Time of touch-down (s).
     """
 
     def __init__(self, began: float) -> None:
@@ -267,10 +268,10 @@ class SizeCourse:
         self._last: tuple[float, float] | None = None
 
     def report(self, time: float, extent: tuple[float, float]) -> None:
-        """Takes the width and height in m at a time in s."""
+        """Adds a report of the width and height (m) at a time (s)."""
         weight = _REPEATED if extent == self._last else 1.0
         size = 0.5 * (log(1000.0 * extent[0]) + log(1000.0 * extent[1]))
-        # What is smaller or larger than all courses is like the smallest or largest of them.
+        # A size outside all courses counts as the smallest or largest of them.
         size = min(max(size, _LEAST), _MOST)
         row = min(round((time - self.began) / _GRID), _TIMES - 1)
         off = (_LOG_SIZES[row] - size) / _NOISE
@@ -279,7 +280,7 @@ class SizeCourse:
         self._time, self._last = time, extent
 
     def pause(self, time: float) -> None:
-        """Leaves out a report; what was reported before is remembered as it is now."""
+        """Skips a report; the weight of earlier reports does not decrease meanwhile."""
         self._time = time
 
     @property
@@ -291,7 +292,7 @@ class SizeCourse:
 
 @cache
 def _weights() -> dict[str, Array]:
-    """The weights that ship: `first` (hidden, inputs), `bias` (hidden,), `second` (hidden,) and
+    """The shipped weights: `first` (hidden, inputs), `bias` (hidden,), `second` (hidden,) and
     `constant` (1,)."""
     return {name: np.array(values) for name, values in json.loads(_FILE.read_text()).items()}
 
@@ -300,7 +301,8 @@ def place_inputs(place: Place, others: Sequence[Place]) -> list[float]:
     """The network's inputs (23,).
 
     Args:
-        place: (x, y) m on the surface, y down, as a right hand from below would touch.
+        place: Position (x, y) m on the surface, y down, mirrored and turned to a right hand from
+            below.
         others: Places of the other contacts, one or more.
     """
     x, y = place
@@ -332,12 +334,12 @@ def place_odds(place: Place, others: Sequence[Place]) -> float:
 
 
 PALM = "palm"
-"""Why a contact is ignored that is none of a finger."""
+"""Reason for ignoring a contact that is no finger."""
 
 
 JOINING = 0.2
-"""Time (s) after which a finger with an extent may join a hand that is down. Before, a palm that
-begins to grow slowly looks like a finger, and would push at once."""
+"""Time (s) after which a finger with an extent may join a hand that is down. Before this time, a
+slowly growing palm looks like a finger, and would push at once."""
 
 
 @dataclass(frozen=True)
@@ -348,9 +350,9 @@ class TrackerSettings:
         grace: Time (s) for which a lost contact is kept.
         cancelled_grace: Time (s) for which a cancelled contact is kept.
         inherit: Largest distance from a lost contact at which a new id inherits it (m).
-        low_pass: s, time constant of the smoothing of positions.
-        blob: m, least contact diameter of a palm where only the diameter is known; smaller contacts
-            are fingers.
+        low_pass: Time constant (s) of the smoothing of positions.
+        blob: Least contact diameter (m) of a palm for devices that report only the diameter;
+            smaller contacts are fingers.
         span: Largest distance between two fingers of one hand (m).
     """
 
@@ -368,14 +370,14 @@ class Track:
 
     Attributes:
         id: Our id; it stays the same when the device gives the finger a new id.
-        device_id: The device's id at present.
+        device_id: The device's current id.
         place: (x, y) m, smoothed position on the surface.
         born: Time when it came down (s).
-        lost_at: s, time when the device lost it; None while it touches.
-        grace: Time (s) for which it is kept once lost.
-        device_label: Finger according to the device, if it knows.
-        unsure: True while it may still turn out to be a palm; it must get no label until then.
-        joins: Time from which on it may join a hand that is down (s).
+        lost_at: Time (s) when the device lost it; None while it touches.
+        grace: Time (s) for which it is kept after its loss.
+        device_label: Label given by the device; None without one.
+        unsure: True while it may still be a palm; until then it must get no label.
+        joins: Time (s) from which on it may join a hand that is down.
     """
 
     id: int
@@ -401,7 +403,7 @@ class ContactTracker:
     Attributes:
         tracks: Current tracks by our id, in the order in which they came down.
         ignored: Contacts of the last frame that are not fingers of this hand, for views.
-        palms: Ids of those of them that are palms.
+        palms: Ids of the ignored contacts that are palms.
         counts: Number of ignored or repaired contacts, by reason.
     """
 
@@ -468,7 +470,8 @@ class ContactTracker:
             self.palms = frozenset(i for i, why in self._ignored_ids.items() if why == PALM)
 
     def _drop_palms(self, seen: dict[int, Contact]) -> None:
-        """Forgets fingers that turned out to be palms, and lets those come that had no room."""
+        """Forgets fingers that turned out to be palms, and admits contacts for which there was no
+        room."""
         if not self._judge.judges:
             for track in self.tracks.values():
                 track.unsure = False
@@ -535,7 +538,7 @@ class ContactTracker:
                 self._find(nearest, contact, share)
                 return
         if len(self.tracks) >= len(FINGERS):
-            # A sixth contact replaces a lost finger that is still kept.
+            # A sixth contact replaces a lost finger that is still remembered.
             oldest = min(lost, key=lambda t: (t.lost_at, t.id))
             del self.tracks[oldest.id]
         self.tracks[self._next_id] = Track(
@@ -550,7 +553,8 @@ class ContactTracker:
         self._next_id += 1
 
     def _reason_to_ignore(self, contact: Contact) -> str:
-        """Reason why a new contact is not a finger of this hand; empty if it is one."""
+        """Reason why a new contact is not a finger of this hand; empty for a finger of this
+        hand."""
         if contact.extent is not None:
             if self._judge.kind(contact.id) is Kind.PALM:
                 return PALM

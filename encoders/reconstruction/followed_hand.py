@@ -34,15 +34,15 @@ class FollowingSettings:
     Attributes:
         rate: Speed limits of the commanded pose.
         smoothing: Time constant of position and rotation of the palm (s); 0 switches it off.
-        joint_smoothing: s, time constant of the joints; 0 switches it off.
+        joint_smoothing: Time constant (s) of the joints; 0 switches it off.
         patience: Time (s) for which a lost hand keeps its pose and stays solid: devices lose hands
             for moments, and a held box should not fall each time.
         rise, rise_speed: Height (m) by which, and speed (m/s) at which, a lost hand rises as a
             ghost, so that it does not hide objects.
         near: Distance (m) from its place within which a returned hand may be solid again.
-        floor: Least world height of a commanded fingertip (m); the whole hand is raised. People do
-            not feel the table, and a hand pushed into it would crush a held object. Without a
-            table: -inf.
+        floor: Least world height (m) of a commanded fingertip; the whole hand is raised to it.
+            People do not feel the table, and a hand pushed into it would crush a held object.
+            Without a table: -inf.
     """
 
     rate: RateLimit = field(default_factory=RateLimit)
@@ -60,7 +60,7 @@ class FollowedHand:
 
     Args:
         skeleton: The hand's skeleton.
-        settings: How it follows.
+        settings: Settings with which the pose follows.
         start: (48,) pose in the world before the hand is seen first.
 
     Attributes:
@@ -85,7 +85,7 @@ class FollowedHand:
         return self._commanded
 
     def notice(self, side: str) -> str:
-        """Notice to the person whose hand of this side is not seen; empty while all is well."""
+        """Notice to a person whose hand of this side is not seen; empty while all is well."""
         if self.unseen > self.settings.patience + UNSEEN_NOTICE:
             return Message(
                 "hand_unseen", "the {side} hand is not seen: hold it over the device", side=side
@@ -93,7 +93,7 @@ class FollowedHand:
         return ""
 
     def follow(self, goal: Array, dt: float) -> None:
-        """Moves towards the pose (48,) that is seen now, in a control step of `dt` (s)."""
+        """Moves towards the current observed pose (48,), in a control step of `dt` (s)."""
         s, goal = self.settings, goal.copy()
         first = not self._seen_before
         # After a long absence the old state is not used for smoothing.
@@ -155,11 +155,11 @@ class AirReconstructor:
     Args:
         side: `right` or `left`.
         size: Length of the hand relative to the average one.
-        following: How the commanded pose follows.
+        following: Settings with which the commanded pose follows.
         surface: Workspace of a task; None is the default tablet.
 
     Attributes:
-        counts: Numbers of what could not be used, by reason.
+        counts: Number of frames or hands that could not be used, by reason.
     """
 
     def __init__(

@@ -89,13 +89,13 @@ def common_motion(before: Sequence[Sequence[float]], after: Sequence[Sequence[fl
 class PoseFilter:
     """A first-order low-pass of the hand's posture that is carried along with the touches.
 
-    The touches' common motion and turn pass at once: the filter adds no lag to a dragged or turned
-    hand; what it slows is the change of posture, as at a contact that comes or goes. It runs
+    The touches' common motion and turn pass at once, so the filter adds no lag to a dragged or
+    turned hand. It slows changes of posture, for example when a contact comes or goes. It runs
     before the fingertip correction, which makes the tips exact again.
 
     Args:
-        tau: Time constant (s); 0 lets everything pass. The delay it adds to a change of posture is
-            tau; to a change of place, none.
+        tau: Time constant (s); 0 lets everything pass. It delays a change of posture by tau, and a
+            change of place by nothing.
     """
 
     def __init__(self, tau: float) -> None:
@@ -103,7 +103,7 @@ class PoseFilter:
         self._state: Array | None = None
 
     def reset(self) -> None:
-        """Forgets; the next pose passes unchanged."""
+        """Returns to the initial state; the next pose passes unchanged."""
         self._state = None
 
     def step(
@@ -118,10 +118,10 @@ class PoseFilter:
 
         Args:
             q: (48,) encoder's pose in the 3-D surface frame.
-            carried: m, motion of the touches since the last step, on the surface (y down).
+            carried: Motion (m) of the touches since the last step, on the surface (y down).
             dt: Time (s) since the last step.
-            turn: rad, of the touches since the last step, counterclockwise on the screen.
-            about: Middle of the touches before it (m), on the surface.
+            turn: Rotation (rad) of the touches since the last step, counterclockwise on the screen.
+            about: Middle (m) of the touches before this motion, on the surface.
         """
         q = np.array(q, float)
         if self._state is None or self.tau <= 0:
@@ -157,7 +157,7 @@ class Phase(StrEnum):
     AWAY = "away"
     """No contact: the hand holds its pose up in the air."""
     WAITING = "waiting"
-    """Contacts have come, and their fingers are not decided yet."""
+    """Contacts have come, and their labels are not decided yet."""
     ABOVE = "above"
     """The hand moves to its place, still up."""
     COMING_DOWN = "coming down"
@@ -170,13 +170,13 @@ class ArrivalSettings:
 
     Attributes:
         hover: Height (m) above its place at which the hand waits; 0 switches these rules off.
-        settle: Time (s) for which the set of contacts must be unchanged before fingers are named.
+        settle: Time (s) for which the set of contacts must be unchanged before it is labelled.
         dwell: Time (s) for which the touches must rest before the hand comes down.
-        rest: Speed (m/s) below which touches count as resting. They also rest while each stays, for
-            `dwell` s, within as far as it comes at this speed: noise of a screen is quick from step
-            to step, and goes nowhere.
+        rest: Speed (m/s) below which touches count as resting. They also rest if none moves, within
+            `dwell`, farther than this speed would carry it in this time: noise of a screen is fast
+            from step to step, but does not move a touch away.
         patience: Time (s) after which the hand comes down although the touches do not rest.
-        place: m, how near to its place the hand must be to come down.
+        place: Distance (m) from its place within which the hand comes down.
         down: Speed (m/s) of the hand on its way down.
         up: Speed (m/s) of the hand on its way up.
     """
@@ -219,13 +219,14 @@ class Arrival:
 
         Args:
             dt: Length of the step (s).
-            touched: True if there is a contact; for a hand that is down, one whose finger is known.
-            named: True if the fingers of all contacts are known. A contact that comes while the
-                hand is down may be unlabelled for a while without lifting the hand.
+            touched: True if there is a contact; for a hand that is down, only a labelled contact
+                counts.
+            named: True if all contacts have labels. A contact that comes while the hand is down may
+                be unlabelled for a while without lifting the hand.
             speed: Speed (m/s) of the fastest contact.
-            off: Distance of the hand from its place (m), seen along the surface's normal.
-            moved: m, farthest that a contact is from where it was `dwell` s ago; infinite where
-                none is known that long.
+            off: Distance (m) of the hand from its place, seen along the surface's normal.
+            moved: Largest distance (m) of a contact from its place `dwell` seconds ago; infinite if
+                no contact is as old as this.
         """
         s = self.settings
         if s.hover <= 0:
@@ -254,10 +255,10 @@ class Arrival:
 
 
 class RecentPlaces:
-    """Remembers where contacts were, a moment long.
+    """Remembers the places of contacts for a short time.
 
     Args:
-        span: s, the moment.
+        span: Length (s) of this time.
     """
 
     def __init__(self, span: float) -> None:
@@ -265,15 +266,15 @@ class RecentPlaces:
         self._before: deque[tuple[float, _Places]] = deque()
 
     def reset(self) -> None:
-        """Forgets."""
+        """Forgets all places."""
         self._before.clear()
 
     def step(self, time: float, places: _Places) -> None:
         """Adds the places of a control step.
 
         Args:
-            time: s, which never runs backwards.
-            places: Where the contacts are now.
+            time: Time (s) of the step, which never runs backwards.
+            places: Current places of the contacts.
         """
         before = self._before
         before.append((time, places))
@@ -282,8 +283,8 @@ class RecentPlaces:
 
     @property
     def moved(self) -> float:
-        """Farthest, m, that a contact is from where it was a moment ago; infinite where none is
-        known that long."""
+        """Largest distance (m) of a contact from its place one span ago; infinite if no contact is
+        as old as this."""
         (then, first), (time, places) = self._before[0], self._before[-1]
         known = places.keys() & first.keys()
         if then > time - self._span + _EARLY or not known:
@@ -298,7 +299,7 @@ class LiftSettings:
     Attributes:
         reach: Distance (m) by which the hand rises at control 1; 0 for hands that are not lifted.
         tau: Time constant of the low pass (s).
-        speed: m/s, maximum speed.
+        speed: Maximum speed (m/s).
     """
 
     reach: float = 0.0
@@ -358,7 +359,7 @@ class RateLimit:
     def __call__(self, previous: Array, target: Array, dt: float) -> Array:
         """Pose (48,) that moves from previous towards target as far as dt seconds allow.
 
-        All parts are slowed by the same share, so that the fingers stay in step with the wrist.
+        All parts are slowed by the same factor, so that the fingers stay in step with the wrist.
         """
         if dt <= 0:
             return previous

@@ -1,10 +1,10 @@
 """The contract of reconstructors: from one frame after another to the pose of the whole hand.
 
-`PersonalReconstructor` reconstructs any person's hand, on the reconstructor of the trained right
-hand. `PersonFrame` transforms touches to what the trained hand would have touched, and the pose
+`PersonalReconstructor` reconstructs any person's hand with a reconstructor of the trained right
+hand. `PersonFrame` transforms the person's touches to touches of the trained hand, and the pose
 back: mirrored for a left hand, scaled for a larger one. A uniform scale does not change angles, and
-mirror and rotation do not change distances either, so that fingertips which meet the scaled touches
-of the trained hand meet the real touches of the person's hand.
+mirror and rotation change neither angles nor distances. Fingertips that meet the scaled touches of
+the trained hand therefore meet the real touches of the person's hand.
 """
 
 from __future__ import annotations
@@ -33,8 +33,8 @@ class Reconstruction:
         probability: Probability of the labels, 0 to 1.
         tip_error: Largest distance (m) between a corrected fingertip and its target, which is its
             touch or a point at an offset from it.
-        see: Function that returns `contacts`; they are those of this moment even if it is called
-            later.
+        see: Function that returns `contacts`; the result is that of this moment, even for a later
+            call.
         touches: Label of a touching finger -> smoothed (x, y) m on the surface.
         tip_height: Height (m) of touching fingertips above the surface once the hand is down.
     """
@@ -184,8 +184,8 @@ class PersonalReconstructor:
         """Processes a touch frame of the person's screen.
 
         Returns:
-            The reconstruction of the person's hand. Only `u` stays that of the trained hand, as the
-            encoder got it.
+            The reconstruction of the person's hand. Only `u` is that of the trained hand, since it
+            is the input of the encoder.
         """
         reconstruction = self.trained.step(self._inward(frame))
         size = self.frame.person.hand_size

@@ -47,10 +47,10 @@ of position."""
 _LOW = (Phase.COMING_DOWN, Phase.DOWN)
 
 _SETTLED = 0.010
-"""Length (rad and m) of an iteration's step below which a frame stops iterating. The next frame,
-16 ms later, continues from there, and with resting fingers the posture converges to the most likely
-one. With 0.003, a frame takes 2.4 steps rather than 1.4, and the posture differs by less than a
-degree."""
+"""Length (rad and m) of an iteration's step below which a frame stops iterating. The next frame, 16
+ms later, continues from this state, and with resting fingers the posture converges to the most
+likely posture. With 0.003, a frame takes 2.4 steps rather than 1.4, and the posture differs by less
+than a degree."""
 
 
 @dataclass(frozen=True)
@@ -203,7 +203,7 @@ class TouchReconstructor:
             touched=bool(named) if self._arrival.phase is Phase.DOWN else bool(tracks),
             named=len(named) == len(tracks) > 0,
             speed=speed,
-            # Not needed without tracks, or once the hand is coming down.
+            # Without tracks, or once the hand is coming down, this distance is not needed.
             off=self._off(goal) if tracks and not low else 0.0,
             moved=inf if low else self._recent.moved,
         )
@@ -225,9 +225,9 @@ class TouchReconstructor:
     def _name(self, time: float, low: bool) -> None:
         """Labels the contacts once their set has been stable for a while.
 
-        Until the hand comes down, labels may change; the posture filter blends them in. From
-        then on they stay: a change would break the grasp. A finger that joins gets one of the free
-        labels.
+        Until the hand comes down, labels may change; the posture filter blends such changes in.
+        After that, labels stay, since a change would break the grasp. A finger that joins gets one
+        of the free labels.
         """
         tracks = self._tracker.tracks
         present = frozenset(tracks)
@@ -241,8 +241,8 @@ class TouchReconstructor:
             if i not in self._labels and (t.unsure or (low and time < t.joins - 1e-9))
         ]
         if unsure:
-            # A hand that is up waits until every contact is known to be a finger; one that is down
-            # goes on without them.
+            # A hand that is up waits until every contact is known to be a finger; a hand that is
+            # down ignores the other contacts meanwhile.
             if not low:
                 return
             tracks = {i: t for i, t in tracks.items() if i not in unsure}
@@ -262,8 +262,8 @@ class TouchReconstructor:
         self._labels = self._labelling.labels
 
     def _motion(self, dt: float, low: bool) -> tuple[Motion, float]:
-        """Common motion of the touches since the last step, and the fastest one's speed, which is
-        not needed once the hand is coming down."""
+        """Common motion of the touches since the last step, and the speed of the fastest touch; 0
+        once the hand is coming down, where it is not needed."""
         tracks = self._tracker.tracks
         now = {i: t.place for i, t in tracks.items() if not t.unsure or i in self._labels}
         known = [i for i in now if i in self._last_xy]
@@ -305,8 +305,8 @@ class TouchReconstructor:
         if self._correction is None:
             self._tip_error = float("nan")
             return within_limits(guess, self._skeleton)
-        # It begins at the last pose, shifted with the touches; but far from there the linearisation
-        # would be worse than at the guess.
+        # The iteration starts at the last pose, shifted with the touches. For another grasp it
+        # starts at the guess, since linearisation far from there would be worse.
         start = _carried(self._surface_pose, *carried) if self._same_grasp else None
         settled = None if start is None else _SETTLED
         corrected = self._correction.correct(guess, labels, targets, start, settled)
@@ -317,11 +317,12 @@ class TouchReconstructor:
         """The relative pose (48,) that the encoder predicts.
 
         Raises:
-            EncoderError: It is not finite, as of contacts that an encoder of somebody's own has not
-                foreseen.
+            EncoderError: The pose is not finite, for example because a custom encoder does not
+                handle these contacts.
         """
         relative = self.model.encoder.predict(u)
-        # A sum of numbers that are not all finite is not finite; one of huge numbers may not be.
+        # If an element is not finite, neither is the sum. The sum of huge elements may also be
+        # infinite.
         if not isfinite(np.add.reduce(relative)) and not np.isfinite(relative).all():
             raise EncoderError(
                 "the encoder predicts a pose that is not finite",
@@ -337,7 +338,7 @@ class TouchReconstructor:
         return q
 
     def _centred(self, q: Array) -> Array:
-        """The pose moved so that its fingertips' middle is over the surface's."""
+        """The pose moved so that the middle of its fingertips is over the middle of the surface."""
         width, height = self.surface.size
         middle = np.array([width / 2, -height / 2])
         q = q.copy()
@@ -358,7 +359,8 @@ class TouchReconstructor:
         return sqrt(x * x + y * y) + TURN_LENGTH * float(np.maximum.reduce(rest[3:]))
 
     def _contacts(self) -> Callable[[], tuple[Contact, ...]]:
-        """Function that returns all contacts on the surface now; few frames are looked at."""
+        """Function that returns all contacts on the surface now; they are computed when it is
+        called."""
         tracker = self._tracker
         tracks = [(i, t.device_id, t.place, t.lost_at is None) for i, t in tracker.tracks.items()]
         return partial(
@@ -373,7 +375,7 @@ def _labelled(
     ignored: Sequence[Contact],
     palms: frozenset[int],
 ) -> tuple[Contact, ...]:
-    """Contacts with their labels and states, of a tracker's tracks and what it ignores."""
+    """Contacts with labels and states, from a tracker's tracks and its ignored contacts."""
     probabilities = labelling.label_probabilities
     tracked = [
         Contact(

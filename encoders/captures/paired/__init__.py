@@ -5,9 +5,9 @@ paper of 2015 used a studio with ten cameras; here a Leap gives both, through PA
 
     capture_from_hands    conversion of two streams to a capture
     clocks                common clock of two devices, from the arrival times of their frames
-    open_hand             the open hand at the beginning, which is measured
-    guide                 instructions for the person, and what of them is done
+    open_hand             measurement of the open hand at the beginning
+    guide                 instructions for the person, and progress
     hand_track            poses and named fingertips of hand frames
     registration          pose of the device in the surface frame
-    simulated             one simulated person over both devices, with the truth
+    simulated             one simulated person with both devices, and the truth
 """

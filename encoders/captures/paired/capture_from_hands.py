@@ -71,10 +71,10 @@ def capture_from_hands(
         time: (F,) s, times of the frames.
         calibration: Calibration of the hand.
         rules: Rules for dropping contacts and frames.
-        report: Receives the counts of dropped ones, and estimated values.
+        report: Receives the counts of dropped contacts and frames, and estimated values.
         meta: Metadata of the capture.
         one_clock: True if both times are on one clock, up to latencies.
-        offset: s, the frames' clock minus the touches' clock, if known; None estimates it from
+        offset: The frames' clock minus the touches' clock (s), if known; None estimates it from
             taps.
         correct: Selection of the touching fingertips that are corrected to their touches.
 
@@ -197,10 +197,10 @@ def corrected(
     Args:
         capture: The capture.
         track: The hand, in the frame of the surface.
-        offset: s, the hand's clock minus the touches' clock.
+        offset: The hand's clock minus the touches' clock (s).
         rules: `gap`.
         which: Selection of touching fingertips.
-        error: m, rad, rad: standard deviation of a pose in position, rotation and joints.
+        error: Standard deviation of a pose in position, rotation and joints (m, rad, rad).
     """
     tips, _ = track.seen_at(capture.time + offset, rules.gap)
     unseen = np.isnan(tips[..., 0])
@@ -235,7 +235,7 @@ def _note(
 
 BESIDE = 0.015
 """Distance (m) from a touch within which a visible fingertip labels it. It is more than half of the
-least distance of neighbouring fingers, but a visible neighbour would be nearer to its own touch."""
+least distance of neighbouring fingers, but a visible neighbour is nearer to its own touch."""
 
 _VOTES = 3
 """Number of moments at which a fingertip must be seen beside a touch to label it."""
@@ -248,16 +248,16 @@ def label_by_fingertips(
     rules: ConversionRules,
     report: ConversionReport,
 ) -> list[LabelledTrack]:
-    """Labels contacts; those that cannot be labelled are counted and left out.
+    """Labels contacts; contacts that cannot be labelled are counted and left out.
 
     A fingertip seen beside the touch labels it. But the first Leap software loses bent fingers, and
-    PAALM's guess of their place is wrong. Such a touch gets, of the fingers that are neither seen
-    elsewhere nor used by another touch, the one whose guessed place is nearest.
+    PAALM's guess of their place is wrong. A touch of such a finger gets the nearest guessed finger
+    among those that are neither seen elsewhere nor used by another touch.
 
     Args:
         tracks: Contacts.
         track: The hand, in the frame of the surface.
-        offset: s, the hand's clock minus the touches' clock.
+        offset: The hand's clock minus the touches' clock (s).
         rules: `reach`, `doubt`, `gap`, `rate`.
         report: Receives the counts.
     """
@@ -311,12 +311,12 @@ def _distances(
 
 
 def _least(off: Array) -> float:
-    """Median distance in m of the nearest fingertip; infinite for a contact without one."""
+    """Median distance (m) of the nearest fingertip; infinite for a contact without a fingertip."""
     return float(np.median(off.min(axis=1))) if len(off) else np.inf
 
 
 def _taken(tracks: list[ContactTrack], number: int, labelled: dict[int, LabelledTrack]) -> set[int]:
-    """Fingers of contacts that are down at some time of this contact's life."""
+    """Fingers of contacts that are down at some time during this contact."""
     own = tracks[number]
     return {
         other.finger

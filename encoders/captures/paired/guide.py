@@ -1,9 +1,9 @@
 """Instructions for a person during a paired capture, with progress.
 
-The guide asks first for the open hand, which PAALM must measure; then for three taps, which
-synchronise the clocks; then for every set of two to five fingers, since a missing set cannot be
-reconstructed later. A touch device does not report which fingers touch. The guide counts them and
-relies on the person for their labels.
+The guide first requests the open hand, which PAALM must measure; then three taps, which synchronise
+the clocks; then every set of two to five fingers, since a missing set cannot be reconstructed
+later. A touch device does not report which fingers touch. The guide counts the touches and relies
+on the person for the labels.
 """
 
 from __future__ import annotations
@@ -25,13 +25,13 @@ SETS: tuple[tuple[int, ...], ...] = tuple(
 """The 26 finger sets. Those with many fingers come first, since they locate the device best."""
 
 PICTURES = 20
-"""Number of pictures with the hand before the taps; a hand seen by a camera is not measured."""
+"""Number of pictures with the hand before the taps. A hand seen by a camera is not measured."""
 
 ROUNDS = 2
 """Number of takes of every set. With a single take, a set could not be held out for testing."""
 
 _MOST_STEP = 0.1
-"""Most time (s) that one frame adds, so that a paused device adds hardly any."""
+"""Largest time (s) that one frame adds, so that a paused device adds hardly any."""
 
 
 @dataclass(frozen=True)

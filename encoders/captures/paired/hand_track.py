@@ -36,25 +36,26 @@ class HandTrack(JointTrack):
     """Poses by PAALM, and the fingertips that the device saw.
 
     Attributes:
-        seen: (J, 5, 3) m, fingertips as the device saw them; NaN where it did not.
+        seen: (J, 5, 3) m, fingertips that the device saw; NaN where it saw none.
     """
 
     seen: Array
 
     @cached_property
     def tips(self) -> Array:
-        """Fingertips (J, 5, 3) m as seen, otherwise those of the pose."""
+        """Fingertips (J, 5, 3) m: seen fingertips, otherwise those of the pose."""
         return np.where(np.isnan(self.seen), self.kinematics.tips(self.q), self.seen)
 
     def seen_at(self, times: Array, gap: float) -> tuple[Array, NDArray[np.bool_]]:
-        """Seen fingertips (m, 5, 3) at times, NaN where not seen; and booleans of where frames
-        exist."""
+        """Seen fingertips (m, 5, 3) at times, NaN where not seen; and a mask of the times with
+        frames."""
         before, share, known = self._between(times, gap)
         a, b = self.seen[before], self.seen[before + 1]
         return a + share[:, None, None] * (b - a), known
 
     def tip_at(self, finger: int, times: Array, gap: float) -> tuple[Array, NDArray[np.bool_]]:
-        """Interpolates one fingertip (m, 3) as the device saw it, with booleans of where it did."""
+        """Interpolates one fingertip (m, 3) as the device saw it, with a mask of the times at which
+        it did."""
         tips, known = self.seen_at(times, gap)
         known = known & np.isfinite(tips[:, finger]).all(axis=1)
         return np.where(known[:, None], tips[:, finger], 0.0), known
@@ -76,7 +77,7 @@ def hand_track(
 
     Args:
         frames: All frames of the recording.
-        time: (F,) s, times of the frames on the wanted clock.
+        time: (F,) s, times of the frames on the clock of the result.
         calibration: Calibration of the hand.
 
     Returns:
@@ -115,11 +116,11 @@ def hand_track(
 
 
 def skeleton_of(calibration: HandCalibration) -> tuple[Skeleton, Array]:
-    """The person's skeleton as far as the device reports it, and its palm's centre (3,) m.
+    """The person's skeleton as reported by the device, and its palm's centre (3,) m.
 
-    With bones, every bone has its reported length; without, all are scaled from the average.
-    Knuckles are always scaled from the average, since a device's definition of the palm's centre is
-    unknown.
+    With reported bones, every bone has its reported length. Otherwise, all bones are scaled from
+    the average. Knuckles are always scaled from the average, since a device's definition of the
+    palm's centre is unknown.
     """
     average = np.array(bone_lengths())
     if calibration.bones is not None:

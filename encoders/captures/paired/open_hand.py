@@ -15,17 +15,17 @@ OPEN_FRAMES = 200
 """Frames of the open hand at the beginning; the paper's 1000 lasted 10 s."""
 
 _EVERY = 20
-"""Frames between two looks whether the hand is open."""
+"""Number of frames between two checks for an open hand."""
 
 
 def open_hand(frames: Sequence[HandFrame], side: str, wanted: int = OPEN_FRAMES) -> HandCalibration:
     """Measures the hand that is held open at the beginning of a recording.
 
-    A device that knows joints also sends frames in which it sees no hand. If there are too many of
-    them at first, or if the hand is not open at once, the first moment counts in which it is.
+    A device that reports joints also sends frames without a hand. If there are too many such frames
+    at first, or if the hand is not open at once, the first moment with an open hand counts.
 
     Raises:
-        EncoderError: It is not held open; the error gives the reason.
+        EncoderError: The hand is not held open; the error gives the reason.
     """
     try:
         which: Any = side
@@ -40,15 +40,16 @@ def open_hand(frames: Sequence[HandFrame], side: str, wanted: int = OPEN_FRAMES)
 
 
 class OpenHandSearch:
-    """Looks for the first moment in which a hand whose joints are known is held open.
+    """Searches for the first moment in which a hand with known joints is held open.
 
     Args:
         side: `right` or `left`.
         wanted: Number of frames with five fingers that measure a hand.
 
     Attributes:
-        seen: Number of such frames in the moment that is looked at, `wanted` at most.
-        refused: Why the last hand that was looked at is not open; empty before the first look.
+        seen: Number of such frames in the current moment, at most `wanted`.
+        refused: Reason why the last hand that was checked is not open; empty before the first
+            check.
     """
 
     def __init__(self, side: str, wanted: int = OPEN_FRAMES) -> None:
@@ -79,7 +80,7 @@ class OpenHandSearch:
             return None
 
     def _latest(self) -> list[HandFrame]:
-        """The last frames that hold as many whole hands as are wanted."""
+        """The shortest run of latest frames that contains `wanted` whole hands."""
         frames, whole = list(self._frames), 0
         for begin in range(len(frames) - 1, -1, -1):
             whole += self._whole(frames[begin])
@@ -95,5 +96,5 @@ class OpenHandSearch:
 
 
 def is_whole(hand: TrackedHand, side: str) -> bool:
-    """True if a hand has five fingers, and is not known to be of the other side."""
+    """True if a hand has five fingers, and is not reported as a hand of the other side."""
     return hand.side in (None, side) and len(hand.fingers) == len(FINGERS)

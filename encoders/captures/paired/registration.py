@@ -27,7 +27,7 @@ neighbouring fingers."""
 
 _ROUNDS = 15
 _KEPT = 0.7
-"""Share of the nearest pairs that count; the others include fingers that are about to land."""
+"""Share of the nearest pairs that are used; the others include fingers that are about to land."""
 
 
 @dataclass(frozen=True)

@@ -1,11 +1,11 @@
 """Simulates a paired capture: a SIMULATED person touches a tablet while a Leap sees the hand.
 
-The person is a simulated subject, with individual bones and without the errors of a capture system;
-the hand is held open, taps three times, then does the subject's takes and is lifted between them.
-Each device has a clock, a latency and a jitter of its own. The data are simulated, not recorded;
-the truth is kept beside the devices' data.
+The person is a simulated subject, with individual bones and without the errors of a capture system.
+The hand is held open, taps three times, then does the subject's takes and is lifted between them.
+Each device has a clock, a latency and a jitter of its own. The data are simulated, not recorded.
+The truth is stored with the devices' data.
 
-`encoders.paalm.simulated.forward` simulates the Leap's view, as if no tablet were in its way.
+`encoders.paalm.simulated.forward` simulates the Leap's view, as if no tablet were in the way.
 """
 
 from __future__ import annotations
@@ -38,23 +38,23 @@ class PairedConfiguration:
     """Settings of a session and of the devices' errors. Lengths in m, times in s.
 
     Attributes:
-        script: Seconds of day 0 with fingers down, all 26 sets together.
-        script_rate: Hz at which day 0 is played.
-        play: Seconds of later days with fingers down; the paper's 2,538 frames at 30 Hz.
-        open_seconds: Seconds of the open hand at the beginning.
-        taps: s from the end of one tap to the next touch-down, uneven on purpose.
+        script: Time (s) of day 0 with fingers down, all 26 sets together.
+        script_rate: Rate (Hz) at which day 0 is played.
+        play: Time (s) of later days with fingers down; the paper's 2,538 frames at 30 Hz.
+        open_seconds: Time (s) of the open hand at the beginning.
+        taps: Times (s) from the end of one tap to the next touch-down, uneven on purpose.
         tap: Time (s) for which a tap lasts.
-        every: 1 to keep all takes, n to keep every n-th of them, of other sets of fingers.
+        every: 1 to use all takes, n to use every n-th take, and thus other sets of fingers.
         pause: Least and greatest time (s) between takes.
         lift: Height of the hand's path between takes.
-        size, bone, knuckle: The person's bones: spread of size and of every bone as shares,
-            of every coordinate of a knuckle in m.
-        touch_rate, leap_rate: Hz.
+        size, bone, knuckle: Spread of the person's size and of every bone, as shares, and of every
+            coordinate of a knuckle (m).
+        touch_rate, leap_rate: Rates (Hz).
         touch_latency, leap_latency: Mean from the event to its arrival (s).
-        jitter: s, mean of the part of it that differs from frame to frame (exponential).
-        drift: Share by which the Leap's second is too short.
-        tilt: rad, rotation of the Leap's axes relative to the surface's: pitch, roll, yaw.
-        at: m, its position in the surface's frame.
+        jitter: Mean (s) of the part of the latency that differs from frame to frame (exponential).
+        drift: Share by which a second of the Leap's clock is too short.
+        tilt: Rotation (rad) of the Leap's axes relative to the surface's: pitch, roll, yaw.
+        at: Position (m) of the Leap in the surface's frame.
     """
 
     script: float = 150.0
@@ -80,7 +80,7 @@ class PairedConfiguration:
 
 
 _LIFTED = 0
-"""Stands for the id of a finger that does not tap."""
+"""Replaces the id of a finger that does not tap."""
 _TREMBLE = 2e-4
 """Noise of the tapping touches (m); other touches have their subject's noise."""
 
@@ -102,9 +102,8 @@ class PairedSession:
         touch_delay, leap_delay: Mean delay from event to arrival (s).
         rotation, shift: The Leap's frame in the surface's frame.
         side: The hand, left or right.
-        motion: The hand's true motion as of a right one: knots (n,) s and poses (n, 48) in the
-            surface frame, between which it moves smoothly.
-        skeleton: The person's bones.
+        motion: The hand's true motion, mirrored to a right hand: knots (n,) s and poses (n, 48) in
+            the surface frame, between which it moves smoothly.
     """
 
     touches: tuple[TouchFrame, ...]
@@ -123,12 +122,12 @@ class PairedSession:
     skeleton: Skeleton
 
     def poses_at(self, times: Array) -> Array:
-        """True poses (m, 48) in the surface frame, as of a right hand."""
+        """True poses (m, 48) in the surface frame, mirrored to a right hand."""
         return _at(times, *self.motion)
 
     @property
     def offset(self) -> float:
-        """Arrival times of the Leap minus those of the touches for the same events, s."""
+        """Arrival times of the Leap minus those of the touches for the same events (s)."""
         return self.leap_delay - self.touch_delay
 
 
@@ -302,7 +301,7 @@ def _open_pose(over: Array) -> Array:
 
 
 def _at(wanted: Array, time: Array, q: Array) -> Array:
-    """Poses (n, 48) between the knots; a cubic has no corners where fingers hold still."""
+    """Poses (n, 48) between the knots, by cubics that do not overshoot where fingers hold still."""
     from scipy.interpolate import PchipInterpolator
 
     return np.asarray(PchipInterpolator(time, q, axis=0)(wanted))
@@ -315,12 +314,12 @@ def _touched(
     time: Array,
     c: PairedConfiguration,
 ) -> tuple[TouchFrame, ...]:
-    """Frames of the tablet: while fingers are down, and one when the last has left."""
+    """Frames of the tablet: frames with fingers down, and one frame after the last has left."""
     grid = np.arange(0.0, time[-1], 1.0 / c.touch_rate)
     frames: list[TouchFrame] = []
     rows_of = {trial: np.flatnonzero(truth.trial == trial) for trial, _ in starts}
     spans: list[tuple[float, float, Array, Array]] = []
-    # The taps: five fingers at the tips of the tapping hand.
+    # In the taps, the five touches are at the tips of the tapping hand.
     five = int(truth.down.sum(axis=1).argmax())
     clock, number = c.open_seconds + 1.0, -1
     for gap in c.taps:
@@ -386,8 +385,8 @@ def _air(
     open_seconds: float,
     side: str,
 ) -> AirTake:
-    """The hand in the device's frame; `rotation` and `shift` are the device's in the surface's
-    frame."""
+    """The hand in the device's frame; `rotation` and `shift` give the device's pose in the
+    surface's frame."""
     palm = exp(q[:, ROOT_ROTATION])
     origin = q[:, ROOT_POSITION] + palm @ centre
     world = joints_of(q)

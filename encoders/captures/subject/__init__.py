@@ -3,7 +3,7 @@
 A reimplementation needs poses and touches of the same hand at the same time, and no public
 recording contains both. The subject moves a hand over a touch surface as a person might, and is
 then measured with the errors of a capture system and a touch screen. Its captures are simulated,
-not real data, and everything made from them says so.
+not real data, and all results made from them are marked as simulated.
 """
 
 from encoders.captures.subject.configuration import FROZEN, SEED, SubjectConfiguration

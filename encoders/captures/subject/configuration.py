@@ -1,10 +1,9 @@
 """Settings of the simulated subject, with units.
 
-Sizes of sets and of the screen are the paper's (Chung, Kim, Han,
-Pollard 2015, sections 3 and 4). Everything else is a guess at how a hand moves, of a plausible
-order of magnitude. Amplitudes and spreads among them were tuned until principal components and the
-paper's own method came near the paper's numbers (docs/encoding.md tells on which seeds), and were
-then frozen.
+Sizes of sets and of the screen are the paper's (Chung, Kim, Han, Pollard 2015, sections 3 and 4).
+All other values are guesses about the movement of a hand, of a plausible order of magnitude.
+Amplitudes and spreads were tuned until principal components and the paper's own method came near
+the paper's numbers (docs/encoding.md names the seeds), and were then frozen.
 """
 
 from __future__ import annotations
@@ -21,9 +20,9 @@ class SubjectConfiguration:
     """Settings of movement, measurement and tasks of the subject.
 
     Attributes:
-        training_frames: Frames with 2, 3, 4 and 5 fingers on day 0; the paper's 7,083 (its 2,020
-            and 874 are printed, the split of the rest between 2 and 5 fingers is ours).
-        test_frames: The same for every later day; the paper's 2,538.
+        training_frames: Frames with 2, 3, 4 and 5 fingers on day 0; 7,083 in total, as in the paper
+            (its 2,020 and 874 are printed; the split of the rest between 2 and 5 fingers is ours).
+        test_frames: The same for every later day; 2,538 in total, as in the paper.
         training_rate: Frame rate (Hz) of day 0. Successive frames are nearly equal, so the script
             is sampled slowly: 7,083 frames last 8 minutes rather than 4.
         test_rate: Rate (Hz) of later days.
@@ -32,65 +31,71 @@ class SubjectConfiguration:
         stay: Least and greatest time (s) between two changes of the touching fingers on later days.
         transition: Time (s) from resting on the surface to fully lifted.
 
-        move: Amplitude of the hand's way over the surface (m).
+        move: Amplitude (m) of the hand's path over the surface.
         turn: Amplitude (rad) of the hand's turn about the surface's normal.
         grasp: Amplitude of opening and closing, as a share of the natural span.
         grasp_closed: Bias towards closing: 0 opens as much as it closes, 1 only closes.
         widest: Greatest span, as a share of the natural span.
-        pinch: Amplitude of thumb and fingers nearing each other, as a share of their distance.
+        pinch: Amplitude of the approach of thumb and fingers, as a share of their distance.
         pinch_closed: As `grasp_closed`; at 1 a pinch never opens beyond the natural distance.
-        pinch_least: Widest pinch: a share of the distance that is added, thus negative.
-        placing: Distance (m) by which each fingertip is put down elsewhere from take to take.
-        wobble: m, each fingertip's own way about the layout within a take.
-        tip_width: Least distance between two fingertips' middles (m): fingers do not overlap.
+        pinch_least: Widest pinch, as a share of the distance that is added, thus negative.
+        placing: Standard deviation (m) of the place at which each fingertip is put down, from take
+            to take.
+        wobble: Standard deviation (m) of each fingertip's own path about the layout within a take.
+        tip_width: Least distance (m) between two fingertips' middles, so that fingers do not
+            overlap.
         aside: Share of the other gestures in a clip of one gesture.
-        swing: s, least and greatest duration of one stroke of a gesture.
+        swing: Least and greatest duration (s) of one stroke of a gesture.
         variety: Least and greatest factor on a stroke's amplitude.
         greatest_turn: Limit of the forearm's rotation (rad).
         free_amplitude: Amplitude of free-form gestures relative to the script's.
 
-        root_position_spread: m, of wrist x, y, z about its place over the layout.
-        root_rotation_spread: rad, of pitch, roll and yaw.
-        synergy_spread: rad, of flexing all fingers; knuckles against the middle joints; index side
-            against little side; opposing the thumb; spreading; flexing the thumb.
-        finger_spread: rad, of MCP flexion, MCP abduction, PIP and DIP beyond the synergies.
-        thumb_spread: rad, of CMC flexion, abduction, twist, MCP flexion, abduction likewise.
-        neighbour: Correlation of that remainder between neighbouring fingers.
+        root_position_spread: Spread (m) of wrist x, y, z about its place over the layout.
+        root_rotation_spread: Spread (rad) of pitch, roll and yaw.
+        synergy_spread: Spread (rad) of flexing all fingers; knuckles against the middle joints;
+            index side against little side; opposing the thumb; spreading; flexing the thumb.
+        finger_spread: Spread (rad) of MCP flexion, MCP abduction, PIP and DIP beyond the synergies.
+        thumb_spread: Spread (rad) of CMC flexion, abduction, twist, MCP flexion, abduction beyond
+            the synergies.
+        neighbour: Correlation of that remaining spread between neighbouring fingers.
         hinge_tilt: Spread of the hinges' axes about the bones' own (rad).
-        style: Spread of the posture aimed at, from take to take, as a share of the prior's.
-        sway: The same within a take.
-        root_variety: Factor on both for the root: arm and wrist vary more than their stiffness
-            relative to the fingers suggests, and the fingers compensate.
-        sway_time: s, over which it changes.
+        style: Spread of the intended posture, from take to take, as a share of the prior's.
+        sway: Spread of the intended posture within a take, as a share of the prior's.
+        root_variety: Factor on `style` and `sway` for the root: arm and wrist vary more than their
+            stiffness relative to the fingers suggests, and the fingers compensate.
+        sway_time: Time (s) over which the sway changes.
         arm_turn: Share of the surface's turn that the hand makes.
-        elbow: Share of the direction from elbow to hand in the hand's yaw.
+        elbow: Weight of the direction from elbow to hand in the hand's yaw.
         elbow_distance: Distance (m) from the elbow to the near edge of the surface.
 
-        contact_precision: m, to which a touching fingertip meets its target.
-        lift_precision: m, to which a lifted fingertip keeps its height.
+        contact_precision: Precision (m) with which a touching fingertip meets its target.
+        lift_precision: Precision (m) with which a lifted fingertip holds its height.
         lift_height: Least and greatest height of lifted fingertips (m).
         curl_share: Share of takes that lift fingers by curling rather than by stretching them.
-        lift_posture: Angle (rad) by which a lifted finger's joints turn towards that.
-        tip_height: Centre of a touching fingertip's end sphere above the surface (m): its radius
-            less the flesh that the surface flattens.
+        lift_posture: Angle (rad) by which a lifted finger's joints turn towards curling or
+            stretching.
+        tip_height: Height (m) of the centre of a touching fingertip's end sphere above the surface:
+            its radius less the flesh that the surface flattens.
 
-        pad_roll: Distance (m) from the fingertip's centre to the touch's when the finger lies flat.
+        pad_roll: Distance (m) from the fingertip's centre to that of the touch when the finger lies
+            flat.
         touch_noise: Noise of touch positions (m).
-        touch_resolution: dots per inch of the reported position; an iPad 2 has 132.
-        soft_tissue: rad, slow error of joint angles, because markers move with the skin.
-        soft_tissue_time: s, over which it changes.
-        joint_noise: rad, fast error of joint angles.
-        root_noise: m and rad, fast error of the root.
+        touch_resolution: Resolution (dots per inch) of the reported position; an iPad 2 has 132.
+        soft_tissue: Slow error (rad) of joint angles, because markers move with the skin.
+        soft_tissue_time: Time (s) over which the slow error changes.
+        joint_noise: Fast error (rad) of joint angles.
+        root_noise: Fast error (m and rad) of the root.
 
-        tip_marker: m, to which the capture system's skeleton meets the fingertips' markers.
+        tip_marker: Precision (m) with which the capture system's skeleton meets the fingertips'
+            markers.
 
-        day_joint: rad, constant error of joint angles of another day: markers placed anew.
-        day_root: m and rad, the same of the root.
-        day_style: Shift of the posture aimed at on another day, as a share of the prior's spread.
-        day_elbow: Distance (m) by which the subject sits elsewhere.
-        day_yaw: rad, change of the hand's yaw.
+        day_joint: Constant error (rad) of joint angles of another day: markers are placed anew.
+        day_root: Constant error (m and rad) of the root of another day.
+        day_style: Shift of the intended posture on another day, as a share of the prior's spread.
+        day_elbow: Standard deviation (m) of the elbow's place on another day, along each axis.
+        day_yaw: Standard deviation (rad) of the change of the hand's yaw on another day.
         free_style: Concentration of the mixture of gestures; below 1, one dominates.
-        natural: Exponent on the naturalness of a finger set, when the subject chooses freely.
+        natural: Exponent on the naturalness of a finger set when the subject chooses freely.
     """
 
     training_frames: tuple[int, int, int, int] = (2500, 2020, 874, 1689)

@@ -17,14 +17,15 @@ GESTURES = ("move", "grasp", "pinch", "rotate")
 """The paper's gestures: "moving, grasping, pinching, and rotating motions" (section 4)."""
 
 MARGIN = 0.006
-"""Distance (m) between fingertips and the screen's edge: half a touch, which a screen reports only
-whole."""
+"""Distance (m) between fingertips and the screen's edge: half a touch, since a screen reports only
+whole touches."""
 
 _COMPONENTS = 24
 """Number of waves in a smooth noise; enough for its values to be nearly normal."""
 
 _PUSHES = 8
-"""Rounds of pushing fingertips apart; five in a row then keep their distance within 1 mm."""
+"""Number of rounds that push fingertips apart; five in a row then keep their distance within 1
+mm."""
 
 _THUMB = 0
 
@@ -34,9 +35,9 @@ class Path:
     """Intended positions of the touches in n frames.
 
     Attributes:
-        turn: (n,) rad, of the layout, counterclockwise seen from above.
-        place: (n, 2) m, of the natural layout's origin, 3-D surface frame.
-        targets: (n, 5, 2) m, of every fingertip, touching or not, 3-D surface frame.
+        turn: (n,) rad, rotation of the layout, counterclockwise seen from above.
+        place: (n, 2) m, position of the natural layout's origin, 3-D surface frame.
+        targets: (n, 5, 2) m, positions of all fingertips, touching or not, 3-D surface frame.
     """
 
     turn: Array
@@ -49,8 +50,8 @@ def smooth_noise(
 ) -> Array:
     """Independent smooth noises (n, *shape) of variance 1.
 
-    A sum of waves of random frequency: it can be sampled at any times, so that the same movement
-    may be recorded at any rate. Frequencies are heavy-tailed, as those of a Matern 3/2 process.
+    A sum of waves of random frequency can be sampled at any times, so that the same movement may be
+    recorded at any rate. Frequencies are heavy-tailed, as those of a Matern 3/2 process.
     """
     frequency = rng.standard_t(3, (_COMPONENTS, *shape)) / timescale
     phase = rng.uniform(0, 2 * np.pi, (_COMPONENTS, *shape))
@@ -66,8 +67,8 @@ def strokes(
 ) -> Array:
     """A path (n,) to and fro between about -1 and 1.
 
-    Every stroke is a minimum-jerk movement, which is how people move a hand between two points
-    (Flash and Hogan 1985): it rests at both ends.
+    Every stroke is a minimum-jerk movement with rest at both ends, as people move a hand between
+    two points (Flash and Hogan 1985).
     """
     count = int(np.ceil((times[-1] - times[0]) / swing[0])) + 2
     ends = times[0] + np.concatenate([[0.0], np.cumsum(rng.uniform(*swing, count))])
@@ -94,8 +95,8 @@ def path(
     Args:
         rng: Source of the take's randomness.
         times: (n,) s.
-        amplitudes: (4,) share of every gesture in `GESTURES`.
-        fingers: (5,) booleans, fingers that touch at some time; only they are pinched together and
+        amplitudes: (4,) share of each gesture of `GESTURES`.
+        fingers: (5,) booleans, fingers that touch at some time. Only these are pinched together and
             must stay on the screen.
         layout: (5, 2) m, natural positions of the fingertips relative to their middle.
         surface: The screen.
@@ -143,7 +144,7 @@ def _pinched(tips: Array, closing: Array, fingers: NDArray[np.bool_]) -> Array:
 
 
 def _apart(tips: Array, width: float) -> Array:
-    """Pushes fingertips (n, 5, 2) apart until they are at least a width from each other."""
+    """Pushes fingertips (n, 5, 2) apart to at least a width from each other."""
     tips = tips.copy()
     pairs = list(combinations(range(tips.shape[1]), 2))
     for _ in range(_PUSHES):
@@ -184,7 +185,7 @@ class Take:
 
     Attributes:
         down: (n, 5) booleans, touching fingers, frame by frame.
-        amplitudes: (4,) share of every gesture.
+        amplitudes: (4,) share of each gesture of `GESTURES`.
         rate: Rate (Hz) of the frames.
     """
 
@@ -229,8 +230,8 @@ def _script(rng: np.random.Generator, configuration: SubjectConfiguration) -> li
 def _free_play(rng: np.random.Generator, configuration: SubjectConfiguration) -> list[Take]:
     """Free play, as with clay: mixed gestures, with fingers landing and lifting at any time.
 
-    Stretches with one set follow each other until the day's frames of every set size are used up;
-    within a take, neighbouring stretches differ by one or two fingers.
+    Stretches with one finger set follow each other until the day's frames of every set size are
+    used up. Within a take, neighbouring stretches differ by one or two fingers.
     """
     c = configuration
     left = dict(zip(range(2, 6), c.test_frames, strict=True))
@@ -248,7 +249,7 @@ def _free_play(rng: np.random.Generator, configuration: SubjectConfiguration) ->
             continue
         assert following is not None
         frames = min(int(rng.uniform(*c.stay) * c.test_rate), left[len(following)])
-        # No remainder too short to be seen is left.
+        # No remainder shorter than the least stay is left.
         if left[len(following)] - frames < c.stay[0] * c.test_rate:
             frames = left[len(following)]
         left[len(following)] -= frames
@@ -265,8 +266,8 @@ def _next_set(
     left: dict[int, int],
     configuration: SubjectConfiguration,
 ) -> tuple[int, ...] | None:
-    """A set that may follow, or None; more likely if natural and if many frames of its size
-    remain."""
+    """A set that may follow, or None. Natural sets are more likely, and sets of a size with many
+    remaining frames."""
     weights = np.zeros(len(SETS))
     for i, fingers in enumerate(SETS):
         changes = 1 if current is None else len(set(fingers) ^ set(current))
@@ -281,7 +282,8 @@ def _next_set(
 def _naturalness(fingers: tuple[int, ...]) -> float:
     """Naturalness of a finger set: higher with the index finger and without gaps between fingers.
 
-    Two or three fingers touch with the thumb, because they pinch; four rather swipe without it.
+    Two or three fingers touch with the thumb, because they pinch; four fingers rather swipe without
+    it.
     """
     others = [f for f in fingers if f > 0]
     gaps = others[-1] - others[0] + 1 - len(others)

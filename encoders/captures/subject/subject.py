@@ -1,7 +1,7 @@
 """Simulates the subject: the takes of a day become one capture.
 
-The subject's hand takes the most likely posture with its fingertips over the touches. A screen
-then measures the touches, and a capture system the poses.
+The subject's hand takes the most likely posture with its fingertips over the touches. A simulated
+screen measures the touches, and a simulated capture system the poses.
 """
 
 from __future__ import annotations
@@ -40,11 +40,10 @@ _FINGERS = (11, 15, 19, 23)
 class Anatomy:
     """A subject's hand: its hinges and the covariance of its postures.
 
-    Attributes:
-        hinges: (48, 27) matrix from degrees of freedom to the pose: q = hinges @ theta. The joints
-            with two and three degrees of freedom combine them as components of one rotation vector,
-            as eye and shoulder nearly do (Listing's law). Columns of the root are units.
-        covariance: (27, 27) of the posture the subject aims at.
+    hinges: (48, 27) matrix from degrees of freedom to the pose: q = hinges @ theta. Joints with two
+    and three degrees of freedom combine them as components of one rotation vector, as eye and
+    shoulder nearly do (Listing's law). Columns of the root are unit vectors.
+        covariance: (27, 27) covariance of the intended posture.
     """
 
     hinges: Array
@@ -81,8 +80,8 @@ def _freedoms() -> list[tuple[int, Array]]:
 def _covariance(configuration: SubjectConfiguration) -> Array:
     """Covariance (27, 27): six synergies, and a remainder in which neighbouring fingers move alike.
 
-    Because of these correlations a lifted finger is not free: given the touching ones, the most
-    likely posture moves it along (enslaving).
+    Because of these correlations, a lifted finger is not free: in the most likely posture it moves
+    along with the touching fingers (enslaving).
     """
     c = configuration
     loadings = _synergies() * np.array(c.synergy_spread)[:, None]
@@ -131,18 +130,18 @@ def lifting(curled: bool) -> Array:
 ITERATIONS = 20
 
 _FIRST_PRECISION = 0.02
-"""Precision of targets in the first iterations (m): at full precision, a far hand would
+"""Precision (m) of targets in the first iterations; at full precision, a far hand would
 overshoot."""
 
 _STEP = 0.15
-"""Largest rotation of a joint in one iteration (rad): tips are nearly linear in joints only so
-far."""
+"""Largest rotation (rad) of a joint in one iteration, within which tips are nearly linear in
+joints."""
 
 _WALL = np.deg2rad(0.5)
 """Softness of a joint's wall (rad)."""
 
 _BEFORE_LIMIT = np.deg2rad(2.0)
-"""Angle (rad) between the wall and the anatomic limit: room for the errors of measurement."""
+"""Angle (rad) between the wall and the anatomic limit, as room for errors of measurement."""
 
 
 class PostureSolver:
@@ -151,11 +150,12 @@ class PostureSolver:
         theta = argmin  sum over fingertips |tip - target|^2 / precision^2
                         + (theta - aim)' S^-1 (theta - aim) + a wall at the joints' limits
 
-    by Gauss-Newton. So poses are not polynomials of the touches: tips are trigonometric in the
-    joints, the solution contains an inverse, and the aim cannot be known from the touches alone.
+    by Gauss-Newton. Poses are therefore not polynomials of the touches: tips are trigonometric in
+    the joints, the solution contains an inverse, and the aim does not follow from the touches
+    alone.
 
     Args:
-        kinematics: That of the skeleton.
+        kinematics: Kinematics of the skeleton.
         anatomy: Posture at rest, its covariance, and the joints' hinges.
     """
 
@@ -170,14 +170,16 @@ class PostureSolver:
         """Computes postures (n, 27).
 
         Args:
-            aim: (n, 27) posture aimed at.
-            targets: (n, 5, 3) m, of the fingertips, in the frame of the root's freedoms.
-            precision: (n, 5, 3) m, required precision of each coordinate; infinite if it is free.
+            aim: (n, 27) intended posture.
+            targets: (n, 5, 3) m, targets of the fingertips, in the frame of the root's freedoms.
+            precision: (n, 5, 3) m, required precision of each coordinate; infinite for a free
+                coordinate.
         """
         theta = aim.copy()
         joints = self._hinges[JOINTS]
         for i in range(ITERATIONS):
-            # Geometric sequence from the first precision to the required one in the first half.
+            # Geometric sequence, in the first half, from the first precision to the required
+            # precision.
             share = min(1.0, 2 * i / ITERATIONS)
             sd = np.maximum(precision, _FIRST_PRECISION * 1e-3**share)
             weight = (1 / sd**2).reshape(len(aim), 15)
@@ -203,7 +205,7 @@ class PostureSolver:
 
 
 SUBJECT, DAY, TAKE = 0, 1, 2
-"""Purposes of random numbers; each has its own stream, so that none shifts another."""
+"""Purposes of random numbers. Each has its own stream, so that the purposes are independent."""
 
 _PAUSE = 2.0
 """Time (s) between two takes."""
@@ -227,7 +229,7 @@ def simulate(
     Args:
         configuration: Settings of subjects.
         seed: Seed of the subject: its hinges and all its actions.
-        day: 0 plays the training script, every later day is free play, sensors placed anew.
+        day: 0 plays the training script. Every later day is free play, with sensors placed anew.
         progress: Called with the share done, 0 to 1.
         skeleton: The subject's hand; another size gives the same habits to another hand.
         lean: (27,) deviation of the subject's resting posture from the middle of all ranges, in
@@ -289,15 +291,15 @@ class _Person:
         rng = np.random.default_rng([seed, SUBJECT])
         self.anatomy = anatomy(rng, skeleton, configuration)
         self.solver = PostureSolver(self.kinematics, self.anatomy)
-        # Factor that turns independent unit variables into deviations of posture.
+        # Factor that converts independent unit variables to deviations of posture.
         self.habit = np.linalg.cholesky(self.anatomy.covariance).T
         self.rest, self.layout = self._rest(np.zeros(FREEDOMS) if lean is None else lean)
 
     def _rest(self, lean: Array) -> tuple[Array, Array]:
         """Posture (27,) with all fingertips on the surface, and their positions (5, 2) m.
 
-        Both are relative to the fingertips' middle, and as near as possible to the middle of all
-        ranges, or as far from it as the subject leans.
+        Both are relative to the fingertips' middle. The posture is as near as possible to the
+        middle of all ranges, shifted by the subject's lean.
         """
         aim = (lean @ self.habit)[None]
         aim[0, 2] = -self.kinematics.tips(np.zeros(POSE_SIZE))[:, 2].mean()
@@ -361,7 +363,7 @@ class _Session:
         return np.arctan2(-reach[:, 0], reach[:, 1])
 
     def _aim(self, rng: np.random.Generator, times: Array, pressed: Array) -> Array:
-        """Posture (n, 27) that the subject would take without constraints by touches."""
+        """Posture (n, 27) that the subject would take if touches did not constrain it."""
         person, c = self.person, self.person.configuration
         sway = c.sway * smooth_noise(rng, times, c.sway_time, (FREEDOMS,))
         habit = self.style + c.style * rng.normal(size=FREEDOMS) + sway
@@ -431,8 +433,8 @@ def touches(
 ) -> Array:
     """Touches (n, 5, 2) m of all fingertips as a screen reports them (x right, y down).
 
-    The flatter a finger lies, the more of its pad touches, and the further back is the middle of
-    the touch. Positions come in whole dots.
+    The flatter a finger lies, the larger is the touching part of its pad, and the further back is
+    the middle of the touch. Positions are rounded to whole dots.
     """
     last = [*(skeleton.first_bone[1:] - 1), len(skeleton.bones) - 1]
     along = placement.rotations[..., last, :, :][..., 1]
@@ -443,7 +445,7 @@ def touches(
 
 
 def day_error(rng: np.random.Generator, configuration: SubjectConfiguration) -> Array:
-    """Constant error (48,) of one day's poses: markers never sit twice on the same spot."""
+    """Constant error (48,) of one day's poses: the positions of markers differ from day to day."""
     out = np.empty(POSE_SIZE)
     out[ROOT_POSITION] = rng.normal(0, configuration.day_root[0], 3)
     out[ROOT_ROTATION] = rng.normal(0, configuration.day_root[1], 3)
@@ -461,8 +463,8 @@ def measured_pose(
 ) -> Array:
     """Poses (n, 48) as a capture system reports them: with errors, and within anatomic limits.
 
-    Such a system turns joints until the skeleton meets the markers, those on the fingertips among
-    them. Its joints may err by degrees, but together they put the fingertips where they were.
+    Such a system turns joints until the skeleton meets the markers, including those on the
+    fingertips. Single joints may err by degrees, but together they give the right fingertips.
 
     Args:
         rng: Source of the errors.
