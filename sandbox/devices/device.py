@@ -566,8 +566,8 @@ class DeviceWrapper(Device):
 
 
 SILENCE = 0.5
-"""s without a frame after which a 3-D device or a camera is taken to see no hand. A working one
-sends many frames a second, also without a hand in view; touch devices send only changes."""
+"""Time (s) without a frame after which the hand of a 3-D device or a camera counts as out of view.
+A working one sends many frames a second, also without a hand; touch devices send only changes."""
 
 
 class LatestFrame:

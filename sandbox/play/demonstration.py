@@ -1,4 +1,4 @@
-"""A demonstration: the simulated user plays the very table that a person has before them.
+"""A demonstration: the simulated user plays a person's own trial.
 
 It is played in a process of its own at low priority, so that the trial is not slowed down, and the
 page gets it as frames when it is finished. A task that the simulated user cannot play, or does not
@@ -29,11 +29,11 @@ from sandbox.trial.driver import View, open_trial
 from sandbox.trial.settings import Settings, decoded, encoded
 
 PERIOD = 0.05
-"""s, simulated time between two frames of a demonstration."""
+"""Simulated time (s) between two frames of a demonstration."""
 MOST_FRAMES = 90
-"""Largest number of frames that a page gets; of a longer demonstration every second, third, ..."""
+"""Largest number of frames for a page; from longer demonstrations, only every nth frame is sent."""
 STIRRED, TURNED = 0.002, 0.05
-"""m, and change of an entry of its rotation matrix, from which on an object has moved."""
+"""Displacement (m), and change of an entry of the rotation matrix, by which an object has moved."""
 NICE = 15
 """Priority of the process, as of `nice`."""
 
@@ -43,8 +43,8 @@ _HEADER = struct.Struct("<BBHI")
 def demonstrated(settings: Settings, scene: int) -> bytes:
     """The message with frames of the simulated user's play, from its first touch to its success.
 
-    A try that left every object where it was, as a chord beside its keys, is left out: it shows a
-    person what not to do.
+    Attempts that moved no object, such as a chord beside its keys, are left out, since they show a
+    person a mistake.
 
     The layout is little-endian: PROTOCOL, KIND and the number of frames (uint8, uint8, uint16),
     the number of the scene (uint32), then for every frame its length (uint32) and its bytes.
@@ -74,7 +74,7 @@ def demonstrated(settings: Settings, scene: int) -> bytes:
 
 
 class _Film:
-    """Frames of a trial from the first touch that led to something.
+    """Frames of a trial from the first touch that moved an object.
 
     Args:
         scene: Number of the scene that the frames are for.
@@ -113,7 +113,7 @@ def _moved(before: Mapping[str, ObjectView], now: Mapping[str, ObjectView]) -> b
 
 
 class Demonstrator:
-    """Has demonstrations played, one at a time; a newer one ends the one before.
+    """Plays demonstrations, one at a time; a newer demonstration ends the previous one.
 
     Args:
         show: Called with the message of a demonstration that is finished, from another thread.
@@ -126,7 +126,7 @@ class Demonstrator:
 
     @property
     def playing(self) -> bool:
-        """True until the demonstration that was begun last is shown, or turns out to be none."""
+        """True until the last requested demonstration is shown, or has failed."""
         return self._waits is not None and self._waits.is_alive()
 
     def begin(self, settings: Settings, scene: int) -> None:
@@ -161,7 +161,7 @@ def main() -> None:
     with suppress(AttributeError, OSError):  # Windows has no such priority.
         os.nice(NICE)
     given = json.load(sys.stdin.buffer)
-    # Whatever else is printed goes elsewhere.
+    # All other output goes elsewhere.
     out, sys.stdout = sys.stdout, sys.stderr
     out.buffer.write(demonstrated(decoded(given["settings"]), given["scene"]))
     out.buffer.flush()

@@ -1,4 +1,4 @@
-"""The player's profile: what of it can be used, and layouts that are learned into it."""
+"""The player's profile: its usable settings, and the layouts that are added to it."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ def with_measured_hand(options: Options, console: Console, ask: bool | None = No
     Args:
         options: Options of `sandbox play`.
         console: Console for instructions.
-        ask: True if a person can be asked; None: if this is a terminal.
+        ask: True if questions are possible; None means: if this is a terminal.
     """
     if (
         options.device != LIVE_LEAP
@@ -65,7 +65,7 @@ def with_measured_hand(options: Options, console: Console, ask: bool | None = No
 
 
 def with_usable_profile(options: Options, console: Console) -> Options:
-    """Options without what cannot be used of the profile, which one line tells.
+    """Options without the unusable parts of the profile, which are printed in one line.
 
     Raises:
         InputError: There is no such file, or it is a calibration over a Leap.
@@ -109,7 +109,7 @@ def _say(text: str, console: Console) -> None:
 
 @dataclass
 class Learner:
-    """Layouts of five fingers that a player's takes add to the profile, for the takes after them.
+    """Layouts of five fingers that a player's trials add to the profile, for later trials.
 
     Attributes:
         path: File of the profile.
@@ -159,7 +159,7 @@ class Learner:
         return learner
 
     def after(self, session: Session) -> None:
-        """Keeps what a take has learned of the profile's hand."""
+        """Stores the layouts of the profile's hand that a trial has found."""
         profile = load_profile(self.path)
         side = profile.person.hand
         layouts = learned_layouts(session).get(side)

@@ -23,7 +23,7 @@ from sandbox.trial.logs import EventLog
 from sandbox.trial.trial_options import TrialOptions, trial_settings
 
 _PERIOD = 1.0 / 30.0
-"""s between two frames sent to the page, so that it sees that the program is running."""
+"""Time (s) between two frames for the page, which show it that the program is running."""
 
 
 class PageTouches(Device):
@@ -51,7 +51,7 @@ class PageTouches(Device):
         try:
             self._session = build(settings, device_makers(chosen))
         except SurfaceTooSmallError as error:
-            # No task is played, so the error must not speak of one.
+            # No task is played, so the error must not mention a task.
             width, height = settings.surface.size_in
             raise InputError(
                 "this screen is too small for a hand",
@@ -100,11 +100,11 @@ class PageTouches(Device):
 
 
 def open_page_touches(asked: TouchOptions, console: Console, patience: float) -> PageTouches | None:
-    """Serves the page and waits until somebody opens it; returns None after a timeout.
+    """Serves the page and waits until it is opened; returns None after a timeout.
 
     Args:
-        asked: Address of the page, and size of the touch rectangle if it is not to be measured on
-            the page.
+        asked: Address of the page, and size of the touch rectangle unless it is measured on the
+            page.
         console: Console for link and QR code.
         patience: Timeout, s.
     """

@@ -48,7 +48,7 @@ EASIEST_FIRST = (
 )
 """The order in which the page offers tasks: pushes and turns with any fingers first, then tasks
 that need a grip, a lift or a narrow path, then those that need named fingers or several lifts. It
-is judged by what they need; nobody has measured it with people."""
+follows from the requirements of the tasks, and was not measured with people."""
 
 
 def _difficulty(kind: type[Task]) -> int:
@@ -68,7 +68,7 @@ def open_page(
         options: Address, port and certificate.
         study: View of a study, which has no menus; None for play.
         touch: True if the player's page moves the hand.
-        headset: True for the page of a headset, False for that of fingers on a screen.
+        headset: True for the page of a headset, False for the page of fingers on a screen.
         task: Name or place of the task that play begins with, which the page's menu then offers
             beside the built-in ones.
 
@@ -158,7 +158,7 @@ def short_address(server: PageServer) -> str:
 
 
 def print_refusals(server: PageServer, console: Console) -> None:
-    """Prints what the server refused or lost, by reason, if there was anything."""
+    """Prints the numbers of refused or lost connections and messages, by reason, if any."""
     refused = server.counters.as_dict()
     if refused:
         console.print(
@@ -186,7 +186,7 @@ def show_session(
         hand: `right` or `left`.
         caption: Name of the player if it is not a person.
         device: Device for the page's touches; None: the page only shows.
-        own: Index of the hand that touches this page, if the other one touches elsewhere.
+        own: Index of the hand that touches this page, if the other hand touches elsewhere.
         scored: False if the result does not count.
         texts: Title, goal and hint that the page of a study shows, from the task's name and its own
             summary; None shows those of the task.

@@ -1,4 +1,4 @@
-"""What play in a window and on pages share: the player's requests, settings and views.
+"""Parts shared by play in a window and on pages: the player's requests, settings and views.
 
 Lines in the terminal about trials: notices, how a trial ended, and the latency of touches.
 
@@ -107,7 +107,7 @@ def judge_latency(log: LatencyLog, limit: float | None, console: Console) -> int
 
 
 class NoticePrinter:
-    """Prints notices; a terminal that stands still, as by Ctrl-S, does not hold up their session.
+    """Prints notices; a stopped terminal, as by Ctrl-S, does not delay the session.
 
     Args:
         console: Console of the program.
@@ -167,7 +167,7 @@ def report_end(result: TrialResult, console: Console) -> None:
     if result.scored is False:
         line += ", not scored: the table was scaled"
     if result.reason:
-        # After success a trial goes on, and what was done may be undone.
+        # After success a trial goes on, and the success may be undone.
         line += f"{'; afterwards, ' if result.success else ', '}{escape(result.reason)}"
     console.print(line)
 
@@ -234,7 +234,7 @@ class PlayerRequests:
     def applied_to(self, settings: Settings) -> Settings:
         """The settings with the requested task, hands and fingers, and the seed of this trial.
 
-        A task that needs more fingers than were requested is played with any.
+        A task that needs more fingers than were requested is played with any fingers.
         """
         hands = tuple(hand.on(side) for hand, side in zip(settings.hands, self.sides, strict=False))
         changed = replace(
@@ -250,7 +250,7 @@ class PlayerRequests:
 
 
 def can_choose_fingers(settings: Settings) -> bool:
-    """True if a player may say which fingers they use: labels are those of a whole human hand."""
+    """True if a player may choose fingers: labels are those of a whole human hand."""
     known = settings.pipeline.labels != "paper" and not settings.physics.robot
     return known and not settings.in_air
 

@@ -54,9 +54,9 @@ WAITING = "time begins with your first touch"
 WITH_MOUSE = "press 3 for a hand, drag beside it to move it; "
 """Hint for players with the mouse, before the first touch."""
 RATE_PERIOD = 0.5
-"""s between two measurements of the rate of pictures."""
+"""Time (s) between two measurements of the rate of pictures."""
 NOTABLE_DELAY = 0.05
-"""s behind real time from which the delay is shown."""
+"""Delay (s) behind real time from which it is shown."""
 KNOB = "Here the keys up and down move the knob."
 """Line of the hint in tasks that lift."""
 LINE = 60
@@ -124,7 +124,7 @@ class WindowPlay(Play):
         done = requests.task, requests.sides
         try:
             while True:
-                # The trial takes in what the next one shall be.
+                # The trial receives the requests for the next trial.
                 playing = requests.task, requests.sides
                 try:
                     go_on = self._trial()
@@ -162,7 +162,7 @@ class WindowPlay(Play):
                 if ended:
                     return
                 ended.append(trial.end(latency=self.latency.as_json()))
-                # Whoever reads of the end may read the recording.
+                # A program that reads the end's event may read the recording.
                 trial.settle()
                 self.events.write("trial_end", **ended[0].as_json())
                 if self.learner is not None:
@@ -190,7 +190,7 @@ class WindowPlay(Play):
         """Returns device makers; the first adds the page's touches and measures latency."""
         makers = device_makers(chosen)
         if self._waits(chosen):
-            # Beneath what makes touches late or shares them: neither works while no time passes.
+            # Inside wrappers that delay or share touches, since these stop while time stands still.
             makers = device_makers(chosen, _from_first_touch)
         makers = with_lift(makers, keys=True)
 
@@ -347,7 +347,7 @@ def _from_first_touch(maker: DeviceMaker) -> DeviceMaker:
 
 
 def hint_of(task: str) -> tuple[str, ...]:
-    """How a task is done, in the page's words, as lines; of somebody's own task how any is done."""
+    """Instructions for a task, in the page's words, as lines; general ones for an external task."""
     words = words_in("en")
     return tuple(wrap(words.get(f"how_{task}", words["how_any"]), LINE))
 

@@ -1,12 +1,12 @@
-"""Tasks that are not built in: where they came from, digests of their files, and what has changed.
+"""Tasks that are not built in: their origin, digests of their files, and their changes.
 
-A task of one's own changes without any version of ours. What it consists of is its file and the
-modules that this imports from the same folder, or its whole package, and the descriptions and
-meshes that it reads, which become part of the scene.
+An external task changes without a change of the program's version. It consists of its file and the
+modules that this file imports from the same folder, or of its whole package, and of the
+descriptions and meshes that it reads, which become part of the scene.
 
-The header of a recording has a digest of each file, so that a replay can say which one has changed.
-What the program makes of a description, which differs between versions and machines, has no part
-in these digests.
+The header of a recording has a digest of each file, so that a replay can name the changed file. The
+digests do not include the program's own results from a description, which differ between versions
+and machines.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ from tasks.registry import TASK_PLUGINS, find_task, is_built_in, origin
 from tasks.task import Task
 
 _MOST_NAMED = 4
-"""Number of files that a message names at most."""
+"""Largest number of files that a message names."""
 
 
 def recorded_task(header: dict[str, Any], where: str) -> str:
@@ -48,7 +48,7 @@ def recorded_task(header: dict[str, Any], where: str) -> str:
     name = str(header["settings"]["task"])
     source = header.get("task_from")
     if not isinstance(source, dict):
-        # A built-in task; one of another version is refused with the settings.
+        # A built-in task; a task of another version is refused with the settings.
         return name
     reasons = []
     for candidate in (name, place_of(source)):
@@ -84,7 +84,7 @@ def task_origin(name: str, seed: int, surface: Surface) -> dict[str, Any]:
 
 
 def task_change(header: dict[str, Any], name: str, seed: int, surface: Surface) -> str:
-    """What has changed in a recording's own task since it was recorded, and what to do, in a line.
+    """A line on changes of a recording's external task since it was recorded, with a remedy.
 
     Args:
         header: Header of the recording.
@@ -93,8 +93,7 @@ def task_change(header: dict[str, Any], name: str, seed: int, surface: Surface) 
         surface: The touch rectangle, which need not be placed.
 
     Returns:
-        The line; empty where nothing has changed, for a built-in task, and where the header has no
-        digests.
+        The line; empty without a change, for a built-in task, and for a header without digests.
     """
     source = header.get("task_from")
     there = source.get("files") if isinstance(source, dict) else None
@@ -121,13 +120,13 @@ def task_files(name: str, seed: int, surface: Surface) -> dict[str, str]:
 
     Args:
         name: Name of the task, or its place.
-        seed: Seed of the trial: the things that a task places may differ between seeds.
+        seed: Seed of the trial: the objects that a task places may differ between seeds.
         surface: The touch rectangle, which need not be placed.
 
     Returns:
         Name relative to the folder of the task's file -> digest: of that file, of the modules that
-        it has imported from beside itself, of MJCF files and their meshes. All modules of a package
-        are one entry, with the package's name.
+        it has imported from the same folder, of MJCF files and their meshes. All modules of a
+        package are one entry, with the package's name.
     """
     kind = find_task(name)
     if is_built_in(kind):
@@ -139,7 +138,7 @@ def task_files(name: str, seed: int, surface: Surface) -> dict[str, str]:
 def code_file(name: str, kind: type[Task]) -> Path | None:
     """The file that a task was loaded from; None for a task of a package.
 
-    A file may also have a task that it imports from beside itself: both files take part.
+    A file may also import its task from the same folder; then both files count.
 
     Args:
         name: Name of the task, or its place.
@@ -162,7 +161,7 @@ def _code(kind: type[Task], file: Path | None) -> tuple[dict[str, str], Path]:
 
 
 def _descriptions(kind: type[Task], seed: int, surface: Surface) -> list[Path]:
-    """Files of the things of a trial; none where it cannot be drawn, which its start will tell."""
+    """Files of the objects of a trial; none if it cannot be drawn, which its start reports."""
     from models.mjcf_object import MjcfObject, described_files
 
     found: list[Path] = []
@@ -177,10 +176,10 @@ def _named(files: Iterable[Path], folder: Path) -> dict[str, str]:
     digests: dict[str, list[str]] = {}
     for file in sorted(set(files)):
         with suppress(ValueError):
-            # On another drive of Windows there is no way from the folder to the file.
+            # On another drive of Windows there is no relative path from the folder to the file.
             name = Path(os.path.relpath(file, folder)).as_posix()
-            # Folders outside the task's own may tell whose they are, so that two files there may
-            # have one name.
+            # The names of folders outside the task's own may identify a person. So they are left
+            # out, and two files there may have one name.
             name = file.name if name.startswith("../") else name
             digests.setdefault(name, []).append(bytes_digest(file))
     return {name: "+".join(sorted(some)) for name, some in digests.items()}
@@ -212,7 +211,7 @@ def _task_digest(kind: type[Task], file: Path | None) -> str:
 
 
 def _trial_xml(kind: type[Task]) -> str:
-    """MJCF of the things of a trial; empty where the usual surface has no room for them."""
+    """MJCF of the objects of a trial; empty if the usual surface has no room for them."""
     try:
         with TASK_PLUGINS.guarded(kind.name):
             task = draw_task(kind, 0, Surface())

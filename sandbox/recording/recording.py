@@ -532,7 +532,7 @@ class RecordingWriter(RecordingLines):
         self._waiting.append(line)
 
     def _start(self) -> None:
-        # Appending to a deque wakes no thread; waking one would be the slowest part.
+        # Appending to a deque wakes no thread; waking a thread would be the slowest part.
         self._waiting: deque[Line | DeferredLine] = deque()
         self._ending = threading.Event()
         self._error: Exception | None = None
@@ -667,7 +667,7 @@ def is_recording(path: Path) -> bool:
 
 
 def is_dump(path: Path) -> bool:
-    """True if a recording is the dump of a divergence, a copy of the recording beside it.
+    """True if a recording is the dump of a divergence, a copy of the recording next to it.
 
     Args:
         path: File of a recording; see `is_recording`.

@@ -1,8 +1,8 @@
-"""Which program made a recording: versions, the fingerprint of a machine, states, and source code.
+"""The program that made a recording: versions, fingerprint of the machine, states, source code.
 
 A state depends on the recording, on MuJoCo's version, on the architecture and on the system's libm,
 and on nothing else (`models/arithmetic.py`). These three are the fingerprint, each with a digest of
-what it computes. All other versions are noted for people.
+its computed values. All other versions are recorded for people.
 
 With equal `STATES` and models a recording replays to the bit where the fingerprint is equal. With
 other `STATES` it cannot be played again, only read: its recorded poses, its score, its header.
@@ -36,13 +36,13 @@ SHARED_VERSIONS = (
     *("python", "hand-sandbox", "mujoco", "numpy", "scipy", "commit"),
     *("machine", "libm", "arithmetic", "fingerprint"),
 )
-"""Versions that `sandbox study share` lets out."""
+"""Versions that `sandbox study share` includes."""
 
 
 @cache
 def versions() -> dict[str, str]:
-    """Versions of what computes, a fingerprint of those that states depend on, and the commit
-    where the program runs from a checkout."""
+    """Versions of the computing parts, a fingerprint of those on which states depend, and the
+    commit if the program runs from a checkout."""
     known = {"python": platform.python_version()}
     for package in ("hand-sandbox", "mujoco", "numpy", "scipy"):
         try:
@@ -62,7 +62,7 @@ def versions() -> dict[str, str]:
 
 
 def decisive_part(name: str, value: Any) -> Any:
-    """The part of a version that decides: of libm the digest, whatever its own version is."""
+    """The decisive part of a version; for libm only the digest, without its own version."""
     return value.rpartition(", ")[2] if name in DECISIVE and isinstance(value, str) else value
 
 
@@ -136,7 +136,7 @@ def source_digest(files: Iterable[Path], root: Path) -> str:
 
 
 def bytes_digest(file: Path) -> str:
-    """Digest of what is in a file, whatever its name."""
+    """Digest of a file's content, without its name."""
     return blake2b(file.read_bytes(), digest_size=8).hexdigest()
 
 
@@ -156,7 +156,7 @@ def package_digest(module: str) -> str:
 
 STATES = 2
 """Generation of simulated states. Every commit that changes state hashes raises it, and updates
-`tools/gate.json`. A header without it has the first."""
+`tools/gate.json`. A header without this number is of the first generation."""
 
 
 class DifferentStatesError(RecordingError):
@@ -184,7 +184,7 @@ def this_program() -> str:
 
 
 def states_difference(header: Mapping[str, Any]) -> str:
-    """A line on a recording of other `STATES`; empty for one of these."""
+    """A line on a recording of other `STATES`; empty for a recording of these."""
     if states_of(header) == STATES:
         return ""
     return f"made with {made_with(header)}; this program has states {STATES}"
@@ -214,13 +214,13 @@ def _program(states: int, known: Mapping[str, Any]) -> str:
 
 
 PATIENCE = 5.0
-"""s that git may take."""
+"""Longest time (s) for a call of git."""
 
 
 def commit(root: Path) -> str:
     """Short name of the commit of a folder's files, `with changes` where files differ from it.
 
-    Empty where the folder is not the root of a checkout, or git cannot tell.
+    Empty if the folder is not the root of a checkout, or if git fails.
 
     Args:
         root: Folder of the packages.
@@ -234,7 +234,7 @@ def commit(root: Path) -> str:
 
 
 def _git(root: Path, *words: str) -> str:
-    """What git says, empty if it fails or is not there."""
+    """Output of git; empty if git fails or is missing."""
     command = ["git", "-C", str(root), *words]
     try:
         said = subprocess.run(

@@ -30,7 +30,7 @@ from sandbox.stream.guest_math import (
 )
 
 TURNED, AT_ONCE = math.radians(90.0), 0.1
-"""rad and s: a palm that turns farther in less time was seen wrongly, before or after it."""
+"""Largest turn (rad) of a palm in a time (s); after a larger turn, one of its poses is wrong."""
 BY_COUNT = {1: (1,), 2: (0, 1), 3: (0, 1, 2), 4: (1, 2, 3, 4), 5: (0, 1, 2, 3, 4)}
 NOTHING: Quaternion = (1.0, 0.0, 0.0, 0.0)
 
@@ -50,7 +50,7 @@ class Editing:
 
 
 class Keyed:
-    """An armature with keys: what the two kinds of hands have in common."""
+    """An armature with keys, the base class of the two kinds of hands."""
 
     def __init__(self, armature: Any) -> None:
         self.armature = armature
@@ -71,7 +71,7 @@ class Keyed:
         return True
 
     def frame_of(self, line: Line) -> int:
-        """The frame of a moment, which is shown from now on."""
+        """The frame of a moment; this frame becomes the current one."""
         scene = bpy.context.scene
         rate = scene.render.fps / scene.render.fps_base
         frame = int(round(self.start[0] + (line.time - self.start[1]) * rate))
@@ -86,7 +86,7 @@ class Keyed:
         return frame
 
     def put(self, name: str, turn: Quaternion, frame: int, place: Optional[Vector] = None) -> None:
-        """Keys a bone: its turn, and its place, from rest and in its own axes."""
+        """Keys the turn and the place of a bone, relative to rest and in its own axes."""
         bone = self.armature.pose.bones[name]
         if sum(a * b for a, b in zip(turn, self.last.get(name, turn))) < 0.0:
             turn = (-turn[0], -turn[1], -turn[2], -turn[3])
@@ -136,7 +136,7 @@ class OwnHand(Keyed):
             made.append(bone)
 
     def update(self, line: Line) -> None:
-        """Takes in one moment."""
+        """Processes one moment."""
         self.begin(line)
         frame = self.frame_of(line)
         turns = {0: line.turn, **line.turns}
@@ -151,7 +151,7 @@ class OwnHand(Keyed):
 
 
 class ForeignRig(Keyed):
-    """Chains of somebody's armature, which follow the fingers as far as they can."""
+    """Chains of the user's armature, which follow the fingers as far as they can."""
 
     def __init__(
         self,
@@ -197,7 +197,7 @@ class ForeignRig(Keyed):
         return [bone.name for bone in chain]
 
     def update(self, line: Line) -> None:
-        """Takes in one moment."""
+        """Processes one moment."""
         if self.begin(line):
             self.first = (line.place, line.turn)
         frame = self.frame_of(line)
@@ -231,8 +231,8 @@ class ForeignRig(Keyed):
         )
 
     def _moved(self, line: Line) -> Tuple[Quaternion, Vector]:
-        """Turn and way of the palm from rest, in the armature: those of the streamed hand since its
-        first moment."""
+        """Turn and displacement of the palm from rest, in the armature: those of the streamed hand
+        since its first moment."""
         there = unit(self.armature.matrix_world.to_quaternion())
         size = self.armature.matrix_world.median_scale or 1.0
         turned = product(line.turn, inverse(self.first[1]))
@@ -241,8 +241,8 @@ class ForeignRig(Keyed):
         return turned, rotated(inverse(there), moved)
 
     def _placed(self, line: Line) -> Tuple[Quaternion, Vector]:
-        """Turn and way of the palm from rest, in the armature, that bring it where the streamed
-        hand is."""
+        """Turn and displacement of the palm from rest, in the armature, that bring it to the
+        streamed hand."""
         there = unit(self.armature.matrix_world.to_quaternion())
         palm = unit(mathutils.Matrix(self.frame).to_quaternion())
         turned = product(product(inverse(there), line.turn), inverse(palm))
@@ -256,7 +256,7 @@ class ForeignRig(Keyed):
         wanted = bent([length(b) for b in bones], way, back)
         above = NOTHING
         for name, bone, direction in zip(chain, bones, wanted):
-            # As little twist as can be: each bone goes on from how the one above was turned.
+            # Least twist: each bone continues from the turn of the bone above.
             now = product(between(rotated(above, bone), direction), above)
             rest = self.rest(name)
             turn = product(product(inverse(above), now), rest)
@@ -265,17 +265,17 @@ class ForeignRig(Keyed):
 
 
 def apart(a: Quaternion, b: Quaternion) -> float:
-    """rad between two turns."""
+    """Angle (rad) between two turns."""
     return 2.0 * math.acos(min(1.0, abs(sum(x * y for x, y in zip(a, b)))))
 
 
 def bent(sizes: Sequence[float], way: Vector, back: Vector) -> List[Vector]:
-    """Directions of bones that bend evenly, so that their end is where it should be.
+    """Directions of evenly bent bones, whose end is at a given place.
 
     Args:
         sizes: Sizes of the bones.
-        way: To the end, in lengths of the chain.
-        back: Where the chain bulges.
+        way: Vector to the end, in lengths of the chain.
+        back: Direction in which the chain bulges.
     """
     whole, reach = sum(sizes), length(way)
     if reach < 1e-6:
@@ -292,7 +292,7 @@ def bent(sizes: Sequence[float], way: Vector, back: Vector) -> List[Vector]:
             -sum(size * math.sin(i * angle) for i, size in enumerate(sizes)),
         )
 
-    # The end comes nearer up to a full circle, and all bones but one are needed for that.
+    # The end comes nearer until the bones form a full circle, for which all bones but one count.
     low, high = 0.0, 2.0 * math.pi / max(len(sizes), 2)
     for _ in range(40):
         middle = 0.5 * (low + high)

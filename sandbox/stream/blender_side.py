@@ -58,7 +58,7 @@ listener: Optional["Listener"] = None
 
 
 class Listener:
-    """Takes lines from whoever connects, on this machine only."""
+    """Receives lines from any program that connects, on this machine only."""
 
     def __init__(self, port: int) -> None:
         self.server = socket.create_server(("127.0.0.1", port))
@@ -67,7 +67,7 @@ class Listener:
         self.guests: Dict[socket.socket, bytes] = {}
 
     def poll(self) -> int:
-        """Takes in what has come; how many lines."""
+        """Processes the received lines; returns their number."""
         count = 0
         if select.select([self.server], [], [], 0.0)[0]:
             guest, _ = self.server.accept()
@@ -101,7 +101,7 @@ class Listener:
 
 
 def take(text: str) -> None:
-    """Takes in a line of the stream; whatever is in it, Blender goes on."""
+    """Processes a line of the stream; no content of the line stops Blender."""
     try:
         line = Line(text)
         if line.kind == "stop":
@@ -142,7 +142,7 @@ def start(
 
 
 def stop(side: Optional[str] = None) -> None:
-    """Lets a hand go, or all hands; their keys stay."""
+    """Releases the rigs of one hand, or of all hands; their keys remain."""
     for name in [side] if side else list(hands):
         hand = hands.pop(name, None)
         if hand is not None and hand.frames:
@@ -151,7 +151,7 @@ def stop(side: Optional[str] = None) -> None:
 
 
 def listen(port: int = PORT) -> "Listener":
-    """Begins to listen; in a window, a timer does the rest."""
+    """Begins to listen; in a window, a timer processes the lines."""
     global listener  # noqa: PLW0603
     if listener is None:
         listener = Listener(port)
@@ -176,7 +176,7 @@ def _answer(guest: socket.socket) -> None:
 def export(path: str, armature: Any, frames: Sequence[int]) -> None:
     """Writes an armature with its skin and this motion alone; .blend has the whole scene.
 
-    The end of the name says how: .bvh, .glb, .fbx, .blend.
+    The end of the name chooses the format: .bvh, .glb, .fbx, .blend.
     """
     if not path.endswith(".blend"):
         bpy.context.scene.frame_start, bpy.context.scene.frame_end = frames
@@ -194,7 +194,7 @@ def export(path: str, armature: Any, frames: Sequence[int]) -> None:
             root_transform_only=True,
         )
     elif path.endswith(".glb"):
-        # All actions of the file would go along otherwise, those of the other hand, too.
+        # Otherwise all actions of the file would be written, those of the other hand, too.
         bpy.ops.export_scene.gltf(
             filepath=path, use_selection=True, export_animation_mode="ACTIVE_ACTIONS"
         )
@@ -212,7 +212,7 @@ def export(path: str, armature: Any, frames: Sequence[int]) -> None:
 
 
 def _warn(rig: Any) -> None:
-    """Says where a rig's palm turned at once, as a hand does not."""
+    """Prints the largest sudden turn of a rig's palm, which no hand makes; nothing without one."""
     if rig.jumps:
         angle, frame = max(rig.jumps)
         print(
@@ -242,8 +242,8 @@ def _skins(armature: Any) -> List[Any]:
 def main(words: Sequence[str]) -> int:
     """Without a window: listens until every hand that was streamed has stopped.
 
-    The exit status is 1 if a rig got no hand, and 2 if what was asked for cannot be done, which one
-    line says.
+    The exit status is 1 if a rig got no hand, and 2, with one line of explanation, if a request
+    cannot be met.
     """
     try:
         return run(words)
@@ -253,7 +253,7 @@ def main(words: Sequence[str]) -> int:
 
 
 def run(words: Sequence[str]) -> int:
-    """Does what words of the command line ask for, and gives the exit status."""
+    """Runs the words of a command line; returns the exit status."""
     parser = argparse.ArgumentParser("hand_sandbox_blender.py")
     parser.add_argument("--port", type=int, default=PORT)
     parser.add_argument(
@@ -284,7 +284,7 @@ def run(words: Sequence[str]) -> int:
     if asked.fps or not asked.open:
         bpy.context.scene.render.fps, bpy.context.scene.render.fps_base = asked.fps or 60, 1.0
     if asked.chains:
-        shown.clear()  # the rig alone is wanted
+        shown.clear()  # only the rig is needed
         start(
             asked.side,
             armature=asked.armature or None,
@@ -295,7 +295,7 @@ def run(words: Sequence[str]) -> int:
     print("hand_sandbox: listening on 127.0.0.1:%d" % port.port, flush=True)
     rigs = dict(hands)
     try:
-        # A rig whose hand never came has nothing to wait for; a hand that moves none stops, too.
+        # A rig without a streamed hand waits for nothing; a hand without a rig stops, too.
         while not stopped or streamed - set(stopped):
             if not port.poll():
                 time.sleep(0.001)

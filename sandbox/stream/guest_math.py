@@ -11,7 +11,7 @@ Rows = List[List[float]]  # of a 3 x 3 matrix
 
 
 class Refused(Exception):  # noqa: N818
-    """Says in words why a rig or a line cannot be used."""
+    """A rig or a line cannot be used, for the given reason."""
 
 
 def plus(a: Sequence[float], b: Sequence[float]) -> Vector:
@@ -53,7 +53,7 @@ def normal(a: Sequence[float]) -> Vector:
 
 
 def unit(q: Sequence[float]) -> Quaternion:
-    """A quaternion made to be of length 1, which it nearly is."""
+    """A quaternion of nearly unit length, normalised."""
     size = math.sqrt(sum(v * v for v in q))
     if len(q) != 4 or not 0.9 < size < 1.1:
         raise ValueError("no unit quaternion")
@@ -94,7 +94,7 @@ def quaternion_of(m: Rows) -> Quaternion:
     x = math.sqrt(max(0.0, 1.0 + m[0][0] - m[1][1] - m[2][2])) / 2.0
     y = math.sqrt(max(0.0, 1.0 - m[0][0] + m[1][1] - m[2][2])) / 2.0
     z = math.sqrt(max(0.0, 1.0 - m[0][0] - m[1][1] + m[2][2])) / 2.0
-    # The greatest of the four says the others' signs.
+    # The greatest of the four determines the signs of the others.
     if w >= max(x, y, z):
         signs = (1.0, m[2][1] - m[1][2], m[0][2] - m[2][0], m[1][0] - m[0][1])
     elif x >= max(y, z):
@@ -119,21 +119,21 @@ def between(a: Sequence[float], b: Sequence[float]) -> Quaternion:
 
 
 POLE = 1e-7
-"""Cosine of the turn about y under which the turns about x and z cannot be told apart."""
+"""Cosine of the turn about y below which the turns about x and z cannot be separated."""
 
 
 def angles_of(q: Quaternion, before: Sequence[float]) -> Vector:
     """Degrees about x, then y, then z (still axes), nearest to those before."""
     m = rows_of(q)
     if math.hypot(m[2][1], m[2][2]) < POLE:
-        # Only the sum or the difference of the outer turns is known there: one stays as it was.
+        # Only the sum or the difference of the outer turns is known there; one of them is kept.
         about_x = math.radians(before[0])
     else:
         about_x = math.atan2(m[2][1], m[2][2])
     s, c = math.sin(about_x), math.cos(about_x)
     x = math.degrees(about_x)
     y = math.degrees(math.atan2(-m[2][0], math.hypot(m[0][0], m[1][0])))
-    # Whatever the turn about x is, this one makes up for it.
+    # This turn compensates for any turn about x.
     z = math.degrees(math.atan2(s * m[0][2] - c * m[0][1], c * m[1][1] - s * m[1][2]))
     angles = []
     for triple in ((x, y, z), (x + 180.0, 180.0 - y, z + 180.0)):
@@ -151,9 +151,9 @@ def palm_frame(
 
     Args:
         places: Positions of the joints of every chain, from the palm outwards.
-        fingers: Which finger each chain is, thumb 0 .. little 4.
+        fingers: Finger of each chain, thumb 0 .. little 4.
         side: `right` or `left`.
-        up: Where the back of the hand is, should the chains not tell.
+        up: Direction of the back of the hand, used if the chains do not determine it.
     """
     long = sorted((f, list(p)) for f, p in zip(fingers, places) if f > 0)
     long = long or sorted((f, list(p)) for f, p in zip(fingers, places))
@@ -163,7 +163,7 @@ def palm_frame(
     along = normal(along)
     across = times(minus(long[-1][1][0], long[0][1][0]), -1.0 if side == "left" else 1.0)
     if length(cross(across, along)) < 1e-6:
-        # One chain does not tell where the back of a hand is.
+        # One chain does not determine the back of a hand.
         other = up if abs(dot(up, along)) < 0.9 else (up[2], up[0], up[1])
         across = cross(along, other)
     back = normal(cross(across, along))

@@ -104,7 +104,7 @@ class HandLines:
         return self._command(f"{self._head} stop")
 
     def lines(self, time: float, keys: Keys) -> list[str]:
-        """The commands of one moment, one as a rule; more where one would be too long.
+        """The commands of one moment: usually one, more if it would be too long.
 
         Args:
             time: s since the stream's start.
@@ -163,7 +163,7 @@ def _chains(armature: Armature) -> list[list[int]]:
 
 
 def _length(armature: Armature, chain: list[int]) -> float:
-    """m, sum of a finger's bones."""
+    """Sum (m) of the lengths of a finger's bones."""
     return float(sum(armature.skeleton.bones[j - 1].length for j in chain))
 
 

@@ -1,4 +1,4 @@
-"""The hand that a device commands, live, for programs that ask where it is now."""
+"""The live hand commanded by a device, for programs that need its current pose."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from sandbox.trial.driver import RealTime, Trial
 class LiveHand(Closeable):
     """Follows the first hand of a session in real time.
 
-    Physics runs only for a device that has to see the scene, such as a simulated person.
+    Physics runs only for a device that needs the scene, such as a simulated person.
 
     Args:
         session: Ready for its first step; it is closed with this.
@@ -31,7 +31,7 @@ class LiveHand(Closeable):
 
     @property
     def over(self) -> bool:
-        """True when the device has nothing more to say, as at the end of a recording."""
+        """True when the device has no more frames, as at the end of a recording."""
         return not self._thread.is_alive()
 
     def pose(self) -> Array:

@@ -71,7 +71,7 @@ STEP = 10.0  # degrees by which a solver is told to bend joints that are straigh
 COUPLING = 2.0 / 3.0  # of a finger's last joint to the one before it, as in PAALM
 TOLD = 3  # warnings about lines that cannot be used; more would fill the script editor
 
-# Published stubs of maya.cmds know no query together with another flag.
+# Published stubs of maya.cmds declare no query together with another flag.
 asked: Any = cmds
 
 hands: Dict[str, "HandRig"] = {}
@@ -148,14 +148,14 @@ class HandRig:
         return made
 
     def update(self, line: Line) -> None:
-        """Takes in one moment."""
+        """Processes one moment."""
         if line.run != self.run:
-            # The sandbox was started anew: its time and its hand begin here.
+            # The sandbox was restarted: its time and its hand begin here.
             self.run, self.begin = line.run, None
             self.start = (float(asked.currentTime(query=True)), line.time)
         frame = int(round(self.start[0] + (line.time - self.start[1]) * _rate()))
         if self.key and asked.currentTime(query=True) != frame:
-            # Keys elsewhere than at the current time would not be seen.
+            # Keys at other times than the current one would not be visible.
             cmds.currentTime(frame)
         if self.root:
             self._follow(line)
@@ -272,7 +272,7 @@ def start(
 
 
 def stop(side: Optional[str] = None, bake: bool = True) -> None:
-    """Bakes the keys of a hand, or of all hands, onto the joints, and lets them go."""
+    """Bakes the keys of a hand, or of all hands, onto the joints, and releases the joints."""
     for name in [side] if side else [*hands, *waiting]:
         waiting.pop(name, None)
         hand = hands.pop(name, None)
@@ -286,7 +286,7 @@ def stop(side: Optional[str] = None, bake: bool = True) -> None:
 
 
 def hand_sandbox(text: str) -> None:
-    """Takes in a line of the stream; whatever is in it, Maya goes on."""
+    """Processes a line of the stream; no content of the line stops Maya."""
     undo = bool(cmds.undoInfo(query=True, state=True))
     try:
         line = Line(text)
@@ -301,7 +301,7 @@ def hand_sandbox(text: str) -> None:
         elif line.kind == "moment" and line.side in hands:
             hands[line.side].update(line)
         counts["lines"] += 1
-    except Exception as error:  # none may reach the command port, which could die of it
+    except Exception as error:  # none may reach the command port, which it could end
         counts["lines refused"] += 1
         if counts["lines refused"] <= TOLD:
             cmds.warning("hand_sandbox: %s" % error)
@@ -366,7 +366,7 @@ def _chain(joint: str) -> List[str]:
 
 
 def _above(chains: Sequence[Sequence[str]]) -> str:
-    """The nearest transform above all chains, also where metacarpals lie between; or nothing."""
+    """The nearest transform above all chains, even with metacarpals in between; else None."""
     shared: List[str] = []
     for names in zip(*(chain[0].split("|")[:-1] for chain in chains)):
         if len({*names}) > 1:
@@ -376,7 +376,7 @@ def _above(chains: Sequence[Sequence[str]]) -> str:
 
 
 def _check_free(node: str, *attributes: str) -> None:
-    """Refuses channels that cannot be baked: what was played would be lost in the end."""
+    """Refuses channels that cannot be baked, since their motion would be lost at the end."""
     for attribute in attributes:
         for axis in ("", "X", "Y", "Z"):
             plug = "%s.%s%s" % (node, attribute, axis)
@@ -407,7 +407,7 @@ def _make(line: Line, **options: Any) -> None:
         _joint(name, plus(place, rotated(so_far, reach)), metre, above)
     firsts = [made[i][0] for i, bone in enumerate(line.bones) if bone[1] == 0]
     for first in firsts:
-        # As riggers expect it: x along the bone, y out of the back of the hand.
+        # By the convention of riggers: x along the bone, y out of the back of the hand.
         cmds.joint(
             first,
             edit=True,
@@ -427,7 +427,7 @@ def _joint(name: str, place: Vector, metre: float, above: Optional[str]) -> str:
 
 
 def _long(name: Any) -> str:
-    """The whole path of a node: short names are no longer unique once another rig has them."""
+    """The whole path of a node, since short names are not unique if two rigs share them."""
     paths = cmds.ls(str(name), long=True) or []
     if len(paths) != 1:
         raise Refused("%s %s" % ("more than one node is named" if paths else "there is no", name))
@@ -435,7 +435,7 @@ def _long(name: Any) -> str:
 
 
 def _prefer(joint: str, frame: Rows, coupling: float) -> None:
-    """Tells a solver which way a joint bends: about the palm's x axis, on from where it is.
+    """Sets the direction in which a solver bends a joint: about the palm's x axis, from its pose.
 
     Solvers bend the joints of a chain in proportion to their preferred angles.
     """
@@ -480,5 +480,5 @@ def _show(first: int, last: int) -> None:
             asked.playbackOptions(**{flag: wanted})
 
 
-# A command port runs what it hears in __main__, wherever this file was loaded from.
+# A command port runs its commands in __main__, wherever this file was loaded from.
 __main__.hand_sandbox = hand_sandbox

@@ -1,7 +1,7 @@
 """Sources of streamed hands: a live Leap, or a session that computes commanded poses without
 physics.
 
-Simulated persons look at the scene before they move, so with them the physics runs, too.
+Simulated persons need the scene for their movements, so the physics runs for them, too.
 """
 
 from __future__ import annotations
@@ -73,7 +73,7 @@ def source_of_leap(
         device: The running device.
         sides: Sides of the hands, one or both.
         calibrations: Calibrations by side. A hand without one has the bones that the device
-            reports when it is first seen, or is average.
+            reports at its first appearance, or is average.
         stop: Ends it.
     """
     names = tuple(sides)

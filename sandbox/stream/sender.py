@@ -4,10 +4,10 @@ A separate thread owns one socket. Of the commands for moments only the newest i
 are dropped and counted); orders, which are few, are all queued. After a lost connection it
 reconnects, at once if the other side had accepted data, else after increasing pauses.
 
-Maya's command port, as far as it is known: it may answer every command or none, end answers with a
-newline and a zero byte, and up to Maya 2025 its thread can die *while answering*, after the command
-was carried out. So answers are read and discarded; an answer, or the end of the connection, only
-means that the next command may be sent. Without an answer, it is sent after `patience`.
+Known behaviour of Maya's command port: it answers every command or none, and ends answers with a
+newline and a zero byte. Up to Maya 2025 its thread can die *while answering*, after the command was
+carried out. So answers are read and discarded; an answer, or the end of the connection, only means
+that the next command may be sent. Without an answer, it is sent after `patience`.
 """
 
 from __future__ import annotations
@@ -22,21 +22,21 @@ from collections.abc import Callable, Sequence
 from models.errors import DeviceError, InputError
 
 FIRST_PAUSE, LONGEST_PAUSE = 0.1, 2.0
-"""s, between attempts to connect; doubled each time."""
+"""Shortest and longest time (s) between attempts to connect; it doubles each time."""
 PATIENCE = 0.05
-"""s to wait for an answer if there were answers before; three frames at 60 Hz."""
+"""Time (s) to wait for an answer if there were answers before; three frames at 60 Hz."""
 FIRST_PATIENCE = 1.0
-"""s to wait for the answer to the greeting, which shows the kind of port."""
+"""Time (s) to wait for the answer to the greeting, which shows the kind of port."""
 LINGER = 0.05
-"""s after the greeting's answer within which a port that fails on answers closes."""
+"""Time (s) after the greeting's answer within which a port that fails on answers closes."""
 DEATH_PATIENCE = 5.0
-"""s to wait for the end of a connection if every command ended one."""
+"""Time (s) to wait for the end of a connection if every command so far ended a connection."""
 SEND_TIMEOUT = 2.0
-"""s after which a program that accepts no data counts as disconnected."""
+"""Time (s) after which a program that accepts no data counts as disconnected."""
 CONNECT_TIMEOUT = 2.0
-"""s to wait for a connection."""
+"""Time (s) to wait for a connection."""
 STOP_SLICE = 0.1
-"""s after which a wait looks whether it is to end."""
+"""Time (s) after which a wait checks for a request to end."""
 SMALL_BUFFER = 8192
 """Size of the system's send buffer in bytes; a larger one would only delay data."""
 MOST_ORDERS = 16
@@ -88,7 +88,7 @@ class Sender:
         patience: s, see `PATIENCE`.
 
     Attributes:
-        trouble: The last error; empty while all is well.
+        trouble: The last error; empty without an error.
     """
 
     def __init__(

@@ -118,7 +118,7 @@ DeviceMakers = tuple[DeviceMaker, ...]
 """One maker per hand, in the order of `Settings.hands`."""
 
 Around = Callable[[DeviceMaker], DeviceMaker]
-"""Function that puts something around the device that a maker opens."""
+"""Function that wraps the device that a maker opens."""
 
 
 def device_makers(settings: Settings, around: Around = lambda make: make) -> DeviceMakers:
@@ -126,7 +126,7 @@ def device_makers(settings: Settings, around: Around = lambda make: make) -> Dev
 
     Args:
         settings: Settings of the run.
-        around: Change of the maker of the first device, beneath all that degrades or shares it.
+        around: Wraps the first device, inside all wrappers that degrade or share it.
 
     Raises:
         InputError: A device does not exist, or its file cannot be read.
@@ -147,7 +147,7 @@ def device_makers(settings: Settings, around: Around = lambda make: make) -> Dev
 
 
 def place_of(settings: Settings, hand: int, task: Task, surface: Surface) -> Place:
-    """Where, and for whom, the device of a hand is opened.
+    """Place of a hand's device: its surface, task and person.
 
     Args:
         settings: Settings of the run.
@@ -176,7 +176,7 @@ def shared_makers(make: DeviceMaker, settings: Settings, sees: Sees) -> DeviceMa
     Args:
         make: Opens the device.
         settings: Settings of the run.
-        sees: What the device sees, which decides how its frames are divided.
+        sees: Kind of input of the device, which determines how its frames are divided.
     """
     # Most trials have one hand.
     from sandbox.devices.wrappers.shared import SharedDevice, Split, SplitByPlace
@@ -203,12 +203,12 @@ def shared_makers(make: DeviceMaker, settings: Settings, sees: Sees) -> DeviceMa
 
 
 def shared_by_users(makers: DeviceMakers, settings: Settings, sees: Sees) -> DeviceMakers:
-    """Makers for two simulated users who share one device.
+    """Device makers for two simulated users who share one device.
 
     Args:
         makers: Open the device of each user.
         settings: Settings of the run.
-        sees: What the device sees.
+        sees: Kind of input of the device.
     """
     return shared_makers(_merged(makers, sees), settings, sees)
 
@@ -331,13 +331,13 @@ def with_lift(makers: DeviceMakers, keys: bool) -> DeviceMakers:
 
 
 UPRIGHT_END = 0.0
-"""m, solid length of the last links before an upright surface: only the spheres at the fingertips
-are solid. Otherwise fingers would push objects below or before the held one, in a depth that the
-person cannot see."""
+"""Solid length (m) of the last links before an upright surface: only the spheres at the fingertips
+are solid. Otherwise fingers would push objects below or before the held object, at a depth that is
+invisible to the person."""
 
 
 TIP_END = 0.012
-"""m, solid length of the last links of a hand that is led out of things."""
+"""Solid length (m) of the last links of a hand whose fingertips are offset out of objects."""
 
 IN_AIR: dict[str, Any] = {"links": 2, "together": True}
 """Collision gating of a hand in the air. A Leap measures where middle links are, and objects that
@@ -347,7 +347,7 @@ pass through them look wrong (measured at db485e42)."""
 def load_encoder(name: str) -> TrainedModel:
     """The model that `--encoder` names.
 
-    The training of an encoder that has no model yet is told on stderr.
+    The training of an encoder without a model is announced on stderr.
 
     Raises:
         InputError: No model has this name, or it cannot be used.
@@ -412,7 +412,7 @@ def make_labeller(
     Args:
         settings: Settings of the run.
         model: The encoder's model.
-        hand: The hand whose known layouts are used; None uses none.
+        hand: The hand whose stored layouts are used; None uses none.
     """
     belief = _belief(settings, hand)
     if belief is not None:
@@ -427,7 +427,7 @@ def _belief(settings: Settings, hand: HandSettings | None = None) -> BeliefLabel
     the paper's rule.
 
     Raises:
-        InputError: A declared set of fingers has one that the robot's hand lacks.
+        InputError: A declared set has a finger that is missing in the robot's hand.
     """
     belief = _any_belief(settings, hand)
     if belief is None:
@@ -484,11 +484,11 @@ def drawn(settings: Settings, may_overlap: bool = False) -> tuple[Task, tuple[Su
 
     Args:
         settings: Settings of the run.
-        may_overlap: Things of a varied trial may overlap; otherwise they are refused.
+        may_overlap: Objects of a varied trial may overlap; otherwise overlaps are refused.
 
     Raises:
-        InputError: The task does not fit on the surface, it cannot be varied like that, or things
-            of the varied trial overlap.
+        InputError: The task does not fit on the surface, it cannot be varied in this way, or
+            objects of the varied trial overlap.
     """
     kind = find_task(settings.task)
     _check_finger_sets(settings, kind)
@@ -516,8 +516,8 @@ def build(
         recorder: Records inputs and states; None records nothing.
         wrap_reconstructor: Replaces or wraps each reconstructor of touches; None changes nothing.
         change_task: Changes the drawn trial; None changes nothing.
-        may_overlap: Things of a varied trial may overlap at the start: it was played before, or a
-            participant waits for it.
+        may_overlap: Objects of a varied trial may overlap at the start, since it was played before,
+            or since a participant waits for it.
 
     Raises:
         InputError: The trial cannot be played with these settings; see `drawn`.
@@ -568,8 +568,8 @@ def build(
     rules = CollisionGatingRules(
         settings.pipeline.ghost_until_clear,
         settings.pipeline.distal_only,
-        # Tips that are not at their touches cannot be led; nor is there a need where a hand
-        # becomes solid within things.
+        # Tips that are not at their touches cannot be offset, and a hand that becomes solid
+        # inside objects needs no offsets.
         lead=settings.pipeline.correction and settings.pipeline.ghost_until_clear,
         all_over=settings.physics.solid == SOLID[1],
     )
@@ -654,7 +654,7 @@ def _solid_end(settings: Settings, hand: HandSettings, task_type: type[Task]) ->
 
 
 def _yaw_watch(model: TrainedModel) -> YawMonitor | None:
-    """Watch for hands turned further than in the training data; None if the model lacks a range."""
+    """Check for hands turned further than in the training data; None if the model has no range."""
     try:
         return YawMonitor(YawRange.of(model.training_u))
     except CaptureError:

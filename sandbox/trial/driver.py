@@ -1,13 +1,13 @@
 """The driver of trials: builds a session, steps, shows and records it, ends it and closes it.
 
 Headless runs, windows, pages, studies, replays, gymnasium and streams drive trials through `Trial`.
-They supply devices, views, pace, and the pauses of simulated time.
+Their callers supply devices, views, pace, and the pauses of simulated time.
 
 A live run has physics in its own thread at real time, and the picture in the caller's. Play and
-studies, in a window and on pages, all run a trial by `LiveRun.play`. Only what one turn of the
-caller's thread does differs: a window draws a picture, a page's server looks at requests.
-`RealTime` waits for the wall clock. When a trial is behind real time it slows down and says so;
-it never skips steps.
+studies, in a window and on pages, all run a trial by `LiveRun.play`. They differ only in one turn
+of the caller's thread: a window draws a picture, a page's server handles requests. `RealTime` waits
+for the wall clock. A trial that is behind real time slows down and reports this; it never skips
+steps.
 """
 
 from __future__ import annotations
@@ -104,8 +104,8 @@ class Trial:
     def step(self) -> bool:
         """Runs one control period and shows it; False if the simulation diverged.
 
-        A divergence raises no error: the session is over, its score says why, and the recording
-        holds everything that led to it.
+        A divergence raises no error: the session is over, its score names the reason, and the
+        recording holds all inputs that led to it.
 
         Raises:
             RecordingError: The recording can no longer be written.
@@ -120,7 +120,7 @@ class Trial:
         for view in self._views:
             view(snapshot)
         if self._trial_recorder:
-            # Nobody should play on for what is not kept.
+            # A person should not continue a trial that is not recorded.
             self._trial_recorder.check()
         return True
 
@@ -187,9 +187,9 @@ def open_trial(
         make_views: Makes the views.
         record: File of the recording; None writes none.
         about: Further entries of header and result, such as the trial of a study.
-        dump: Folder for the last states of a diverging simulation without a recording; beside a
+        dump: Folder for the last states of a diverging simulation without a recording; next to a
             recording they are always written.
-        may_overlap: Things of a varied trial may overlap; see `build`.
+        may_overlap: Objects of a varied trial may overlap; see `build`.
 
     Raises:
         InputError: The task does not fit on the surface, a device cannot be opened, or the
@@ -219,8 +219,8 @@ def undisturbed() -> Iterator[None]:
     """Limits linear algebra to one thread and switches Python's garbage collector off meanwhile.
 
     More threads gain nothing on matrices this small, and would wait for each other. A trial leaves
-    no reference cycles, but makes thousands of objects, so that the collector would run now and
-    then over all imported objects, for milliseconds in which a person's touch would wait.
+    no reference cycles, but makes thousands of objects. The collector would sometimes run over all
+    imported objects, and delay a person's touch by milliseconds.
     """
     was = gc.isenabled()
     gc.disable()
@@ -274,7 +274,7 @@ class TrialRecorder:
     Args:
         header: Header of the recording (see `trial_header`).
         record: File of the recording; None writes none.
-        dump: Folder for the last states of a diverging simulation; beside a recording they are
+        dump: Folder for the last states of a diverging simulation; next to a recording they are
             always written.
 
     Attributes:
@@ -306,7 +306,7 @@ class TrialRecorder:
         """Writes the trial's end and returns the result.
 
         After a divergence `dump` of the result is the file with the last states. If that file
-        cannot be written, `dump` is empty and `dump_error` says why.
+        cannot be written, `dump` is empty and `dump_error` has the error.
 
         Args:
             session: The session at its end.
@@ -328,7 +328,7 @@ class TrialRecorder:
         return result
 
     def check(self) -> None:
-        """Does nothing while all could be written so far; never waits.
+        """Raises the error of a failed write; never waits.
 
         Raises:
             RecordingError: Something could not be written; what came before it is safe.
@@ -337,8 +337,8 @@ class TrialRecorder:
             self._writer.check()
 
     def withdraw(self) -> None:
-        """Removes the recording of a trial that never began, once it is closed: the same command
-        may be given again."""
+        """Removes the recording of a trial that never began, once it is closed, so that the same
+        command can be repeated."""
         if self._record is not None:
             self._record.unlink(missing_ok=True)
 
@@ -426,7 +426,7 @@ class DivergenceRecorder(RecordingLines):
 
 
 def dump_path(folder: Path | None, record: Path | None, task: str, seed: int) -> Path | None:
-    """Path of a dump: beside the recording, else in the folder; None without either.
+    """Path of a dump: next to the recording, else in the folder; None without either.
 
     Args:
         folder: Folder for dumps.
@@ -459,18 +459,18 @@ def _new_dump(path: Path, header: dict[str, Any]) -> RecordingWriter:
 
 
 TICK = 0.02
-"""s between two turns of a run that draws no picture."""
+"""Time (s) between two turns of a run that draws no picture."""
 
 
 class LiveRun:
     """Runs a trial in its own thread; a window or a page takes the newest snapshot.
 
-    A frame of any device wakes the thread: the step that takes the frame in is made at once, up to
+    A frame of any device wakes the thread. The step that processes the frame is made at once, up to
     one control period ahead of the clock.
 
     Args:
         trial: A trial that is ready for its first step. Its views are called in its thread.
-        pages: Servers of the pages that show the trial. They show why time stands still, and the
+        pages: Servers of the pages that show the trial, the reason why time stands still, and the
             last snapshot.
         speed: Simulated seconds per second.
 
@@ -498,12 +498,12 @@ class LiveRun:
         """Plays the trial until it is over, or until `turn` ends it.
 
         Args:
-            turn: Called again and again in this thread, first before the first step. Returns why
-                simulated time must stand still, empty if it may run, and None to end the run.
-            end: Called once: as soon as the trial is over, or when it is left before, also by an
+            turn: Called repeatedly in this thread, first before the first step. Returns the reason
+                why simulated time must stand still, empty if it may run, and None to end the run.
+                end: Called once: as soon as the trial is over, or if it is left before, also by an
                 exception.
-            tick: s to sleep after a turn; 0 where a turn waits for the screen.
-            lingers: True goes on after the trial is over, with its last picture, until `turn`
+                tick: Time (s) to sleep after a turn; 0 if a turn waits for the screen.
+                lingers: True goes on after the trial is over, with its last picture, until `turn`
                 returns None.
 
         Raises:
@@ -542,7 +542,7 @@ class LiveRun:
 
     @property
     def lost(self) -> float:
-        """s of real time given up so far because the machine was too slow."""
+        """Real time (s) given up so far because the machine was too slow."""
         return self._pace.lost
 
     def start(self) -> None:
@@ -569,7 +569,7 @@ class LiveRun:
             self._thread.join()
 
     def _publish(self, pause: Pause = "") -> None:
-        """Sends the pages the newest snapshot and why time stands still."""
+        """Sends the pages the newest snapshot, and the reason why time stands still."""
         if self._pages:
             # While time begins to stand still, the thread may be in its last step.
             snapshot = self.newest if pause else None
@@ -579,7 +579,7 @@ class LiveRun:
     def _run(self) -> None:
         try:
             self._trial.run(self._pace, self._wait_while_paused, self._stop.is_set)
-        except BaseException as error:  # nothing may end a trial without a word
+        except BaseException as error:  # no error may end a trial without a report
             self.failure = error
 
     def _wait_while_paused(self) -> bool:
@@ -604,13 +604,13 @@ def _shared_event(rigs: Sequence[Rig]) -> threading.Event | None:
 
 
 LEEWAY = 0.10
-"""s behind real time beyond which the session gives up the lost time. It then runs slower than real
-time and says so, instead of hurrying to catch up."""
+"""Delay (s) behind real time beyond which the session gives up the lost time. It then runs slower
+than real time and reports this, instead of catching up."""
 
 ROOM = 0.004
-"""s before an expected frame in which no step is made without a frame; a step takes 1 to 2 ms."""
+"""Time (s) before an expected frame in which no step is made without it; a step takes 1 to 2 ms."""
 JITTER = 0.001
-"""s by which a frame may come earlier or later than expected."""
+"""Time (s) by which a frame may come earlier or later than expected."""
 
 
 class RealTime:
@@ -624,7 +624,7 @@ class RealTime:
 
     Attributes:
         speed: As given; may be changed at any time, from any thread.
-        lost: s of real time given up so far because the machine was too slow.
+        lost: Real time (s) given up so far because the machine was too slow.
     """
 
     def __init__(self, speed: float = 1.0, frame_ready: threading.Event | None = None) -> None:
@@ -665,8 +665,8 @@ class RealTime:
 def clear_of(due: float, expected: float) -> float:
     """Time at which to make a step without a frame, s, so that an expected frame need not wait.
 
-    Touches come at a rate of their own. A few times a second a step falls due just before a touch,
-    which would have to wait for the whole step; that step is made earlier.
+    Touches come at a rate of their own. A few times a second a step is due just before a touch,
+    which would have to wait for the whole step. Such a step is made earlier.
 
     Args:
         due: s, time at which the step is due.

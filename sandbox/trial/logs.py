@@ -31,13 +31,13 @@ if TYPE_CHECKING:
 MOST_WAITING = 10_000
 """Greatest number of events that wait for their reader."""
 PATIENCE = 5.0
-"""s for which `close` waits while the reader takes nothing."""
+"""Time (s) for which `close` waits for a reader that reads nothing."""
 
 
 class EventLog:
     """Writes one line per event, at once; without a path it writes nothing.
 
-    A thread of its own writes, so a reader who stands still holds no session up. A failed write
+    A thread of its own writes, so a reader that stops does not delay the session. A failed write
     does not end the session: `close` reports it.
 
     Args:
@@ -78,8 +78,8 @@ class EventLog:
         """Writes what waits and closes the file; may be called twice.
 
         Raises:
-            InputError: An event could not be written, or found no place to wait; that one and all
-                later ones are lost.
+            InputError: An event could not be written or queued; this event and all later events are
+                lost.
         """
         if self._file is not None:
             self._waiting.put(b"")
@@ -127,7 +127,7 @@ class NoticeEvents:
         self._last: frozenset[str] = frozenset()
 
     def show(self, snapshot: Snapshot) -> None:
-        """Looks for new notices; must get every snapshot, or a short notice would be missed."""
+        """Checks for new notices; must get every snapshot, or a short notice would be missed."""
         for notice in snapshot.notices:
             if notice not in self._last:
                 self._events.write("warning", what=notice, time_s=round(snapshot.time, 3))
@@ -172,7 +172,7 @@ class LatencyLog:
         self._resumed = 0.0
 
     def resume(self) -> None:
-        """Notes that time goes on after it stood still, as before the first touch of a trial."""
+        """Records that time goes on after it stood still, as before the first touch of a trial."""
         self._resumed = time.monotonic()
 
     def take_in(self, arrived: float, now: float) -> None:
@@ -180,7 +180,7 @@ class LatencyLog:
 
         Args:
             arrived: When the touch arrived, s (monotonic).
-            now: When the control step took it in, s (monotonic).
+            now: When the control step processed it, s (monotonic).
         """
         if arrived >= self._resumed:
             self.add("waited", 1000.0 * (now - arrived))
@@ -195,7 +195,7 @@ class LatencyLog:
                     del values[:KEPT]
 
     def begin_trial(self) -> None:
-        """Begins another trial, of which `as_json` tells."""
+        """Begins another trial; `as_json` is about the latest trial."""
         with self._lock:
             self._of_trial.clear()
 
@@ -252,7 +252,7 @@ class Timing:
         self._unseen: deque[tuple[int, float]] = deque(maxlen=WAITING)
 
     def taken_in(self, frames: Sequence[TouchFrame], origin: float) -> None:
-        """Notes that the session fetched frames, whose clock began at `origin` (s, monotonic)."""
+        """Records that the session fetched frames, whose clock began at `origin` (s, monotonic)."""
         self._polled = time.monotonic()
         # A frame repeated for a lift control keeps its time, and contains no new touch.
         arrived = [t for t in (frame.time + origin for frame in frames) if t > self._newest]
@@ -262,7 +262,7 @@ class Timing:
         self._taken.extend(arrived)
 
     def stepped(self, snapshot: Snapshot) -> None:
-        """Notes the end of the step in which they took effect; called in the session's thread."""
+        """Records the end of the step in which they took effect; called in the session's thread."""
         if not self._taken:
             return
         self.log.add("stepped", 1000.0 * (time.monotonic() - self._polled))
@@ -271,7 +271,7 @@ class Timing:
         self._taken.clear()
 
     def drawn(self, snapshot: Snapshot) -> None:
-        """Notes that a picture of this snapshot has just been handed to the screen."""
+        """Records that a picture of this snapshot has just been passed to the screen."""
         now = time.monotonic()
         with self._lock:
             while self._unseen and self._unseen[0][0] <= snapshot.step:
@@ -282,8 +282,8 @@ class TimedDevice(DeviceWrapper):
     """Wrapper that reports when a live device's touches are fetched.
 
     Args:
-        device: A device whose frames carry their time of arrival, s, on its own clock. Of one whose
-            frames carry session time nothing is reported.
+        device: A device whose frames carry their time of arrival, s, on its own clock. For frames
+            with session time, nothing is reported.
         timing: Receives the reports.
     """
 
@@ -294,7 +294,7 @@ class TimedDevice(DeviceWrapper):
 
     @property
     def latency(self) -> LatencyLog:
-        """The log of the reports, which has to know when time stands still."""
+        """The log of the reports, which needs the times at which time stands still."""
         return self._timing.log
 
     def poll(self, now: float) -> Sequence[TouchFrame]:

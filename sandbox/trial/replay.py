@@ -1,10 +1,11 @@
 """Replays: a recording is simulated again, compared hash by hash, and shown.
 
-Where states are not equal to the bit, as another libm or another version of MuJoCo rounds another
-way and contacts make small differences grow, two questions remain: is the outcome the same, and how
-far did objects and hands ever stand from where they were recorded? `Agreement` answers them. There,
-labels, contacts and the commanded pose are reconstructed from the recorded touches, and the poses
-of hand and objects come from the recording's track (`RecordedPoses`).
+Another libm or another version of MuJoCo may round in another way, and contacts make small
+differences grow, so that states are not equal to the bit. Two questions then remain: whether the
+outcome is the same, and how far objects and hands were at most from their recorded places.
+`Agreement` answers them. In this case, labels, contacts and the commanded pose are reconstructed
+from the recorded touches, and the poses of hand and objects come from the recording's track
+(`RecordedPoses`).
 
 A replay is many times faster than the trial was. It is simulated to its end first; `Playback` then
 shows its snapshots at any speed, paused, or step by step, so that going back needs no simulation.
@@ -48,13 +49,13 @@ class Verification:
         compared: Number of hashes that were compared.
         first_difference: Physics step of the first hash that differs; None if all agree.
         complete: The recording's end was reached and its last hash compared.
-        differs_in: What states depend on and is not the recording's, in words; without any, equal
+        differs_in: Differences from the recording on which states depend, in words; if empty, equal
             states are promised.
         shown_recorded: Views were shown the recorded poses, not those simulated here.
         diverged: Reason of a divergence in the replay; empty without one.
         agreement: The second verdict, where states differ and the recording has poses.
-        task_change: What has changed in the recording's own task since it was recorded, and what
-            to do, in a line; empty where nothing has, and where the recording does not tell.
+        task_change: A line on changes of the recording's external task since it was recorded, with
+            a remedy; empty without a change, or if the recording has no digests.
     """
 
     compared: int
@@ -78,12 +79,12 @@ class Verification:
 
 
 def settings_of(recording: Recording) -> Settings:
-    """The settings that a recording was made with, to play it again.
+    """The settings of a recording, to play it again.
 
     Raises:
         DifferentStatesError: It was made with other `STATES`.
-        RecordingError: The task or the encoder is not on this machine, or the encoder or the labels
-            of the same name were trained otherwise.
+        RecordingError: The task or the encoder is not on this machine, or an encoder or labels of
+            the same name have another training.
     """
     check_states(recording)
     header, where = recording.header, str(recording.path)
@@ -114,10 +115,10 @@ def settings_of(recording: Recording) -> Settings:
 
 
 def versions_of(recording: Recording) -> dict[str, Any]:
-    """The versions that a recording was made with.
+    """The versions of the program that made a recording.
 
     Raises:
-        RecordingError: Its header lacks them.
+        RecordingError: They are missing in its header.
     """
     there = recording.header.get("versions")
     if not isinstance(there, dict):
@@ -143,15 +144,15 @@ def recorded_hands(recording: Recording, hands: int) -> DeviceMakers:
 def replay(recording: Recording, make_views: ViewMaker = no_views) -> tuple[Session, Verification]:
     """Replays a recording to its end and compares the hashes.
 
-    Equal states are promised where nothing that states depend on differs. Elsewhere the recording
-    is simulated and compared too, but views are shown the recorded poses.
+    Equal states are promised if all values on which states depend are equal. Otherwise the
+    recording is simulated and compared too, but views get the recorded poses.
 
     Returns:
         The session at its end, closed, and the comparison.
 
     Raises:
-        RecordingError: See `settings_of`; or its own task has changed, and cannot be played any
-            more.
+        RecordingError: See `settings_of`; or its external task has changed, and can no longer be
+            played.
     """
     settings = settings_of(recording)
     there = versions_of(recording)
@@ -165,7 +166,7 @@ def replay(recording: Recording, make_views: ViewMaker = no_views) -> tuple[Sess
         except InputError as error:
             if not changed:
                 raise
-            # Only the kind of failure: what this says goes into tables, which are shared.
+            # Only the kind of failure, since this text goes into tables, which are shared.
             raise RecordingError(changed, where=str(recording.path), got=error.what) from error
         with closing(session):
             verification = _compared(
@@ -279,10 +280,10 @@ class RecordedPoses:
 
 
 BOUND_MM = 1.0
-"""mm that objects or fingertips may be apart at most: 3.5 times the largest of 87 recordings,
-docs/results.md. Rounding in the recording alone makes up to 0.02 mm."""
+"""Largest allowed distance (mm) of objects or fingertips from their recorded places: 3.5 times the
+largest of 87 recordings, docs/results.md. Rounding in the recording alone makes up to 0.02 mm."""
 BOUND_DEGREES = 2.0
-"""Degrees that objects or links of a hand may be apart at most: 4 times the largest, likewise."""
+"""Largest allowed angle (degrees) of objects or links of a hand: 4 times the largest, likewise."""
 
 
 @dataclass(frozen=True)
@@ -290,8 +291,8 @@ class Agreement:
     """Agreement of a replay's trial with the recorded one, until the recorded end.
 
     Attributes:
-        same_outcome: Status and success are those that were recorded; None where the recording has
-            no end. See `is_same_outcome`.
+        same_outcome: Status and success are equal to the recorded ones; None for a recording
+            without an end. See `is_same_outcome`.
         objects_mm: mm, largest distance of an object from its recorded place.
         objects_degrees: Degrees, largest turn of an object from its recorded one.
         hands_mm: mm, largest distance of a fingertip from its recorded place.
@@ -318,7 +319,7 @@ class Agreement:
 
 
 class PoseComparison:
-    """Compares a session's poses with those that a recording has kept.
+    """Compares a session's poses with the poses in a recording.
 
     Args:
         session: Session that plays the recording; it is only read.
@@ -338,7 +339,7 @@ class PoseComparison:
         self._compared = 0
 
     def update(self) -> None:
-        """Compares the poses of this moment, if the recording has one of it."""
+        """Compares the poses of this moment, if the recording has a pose of it."""
         recorded = self._track.get(self._session.step)
         if recorded is None or len(recorded) != len(self._data.qpos):
             return
@@ -360,7 +361,7 @@ class PoseComparison:
         self._largest = [max(a, b) for a, b in zip(self._largest, differences, strict=True)]
 
     def agreement(self) -> Agreement:
-        """The verdict on everything that was compared."""
+        """The result of all comparisons."""
         end, same = self._recording.end, None
         if end is not None:
             score, ended_with_input = self._session.scorer.score, self._session.step == end["step"]
@@ -372,8 +373,8 @@ class PoseComparison:
 def is_same_outcome(score: Score, recorded: Mapping[str, Any], ended_with_input: bool) -> bool:
     """True if a replay ended as the recorded trial did.
 
-    A person who goes on to another trial, or a study's own limit, ends a trial from outside. Its
-    replay sees nothing but the end of the input. Then success decides.
+    A person who goes on to another trial, or a study's own limit, ends a trial from outside. In
+    the replay only the input ends. Then success decides.
 
     Args:
         score: The replay's.

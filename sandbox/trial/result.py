@@ -37,7 +37,7 @@ class ResultRecord(StrEnum):
     BASELINE = "baseline"
     """A trial in a baseline of `sandbox regress`, in the order in which they are declared."""
     SHARED = "shared"
-    """A trial in the folder that `sandbox study share` makes, and the header of its recording."""
+    """A trial in the folder made by `sandbox study share`, and the header of its recording."""
 
 
 JOURNAL, TABLE = ResultRecord.JOURNAL, ResultRecord.TABLE
@@ -338,13 +338,13 @@ class TrialResult(msgspec.Struct, frozen=True, kw_only=True):
         )
 
     def as_json(self) -> dict[str, Any]:
-        """JSON values of all fields that are known."""
+        """JSON values of all fields that are not None."""
         values = msgspec.structs.asdict(self)
         extra = values.pop("extra")
         return {name: v for name, v in values.items() if v is not None} | extra
 
     def values_for(self, record: ResultRecord) -> dict[str, Any]:
-        """JSON values of the fields that a record keeps and that are known."""
+        """JSON values of the fields that a record keeps and that are not None."""
         values = self.as_json()
         return {name: values[name] for name in record_fields(record) if name in values}
 

@@ -2,8 +2,8 @@
 
 To add a setting, add a field with its docstring to `PipelineSettings` or `PhysicsSettings`. The
 command line has an option of its name, a study's design may name it, `sandbox regress` sends it to
-its workers, and a recording's header stores it. A field that is younger than files in use declares
-the value that those files stand for: `field(default=..., metadata={BEFORE: value})`.
+its workers, and a recording's header stores it. A field that is newer than files in use declares
+its value for those files: `field(default=..., metadata={BEFORE: value})`.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ from tasks.user import UserConfiguration
 from tasks.variation import Variation
 
 BEFORE = "before"
-"""Key of a field's metadata: the value that a header without this field stands for."""
+"""Key of a field's metadata: the field's value for a header without this field."""
 
 _Labels = Literal["population", "paper", "device"]
 _Solid = Literal["fingertips", "hand"]
@@ -317,7 +317,7 @@ class Settings:
         return self.second_device if hand and self.second_device else self.device
 
     def with_layouts(self, layouts: Mapping[str, Layouts]) -> Settings:
-        """The same with known layouts of hands, by the hand's name, if its labels use them."""
+        """The same with stored layouts of hands, by the hand's name, if its labels use them."""
         if self.pipeline.labels != "population":
             return self
         hands = tuple(
@@ -475,7 +475,7 @@ def _whole(values: Any, kind: Any, where: str) -> dict[str, Any]:
 
 
 def declared(values: Any, kind: Any = Settings) -> Any:
-    """JSON values of settings without what no field declares.
+    """JSON values of settings without undeclared fields.
 
     Args:
         values: The values, whole or not, also of a header whose settings stand in no groups.
@@ -496,7 +496,7 @@ def declared(values: Any, kind: Any = Settings) -> Any:
 
 
 def _place_of(name: str, known: Any) -> str:
-    """Where a setting that is unknown in one place stands, or which one is near."""
+    """Place of a setting that is unknown in one group, or the setting with the nearest name."""
     within = [group for group, kind in GROUPS.items() if name in field_types(kind)]
     return f"It stands in {within[0]}." if within else _nearest(name, known)
 
@@ -529,7 +529,7 @@ def expected_values(hint: Any, error: msgspec.ValidationError) -> str:
 
 
 def _nearest(name: str, known: Any) -> str:
-    """The next step for whoever wrote a name that does not exist."""
+    """Remedy for a name that does not exist."""
     near = get_close_matches(name, list(known), 1)
     return f"Did you mean {near[0]}?" if near else f"Settings here: {', '.join(known)}."
 
@@ -537,12 +537,12 @@ def _nearest(name: str, known: Any) -> str:
 def recorded_settings(header: Mapping[str, Any], *names: str) -> Settings:
     """The settings of a recording.
 
-    Of a recording with other `STATES`, settings and values that this program lacks are left out,
-    and those that it did not name have their defaults; the caller reports `states_difference`.
+    For a recording with other `STATES`, settings and values that this program does not have are
+    left out, and missing ones have their defaults. The caller reports `states_difference`.
 
     Args:
         header: Header of the recording.
-        names: Fields and groups of `Settings` that are needed; none stands for all. Of a recording
+        names: Fields and groups of `Settings` that are needed; empty means all. For a recording
             with other `STATES`, the rest have their defaults.
 
     Raises:
@@ -568,10 +568,10 @@ def recorded_users(header: Mapping[str, Any]) -> tuple[UserConfiguration | None,
 
 
 def _in_groups(flat: Mapping[str, Any], header: Mapping[str, Any]) -> dict[str, Any]:
-    """Settings in groups, of a header whose settings stand beside each other.
+    """Settings in groups, from a header without groups.
 
-    What such a header leaves out has its default; what this program lacks stays, to be refused. The
-    devices stand beside the settings there.
+    Settings that are missing in such a header have their defaults. Unknown settings remain, to be
+    refused. The devices are at the level of the settings there.
     """
     values = encoded(Settings())
     second = header.get("second")
@@ -621,12 +621,12 @@ _PLAIN_HAND = msgspec.to_builtins(HandSettings())
 def _laid_over(
     base: Mapping[str, Any], over: Mapping[str, Any], all_of_it: bool = False
 ) -> dict[str, Any]:
-    """Values with others laid over them, of which unknown ones are left out.
+    """Values with replacements; unknown replacements are left out.
 
     Args:
         base: The values.
-        over: The others.
-        all_of_it: Unknown ones are taken, too.
+        over: The replacements.
+        all_of_it: Unknown replacements are taken, too.
     """
     values = dict(base)
     for name, value in over.items():

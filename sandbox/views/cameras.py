@@ -13,28 +13,28 @@ from models.surface import Surface
 from sandbox.session.messages import Snapshot
 
 FILM_AZIMUTH, FILM_ELEVATION, FILM_DISTANCE = 28.0, -31.0, 0.43
-"""deg, deg, m. From above on the thumb's side of a right hand, which hides neither the object nor
-the goal from there; chosen by looking at pictures."""
+"""Film's camera (deg, deg, m): from above, on the thumb's side of a right hand, which hides neither
+the object nor the goal from there. Chosen by comparing pictures."""
 
 WINDOW_AZIMUTH, WINDOW_ELEVATION, WINDOW_DISTANCE = 58.0, -50.0, 0.40
-"""deg, deg, m. Close to the person's own view, so that the mouse's right and away agree with those
-in the picture; turned just enough to show the thumb and what it touches."""
+"""Window's camera (deg, deg, m): close to the person's own view, so that the mouse's right and away
+agree with those in the picture; turned just enough to show the thumb and the object at it."""
 
 AIR_AZIMUTH, AIR_ELEVATION, AIR_DISTANCE, AIR_MIDDLE = 54.0, -34.0, 0.47, 0.055
-"""deg, deg, m, and m over the table, for hands in the air: lower and farther away, so that a raised
-hand is in the picture and its height can be seen; chosen by looking at pictures."""
+"""Camera for hands in the air (deg, deg, m, and m over the table): lower and farther away, so that
+a raised hand is in the picture and its height is visible. Chosen by comparing pictures."""
 
 FRONT_FILM_AZIMUTH, FRONT_FILM_ELEVATION, FRONT_FILM_DISTANCE = 64.0, -14.0, 0.42
-"""deg, deg, m, before an upright surface: turned to the thumb's side far enough to see a box
-between thumb and fingers, and from above, so that the table and stacked objects can be seen."""
+"""Film's camera before an upright surface (deg, deg, m): turned to the thumb's side far enough to
+show a box between thumb and fingers, and from above, to show the table and stacked objects."""
 
 TWO_AZIMUTH, TWO_ELEVATION, TWO_DISTANCE = 82.0, -48.0, 1.35
-"""deg, deg, and multiples of the surface's width, for a film of two hands: from the person's side,
-as hands that come from both sides hide what is behind them."""
+"""Camera for a film of two hands (deg, deg, and multiples of the surface's width): from the
+person's side, since hands from both sides hide the objects behind them."""
 
 FRONT_AZIMUTH, FRONT_ELEVATION, FRONT_DISTANCE = 90.0, -8.0, 0.36
-"""deg, deg, m, the person's own view of an upright surface. Hands must be drawn translucent, since
-they are in front of what they hold."""
+"""The person's own view of an upright surface (deg, deg, m). Hands must be drawn translucent, since
+they are in front of the held objects."""
 
 
 def film_camera(snapshot: Snapshot, surface: Surface) -> mujoco.MjvCamera:
@@ -47,7 +47,7 @@ def film_camera(snapshot: Snapshot, surface: Surface) -> mujoco.MjvCamera:
     spread = max((float(np.linalg.norm((p - middle)[:2])) for p in places), default=0.0)
     distance = FILM_DISTANCE + 1.2 * max(spread - 0.04, 0.0)
     if len(snapshot.hands) > 1:
-        # Hands come from both sides, wherever the objects are.
+        # Hands come from both sides, at any place of the objects.
         middle = np.array([*_middle(surface)[:2], middle[2]])
         return _at(middle, TWO_AZIMUTH, TWO_ELEVATION, TWO_DISTANCE * float(surface.size[0]))
     camera = _free(FILM_AZIMUTH, FILM_ELEVATION, distance)
@@ -129,7 +129,7 @@ class Lens:
 
     @classmethod
     def of(cls, scene: mujoco.MjvScene, size: tuple[int, int]) -> Lens:
-        """The camera that an updated MuJoCo scene is drawn with, on `size` pixels."""
+        """The camera of an updated MuJoCo scene, for a picture of `size` pixels."""
         camera = mujoco.mjv_averageCamera(scene.camera[0], scene.camera[1])
         forward = np.array(camera.forward, float)
         up = np.array(camera.up, float)

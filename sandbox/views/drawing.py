@@ -30,10 +30,10 @@ from sandbox.views.palette import Colour
 from tasks.task import Goal
 
 FRONT, BACK, HALF_WIDTH, THICKNESS = -0.034, 0.16, 0.30, 0.014
-"""m: world y of its front and back edge, x of its sides, and its thickness. The front edge is just
-in front of the largest object's."""
+"""World y (m) of its front and back edge, x of its sides, and its thickness. The front edge is just
+in front of that of the largest object."""
 PANE = 0.040
-"""m in front of the touch surface, distance at which touches are marked, so that objects do not
+"""Distance (m) in front of the touch surface at which touches are marked, so that objects do not
 hide the marks."""
 
 SHELF = (0.31, 0.37, 0.41)
@@ -58,24 +58,24 @@ MAX_GEOMS = 2000
 """Capacity of the drawing list; five contacts, two goals and two hands take about 400."""
 
 RING_RADIUS, RING_WIDTH, RING_SIDES = 0.0100, 0.0016, 20
-"""m, m and number of straight pieces of the ring around a contact."""
+"""Radius (m), width (m) and number of straight pieces of the ring around a contact."""
 ARC_RADIUS, ARC_WIDTH = 0.0130, 0.0014
-"""m, of the arc around it that tells the force of a grip."""
+"""Radius and width (m) of the arc around it that shows the force of a grip."""
 EDGE_RADIUS, THREAD_RADIUS = 0.0008, 0.0006
-"""m, radii of the edges of a goal and of the threads between touches and fingertips."""
+"""Radii (m) of the edges of a goal and of the threads between touches and fingertips."""
 PALM_RADIUS = 0.015
-"""m, radius of the patch on a palm."""
+"""Radius (m) of the patch on a palm."""
 LIFT = 0.0007
-"""m, height of flat marks above the table; the mat is 0.2 mm above it, and lower marks would
+"""Height (m) of flat marks above the table. The mat is 0.2 mm above it, and lower marks would
 flicker."""
 OUTLINE_WIDTH = 0.0012
-"""m, width of the line around the touch surface."""
+"""Width (m) of the line around the touch surface."""
 
 ORTHOGRAPHIC_HEIGHT = 1.6
 """Visible height of a camera without perspective, in heights of the touch surface."""
 
 SHADOW_REACH = 0.25
-"""m around the centre of the table in which shadows are drawn: the smaller, the sharper."""
+"""Radius (m) around the table's centre within which shadows are drawn: the smaller, the sharper."""
 
 CASTER_WIDTH, CASTER_DEPTH = 0.62, 0.20
 """Width of a shadow caster relative to the finger, and its shift towards the pad in radii: the back
@@ -101,7 +101,7 @@ class Drawing:
         surface: The touch surface.
         rings_on_table: Contacts are marked on the table below the touch surface, which looks
             natural from the side. Otherwise they are marked on the touch surface itself, so that a
-            mark lies exactly under the pointer that made it, whatever the camera.
+            mark lies exactly under its pointer for any camera.
 
     Attributes:
         view: The drawing list, up to date after `update`.
@@ -125,7 +125,7 @@ class Drawing:
             for i, h in enumerate(hands)
             if i in self.appearances
         }
-        # Geoms of hands without a skin, with the groups in which they are seen.
+        # Geoms of hands without a skin, with the groups in which they are visible.
         self._own_shapes = {
             i: (own, self.model.geom_group[own].copy())
             for i, h in enumerate(hands)
@@ -144,7 +144,7 @@ class Drawing:
         self._joined = {o.name for o in scene.spec.objects if isinstance(o, MechanismPart)}
         flat = surface.rotation[2, 2] > 0.999
         height = surface.origin[2] - LIFT if flat and rings_on_table else 0.0
-        # Marks lie on a plane parallel to the surface, towards the table where there is one below.
+        # Marks lie on a plane parallel to the surface, towards a table below it.
         pane = PANE if surface.upright and rings_on_table else 0.0
         self.drop = surface.rotation[:, 2] * (pane - height)
         ground = surface.origin[2] - LIFT if flat else 0.0
@@ -212,11 +212,11 @@ class Drawing:
         return bool(highest[2] > 0.0)
 
     def held_back(self, snapshot: Snapshot) -> tuple[list[Array], list[Array]]:
-        """Triangles of the solid hands that something holds back, in the state of `update`.
+        """Triangles of the solid hands that objects hold back, in the state of `update`.
 
         Returns:
-            Of each of them (n, 3, 3) m, its parts that are away from their place, at their place;
-            and (m, 3, 3) m, all of it as it is.
+            For each of them: (n, 3, 3) m, its displaced parts at their commanded places; and
+            (m, 3, 3) m, the whole hand at its present place.
         """
         away, here = [], []
         for i, appearance in self.appearances.items():
@@ -323,7 +323,7 @@ class Drawing:
             self._marks.disc(reach / 1.4, ground, np.eye(3), colour, 0.20)
 
     def _draw_threads(self, hand: HandView) -> None:
-        """Adds a line from every touch to its fingertip, to show where a hovering one will land."""
+        """Adds a line from every touch to its fingertip, to show where a hovering tip lands."""
         for contact, place in zip(hand.contacts, hand.places + self.drop, strict=True):
             if contact.label is not None and contact.state not in palette.NO_FINGER:
                 colour = palette.finger_colour(contact.label)
@@ -342,8 +342,8 @@ class Drawing:
         self._marks.disc(RING_RADIUS, place, rotation, colour, filled * strength)
 
     def _draw_grip(self, contact: Contact, place: Array, snapshot: Snapshot, hand: int) -> None:
-        """Adds an arc that closes with the force that a grip has stored in a finger; closed and
-        white where the hand has no more force."""
+        """Adds an arc that closes with the force that a grip has stored in a finger; it is closed
+        and white if the hand has no more force."""
         full = snapshot.at_limit(hand, contact.label)
         stored = snapshot.stored(hand, contact.label)
         if full or stored > 0.0:
@@ -354,7 +354,7 @@ class Drawing:
 
 
 def goal_colour(snapshot: Snapshot) -> Colour:
-    """Colour of the goal: green before it is reached, bright when it is, gold once it was held."""
+    """Colour of the goal: green before it is reached, bright at the goal, gold once it was held."""
     if snapshot.score.held:
         return palette.HELD
     return palette.REACHED if snapshot.score.final else palette.GOAL

@@ -22,9 +22,9 @@ from sandbox.views.renderer import Renderer, check_size
 
 ANIMATION_SIZE, ANIMATION_FPS = (640, 360), 15.0
 VIDEO_SIZE, VIDEO_FPS = (960, 540), 30.0
-"""px and frames per second, defaults of WebP or GIF, and of MP4."""
+"""Default size (px) and frames per second: of WebP and GIF, and of MP4."""
 PICTURE_SIZE = (1280, 720)
-"""px, default size of single pictures."""
+"""Default size (px) of single pictures."""
 PICTURE_KINDS = (".png", ".jpg", ".jpeg", ".webp")
 MAX_FPS = 60.0
 
@@ -47,7 +47,7 @@ class FilmView(Closeable):
         surface: The touch surface.
         fps: Frames per second of simulated time; None: 15, or 30 for MP4.
         size: px; None: 640x360, or 960x540 for MP4.
-        caption: Text that names player and task; it must say so if the user is simulated.
+        caption: Text that names player and task; it must name a simulated user as such.
 
     Raises:
         GraphicsError: This machine has no OpenGL.
@@ -106,7 +106,7 @@ class FilmView(Closeable):
         if self._closed or self._error is not None:
             return
         if self._begun is None or snapshot.time < self._last:
-            # The first trial, or the next one, whose film continues at the end of the last.
+            # The first trial, or the next trial, whose film continues at the end of the last.
             self._begun = snapshot.time - self.frames / self.fps
         self._last = snapshot.time
         # Half a microsecond is tolerated, since times are sums of steps.

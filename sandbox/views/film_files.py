@@ -202,7 +202,7 @@ class _Mp4:
         self.discard()
 
     def _written(self) -> int:
-        """Number of pictures in the file: ffmpeg does not tell that a disk is full."""
+        """Number of pictures in the file, since ffmpeg does not report a full disk."""
         import imageio_ffmpeg
 
         try:

@@ -38,7 +38,7 @@ class GLContext(Protocol):
     backend: str | None
 
     def as_current(self) -> AbstractContextManager[None]:
-        """Makes it current in the calling thread for a while.
+        """Makes it current in the calling thread within the `with` block.
 
         It is released afterwards: a thread has one context at a time, and contexts of a window and
         of EGL are incompatible.

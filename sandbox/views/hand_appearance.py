@@ -37,8 +37,8 @@ GLOSS: dict[str, tuple[float, float]] = {
 PALETTE_SIZE = 64
 """Number of colours along each side of the palette of tones."""
 TARGET_OFF = 0.004
-"""m between a point of the skin and its place in the commanded pose from which it is outlined
-there."""
+"""Least distance (m) of a point of the skin from its place in the commanded pose for which its part
+is outlined at that place."""
 
 
 @dataclass(frozen=True)
@@ -58,12 +58,12 @@ class HandAppearance:
     casters: list[int]
 
     def triangles(self, positions: Array, rotations: Array, hand: HandView) -> tuple[Array, Array]:
-        """Triangles of the skin: of parts away from their place, at their place; of all, as it is.
+        """Triangles of the skin: of displaced parts at their commanded places, and of all parts.
 
         Args:
-            positions: (15, 3) m, where palm and bones are.
+            positions: (15, 3) m, of palm and bones.
             rotations: (15, 3, 3) of palm and bones.
-            hand: The hand, whose commanded pose says where it should be.
+            hand: The hand, with its commanded pose.
 
         Returns:
             (n, 3, 3) and (m, 3, 3) m.

@@ -144,19 +144,19 @@ class Marks:
 LINE = 1 / 180
 """Width of the line in heights of the picture."""
 SPECK = 3
-"""px; a thinner piece is the rest of a triangle, not a part of the hand."""
+"""Width (px) below which a piece is the rest of a triangle, not a part of the hand."""
 
 
 def draw_outline(
     picture: Image.Image, lens: Lens, away: Sequence[Array], hands: Sequence[Array]
 ) -> Image.Image:
-    """A picture with the outline of hands' parts where they should be.
+    """A picture with outlines of displaced parts of hands at their commanded places.
 
     Args:
         picture: RGB.
         lens: The camera of the picture.
-        away: Triangles (n, 3, 3) m of the parts at the places where they should be.
-        hands: Triangles (n, 3, 3) m of the hands where they are.
+        away: Triangles (n, 3, 3) m of the parts at their commanded places.
+        hands: Triangles (n, 3, 3) m of the hands at their present places.
     """
     parts = _silhouette(lens, away)
     parts = parts.filter(ImageFilter.MinFilter(SPECK)).filter(ImageFilter.MaxFilter(SPECK))

@@ -20,7 +20,7 @@ from sandbox.views.palette import Colour
 from tasks.score import Score, Status
 
 REFERENCE_HEIGHT = 540
-"""px, height of a picture for which the sizes below hold; they scale with the height."""
+"""Height (px) of a picture for which the sizes below hold; they scale with the height."""
 SMALLEST_SCALE = 0.85
 """Smallest scale at which text can be read."""
 NARROW = 0.7
@@ -28,8 +28,8 @@ NARROW = 0.7
 MARGIN = 14
 RING_CLEARANCE = 16
 SMALL, NORMAL, LARGE = 13, 15, 24
-"""px in a picture of the reference height: the border, the clearance around a contact, and the
-sizes of text."""
+"""Lengths (px) in a picture of the reference height: the border, the clearance around a contact,
+and the sizes of text."""
 BAR_GROUND: Colour = (0.27, 0.31, 0.34)
 CODE_SHARE = 0.4
 """Share of the picture's shorter side that a QR code takes."""
@@ -55,14 +55,14 @@ class OverlayTexts:
     """Texts in addition to the snapshot's own content.
 
     Attributes:
-        caption: Player and task, at the bottom left, in the colour of a warning, because it tells
-            that a film's user is simulated.
+        caption: Player and task, at the bottom left, in the colour of a warning, because it names
+            a film's user as simulated.
         help: Lines at the right, such as the keys of a window.
         banner: Large text in the middle at the top, such as `paused`.
         footer: Small lines at the bottom right, such as the time for a picture.
         link: Link shown as a QR code at the left; empty shows none.
-        goal: What is to be done, in the panel; empty shows the hand's state there.
-        hint: Lines on how it is done, above the notices.
+        goal: The goal, in the panel; empty shows the hand's state there.
+        hint: Instructions in lines, above the notices.
     """
 
     caption: str = ""
@@ -82,7 +82,7 @@ def stickers(
     Args:
         snapshot: The drawn snapshot.
         lens: The camera of the picture.
-        surface: The touch surface, which says whether its size is measured.
+        surface: The touch surface, and whether its size is measured.
         drop: (3,) m, shift from contacts to their drawn marks.
         words: Further texts.
     """
@@ -105,7 +105,7 @@ def stickers(
         left = max(width - image.width - margin, 0)
         placed.append(Sticker(image, left, bottom - image.height))
         if any(2 * margin + line.width > left for line in told):
-            # The space beside it is too narrow for text.
+            # The space next to it is too narrow for text.
             bottom -= image.height + margin // 2
     if words.hint:
         told.append(_lines(words.hint, scale))
@@ -172,7 +172,7 @@ def _result(score: Score, time: float) -> tuple[str, str, Colour]:
 
 def _names(snapshot: Snapshot, lens: Lens, drop: np.ndarray, scale: float) -> list[Sticker]:
     """The finger's name at every contact, on the side that faces away from the other contacts, and
-    the force that a grip stores in it; what to do instead, where the finger is inside an object.
+    the force that a grip stores in it. A finger inside an object has an instruction instead.
 
     A held object lies between the contacts, so that names do not cover it.
     """
@@ -198,7 +198,7 @@ def _names(snapshot: Snapshot, lens: Lens, drop: np.ndarray, scale: float) -> li
         elif stored := snapshot.stored(hand, contact.label):
             name = f"{name} {stored:.0f} N"
         if full:
-            # Dark on light at the limit, which is told without colours, too.
+            # Dark on light at the limit, which is thus visible without colours, too.
             image = _label(name, palette.TEXT, palette.PANEL, SMALL, scale, solid=True)
         else:
             image = _label(name, palette.PANEL, colour, SMALL, scale)

@@ -37,18 +37,18 @@ WARNING: Colour = (0.98, 0.72, 0.25)
 
 
 NO_FINGER = ("ignored", "palm")
-"""States of contacts that are no fingers of the hand."""
+"""States of contacts that are not fingers of the hand."""
 
 
 def finger_colour(label: int | None, state: str = "active") -> Colour:
-    """The colour of a contact: that of its finger, or grey if it has none or is ignored."""
+    """The colour of a contact: that of its finger, or grey if it is ignored or has no finger."""
     if label is None or state in NO_FINGER:
         return UNKNOWN
     return FINGER_COLOURS[label]
 
 
 def finger_name(label: int | None, state: str = "active", sure: bool = True) -> str:
-    """The text beside a contact, with a question mark if the finger is not sure."""
+    """The text next to a contact, with a question mark if the finger is uncertain."""
     if state in NO_FINGER:
         return state
     return "?" if label is None else FINGERS[label] + ("" if sure else "?")

@@ -25,17 +25,17 @@ SEE_THROUGH_OPACITY, SEE_THROUGH_GHOST = 0.6, 0.3
 """Opacity of a solid hand and of a ghost in views in which hands hide held objects."""
 
 SHADOW_SIZE, SAMPLES = 1024, 4
-"""px of the shadow map, and samples per pixel. By software at 640x360, 2048 px take 1.2 times as
-long and look no better; no samples take 0.6 times as long, and edges are jagged."""
+"""Size (px) of the shadow map, and samples per pixel. By software at 640x360, 2048 px take 1.2
+times as long without a visible gain; no samples take 0.6 times as long, and edges are jagged."""
 SLICES, STACKS = 16, 8
 """Facets around and along a capsule: the outline of the thickest is off by half a pixel at most.
 Twice as many take 1.5 times as long."""
 
 ELEVATIONS = (-89.0, -12.0)
-"""deg, range of a camera's elevation, which stays above the table."""
+"""Range (deg) of the elevation of a camera, which stays above the table."""
 
 SMALLEST, LARGEST = 16, 4096
-"""px, range of a picture's sides."""
+"""Range (px) of a picture's sides."""
 
 
 class Renderer(Closeable):

@@ -33,13 +33,13 @@ GROUND: Colour = (0.125, 0.145, 0.165)
 _FINE = 2
 """Factor of oversampling, as Pillow draws lines without smooth edges."""
 _DIM = 0.5
-"""Opacity of a finger that the device does not see."""
+"""Opacity of a finger that is out of the device's view."""
 _NORMAL_LENGTH = 0.06
-"""m, length of the arrow along the palm's normal."""
+"""Length (m) of the arrow along the palm's normal."""
 _SPHERES = (0.02, 0.08)
-"""m, smallest and largest drawn radius; that of a flat hand would be infinite."""
+"""Smallest and largest drawn radius (m); the radius of a flat hand would be infinite."""
 _VIEW_HEIGHT = 0.30
-"""m, height of the visible part of the scene."""
+"""Height (m) of the visible part of the scene."""
 
 
 @dataclass(frozen=True)
@@ -49,7 +49,7 @@ class FingerVector:
     Attributes:
         base: (3,) m, base of the finger.
         tip: (3,) m, tip of the finger.
-        seen: True if the device sees the finger now.
+        seen: True if the device reports the finger now.
     """
 
     base: Array
@@ -79,7 +79,7 @@ class HandPicture:
 
 
 class HandMemory:
-    """Collects the drawn parts of hands, and keeps lost fingers at their last place in the palm."""
+    """Collects the drawn parts of hands; lost fingers remain at their last place in the palm."""
 
     def __init__(self) -> None:
         self._last: dict[tuple[str, int], tuple[Array, Array]] = {}
@@ -113,7 +113,7 @@ class HandMemory:
 
 
 def ball_radius(palm: Array, normal: Array, tips: list[Array]) -> float | None:
-    """m, radius of the ball on the palm's centre that the fingertips touch; None if undetermined.
+    """Radius (m) of the ball on the palm's centre that the fingertips touch; None if undetermined.
 
     A ball with its centre a radius r along the normal passes through a tip p if
     r = |p - palm|^2 / (2 (p - palm) . normal); the median over fingertips is taken.
@@ -143,7 +143,7 @@ def diagram(
     width, height = size[0] * _FINE, size[1] * _FINE
     image = Image.new("RGB", (width, height), palette.bytes_of(GROUND)[:3])
     if hands:
-        # The ball below the palm belongs to the picture as the fingers before it do.
+        # The ball below the palm is part of the picture, like the fingers before it.
         middle = np.mean([h.palm + 0.03 * h.normal for h in hands], axis=0)
         pen = _Pen(image, middle, azimuth, elevation, len(hands))
         for hand in hands:
@@ -267,17 +267,17 @@ def _same(frame: HandFrame, hand: PaalmHand) -> TrackedHand | None:
 
 
 SIZE = (1100, 620)
-"""px, default size."""
+"""Default size (px)."""
 AZIMUTH, ELEVATION = 62.0, -38.0
-"""deg, camera of both halves: from the person's side, turned to the thumb, so that fingers do not
+"""Camera (deg) of both halves: from the person's side, turned to the thumb, so that fingers do not
 hide one another."""
 DISTANCE, DISTANCE_OF_TWO = 0.42, 0.62
-"""m, distance of the camera for one hand, and for two."""
+"""Distance (m) of the camera for one hand, and for two."""
 _OVER_TABLE = (0.0, 0.0, -0.10)
 """(3,) m, position of the device in the picture's scene: under the table's top, as in the
 sandbox."""
 _TABLE_HEIGHT = 158
-"""px, height of the table of angles in a picture of 620 px."""
+"""Height (px) of the table of angles in a picture of 620 px."""
 _COLUMNS = ("flexion", "spread", "middle", "end")
 
 
@@ -459,7 +459,7 @@ class _Plain(Renderer):
 def _names(
     pen: ImageDraw.ImageDraw, lens: Lens, tips: Array, hand: PaalmHand, scale: float
 ) -> None:
-    """Draws a dot in its finger's colour on every seen fingertip, a ring on every held one."""
+    """Draws a dot in its finger's colour on reported fingertips, and a ring on lost ones."""
     places, ahead = lens.project(tips)
     r = 5.0 * scale
     for label, ((x, y), there) in enumerate(zip(places.tolist(), ahead.tolist(), strict=True)):

@@ -257,7 +257,7 @@ class FilePictures:
         return True
 
     def rest(self) -> bool:
-        """Returns True: without a window, nobody can close it."""
+        """Returns True, since without a window it cannot be closed."""
         return True
 
     def drawn(self, frame: HandFrame, result: PaalmFrame) -> Image.Image:

@@ -25,7 +25,7 @@ class PaalmWindow(Closeable):
 
     Args:
         sides: Sides of the hands.
-        caption: Source of the frames; it must say so if the hand is simulated.
+        caption: Source of the frames; it must name a simulated hand as such.
         size: px in the screen's coordinates.
 
     Raises:

@@ -13,7 +13,7 @@ import glfw
 from sandbox.views.display import OPENGL_REMEDY, GraphicsError
 
 SMALLEST = (480, 320)
-"""px, smallest size to which a person can shrink the window."""
+"""Smallest size (px) to which a person can shrink the window."""
 
 
 class WindowContext:
@@ -72,7 +72,7 @@ class WindowContext:
             glfw.make_context_current(cast(Any, None))
 
     def swap(self) -> None:
-        """Shows what was drawn."""
+        """Shows the drawn picture."""
         with self.as_current():
             glfw.swap_buffers(self.handle)
 

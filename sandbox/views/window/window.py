@@ -80,10 +80,11 @@ def keys(mouse: bool, lift: bool) -> tuple[str, ...]:
 
 
 MOST_PIXELS = 2_600_000
-"""px, largest number of drawn pixels; in a larger window the picture is stretched. Above it,
+"""Largest number of drawn pixels; in a larger window the picture is stretched. Above this number,
 copying pictures takes longer than drawing them."""
 SLOW, PATIENCE = 0.045, 4
-"""s for a picture, and number of slower pictures in a row after which the quality is reduced."""
+"""Time (s) for a picture, and number of consecutive slower pictures after which the quality is
+reduced."""
 PLAIN_SHRINK = 1.6
 """Factor by which the drawing is smaller than the window at reduced quality."""
 
@@ -95,7 +96,7 @@ class DrawingQuality:
         self._slow, self._shrink = 0, 1.0
 
     def size(self, width: int, height: int) -> tuple[int, int]:
-        """px, size of the picture to draw for a window of a given size, px."""
+        """Size (px) of the picture to draw for a window of a given size, px."""
         width, height = max(width, 16), max(height, 16)
         shrink = max(
             sqrt(width * height / MOST_PIXELS), width / LARGEST, height / LARGEST, self._shrink
@@ -118,7 +119,7 @@ class DrawingQuality:
 
 
 SIZE = (1024, 680)
-"""px in the screen's coordinates, size of a new window."""
+"""Size (px in the screen's coordinates) of a new window."""
 RATE = 60.0
 """Largest number of pictures per second."""
 LIFT = {glfw.KEY_UP: 1.0, glfw.KEY_DOWN: -1.0}
@@ -137,18 +138,18 @@ class Window(Closeable):
         surface: The touch surface; the pointer touches the point that it covers.
         title: Title of the window.
         size: px in the screen's coordinates.
-        caption: Text that names player and task; it must say so if the user is simulated.
+        caption: Text that names player and task; it must name a simulated user as such.
         in_air: True if hands are in the air over a 3-D device, not on a surface.
 
     Raises:
         GraphicsError: No window can be opened here.
 
     Attributes:
-        paused: True while the person wants a pause.
-        speed: Wanted pace in simulated seconds per second, one of `SPEEDS`.
+        paused: True during a pause by the person.
+        speed: Requested pace in simulated seconds per second, one of `SPEEDS`.
         footer: Lines at the bottom right.
-        goal: What is to be done, shown all the time; empty shows the hand's state instead.
-        hint: Lines on how it is done.
+        goal: The goal, shown all the time; empty shows the hand's state instead.
+        hint: Instructions in lines.
         help: Help on the keys; None shows that for trials.
         link: Link shown as a QR code; empty shows none.
         pictures: Number of pictures drawn so far.
@@ -218,7 +219,7 @@ class Window(Closeable):
         camera = window_camera(surface, in_air)
         if before is not None:
             if before.camera is not None and _same(surface, self._surface):
-                # A camera that the person has turned is kept for the next trial.
+                # The next trial keeps a camera that the person has turned.
                 camera = before.camera
             else:
                 self._above = False
@@ -270,12 +271,12 @@ class Window(Closeable):
         return True
 
     def take_reset(self) -> bool:
-        """True if the person wants to restart; each request is returned once."""
+        """True if the person requests a restart; each request is returned once."""
         asked, self._reset = self._reset, False
         return asked
 
     def take_contact(self) -> bool:
-        """True if the person wants the next contact mode; each request is returned once."""
+        """True if the person requests the next contact mode; each request is returned once."""
         asked, self._contact = self._contact, False
         return asked
 
