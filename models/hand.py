@@ -172,7 +172,7 @@ ROOT_MASS, ROOT_INERTIA = 1.0, 0.006
 """Mass (kg) and inertia (kg m2) of a forearm, added to the root's joints. Without them the hand
 jitters."""
 ROOT_STIFFNESS, ROOT_TURN_STIFFNESS = 8000.0, 40.0
-"""N/m and N m/rad of the root's servos, at servo stiffness 1."""
+"""Stiffness (N/m and N m/rad) of the root's servos, at servo stiffness 1."""
 
 CONTACT_HAND, CONTACT_OBJECT, CONTACT_TABLE, CONTACT_HANDS = 1, 2, 4, 8
 """Collision bits. The hand collides with objects, and with the other hand where hands are solid all
@@ -180,7 +180,7 @@ over; neither with itself nor with the table: at an upright surface, the wrist m
 the table."""
 
 FLESH_DENSITY = 1100.0
-"""kg/m3."""
+"""Density (kg/m3) of flesh."""
 
 CUFF, SLEEVE = ".93 .94 .95 1", ".16 .20 .27 1"
 """Colours, red green blue alpha, of cuff and sleeve, where the hand ends at the wrist."""
@@ -509,7 +509,7 @@ def _add_palm_geoms(palm: Element, knuckles: list[NDArray[np.float64]], radius: 
     Args:
         palm: Body to add to.
         knuckles: (3,) m each, thumb first, in the palm's frame.
-        radius: m, of the palm's capsules.
+        radius: Radius (m) of the palm's capsules.
     """
 
     def seen(start: ArrayLike, end: ArrayLike, size: float, **look: str) -> None:

@@ -120,7 +120,7 @@ class MechanismPart(ABC):
     @property
     @abstractmethod
     def mass(self) -> float:
-        """kg."""
+        """Mass (kg)."""
 
     @property
     @abstractmethod
@@ -251,7 +251,7 @@ class Cylinder:
 
     Attributes:
         name: Name of its body.
-        radius: m.
+        radius: Radius (m).
         half_height: Half its height (m).
         mass: Mass (kg).
         position: (3,) m, centre at the start.
@@ -338,7 +338,7 @@ JAW = -0.052
 BOLT_FLAT = 0.0075
 """Half the width across the flats of the bolt's head (m)."""
 BOLT_LIFT = 0.004
-"""m, height of a wrench on a bolt above the table."""
+"""Height (m) of a wrench on a bolt above the table."""
 
 _SPLAY = np.deg2rad(9.0)
 _HALF = THICKNESS / 2
@@ -366,7 +366,7 @@ class Wrench:
         mass: Mass (kg).
         position: (3,) m, middle at the start.
         yaw: Yaw (rad) about the vertical at the start.
-        bolt: N m of dry friction about the bolt it sits on; None for a free wrench.
+        bolt: Dry friction (N m) about the bolt it sits on; None for a free wrench.
         rgb: Colour, 0 to 1.
         size: Factor on all its edges, and on the width of its bolt.
     """
@@ -578,7 +578,7 @@ WOOD, DARK_WOOD = (0.80, 0.60, 0.38), (0.55, 0.37, 0.22)
 TRAY_DECK = (0.080, 0.060, 0.007)
 """Half the edges of the deck of a tray of size 1 (m); it is wider than a hand can grasp."""
 TRAY_HANDLE = (0.035, 0.015, 0.018)
-"""m, half the edges of each handle; handles begin where the deck ends."""
+"""Half the edges (m) of each handle; handles begin where the deck ends."""
 TRAY_GRIP = 0.120
 """Distance (m) from a tray's middle to the grip on a handle."""
 

@@ -63,7 +63,7 @@ class Timed(Protocol):
 
     @property
     def time(self) -> float:
-        """s, on the file's clock."""
+        """Time (s) on the file's clock."""
 
 
 T = TypeVar("T", bound=Timed)
@@ -667,7 +667,7 @@ class HandJumps:
         """The hands that jump in a frame.
 
         Args:
-            time: s, not before that of the last frame.
+            time: Time (s), not before that of the last frame.
             places: Place of every hand of the frame, by the hand's identifier.
         """
         known, jumped, since = self._known, self._jumped, self._since

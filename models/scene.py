@@ -36,7 +36,7 @@ class PaintedRing:
     Attributes:
         name: Name of its geom.
         middle: (2,) m in the world.
-        radius: m, inner radius.
+        radius: Inner radius (m).
         width: Width of the line (m).
         rgb: Colour of the line, 0 to 1.
         inside: Colour inside of it.

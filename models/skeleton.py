@@ -40,7 +40,8 @@ class Bone:
         lower: (3,) rad, least rotation-vector components of a legal pose.
         upper: (3,) rad, greatest rotation-vector components.
         stiffness: Stiffness (N m/rad) of the servo.
-        armature: kg m2 added to the joint; without it links of a few grams make the servo unstable.
+        armature: Armature (kg m2) added to the joint; without it, links of a few grams make the
+            servo unstable.
     """
 
     name: str
@@ -60,7 +61,7 @@ class Skeleton:
     """The bones of a right hand, or of a left one created by `mirrored`.
 
     Attributes:
-        name: Name that captures contain.
+        name: Name of the skeleton in captures.
         bones: 14 bones, finger by finger, from the palm outwards; the order of the pose `q`.
         palm_radius: Thickness of the palm's capsules (m).
         side: `right` or `left`.

@@ -112,8 +112,8 @@ class Surface:
         Its x is the world's, up the surface is up, and out of it is towards the person.
 
         Args:
-            depth: m, world y of its plane.
-            low: m, world z of its lower edge. Its centre is at the world's x = 0.
+            depth: World y (m) of its plane.
+            low: World z (m) of its lower edge. Its centre is at the world's x = 0.
         """
         w, h = self.size
         turn = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]])

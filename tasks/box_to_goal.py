@@ -22,9 +22,9 @@ BORDER = 0.042
 """Distance (m) from the surface's border to the nearest place for a box's centre, so that a
 fingertip has room beside the box on the side of the border as well."""
 DISTANCE = (0.050, 0.100)
-"""Distance (m) from start to goal."""
+"""Range of the distance (m) from start to goal."""
 ROOM = 0.055
-"""Least diagonal of the area for a box's centre (m); in a smaller one, no goal is far enough
+"""Least diagonal (m) of the area for a box's centre; in a smaller area, no goal is far enough
 away."""
 TURN = np.deg2rad(45.0)
 """Largest turn from start to goal (rad)."""
@@ -101,13 +101,13 @@ class BoxToGoal(TaskDefaults):
         reason = missing(box, goal)
         way = max(distance(target, self.objects[0].position) - POSITION_TOLERANCE, 1e-9)
         travelled = 1.0 - max(off - POSITION_TOLERANCE, 0.0) / way
-        # Only success is 1: a box on its way, tilted or still held stays below.
+        # Only success gives 1; a box on its way, tilted or still held stays below.
         progress = 1.0 if not reason else min(max(travelled, 0.0), 0.99)
         return Measure(not reason, progress, reason)
 
 
 def missing(box: ObjectState, goal: Goal) -> str:
-    """Text of the first condition that a box lacks at its goal; empty if it lacks none.
+    """Text of the first condition that a box does not meet at its goal; empty if it meets all.
 
     Args:
         box: The box, a cube.
@@ -140,5 +140,5 @@ def missing(box: ObjectState, goal: Goal) -> str:
 
 @cache
 def _from_goal(mm: str) -> Message:
-    """The reason of most control steps, of which many are the same millimetre."""
+    """The reason at most control steps. It is cached, since many steps have the same millimetre."""
     return Message("box_from_goal", "the box is {mm} mm from the goal", mm=mm)

@@ -19,16 +19,16 @@ from tasks.task import Goal, Measure, TaskDefaults
 MASS = (0.300, 0.600)
 """Range of the tray's mass (kg)."""
 DISTANCE = (0.030, 0.080)
-"""Distance (m) from start to goal, seen from above."""
+"""Range of the distance (m) from start to goal, seen from above."""
 YAW = np.deg2rad(12.0)
 """Largest turn of start and goal against the surface's axes (rad)."""
 RISE = (0.040, 0.060)
-"""Distance (m) by which the goal is above the start."""
+"""Range of the height (m) of the goal above the start."""
 BORDER = 0.042
-"""Distance (m) from the surface's border to the nearest place of a grip, for a thumb beside the
-handle."""
+"""Distance (m) from the surface's border to the nearest place of a grip, with room for a thumb
+beside the handle."""
 SEAM = 0.030
-"""Distance (m) from the middle of the surface, the border between the hands, to the nearest place
+"""Distance (m) from the border between the hands, the middle of the surface, to the nearest place
 of a grip."""
 
 POSITION_TOLERANCE = 0.015

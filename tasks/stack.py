@@ -1,7 +1,7 @@
 """Stacking tasks: boxes on the table, with a second control that lifts the hand, or upright.
 
 `Stack` and `StackThree` stand on the table. `StackVertical` stands before an upright surface, and
-is played with one hand and nothing else.
+is played with one hand alone.
 """
 
 from __future__ import annotations
@@ -30,18 +30,18 @@ COLOURS = ((0.86, 0.30, 0.24), (0.93, 0.68, 0.22), (0.30, 0.52, 0.78))
 """Colours of the boxes, by which the page names them (sandbox/words)."""
 
 EDGE = (0.040, 0.060)
-"""m."""
+"""Range of a box's edge (m)."""
 MASS = (0.050, 0.250)
-"""kg."""
+"""Range of a box's mass (kg)."""
 YAW = float(np.deg2rad(45.0))
 """Largest rotation of a box relative to the surface's axes at the start (rad), either way."""
 
 OFFSET_TOLERANCE = 0.35
-"""Share of the smaller edge of two boxes: largest distance of their centres, seen from above."""
+"""Largest distance of the centres of two boxes, seen from above, as a share of the smaller edge."""
 LEAN_TOLERANCE = float(np.deg2rad(3.0))
-"""rad."""
+"""Largest tilt (rad) of a stacked box."""
 SPEED_TOLERANCE = 0.010
-"""m/s."""
+"""Speed (m/s) below which a box counts as still."""
 
 
 @dataclass(frozen=True)
@@ -196,10 +196,10 @@ def too_small(name: str, surface: Surface, example_in: tuple[float, float]) -> S
 
 
 SIDE = 0.012
-"""Distance (m) between the face of an unrotated box and the surface's border at the start: about a
-fingertip's breadth, for touches beside the box on that side as well."""
+"""Distance (m) between the face of an unrotated box and the surface's border at the start. It is
+about a fingertip's breadth, so that touches have room beside the box on that side as well."""
 GAP = 0.030
-"""Least distance of two boxes' centres at the start beyond half the sum of their edges (m), so that
+"""Least distance (m) of two boxes' centres at the start beyond half the sum of their edges, so that
 fingers have room between them."""
 
 _TRIES = 20_000
@@ -236,7 +236,7 @@ class Stack(Stacking):
             InputError: The surface is too small for the boxes.
         """
         rng = np.random.default_rng([seed, cls.version, 10 + cls.count])
-        # The smallest boxes must fit at opposite corners, or no draw can succeed.
+        # If the smallest boxes do not fit at opposite corners, no draw can succeed.
         widest = surface.size - EDGE[0] - 2 * SIDE
         possible = np.all(widest > 0) and length(widest) > EDGE[0] + GAP
         for _ in range(_TRIES if possible else 0):
@@ -277,13 +277,13 @@ def _apart(places: Array, edges: Array) -> bool:
 
 
 UPRIGHT_SIDE = 0.020
-"""Distance (m) from a box's face to the surface's border, for fingers that stand open beside it."""
+"""Distance (m) from a box's face to the surface's border, for stretched fingers beside the box."""
 UPRIGHT_GAP = 0.030
 """Distance (m) between the faces of the two boxes at the start, for fingers between them."""
 HEADROOM = 0.045
-"""Distance (m) by which a surface must exceed the height of the middle of the upper box on the
-lower one: the part below the table, the height at which the box is carried, and the fingers above
-its middle."""
+"""Distance (m) by which a surface must be higher than the middle of the upper box on the lower box:
+room for the part below the table, the height at which the box is carried, and the fingers above its
+middle."""
 
 _UPRIGHT_TRIES = 4_000
 """Number of draws after which a surface is reported as too small."""

@@ -1,4 +1,4 @@
-"""Wrench tasks: turn a wrench that sits on a bolt, or turn and slide one that lies on the table."""
+"""Wrench tasks: turn a wrench on a bolt, or turn and slide a wrench that lies on the table."""
 
 from __future__ import annotations
 
@@ -106,13 +106,14 @@ class WrenchTask(TaskDefaults, ABC):
         """Tests whether the wrench is at its goal, let go and at rest now."""
         wrench = sensing.object(NAME)
         reason = self._missing(wrench) or _reason_not_settled(wrench)
-        # Only success is 1.
+        # Only success gives 1.
         progress = 1.0 if not reason else float(min(self._progress(wrench), 0.99))
         return Measure(not reason, progress, reason, self._lost(wrench))
 
     @abstractmethod
     def _missing(self, wrench: ObjectState) -> str:
-        """Reason why the wrench is not at its goal, apart from touch and speed; empty if it is."""
+        """Reason why the wrench is not at its goal, apart from touch and speed; empty at the
+        goal."""
 
     def _lost(self, wrench: ObjectState) -> bool:
         """True if the wrench was turned in a way that ends the trial."""
@@ -120,20 +121,20 @@ class WrenchTask(TaskDefaults, ABC):
 
     @abstractmethod
     def _progress(self, wrench: ObjectState) -> float:
-        """0 at the start or farther away, 1 at the goal."""
+        """Progress: 0 at the start or farther away, 1 at the goal."""
 
     def _turn_left(self, wrench: ObjectState) -> float:
         """Angle in rad between the wrench and its goal."""
         return _apart(wrench.yaw, self.goals[0].yaw)
 
     def _turned(self, wrench: ObjectState, tolerance: float) -> float:
-        """Share of the turn that is done, complete within a tolerance, rad."""
+        """Share of the turn that is done, complete within a tolerance (rad)."""
         whole = _apart(self.objects[0].yaw, self.goals[0].yaw)
         return share(self._turn_left(wrench), whole, tolerance)
 
 
 def share(left: float, whole: float, tolerance: float) -> float:
-    """Share 0 to 1 of a way that is done, complete within a tolerance."""
+    """Share (0 to 1) of a way that is done, complete within a tolerance."""
     return min(max(1.0 - max(left - tolerance, 0.0) / (whole - tolerance), 0.0), 1.0)
 
 
@@ -146,17 +147,17 @@ def _reason_not_settled(wrench: ObjectState) -> str:
 
 
 def wrapped(angle: float) -> float:
-    """An angle, rad, from -pi to pi."""
+    """An angle (rad), converted to -pi to pi."""
     return float((angle + np.pi) % (2 * np.pi) - np.pi)
 
 
 def _apart(a: float, b: float) -> float:
-    """Difference of two yaws, rad."""
+    """Difference (rad) of two yaws."""
     return abs(wrapped(a - b))
 
 
 SLIDE_TURN = (np.deg2rad(40.0), np.deg2rad(80.0))
-"""rad from start to goal, either way."""
+"""Range of the turn (rad) from start to goal, either way."""
 DISTANCE = (0.050, 0.100)
 """Range of the distance (m) of the wrench's middle from start to goal."""
 
@@ -246,11 +247,11 @@ def _on_surface(middle: Array, yaw: float, size: Array) -> bool:
 
 
 BOLT_TURN = (np.deg2rad(40.0), np.deg2rad(90.0))
-"""rad from start to goal, either way."""
+"""Range of the turn (rad) from start to goal, either way."""
 FRICTION = (2.0, 2.5)
 """Range of the dry friction (N m) about the bolt; 18 to 22 N at the handle's end."""
 GRIP = 0.032
-"""Position (m) along the wrench's x axis, a place near the handle's end that must stay within
+"""Position (m) along the wrench's x axis of a place near the handle's end that must stay within
 reach."""
 GRIP_BORDER = 0.034
 """Distance (m) from the surface's border to the path of that place, so that fingers have room
@@ -260,7 +261,7 @@ BOLT_YAW_TOLERANCE = float(np.deg2rad(5.0))
 """Angle (rad) within which the wrench counts as turned."""
 
 TOO_FAR = float(np.deg2rad(15.0))
-"""rad past the goal at which the nut is overtightened."""
+"""Angle (rad) past the goal at which the nut is overtightened."""
 
 
 @dataclass(frozen=True)
@@ -325,7 +326,7 @@ class WrenchTurn(WrenchTask):
 
     def _lost(self, wrench: ObjectState) -> bool:
         start, goal = self.objects[0].yaw, self.goals[0].yaw
-        # Up to half a turn past the goal; beyond that, the angle counts the other way round.
+        # The angle past the goal is measured up to half a turn; beyond that, its sign changes.
         past = np.sign(wrapped(goal - start)) * wrapped(wrench.yaw - goal)
         return bool(past > TOO_FAR)
 

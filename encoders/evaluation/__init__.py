@@ -1,6 +1,6 @@
 """Evaluation of reconstruction methods: the paper's tables and further measures.
 
-Numbers only; `sandbox evaluate` shows them, and `docs/evaluation.md` says how each is defined.
+Numbers only. `sandbox evaluate` prints them, and `docs/evaluation.md` defines them.
 """
 
 from encoders.evaluation.measure import MethodResult, evaluate_method

@@ -7,10 +7,10 @@ further details, so several rules are reported here; a degree of freedom counts 
 < 1 and
 
 - `f_test`: b0 = 0 and b1 = 1 together are rejected at 5 % (F test with 2 and n - 2 degrees of
-  freedom); this one is the headline;
+  freedom); this rule is the headline;
 - `t_test`: b1 = 1 is rejected at 5 %, one-sided;
-- `clustered`: the same with a standard error that lets frames of one take depend on each other,
-  which they do.
+- `clustered`: the same with a standard error that allows for the dependence between frames of one
+  take.
 
 The paper seems to use folds of random frames. They leak, since neighbouring frames are nearly
 equal: folds that never split a take are more reliable.
@@ -89,7 +89,7 @@ def copas(
         U: (T, width) inputs.
         Q: (T, n) outputs.
         trial: (T,) take of every frame.
-        blocked: Folds never split a take; otherwise frames are drawn at random.
+        blocked: True if folds never split a take; otherwise frames are drawn at random.
         folds: Number of folds.
         progress: Called with the share done, 0 to 1.
 

@@ -1,8 +1,8 @@
 """Errors of estimated poses relative to captured ones, frame by frame (the paper's Table 1 and
 more).
 
-All poses are in the 3-D surface frame, so that an estimate from wrong labels, whose leftmost
-contact may be another finger, is compared in the same frame.
+All poses are in the 3-D surface frame. An estimate from wrong labels, whose leftmost contact may be
+another finger, is thus compared in the same frame.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ class PoseErrors:
     """Errors of T poses.
 
     Attributes:
-        wrist: (T,) cm, between true and estimated wrist.
+        wrist: (T,) cm, distance between true and estimated wrist.
         joints: (T, 14) degrees, angle of the rotation between true and estimated ball joint.
         components: (T, 42) degrees, absolute difference of every rotation-vector component.
         turn: (T,) degrees, angle between true and estimated rotation of the wrist.
@@ -98,15 +98,15 @@ _GAP = 1.5
 
 @dataclass(frozen=True)
 class Smoothness:
-    """Changes of poses between frames; an array is empty where a capture has no such moment.
+    """Changes of poses between frames. An array is empty if a capture has no such moments.
 
     Attributes:
         acceleration: (n,) degrees/s2, mean absolute second difference of the 42 joint components,
             for every three frames in a row with the same contacts.
         jump: (m,) degrees, mean absolute change of the 42 joint components between the two frames
             at which the set of contacts changed.
-        largest_joint: (m,) degrees, largest rotation of a joint there.
-        wrist_jump: (m,) cm, movement of the wrist there.
+        largest_joint: (m,) degrees, largest rotation of a joint at these moments.
+        wrist_jump: (m,) cm, movement of the wrist at these moments.
     """
 
     acceleration: Array

@@ -1,16 +1,16 @@
 """Accuracy of labels: the paper's Table 2, and single contacts.
 
 A labeller gets contacts in a random order and with random ids, so that neither the order in which a
-capture stores fingers nor the order of their ids reveals labels. It is called at every frame. One
-without history is reset before each frame, one with history before each take. A frame counts as
-right if all its contacts are right.
+capture stores fingers nor the order of their ids reveals labels. It is called at every frame. A
+labeller without history is reset before each frame, a labeller with history before each take. A
+frame counts as right if all its contacts are right.
 
 Two cases of a single contact, which the captures of the simulated subjects and of the paper lack:
 
 - `stayed`: just before the set of contacts changes, and at the end of a take, all fingers but one
   leave. A method with history keeps that contact's label, as the program does while a contact
-  lives; one without is asked about the contact alone. Frames with one contact count here, too.
-- `first`: at the beginning of a take one finger lands before the others. Nothing is known of it.
+  lives. A method without history labels the contact alone. Frames with one contact count here, too.
+- `first`: at the beginning of a take, one finger lands before the others, without earlier frames.
 """
 
 from __future__ import annotations
@@ -50,7 +50,7 @@ class OwnLabels:
     """A capture with a labeller's labels.
 
     Attributes:
-        xy: (T, 5, 2) m, contacts by the labeller's labels, NaN for labels that it did not use.
+        xy: (T, 5, 2) m, contacts by the labeller's labels, NaN for labels without a contact.
         right: (T,) booleans, true if all contacts of the frame have their true label.
         stayed: Results for single contacts that stayed.
         first: Results for single contacts that came first.
@@ -74,7 +74,7 @@ def own_labels(
     Args:
         capture: The capture; its labels are used only for comparison.
         make: Creates a labeller without contacts.
-        history: True lets it use earlier frames of a take.
+        history: True if the labeller may use earlier frames of a take.
         seed: Seed of the shuffling.
         progress: Called with the share done, 0 to 1.
     """
@@ -127,8 +127,8 @@ def takes(capture: Capture) -> Iterator[tuple[int, NDArray[np.intp]]]:
 def _left_alone(
     labeller: Labeller, truth: dict[int, int], places: Contacts, known: Mapping[int, int] | None
 ) -> Iterator[bool]:
-    """Yields for each contact whether its label would be right if all others left; the label is the
-    known one, or asked again."""
+    """Yields for each contact whether its label would be right if all others left. The label is the
+    known one; without known labels, the labeller labels the contact alone."""
     if len(truth) < 2:
         return
     for contact, finger in truth.items():

@@ -35,7 +35,7 @@ _LEFT, _TIMED_FRAMES = 0.5, 200
 
 
 class Tests:
-    """Test captures, one after the other; takes of different captures have different numbers."""
+    """Test captures, one after another; takes of different captures have different numbers."""
 
     __test__ = False  # pytest would take the name for a test's
 
@@ -189,7 +189,7 @@ def _timed(method: Method, tests: Tests) -> tuple[float, float | None, str]:
     if method.encoder is not None:
         predict = method.encoder.predict
         return us_per_call(predict, capture.u), us_in_batch(predict, capture.u), "predict"
-    # A method with history is timed over the beginning of a take, as it is used.
+    # A method with history is timed over the beginning of a take, as in its normal use.
     frames = next(frames for _, frames in takes(capture))[:_TIMED_FRAMES]
     some = capture.select(frames)
 

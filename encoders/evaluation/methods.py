@@ -38,9 +38,9 @@ class Method(Protocol):
         name: Name in tables and files.
         history: True if its labeller uses a take's earlier frames.
         encoder: Encoder that predicts relative poses (n, 48) from contact vectors (n, 15), for a
-            method that consists of it alone; such a method is also timed by single calls and tested
-            for overfitting.
-        fresh: Creates such an encoder, untrained.
+            method that consists only of an encoder. Such a method is also timed by single calls and
+            tested for overfitting.
+        fresh: Creates an untrained encoder for such a method.
     """
 
     name: str
@@ -93,17 +93,18 @@ LEAST_SQUARES = {
     "cubic": "cubic",
     "paper": "quadratic",
 }
-"""The paper's encoders by plain least squares, as there. `paper` is its method: the quadratic."""
+"""The paper's encoders, fitted by plain least squares as in the paper. `paper` is the paper's
+method, the quadratic one."""
 
 TRAINED = "trained"
-"""The model that `sandbox train` makes of the training data, with the labels that ship."""
+"""Name of the model that `sandbox train` makes of the training data, with the shipped labeller."""
 
 NAMES = (*LEAST_SQUARES, "pca-ik", "mean", TRAINED)
 """Methods that can be trained by name."""
 
 
 def _unknown(name: str) -> InputError:
-    """The error of an encoder that there is not."""
+    """The error for the name of an unknown encoder."""
     others = "a FILE.npz made by `sandbox train`, or FILE.py:CLASS"
     what, where = "no such encoder", "--encoders"
     return unknown_name(what, name, NAMES, where=where, others=others, kind=EncoderError)
@@ -120,7 +121,7 @@ class Training:
     capture: Capture
 
     def method(self, name: str, progress: Progress | None = None) -> Method:
-        """A method of `NAMES`, a model's file or an encoder that is not ours, ready for use.
+        """A method of `NAMES`, a model's file or an external encoder, ready for use.
 
         Raises:
             EncoderError: The method or file does not exist, or cannot be trained on this capture.
@@ -146,7 +147,8 @@ class Training:
         raise _unknown(name)
 
     def _fitted(self, name: str, fresh: type[Encoder], metric: str = "joints") -> EncoderMethod:
-        """An encoder with the paper's labelling rule, which has no history and so is shared."""
+        """An encoder with the paper's labelling rule. The rule has no history and is therefore
+        shared."""
         model = self._model(fresh())
         paper = PaperLabels(model, metric)
         return EncoderMethod(name, model.encoder, lambda: paper, fresh=fresh)
@@ -154,7 +156,7 @@ class Training:
     def _model(self, encoder: Encoder) -> TrainedModel:
         U, Q = self._inputs
         with ENCODER_PLUGINS.guarded(type(encoder).__qualname__, "the encoder cannot learn"):
-            # Copies: other encoders learn from the same frames afterwards.
+            # Copies, since other encoders learn from the same frames afterwards.
             encoder.fit(U.copy("K"), Q.copy("K"))
         predicted(encoder, U[:1])
         return TrainedModel("", encoder, np.eye(POSE_SIZE), U, Q)
@@ -165,8 +167,8 @@ class Training:
 
 
 class PersonMethod(EncoderMethod):
-    """A model of one person, whose poses are corrected by the person's bones and smoothed; its
-    encoder alone is tested for overfitting."""
+    """A model of one person. Its poses are corrected by the person's bones and smoothed; only its
+    encoder is tested for overfitting."""
 
     def __init__(
         self,
@@ -195,7 +197,7 @@ def check_names(names: tuple[str, ...]) -> None:
     """Checks a list of methods before the evaluation starts.
 
     Raises:
-        EncoderError: One is unknown, or occurs twice.
+        EncoderError: A method is unknown, or occurs twice.
     """
     for name in names:
         path = Path(name)

@@ -1,7 +1,7 @@
-"""Evaluates PAALM on takes: errors of angles and labels, jitter, time, and what no hand can do.
+"""Evaluates PAALM on takes: errors of angles and labels, jitter, time, and impossible postures.
 
-Frames of a recording depend on each other, so every figure is computed within a recording first and
-then over recordings. docs/paalm.md defines the measures; angles are those of the four fingers, the
+Frames of a recording depend on each other, so every figure is computed first within a recording and
+then over recordings. docs/paalm.md defines the measures. Angles are those of the four fingers; the
 thumb has separate figures. Frames in which the hand is held open for calibration do not count.
 """
 
@@ -69,10 +69,11 @@ def independent(take: LeapTake) -> bool:
 
 
 def as_first_software(take: LeapTake, seed: int = 0) -> LeapTake:
-    """The hand as the first software would have reported it: no labels, no joints, any order.
+    """The hand as the first software would have reported it: without labels and joints, in any
+    order.
 
     A finger that the device does not report as stretched is left out, since the first software lost
-    folded fingers; a returning one gets a new id.
+    folded fingers. A finger that returns gets a new id.
     """
     rng = np.random.default_rng([seed, 0xF175])
     fresh, current = 0, dict.fromkeys(range(len(FINGERS)), -1)
@@ -105,29 +106,30 @@ def _whole(hand: TrackedHand) -> bool:
 
 
 def _steady(is_open: NDArray[np.bool_], most: float = 0.3) -> NDArray[np.bool_]:
-    """The first open frames, up to a share of all; the others are evaluated."""
+    """Mask of the first open frames, up to a share of all frames; the other frames are
+    evaluated."""
     chosen = is_open & (np.cumsum(is_open) <= max(most * len(is_open), 10))
     return np.asarray(chosen)
 
 
 NEAR = 3.0
-"""Degrees from the limit of a joint within which it is at its limit."""
+"""Angle (degrees) from the limit of a joint within which it counts as at its limit."""
 CLAW = (-10.0, 45.0)
-"""Degrees: a finger with at most this MCP flexion and over this PIP flexion is a claw."""
+"""Limits of a claw (degrees): largest MCP flexion, and PIP flexion that is exceeded."""
 
 
 @dataclass(frozen=True)
 class Plausibility:
-    """Shares of the seen fingers of a recording, thumbs left out.
+    """Shares of the seen fingers of a recording, without thumbs.
 
     Attributes:
         fingers: Number of seen fingers, over all frames.
         backward: Share whose knuckle is at its backward limit.
-        claws: Share that are claws.
-        at_limit: Share with another joint at a limit other than straight.
-        tips: 95th percentile of the distance from the pose's fingertip (m), of an average hand, to
-            where the device saw it.
-        remark: Why an average hand stood in for the recorded one; empty if it did not.
+        claws: Share of fingers that are claws.
+        at_limit: Share of fingers with another joint at a limit other than straight.
+        tips: 95th percentile of the distance (m) between the fingertips of the pose, of an average
+            hand, and the fingertips that the device saw.
+        remark: Reason for an average hand in place of the recorded hand; empty without one.
     """
 
     fingers: int
@@ -144,12 +146,12 @@ def plausibility(
     """Judges PAALM on all hands of a recording.
 
     Args:
-        frames: Its frames.
+        frames: Frames of the recording.
         options: Options of PAALM.
-        live: True solves them as if they came from the device: nothing is known of later frames.
+        live: True solves them as live frames, without knowledge of later frames.
 
     Raises:
-        EncoderError: No finger is seen in it.
+        EncoderError: No finger is seen in the recording.
     """
     paalm = Paalm(options)
     remark = ""
@@ -243,7 +245,7 @@ def two_hand_milliseconds(right: LeapTake, left: LeapTake) -> float:
 _LEAST_OPEN = 10
 
 CALIBRATION_SHARE = 0.8
-"""Share of the open frames that the calibration requires, since some lack a finger."""
+"""Share of the open frames that the calibration requires; some frames lack a finger."""
 
 
 _SHOWN = (
@@ -277,7 +279,8 @@ class Judgement:
 def test_seeds(count: int) -> list[int]:
     """Seeds derived from the frozen configuration, so that they cannot be chosen.
 
-    The first outputs of SHA-256 over hands, device and the method's defaults, 32 bits each.
+    They are the first outputs of SHA-256 over hands, device and the method's defaults, 32 bits
+    each.
     """
     frozen = json.dumps(
         [asdict(FROZEN_AIR), asdict(FROZEN_LEAP), asdict(PaalmOptions())], sort_keys=True
@@ -291,9 +294,9 @@ def test_seeds(count: int) -> list[int]:
 def calibrated_on(take: LeapTake, options: PaalmOptions, measured: bool = True) -> Paalm:
     """Creates a PAALM calibrated on a recording's open frames.
 
-    A hand that is hardly ever open, but whose joints the device knows, is not measured: its
-    standards are its own bones. One that is solved by its tips, and of which too little is seen
-    while it is open, is an average hand at first, as over a live device.
+    A hand with reported joints that is hardly ever open is not measured: its calibration follows
+    from its own bones. A hand that is solved by its tips, and of which too little is seen while it
+    is open, starts as an average hand, as with a live device.
 
     Args:
         take: The recording.
@@ -342,7 +345,7 @@ def judge_recording(
         options: Options of PAALM; labels are evaluated with the paper's order as well.
         angles: False where the recording has no truth for single joints.
         names: False leaves out the labels of fingers, which take two more passes.
-        measured: False takes a hand as a live device shows it that was never measured.
+        measured: False treats a hand as one that was never measured, as with a live device.
     """
     options = options or PaalmOptions()
     paalm = calibrated_on(take, options, measured)
@@ -401,7 +404,7 @@ def _angles(tables: Array, take: LeapTake, wanted: bool) -> dict[str, float]:
     chosen = seen[judged_frames]
     figures = {k: _mean(v) for k, v in columns.items()}
     figures |= {f"seen_{k}": _mean(v[chosen]) for k, v in columns.items()}
-    # Change from frame to frame minus that of the truth, for fingers that stay visible.
+    # Change from frame to frame minus the change of the truth, for fingers that stay visible.
     steps = np.diff(tables - take.angles, axis=0)[:, 1:][..., [0, 2, 3]]
     stays = (seen[1:] & seen[:-1]) & judged_frames[1:, None]
     figures |= {

@@ -31,9 +31,9 @@ PCA_VARIANCE: dict[int, float] = {3: 68.0, 6: 87.0, 9: 94.0, 12: 97.0}
 """Percentage of the training data's variance by number of principal components (section 3)."""
 
 SAME_AS: dict[str, str] = {"paper": "quadratic"}
-"""The paper's row by our name, where the names differ."""
+"""Our name -> name of the paper's row, where the names differ."""
 
 
 def row(name: str) -> str:
-    """The paper's name of one of our methods; our name where the paper has none."""
+    """The paper's name of one of our methods; our name if the paper has none."""
     return SAME_AS.get(name, name)

@@ -1,8 +1,8 @@
 """The model that `sandbox train` makes of one person's capture, and its estimate of the pose.
 
-Candidates are compared by tenfold cross-validation blocked by trial, each with the fingertip
-correction whose trust is validated, too. The winner is trained on all data with the chosen
-settings.
+Candidates are compared by tenfold cross-validation blocked by trial. Each has the fingertip
+correction, whose trust is validated as well. The best candidate is trained on all data with the
+chosen settings.
 """
 
 from __future__ import annotations
@@ -48,7 +48,7 @@ CANDIDATES: dict[str, Callable[[], Encoder]] = {
 terms were tried during design without a lasting gain (docs/encoding.md)."""
 
 POSTURE_TAU = 0.05
-"""Time constant of the estimate's posture filter (s), which is its delay for a change of posture. A
+"""Time constant (s) of the estimate's posture filter, which is its delay for a change of posture. A
 hand that moves or turns with its touches has no delay."""
 
 
@@ -74,7 +74,8 @@ class PersonEstimate:
         Args:
             time: (T,) s.
             trial: (T,) take of every frame.
-            xy: (T, 5, 2) m on the surface by label, NaN where lifted; a touch or more in each.
+            xy: (T, 5, 2) m on the surface by label, NaN where lifted; at least one touch in each
+                frame.
 
         Returns:
             Poses (T, 48) in the 3-D surface frame.
@@ -124,8 +125,8 @@ def train_person(
     U, Q = capture.u, capture.relative
     scores: dict[str, tuple[float, float]] = {}
     predicted, covariances = {}, {}
-    # The bones are the same for all candidates; none gains from their having been estimated
-    # from the validation trials, too.
+    # All candidates use the same bones, so none benefits from bones that were also estimated from
+    # the validation trials.
     bones, variance = fitted_skeleton(capture, ADULT), blocked_variance(capture, ADULT)
     for i, (candidate, make) in enumerate(CANDIDATES.items()):
         q = predicted[candidate] = blocked_predictions(make, capture)
@@ -150,9 +151,9 @@ def _in_cm_degrees(errors: dict[str, tuple[float, float]]) -> dict[str, Any]:
 
 
 def person_model(capture: Capture, progress: Callable[[float], None] | None = None) -> TrainedModel:
-    """The model of `train_person`, which is read from this user's cache after the first time.
+    """The model of `train_person`, read from this user's cache after the first time.
 
-    Where there is no such folder, or it cannot be written, the model is trained each time.
+    Without a cache folder, or if it cannot be written, the model is trained each time.
 
     Args:
         capture: Labelled contacts and poses of one person.

@@ -3,7 +3,7 @@
 Means over frames, standard errors as in the paper, and 95 % intervals over whole takes. Missing
 values are null: a method that cannot be refitted has no Copas test.
 
-Frames of one take depend on each other. The standard error that treats them as independent is too
+Frames of one take depend on each other. A standard error that treats them as independent is too
 small by a factor of five or more; it is computed only because the paper prints it. The intervals
 resample whole takes.
 """
@@ -29,7 +29,7 @@ SCHEMA = 1
 """Version of the report's layout."""
 
 ALL = "all"
-"""Two to five fingers together."""
+"""Key for two to five fingers together."""
 
 
 def report(
@@ -240,9 +240,9 @@ def block_interval(
 ) -> tuple[float, float]:
     """Interval of the mean by a bootstrap over blocks.
 
-    As many blocks as there are, drawn with replacement, give one resampled mean; a long block
-    counts for as many values as it has. The interval covers the variation between takes and days of
-    one subject, but not between subjects.
+    A resampled mean uses as many blocks as there are, drawn with replacement; a block counts for as
+    many values as it has. The interval covers the variation between takes and days of one subject,
+    but not between subjects.
 
     Args:
         values: (T,) values.
@@ -251,8 +251,8 @@ def block_interval(
         seed: Seed; equal arguments give equal intervals.
 
     Returns:
-        Lower and upper end of the central 95 %; NaN with fewer than two blocks, which do not show
-        how much blocks differ.
+        Lower and upper end of the central 95 %; NaN with fewer than two blocks, from which the
+        variation between blocks does not follow.
     """
     blocks, index = np.unique(block, return_inverse=True)
     if len(blocks) < 2:

@@ -204,7 +204,7 @@ class YawRange:
 
     Attributes:
         layout: Natural layout of these hands, which gives the yaw.
-        low, high: rad, counterclockwise; 0 is the average yaw.
+        low, high: Ends of the range (rad), counterclockwise; 0 is the average yaw.
     """
 
     layout: NaturalLayout

@@ -1,9 +1,9 @@
 """Fits bone lengths and knuckle positions of a person to a capture of that person.
 
-Given the joints' rotations, the position of a fingertip is linear in the position of its knuckle
-and in the lengths of its bones. A capture holds rotations and, while a finger touches, the position
-of its tip. So the bones of each finger are the solution of a small linear least-squares problem,
-regularised towards a known skeleton where the data do not determine them.
+For given rotations of the joints, the position of a fingertip is linear in the position of its
+knuckle and in the lengths of its bones. A capture contains rotations and, while a finger touches,
+the position of its tip. The bones of each finger are therefore the solution of a small linear
+least-squares problem, regularised towards a known skeleton where the data do not determine them.
 
 `encoders.regression.trained.PersonCorrection` weighs the touches by how well the person's bones are
 known. Its training perturbs skeletons before their bones are fitted, and chooses the weight of the
@@ -31,13 +31,13 @@ from models.skeleton import Bone, Skeleton
 KNUCKLE_SPREAD = 0.010
 """Assumed standard deviation of people's knuckles about those of the known skeleton (m)."""
 LENGTH_SPREAD = 0.10
-"""Share, assumed standard deviation of people's bone lengths. A few takes with a finger on the
-surface outweigh both assumptions."""
+"""Assumed standard deviation of people's bone lengths, as a share of the length. A few takes with a
+finger on the surface outweigh both assumptions."""
 _MISFIT = 0.004
-"""Assumed standard deviation of a touch about its fingertip (m): pads roll, and joint angles are
+"""Assumed standard deviation (m) of a touch about its fingertip: pads roll, and joint angles are
 measured with errors."""
 _INDEPENDENT = 200
-"""Maximum number of touches of one finger that count as independent; the frames of a take are
+"""Maximum number of touches of one finger that count as independent, since the frames of a take are
 nearly equal."""
 
 
@@ -52,7 +52,7 @@ def fitted_skeleton(capture: Capture, skeleton: Skeleton) -> Skeleton:
 
     Args:
         capture: Poses and touches.
-        skeleton: Known skeleton; its table of joints, ranges and rest frames is kept.
+        skeleton: Known skeleton, whose table of joints, ranges and rest frames is used unchanged.
     """
     placement = Kinematics(skeleton).place(capture.q)
     root = exp(capture.q[:, ROOT_ROTATION])
@@ -114,7 +114,7 @@ DISTRUSTS = (1.0, 2.0, 4.0, 8.0, 16.0, 32.0, 64.0, 128.0)
 """Candidate factors on the tips' variance for validation."""
 
 WRONG_LENGTH, WRONG_KNUCKLE = 0.06, 0.004
-"""Share and m, standard deviations of lengths and knuckles of perturbed skeletons in validation."""
+"""Standard deviations of lengths (share) and knuckles (m) of perturbed skeletons in validation."""
 
 WRONG_SKELETONS = 3
 FOLDS = 5
@@ -130,7 +130,8 @@ def train_correction(
 
     Args:
         capture: Poses and touches.
-        predicted: (T, 48) relative poses predicted by an encoder that had not seen their trial.
+        predicted: (T, 48) relative poses predicted by an encoder that was not trained on their
+            trial.
         covariance: (48, 48) covariance of their errors.
         skeleton: Known skeleton before the fit.
         fit: True fits the bones to the capture. False makes a correction for people with unknown

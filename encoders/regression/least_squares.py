@@ -1,9 +1,9 @@
 """Least squares over any number of frames, in memory that does not grow with them.
 
 Frames come in blocks. Each block of terms and outputs [X Q] is stacked below the triangle of the
-previous blocks, and a QR decomposition reduces both to one triangle. The triangle contains
-everything that a fit needs, and its condition number is that of X, not the square of it as with
-X'X: up to rounding, the solution is that of the whole matrix. Frames of one finger set are reduced
+previous blocks, and a QR decomposition reduces both to one triangle. The triangle contains all
+information that a fit needs. Its condition number is that of X, not the square of it as with X'X.
+Up to rounding, the solution is that of the whole matrix. Frames of one finger set are reduced
 together, in the few monomials of that set (`encoders.regression.polynomial`), and the triangles of
 all sets are stacked at the end.
 """
@@ -18,15 +18,16 @@ from encoders.regression.polynomial import SETS, collapse, set_code, set_codes
 from models.arithmetic import Array
 
 RCOND = 1e-10
-"""Share of the largest singular value below which others count as zero: far below those of
-independent terms (above 1e-6 on captures of the simulated subject), far above rounding (1e-15)."""
+"""Share of the largest singular value below which others count as zero. It is far below those of
+independent terms (above 1e-6 on captures of the simulated subject) and far above rounding
+(1e-15)."""
 
 _ROWS = 4096
-"""Number of frames reduced at once; larger blocks exceed the processor's caches, smaller ones
+"""Number of frames reduced at once. Larger blocks exceed the processor's caches, smaller blocks
 repeat work."""
 
-# This module and SciPy are imported where something is fitted: a program that only predicts starts
-# without them.
+# This module and SciPy are imported only for a fit, so a program that only predicts starts without
+# them.
 
 
 class LeastSquares:

@@ -1,8 +1,8 @@
 """Trained models by name, as `--encoder` takes them: built in, in a file, or trained when needed.
 
-An encoder that is not ours comes as a class that has learned nothing. It is trained on the built-in
-capture, as the built-in models were. Where that takes long, the model is kept in a folder of this
-user under the digest of the encoder's file, its configuration and the capture.
+An external encoder is a class that has learned nothing. It is trained on the built-in capture, as
+the built-in models were. If training takes long, the model is stored in a folder of this user,
+under the digest of the encoder's file, its configuration and the capture.
 """
 
 from __future__ import annotations
@@ -44,10 +44,10 @@ if TYPE_CHECKING:
 PCA_IK = "pca-ik"
 
 MODELS = (*BUILTIN, POPULATION, PCA_IK)
-"""Names of the models that are always there."""
+"""Names of the models that are always available."""
 
 DEFAULT_MODEL = POPULATION
-"""Name of the model that is used where none is named; all defaults are this one."""
+"""Name of the model that is used if none is named; all defaults are this model."""
 
 LONG = 2.0
 """Training time (s) above which a trained model is stored for the next time."""
@@ -58,7 +58,7 @@ class PcaIkModel(TrainedModel):
     """A model whose encoder is inverse kinematics.
 
     Attributes:
-        like: Digest of the model whose capture it was fitted to.
+        like: Digest of the model to whose capture it was fitted.
     """
 
     encoder: PcaIkEncoder
@@ -66,7 +66,7 @@ class PcaIkModel(TrainedModel):
 
     @cached_property
     def digest(self) -> str:
-        """BLAKE2b over what it was made from, hexadecimal."""
+        """BLAKE2b over the sources of the model, hexadecimal."""
         given = {k: v for k, v in self.encoder.configuration().items() if v is not None}
         learned = {
             "pad_height_": self.encoder.pad_height_,
@@ -98,7 +98,7 @@ def pca_ik_like(like: TrainedModel) -> TrainedModel:
 
 
 def find_model(name: str, tell: Callable[[str], None]) -> TrainedModel:
-    """The model of a name: built in, a file, or an encoder that is not ours, which is trained.
+    """The model of a name: a built-in model, a file, or an external encoder, which is trained.
 
     Args:
         name: One of `MODELS`, a file made by `sandbox train`, `FILE.py:CLASS`, `MODULE:CLASS`, or
@@ -106,7 +106,7 @@ def find_model(name: str, tell: Callable[[str], None]) -> TrainedModel:
         tell: Called with a line before an encoder is trained, and after it.
 
     Raises:
-        EncoderError: There is none, or it cannot be used.
+        EncoderError: There is no such model, or it cannot be used.
     """
     if name in (*BUILTIN, POPULATION):
         return builtin(name)
@@ -119,7 +119,7 @@ def find_model(name: str, tell: Callable[[str], None]) -> TrainedModel:
 
 
 def check_model_name(name: str) -> None:
-    """Checks that a name is one of `find_model`; loads and trains nothing.
+    """Checks that a name is one that `find_model` accepts; loads and trains nothing.
 
     Raises:
         EncoderError: There is no such model, file or encoder.
@@ -136,10 +136,11 @@ def check_model_name(name: str) -> None:
 
 
 def cache_folder() -> Path:
-    """Where models that took long to train are kept, by the custom of the system.
+    """Folder for models that took long to train, by the custom of the system.
 
     Raises:
-        EncoderError: Nothing says where that is, as for a user without an account in a container.
+        EncoderError: The folder is unknown, for example for a user without an account in a
+            container.
     """
     windows = sys.platform == "win32"
     variable = "LOCALAPPDATA" if windows else "XDG_CACHE_HOME"
@@ -155,7 +156,7 @@ def cache_folder() -> Path:
 
 @cache
 def _trained(kind: type[Encoder], tell: Callable[[str], None]) -> TrainedModel:
-    """The model of a class that is not ours, read from the cache or trained now."""
+    """The model of an external class, read from the cache or trained now."""
     kept = cache_folder() / f"{_key(kind)}.npz"
     if kept.exists():
         try:
@@ -173,7 +174,7 @@ def _trained(kind: type[Encoder], tell: Callable[[str], None]) -> TrainedModel:
 
 
 def _key(kind: type[Encoder]) -> str:
-    """Digest of all that a trained model follows from."""
+    """Digest of all inputs of the training."""
     with ENCODER_PLUGINS.guarded(kind.__qualname__, "the encoder does not tell its configuration"):
         configuration = kind().configuration()
     parts = [
@@ -191,14 +192,15 @@ def _key(kind: type[Encoder]) -> str:
 
 
 def keep_model(model: TrainedModel, path: Path) -> str:
-    """Writes a model without its training data for the next time, whole or not at all.
+    """Writes a model without its training data for the next time; the file appears whole or not at
+    all.
 
     Args:
         model: The model.
         path: File in `cache_folder()`.
 
     Returns:
-        The rest of a message: where it is, or why it could not be written.
+        The rest of a message: the model's place, or the reason why it could not be written.
     """
     from encoders.regression.train import save_model
 

@@ -1,10 +1,11 @@
 """PCA-IK: inverse kinematics in few principal components, the paper's baseline for its encoder.
 
 Chung, Kim, Han and Pollard (2015), section 3, after Mulatto, Formaglio, Malvezzi and Prattichizzo
-(2013). The paper gives it one paragraph: the number of components follows from the number of
-contacts (12, 9, 6 and 3 for 5, 4, 3 and 2, hence 3 k - 3), the compliance is 0.1 for translation
-and 25 for rotation, 100 iterations suffice, and the nearest neighbour is found by touch positions.
-Choices that it leaves open are options here; the defaults follow the interpretations argued below.
+(2013). The paper gives it one paragraph. The number of components follows from the number of
+contacts (12, 9, 6 and 3 for 5, 4, 3 and 2, hence 3 k - 3). The compliance is 0.1 for translation
+and 25 for rotation. 100 iterations suffice, and the nearest neighbour is found by touch positions.
+Choices that the paper leaves open are options here; the defaults follow the interpretations argued
+below.
 
 Free variables. k fingertips give 3 k equations. With 3 k - 3 components, three unknowns are left:
 the translation of the root. All rotations, including the wrist's, are then in the components. This
@@ -20,10 +21,10 @@ Compliance. As damping, each step minimises
 
 in centimetres and radians. Damping acts on the step, not on the distance from the start, so that
 fingertips do reach their touches in the end ("tries to fit the target position excessively"). In
-these units 100 iterations come close to the target; in metres and radians, or in centimetres and
+these units, 100 iterations come close to the target. In metres and radians, or in centimetres and
 degrees, rotations would hardly have changed by then, and the paper found 100 to be enough. As
 softness, the mechanical meaning (a more compliant part moves more), the costs are 1 / 0.1 and
-1 / 25 instead. For other units, give other numbers.
+1 / 25 instead. Other units need other numbers.
 
 Start. The paper uses the nearest neighbour to label the fingers; here inverse kinematics starts
 from it as well. The components are then directions in which that pose changes. Alternatively, the
@@ -90,7 +91,7 @@ class IkSolution(NamedTuple):
 
 COMPLIANCE_TRANSLATION = 0.1
 COMPLIANCE_ROTATION = 25.0
-"""The paper's two values."""
+"""The paper's two compliances, for translation and rotation."""
 
 FREE = {"translation": (3, slice(3, POSE_SIZE)), "root": (6, JOINTS), "nothing": (0, slice(0, 48))}
 """Option `free` -> number of free variables of the root, and the part of the pose that the
@@ -100,11 +101,11 @@ READINGS = ("damping", "softness")
 STARTS = ("neighbour", "projected", "mean")
 
 _SQUARE_CM = 1e-4
-"""m2; the costs of steps are in square centimetres."""
+"""Square centimetre (m2), the unit of the costs of steps."""
 
 _DEGREES_PER_RADIAN = 57.29577951308232
 _WHISPER = 1e-10
-"""Share of the mean diagonal added to normal equations, so that they are never singular."""
+"""Share of the mean diagonal that is added to normal equations, so that they are never singular."""
 
 
 def step_costs(translation: float, rotation: float, reading: str) -> Array:
@@ -148,8 +149,8 @@ class PcaIkEncoder(Encoder):
         start: Start of the steps: `neighbour`, `projected` (the neighbour projected onto the
             components) or `mean`.
         components: Number of components; None uses 3 k - 3 for k contacts.
-        settled: m and rad; a row stops after a step that changes no number by more. 0 always takes
-            all steps.
+        settled: Largest change (m and rad) of any number in a step after which a row stops. 0
+            always takes all steps.
         pad_height: Centre of a touching fingertip above the surface (m); None estimates it.
 
     Attributes:
@@ -157,8 +158,8 @@ class PcaIkEncoder(Encoder):
             orthonormal in centimetres and degrees.
         explained_: (n,) share of the variance in the first 1, 2, .. n of them.
         mean_: (48,) mean training pose.
-        pad_height_: m, the given value or the median over the touching fingertips of the training
-            poses.
+        pad_height_: Height (m), the given value or the median over the touching fingertips of the
+            training poses.
         tip_misfit_: Root mean square per coordinate of the offsets between the touching
             fingertips of the training poses and their targets (m), caused by noise, rolling
             fingertips and errors of the skeleton's bones.
@@ -330,7 +331,7 @@ class PcaIkEncoder(Encoder):
         hand = SinglePose(self.skeleton, np.flatnonzero(fingers).tolist())
         q = start.copy()
         taken = np.zeros(len(q), np.int64)
-        # All rows first, as a slice, which makes no copies.
+        # At first all rows are active, as a slice, which makes no copies.
         moving: slice | NDArray[np.int64] = slice(None)
         for _ in range(self.iterations):
             tips, jacobian = tips_and_jacobians(hand, q[moving])
@@ -350,11 +351,12 @@ class PcaIkEncoder(Encoder):
         return IkSolution(q, np.sqrt(squared_lengths(off).max(axis=1)), taken)
 
     def _step(self, off: Array, J: Array) -> Array:
-        """Change (n, 48) of poses, by what is off (n, 3 k) m and its derivative J (n, 3 k, 48)."""
+        """Change (n, 48) of poses, from the distances (n, 3 k) m to the targets and their
+        derivative J (n, 3 k, 48)."""
         basis, cost = self._ways[off.shape[1] // 3]
         if not basis.shape[1]:
             return np.zeros((len(off), POSE_SIZE))
-        # Pose by pose: side by side with others, each takes the step that it takes alone.
+        # Pose by pose, so that each step is the same alone and side by side with others.
         step = np.empty((len(off), POSE_SIZE))
         for i, (far, jacobian) in enumerate(zip(off, J, strict=True)):
             JB = matrix_product(jacobian, basis)
@@ -436,8 +438,9 @@ def finger_names(fingers: Mask) -> str:
 class TouchNeighbours:
     """Training frames, grouped by the set of their touching fingers.
 
-    The frames for a set are those with exactly these fingers down; if there are none, those in
-    which at least these touch, with touches and pose relative to the leftmost of these.
+    The frames for a set are those with exactly these fingers down. If there are none, they are the
+    frames in which at least these fingers touch, with touches and pose relative to the leftmost of
+    these fingers.
 
     Args:
         down: (T, 5) mask of touching fingers.
@@ -452,8 +455,8 @@ class TouchNeighbours:
     def nearest(self, fingers: Mask, places: Array) -> Array:
         """Poses (n, 48) of the frames whose touches are nearest to given ones.
 
-        The nearest frame has the least sum of squared distances over the touching fingers; of
-        equals, the first is taken. A single touch has no layout and is equally near to all frames:
+        The nearest frame has the least sum of squared distances over the touching fingers; of equal
+        frames, the first is used. A single touch has no layout and is equally near to all frames:
         the result is then the mean pose of all comparable frames.
 
         Args:

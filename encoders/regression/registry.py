@@ -1,12 +1,12 @@
-"""Finds encoders by name: built-in ones, those of installed packages, and those in a file.
+"""Finds encoders by name: built-in encoders, those of installed packages, and those in a file.
 
 A package offers its encoders under a name:
 
     [project.entry-points."hand_sandbox.encoders"]
     my-lab-forest = "my_lab.encoders:Forest"
 
-An encoder is imported when it is named. Errors in it are reported then, in one line; they do not
-affect other encoders.
+An encoder is imported when it is named. Its errors are then reported in one line, and do not affect
+other encoders.
 """
 
 from __future__ import annotations
@@ -74,11 +74,11 @@ def checked(value: Any, where: str) -> type[Encoder]:
     """Checks that a loaded object is an encoder class that can be instantiated.
 
     Args:
-        value: What was loaded.
+        value: The loaded object.
         where: Its place, for messages.
 
     Raises:
-        EncoderError: It is something else, lacks a method, or requires arguments.
+        EncoderError: The object is something else, lacks a method, or requires arguments.
     """
     if not is_encoder(value):
         raise EncoderError(
@@ -105,7 +105,7 @@ def checked(value: Any, where: str) -> type[Encoder]:
 
 
 def is_external(name: str) -> bool:
-    """True for the name of an external encoder: a place, or one of an installed package."""
+    """True for the name of an external encoder: a place, or a name of an installed package."""
     if ENCODER_PLUGINS.place_in(name) is not None:
         return True
     return name not in ENCODERS and name in ENCODER_PLUGINS.offered()

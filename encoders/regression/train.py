@@ -39,7 +39,7 @@ RIDGES = (1e-4, 3e-4, 1e-3, 3e-3, 1e-2, 3e-2, 1e-1, 3e-1, 1.0, 3.0)
 """Candidate penalties for validation."""
 
 _SAME_POSE = 1e-3
-"""Largest change of a pose that storing an encoder may cause (m or rad)."""
+"""Largest change of a pose (m or rad) that storing an encoder may cause."""
 
 _TRIED = 100
 """Number of frames on which a restored encoder is tested."""
@@ -91,7 +91,7 @@ def train_encoder(
     U, Q = capture.u, capture.relative
     residuals = Q - blocked_predictions(make, capture, progress=progress)
     with ENCODER_PLUGINS.guarded(name, "the encoder cannot learn"):
-        # Copies: a fit that subtracts means in place must not change the capture for others.
+        # Copies, since a fit that subtracts means in place must not change the capture for others.
         encoder = _itself(make().fit(U.copy("K"), Q.copy("K")), name)
     predicted(encoder, U[:1])
     covariance = robust_covariance(residuals)
@@ -129,10 +129,10 @@ def blocked_predictions(
 
 
 def _itself(fitted: Encoder | None, where: str) -> Encoder:
-    """What `fit` returned.
+    """The result of `fit`.
 
     Raises:
-        EncoderError: It is nothing.
+        EncoderError: The result is None.
     """
     if fitted is None:
         raise EncoderError(
@@ -199,7 +199,7 @@ def _as_restored(encoder: Encoder, U: Array, Q: Array) -> Encoder:
         Q: (T, 48) likewise.
 
     Raises:
-        EncoderError: It cannot be stored, or the restored encoder differs.
+        EncoderError: The encoder cannot be stored, or the restored encoder differs.
     """
     ours = builtin_name(encoder)
     if ours is not None:
@@ -232,12 +232,13 @@ def check_repeatable(first: Encoder, second: Encoder, U: Array) -> None:
     """Checks that two encoders fitted to equal frames predict equal poses.
 
     Args:
-        first: One of them.
-        second: The other.
-        U: (T, 15) contact vectors of which both predict poses.
+        first: One encoder.
+        second: The other encoder.
+        U: (T, 15) contact vectors for which both predict poses.
 
     Raises:
-        EncoderError: They differ. A recording made with one could not be replayed with the other.
+        EncoderError: The poses differ. A recording made with one encoder could not be replayed with
+            the other.
     """
     difference = np.abs(predicted(first, U) - predicted(second, U)).max()
     if difference > _SAME_POSE:
@@ -253,8 +254,8 @@ def predicted(encoder: Encoder, U: ArrayLike) -> Array:
     """Poses (T, 48) that an encoder predicts from contact vectors (T, 15), checked.
 
     Raises:
-        EncoderError: The encoder fails, returns something else, or changes its input, for many
-            vectors or for one.
+        EncoderError: The encoder fails, returns another type or shape, or changes its input, for
+            many vectors or for one vector.
     """
     U = np.asarray(U, float)
     where = f"{type(encoder).__qualname__}.predict"
@@ -285,7 +286,7 @@ def predicted(encoder: Encoder, U: ArrayLike) -> Array:
 def save_model(model: TrainedModel, path: Path | str, training: bool = True) -> None:
     """Writes a model as npz without pickle: a JSON header, and arrays.
 
-    Arrays of the model are in single precision, those of an external encoder as it returns them.
+    Arrays of the model are in single precision; those of an external encoder are stored unchanged.
 
     Args:
         model: The model.

@@ -45,7 +45,7 @@ SCHEMA = 2
 """Version of the file's layout."""
 
 CAPTURED = frozenset(("time", "trial", "ids", "xy", "q"))
-"""Arrays of a capture, which is easily taken for the model that is trained from it."""
+"""Arrays of a capture. A capture is easily given in place of the model that is trained from it."""
 
 _REMEDY = "`sandbox train --out FILE` makes a valid one"
 
@@ -90,7 +90,7 @@ class TrainedModel:
     """An encoder ready for use: `model.encoder.predict(u)` gives relative poses.
 
     Attributes:
-        name: Name of a built-in model, such as `paper`, or a name of your own.
+        name: Name of a built-in model, such as `paper`, or any other name.
         encoder: The fitted encoder.
         residual_covariance: (48, 48) covariance of the relative pose's error, m and rad, on unseen
             trials.
@@ -306,7 +306,7 @@ def restored(
         Q: (T, 48) likewise.
 
     Raises:
-        EncoderError: It cannot be restored.
+        EncoderError: The encoder cannot be restored.
     """
     with ENCODER_PLUGINS.guarded(kind.__qualname__, "the encoder does not take its own options"):
         encoder = kind(**options)
@@ -360,7 +360,7 @@ def _array(raw: Mapping[str, NDArray[Any]], name: str, where: str) -> Array:
 
 
 def _is_distrust(value: Any) -> bool:
-    """True for a valid `distrust` of a header, or none."""
+    """True for a valid `distrust` of a header, or for none."""
     return value is None or (is_ridge(value) and value > 0)
 
 

@@ -4,9 +4,9 @@ A turned hand moves its fingers in the same way, but a polynomial of touches in 
 must learn every direction separately, approximating sines and cosines by quadratics. Here a first
 quadratic predicts the hand's yaw, its rotation about the surface's normal. The touches are rotated
 back by this yaw about their middle, a second quadratic predicts the pose in the rotated frame, and
-the result is rotated forward again. A third quadratic repeats this with the improved yaw. In the
-normalised frame there is less variation to learn, and directions with little training data profit
-from the others.
+the result is rotated forward again. A third quadratic repeats this with the improved yaw. The
+normalised frame has less variation to learn, and directions with little training data profit from
+the others.
 
 The paper of 2015 fixed the device in front of the person and used one quadratic; this encoder is
 our own.
@@ -40,9 +40,9 @@ from models.rotations import exp, log, turn_about_normal, turned_about_normal
 from models.surface import METRES_PER_INCH
 
 SPREADS = (0.25, 0.15)
-"""Standard deviation of the simulated yaw error in each round of training (rad): about that of the
-previous round on unseen trials (0.22 and 0.18 rad root mean square, five folds of the built-in
-capture)."""
+"""Standard deviations (rad) of the simulated yaw error in each round of training. They are similar
+to the errors of the previous round on unseen trials (0.22 and 0.18 rad root mean square, five folds
+of the built-in capture)."""
 
 _COPIES = 3
 """Number of copies of every training frame, each with another yaw error."""
@@ -100,7 +100,7 @@ class YawNormalisedEncoder(Encoder):
         """Takes over coefficients (1 + rounds, 136, 48) learned earlier.
 
         Raises:
-            EncoderError: They have another shape.
+            EncoderError: The coefficients have another shape.
         """
         coef = np.asarray(coef, float)
         if coef.shape[1:] != _COEF or not len(coef):
@@ -118,7 +118,7 @@ class YawNormalisedEncoder(Encoder):
         )
 
     def predict(self, U: ArrayLike) -> Array:
-        """Relative poses (T, 48) of contact vectors (T, 15), or (48,) of one (15,).
+        """Relative poses (T, 48) of contact vectors (T, 15), or (48,) of one contact vector (15,).
 
         Raises:
             EncoderError: The inputs have another width, or the encoder is not fitted.
@@ -220,7 +220,7 @@ def _from_normalised(Q: Array, turn: Array, middle: Array) -> Array:
 
 
 def turned_root(errors: Array, turn: Array) -> Array:
-    """Errors (T, 48) of poses with those of the root, two vectors, turned about the normal.
+    """Errors (T, 48) of poses, with the root's two error vectors rotated about the normal.
 
     Args:
         errors: (T, 48) differences of poses, m and rad.
@@ -300,7 +300,7 @@ class YawNormalisedPose:
         v = [1.0]
         for f in fingers:
             v += numbers[2 * f : 2 * f + 2]
-        # All rounds but the last only give the yaw, and predict the root's rotation alone.
+        # All rounds but the last only predict the root's rotation, for the yaw.
         w = first(np.array(v))
         turn = turn_about_normal(w)
         mx, my = fsum(x) / len(x), fsum(y) / len(y)

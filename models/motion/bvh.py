@@ -330,7 +330,7 @@ class BvhWriter(MotionWriter):
 
     @property
     def greatest_step(self) -> tuple[float, int, str]:
-        """Largest change of an angle between two keys: degrees, the later key, the joint."""
+        """Largest change (degrees) of an angle between two keys, the later key, and the joint."""
         key, joint = self.euler.biggest_at
         return float(np.rad2deg(self.euler.biggest_step)), key, self._armature.names[joint]
 

@@ -46,7 +46,7 @@ class ViconMotion:
 
     Attributes:
         labels: One label for each column.
-        rate: Hz.
+        rate: Rate (Hz) of the frames.
         values: (T, columns), mm and rad.
         numbers: (T,) number of each frame from 0; a recorder may leave frames out.
         report: Parts of the file that the reader left out or assumed.

@@ -393,7 +393,8 @@ class RobotModel:
 
         Args:
             name: Name of a site or body.
-            inside: m, the fingertip in the frame of that body; of no meaning for a site.
+            inside: Position (m) of the fingertip in the frame of that body; of no meaning for a
+                site.
         """
         model = self.model
         site = int(mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_SITE, name))

@@ -104,6 +104,7 @@ class PairedSession:
         side: The hand, left or right.
         motion: The hand's true motion, mirrored to a right hand: knots (n,) s and poses (n, 48) in
             the surface frame, between which it moves smoothly.
+        skeleton: The person's bones.
     """
 
     touches: tuple[TouchFrame, ...]

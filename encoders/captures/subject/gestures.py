@@ -24,8 +24,8 @@ _COMPONENTS = 24
 """Number of waves in a smooth noise; enough for its values to be nearly normal."""
 
 _PUSHES = 8
-"""Number of rounds that push fingertips apart; five in a row then keep their distance within 1
-mm."""
+"""Number of rounds that push fingertips apart. After five in a row, their distance is right within
+1 mm."""
 
 _THUMB = 0
 

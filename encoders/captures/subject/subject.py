@@ -40,9 +40,10 @@ _FINGERS = (11, 15, 19, 23)
 class Anatomy:
     """A subject's hand: its hinges and the covariance of its postures.
 
-    hinges: (48, 27) matrix from degrees of freedom to the pose: q = hinges @ theta. Joints with two
-    and three degrees of freedom combine them as components of one rotation vector, as eye and
-    shoulder nearly do (Listing's law). Columns of the root are unit vectors.
+    Attributes:
+        hinges: (48, 27) matrix from degrees of freedom to the pose: q = hinges @ theta. Joints with
+            two and three degrees of freedom combine them as components of one rotation vector, as
+            eye and shoulder nearly do (Listing's law). Columns of the root are unit vectors.
         covariance: (27, 27) covariance of the intended posture.
     """
 
