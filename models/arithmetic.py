@@ -180,8 +180,8 @@ def exp(x: ArrayLike) -> Array:
 def exp_of_many(x: Single) -> Single:
     """Exponentials of many numbers (...) of 0 or less, in single precision.
 
-    Sums and products of single numbers alone, which every processor rounds alike, ten times as
-    quick as libm. The relative error is below 3e-7; below -87 the result is 0.
+    It uses only sums and products of single numbers, which every processor rounds alike, and is ten
+    times as fast as libm. The relative error is below 3e-7. Below -87 the result is 0.
     """
     # x = n log 2 + rest; log 2 comes in two parts, of which the first times n is exact.
     n = np.rint(x * _LOG2_E)
@@ -247,7 +247,8 @@ def _log(x: float) -> float:
 _SWEEPS = 60
 """Most rounds over all pairs of rows; about eight are the rule."""
 _SMALL = 1e-30
-"""Share of the squared diagonal below which what is left beside it counts as nothing."""
+"""Ratio of the largest squared off-diagonal element to the largest squared element, below which a
+matrix counts as diagonal."""
 
 
 def eigen(S: Array) -> tuple[Array, Array]:
@@ -292,7 +293,7 @@ def _rotate(A: Array, V: Array, p: int, q: int) -> None:
 
 
 _ASKED = 400
-"""Numbers that every function is asked for."""
+"""Number of values of each function in a digest."""
 
 
 @cache
@@ -319,7 +320,8 @@ def libm_digest() -> str:
 def arithmetic_digest() -> str:
     """Digest of products, solutions, sums and rotations, by MuJoCo and by NumPy.
 
-    All of it is in fixed order and takes no libm, so equal wherever MuJoCo's build is.
+    All of it is computed in fixed order and without libm, so it is equal for equal builds of
+    MuJoCo.
     """
     digest = blake2b(digest_size=6)
     A, B = _matrix("A", 15, 48), _matrix("B", 48, 48)

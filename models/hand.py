@@ -54,7 +54,7 @@ class Link:
 
 
 class Follower(Protocol):
-    """Turns the poses of one movement into controls; it may go on from its last result."""
+    """Turns the poses of one movement into controls; it may start from its last result."""
 
     @property
     def missed(self) -> frozenset[int]:
@@ -129,8 +129,8 @@ class SceneHand(Protocol):
         ...
 
     def follower(self) -> Follower | None:
-        """Turns the poses of one movement into controls; None for a hand that can take every pose,
-        whose `controls` depend on the pose alone."""
+        """Converter from the poses of one movement to controls; None for a hand that can take every
+        pose and whose `controls` depend on the pose alone."""
         ...
 
     def coordinates(self, qpos: Array) -> Array:
@@ -143,8 +143,8 @@ class SceneHand(Protocol):
         ...
 
     def tips_of(self) -> Callable[[Array], Array]:
-        """Function from a pose (48,) to the intended positions (5, 3) m of the fingertips; those of
-        fingers that it lacks have no meaning.
+        """Function from a pose (48,) to the intended positions (5, 3) m of the fingertips; the
+        positions of missing fingers have no meaning.
 
         The function may use buffers of its own, so it serves one thread at a time.
         """

@@ -1,6 +1,6 @@
 """JSON from files, other programs and the network, read into msgspec structs.
 
-A struct says which fields a value has, and their types and ranges. A value that does not fit raises
+A struct defines the fields of a value, and their types and ranges. A value that does not fit raises
 one of our errors, which names the file, the line or field, the actual and the expected value.
 """
 

@@ -49,7 +49,7 @@ _FAR = 100.0
 """Largest distance that is measured (m)."""
 
 _BITS = (CONTACT_OBJECT | CONTACT_TABLE, CONTACT_HAND | CONTACT_OBJECT | CONTACT_TABLE)
-"""Collision bits: what an object is, and what it lets others meet."""
+"""Collision bits of solid geoms: contype and conaffinity."""
 
 _WORLD_NAMES = ("table", "mat", "world")
 """Names that a scene uses itself and an object may not have."""
@@ -68,14 +68,14 @@ class MjcfObject:
     Attributes:
         name: Name of its body.
         mjcf: A whole description, `<mujoco>...`, or the path of a file, such as
-            `Path(__file__).parent / "mug.xml"`; a relative one is from the current folder.
+            `Path(__file__).parent / "mug.xml"`; a relative path starts at the current folder.
         mass: Mass (kg), which replaces the description's total mass; its distribution is kept.
         position: (3,) m, the body's origin at the start.
         yaw: Yaw (rad) about the vertical at the start; the place of the body in its description
             does not matter.
-        symmetry: Rotational symmetry, the number of times it looks the same in one full turn
-            about its z axis: 1 for an object with a front, 4 for a square one, 0 for a round one.
-            The simulated user turns the object accordingly.
+        symmetry: Rotational symmetry, the number of times that the object looks the same in one
+            full turn about its z axis: 1 for an object with a front, 4 for a square object, 0 for a
+            round object. The simulated user turns the object accordingly.
         size: Factor on all lengths of the description.
 
     Raises:
@@ -309,7 +309,7 @@ def check_object_name(name: str, where: str) -> None:
     """Checks that an object may have a name.
 
     Raises:
-        InputError: It is no text, empty, the scene uses it itself, or it has a line break.
+        InputError: The name is no text, is empty, is used by the scene itself, or has a line break.
     """
     if not isinstance(name, str) or not name or name in _WORLD_NAMES or {"\n", "\r"} & set(name):
         raise InputError("an object cannot have this name", where=where, got=name)
@@ -319,7 +319,7 @@ def check_position(position: ArrayLike, where: str) -> None:
     """Checks that a position is three numbers.
 
     Raises:
-        InputError: It is not.
+        InputError: The position is something else.
     """
     try:
         shape = np.shape(np.asarray(position, float))

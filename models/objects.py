@@ -107,7 +107,7 @@ class Joint:
 
 
 class MechanismPart(ABC):
-    """Contract of an object that is one body of a mechanism, besides that of `SceneObject`.
+    """Contract of an object that is one body of a mechanism, in addition to that of `SceneObject`.
 
     Built by `models.mechanisms.mechanism`.
     """
@@ -140,7 +140,7 @@ class MechanismPart(ABC):
     @property
     @abstractmethod
     def carrier(self) -> str | None:
-        """Name of the part whose MJCF contains this one's; None for a child of the world."""
+        """Name of the part whose MJCF contains this part; None for a child of the world."""
 
     @property
     @abstractmethod
@@ -172,7 +172,7 @@ class MechanismPart(ABC):
 
     @abstractmethod
     def assets(self) -> list[Element]:
-        """MJCF assets that its mechanism needs; one part has them all."""
+        """MJCF assets of its mechanism; only one part of the mechanism has them."""
 
     @abstractmethod
     def clearance(self, points: ArrayLike, position: Array, rotation: Array) -> Array:
@@ -406,7 +406,7 @@ class Wrench:
     def scaled(self, size: float) -> Wrench:
         """The same wrench in another size, with the same mass, friction and place.
 
-        A free wrench keeps the place of its middle, one on a bolt keeps that of the bolt.
+        A free wrench keeps the place of its middle, a wrench on a bolt that of the bolt.
         """
         x, y, z = self.position
         if self.bolt is not None:

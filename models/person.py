@@ -33,8 +33,8 @@ class Person:
     Attributes:
         hand: One of `HANDS`.
         hand_size: Length of the hand relative to the hand that encoders were trained on.
-        turn: Degrees counterclockwise round the screen at which the person sits: 0 at its lower
-            edge, 90 at its right one, 180 at its upper one, 270 at its left one.
+        turn: Place of the person round the screen, in degrees counterclockwise: 0 at its lower
+            edge, 90 at its right edge, 180 at its upper edge, 270 at its left edge.
     """
 
     hand: str = HANDS[0]

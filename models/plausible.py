@@ -7,8 +7,8 @@ all of them are possible. The format's usual unit is used if it fits. Any other 
 file that no unit fits, or that several other units fit, is refused. `LiveUnits` does the same for a
 running device, which is never refused.
 
-Bounds of lengths are narrower than the smallest ratio of two units (1 in = 2.54 cm), those of times
-narrower than 1000, so that not more than one unit fits. Their sources:
+Bounds of lengths span less than the smallest ratio of two units (1 in = 2.54 cm), bounds of times
+less than 1000, so that at most one unit fits. Their sources:
 
     hand      ANSUR (Gordon et al. 1989) has hands of 165 mm (women, 5th percentile) to 211 mm (men,
               95th); Snyder et al. 1977 have 100 mm at the age of two. The largest known hands of
@@ -93,7 +93,7 @@ class Bounds:
     powers: tuple[tuple[str, int], ...] = (("length", 1),)
 
     def includes(self, value: float) -> bool:
-        """True if a value in the first units of `UNITS` is possible; False if it is no number."""
+        """True if a value in the first units of `UNITS` is possible; False for NaN."""
         return self.least <= value <= self.most
 
     def scale(self, units: Units) -> float:
@@ -134,7 +134,7 @@ FEWEST = 20
 """Least number of frames, or of places, by which the units of touches are judged."""
 FINGERS_APART = Bounds("the distance between two touches", 0.008, 0.35)
 LARGEST_TABLE = 1.6
-"""Longest side of a touch table (m), where nothing says its size."""
+"""Longest side of a touch table (m), if its size is not given."""
 TOUCH_STEP = Bounds("the time between two frames with touches", 0.0021, 2.0, (("time", 1),))
 _LONGEST, _SLENDEREST = 0.25, 10.0
 """Longest side of a contact (m), and largest ratio of its longer side to its shorter side."""
@@ -253,7 +253,7 @@ def _possible(
 ) -> list[dict[str, str]]:
     """The units in which all quantities are possible; the declared ones alone where they fit."""
     fixed = {**declared, **{d: u for d, u in given.items() if d in declared}}
-    # What a person gave is not doubted.
+    # Units that a person gave are not doubted.
     open_ = declared.keys() - given.keys()
     doubted = {b: v for b, v in middles.items() if open_ & dict(b.powers).keys()}
 
@@ -381,7 +381,8 @@ def in_order(rows: Sequence[T], report: ReaderReport) -> list[T]:
 
 
 def on_surface(position: float) -> float | None:
-    """A position along a surface whose ends are 0 and 1; one in the margin is moved onto the edge.
+    """A position along a surface whose ends are 0 and 1; a position in the margin is moved onto the
+    edge.
 
     None for a position beyond the margin, or not a number.
     """
@@ -419,7 +420,7 @@ class ContactSizes:
         """
         if extent is not None:
             width, height = extent
-            # Most sizes are usual ones; the test is quick, as devices send many.
+            # Most sizes are usual. The test is fast, since devices send many sizes.
             if (
                 self.decided
                 and _SMALL <= width * height <= _LARGE
@@ -735,7 +736,8 @@ class LiveUnits:
 
     Attributes:
         units: The units that are assumed.
-        notice: What is assumed or impossible, for the person; empty while all is as declared.
+        notice: Assumed units or impossible quantities, for the person; empty while all is as
+            declared.
     """
 
     declared: Units

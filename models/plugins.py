@@ -291,7 +291,7 @@ class PluginKind(Generic[T]):
 
     @contextmanager
     def guarded(self, where: str, problem: str = "") -> Iterator[None]:
-        """Converts any error of somebody else's code to an error of this kind, of one line.
+        """Converts any error of somebody else's code to an error of this kind, in one line.
 
         Args:
             where: Place of that code.
@@ -302,7 +302,7 @@ class PluginKind(Generic[T]):
         except HandSandboxError:
             raise
         except (Exception, SystemExit) as error:
-            # A file that ends the program when it is read must not pass for one that was run.
+            # A file that exits while it is read must not count as a file that was run.
             problem = problem or f"this {self.noun} cannot be {self.verb}"
             raise self.error(problem, where=where, got=failure(error)) from error
 
@@ -386,7 +386,7 @@ _neighbours: dict[str, Path] = {}
 """Module that a loaded file has imported from its own folder -> that folder."""
 
 _parts: dict[Path, tuple[Path, ...]] = {}
-"""File that `load_file` has loaded -> files of the modules beside it that take part in it."""
+"""File that `load_file` has loaded -> files of the modules beside it that it uses."""
 
 
 @contextmanager

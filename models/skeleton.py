@@ -6,8 +6,8 @@ and z dorsal (the nail's side); flexion is a negative turn about x. A zero ball 
 of its range of flexion, so that every legal pose stays below 65 degrees from the origin of its
 rotation vector, where rotation vectors behave like plain vectors.
 
-Sizes are those of an average adult hand as measured for the simulation notes of this project;
-thumb: carpometacarpal and metacarpophalangeal joint, the interphalangeal joint fixed.
+Sizes are those of an average adult hand, as measured for the simulation notes of this project. The
+thumb has a carpometacarpal and a metacarpophalangeal joint; its interphalangeal joint is fixed.
 """
 
 from __future__ import annotations

@@ -52,7 +52,7 @@ class Surface:
         height_in: Height, inches.
         origin: World position of the top left corner, metres.
         rotation: (3, 3) world from surface: the world directions of the 3-D surface axes.
-        calibrated: False where the size is a guess; views and logs say so.
+        calibrated: False if the size is a guess, which views and logs then report.
         scale: Length on the screen divided by the same length on the surface: 1 at true size, less
             on a phone, where the whole table is smaller than a hand.
     """
@@ -103,13 +103,14 @@ class Surface:
 
     @property
     def upright(self) -> bool:
-        """True if it faces the person and up on it is up in the world."""
+        """True if the surface faces the person and its upward direction is that of the world."""
         return bool(abs(self.rotation[2, 2]) < 0.5)
 
     def placed_upright(self, depth: float, low: float) -> Surface:
         """The same rectangle, upright in front of the person like a picture on a wall.
 
-        Its x is the world's, up the surface is up, and out of it is towards the person.
+        Its x axis is the world's, its y axis points up in the world, and its normal points towards
+        the person.
 
         Args:
             depth: World y (m) of its plane.
@@ -152,7 +153,7 @@ def enclosing(surfaces: Sequence[Surface]) -> Surface:
     """The smallest rectangle around surfaces in one plane, aligned with the first one.
 
     Args:
-        surfaces: One or more; a single one, or several in one place, is returned as it is.
+        surfaces: One or more. A single surface, or several in one place, is returned unchanged.
     """
     first = surfaces[0]
     corners = [first.to_surface(s.to_world(np.stack([0.0 * s.size, s.size]))) for s in surfaces]

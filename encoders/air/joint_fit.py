@@ -71,8 +71,8 @@ class JointPoints:
     def points_and_jacobian(self, q: Array) -> tuple[Array, Array]:
         """Points (20, 3), and their derivative (20, 3, 48).
 
-        By the root's rotation it is as in `SinglePose.joints_and_jacobian`, and by its position
-        along the world's axes.
+        The derivative by the root's rotation is that of `SinglePose.joints_and_jacobian`; the
+        derivative by its position is along the world's axes.
         """
         points, jacobian = self._pose.joints_and_jacobian(q)
         whole = np.concatenate([q[None, ROOT_POSITION], points])

@@ -1,6 +1,6 @@
 """Results of Chung, Kim, Han and Pollard (2015) on one real person's unpublished data.
 
-They are printed beside our numbers to compare orders of magnitude; the data set differs.
+They are printed with our numbers to compare orders of magnitude; the data set differs.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """The simulated subject of `sandbox evaluate`, with judged days.
 
-The number of a judged day is derived from the subject's configuration and a day seed by SHA-256. So
-nobody can choose these days, and they change whenever the subject does.
+The numbers of judged days are derived from the subject's configuration and a day seed by SHA-256.
+They can therefore not be chosen, and they change whenever the subject does.
 """
 
 from __future__ import annotations

@@ -29,7 +29,7 @@ from models.frames import FINGERS, TouchFrame
 from models.person import SIZES
 
 SPREADS = ("natural", "closed", "wide")
-"""The spreads that a person is asked for, in this order."""
+"""Spreads that a person makes, in this order."""
 
 RANK = {"closed": 0.05, "natural": 0.5, "wide": 0.95}
 """Share of the trained subject's five-finger layouts that are smaller than its own layout of this

@@ -328,7 +328,7 @@ MOVED = 0.040
 
 
 class SeenRest:
-    """Waits for a hand that a device sees in the air, held still as it rests on a screen.
+    """Waits for a hand that a device sees in the air, and that is held still as on a screen.
 
     The person holds the hand still for a second, relaxed, with all fingertips on one level: on a
     table, on the switched-off screen, or above the device. The pose is the median of that second.

@@ -301,8 +301,7 @@ def place_inputs(place: Place, others: Sequence[Place]) -> list[float]:
     """The network's inputs (23,).
 
     Args:
-        place: Position (x, y) m on the surface, y down, mirrored and turned to a right hand from
-            below.
+        place: Position (x, y) m on the surface, y down, for a right hand that touches from below.
         others: Places of the other contacts, one or more.
     """
     x, y = place
@@ -372,7 +371,7 @@ class Track:
         id: Our id; it stays the same when the device gives the finger a new id.
         device_id: The device's current id.
         place: (x, y) m, smoothed position on the surface.
-        born: Time when it came down (s).
+        born: Time (s) when it came down.
         lost_at: Time (s) when the device lost it; None while it touches.
         grace: Time (s) for which it is kept after its loss.
         device_label: Label given by the device; None without one.

@@ -258,7 +258,8 @@ class PcaIkEncoder(Encoder):
         """See `Encoder.configuration`.
 
         Raises:
-            EncoderError: The skeleton is not that of the built-in hand; others cannot be stored.
+            EncoderError: The skeleton is not that of the built-in hand; other skeletons cannot be
+                stored.
         """
         if self.skeleton is not ADULT:
             raise EncoderError(

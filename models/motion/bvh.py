@@ -1,4 +1,4 @@
-"""BVH files: a hierarchy of joints with offsets and channels, then one line of numbers a frame.
+"""BVH files: a hierarchy of joints with offsets and channels, then one line of numbers per frame.
 
 BVH has no standard, only common usage. Rotations are degrees and apply in the order of a joint's
 channels, about axes that rotate along. A joint's position channels replace its offset from its

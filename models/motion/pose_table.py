@@ -1,4 +1,4 @@
-"""Poses as a CSV table: `time`, then 48 columns, one line a pose.
+"""Poses as a CSV table: `time`, then 48 columns, one line per pose.
 
 Columns are named `root_x`, `root_y`, `root_z` (m), `root_rx`, `root_ry`, `root_rz`, and `JOINT_rx`,
 `JOINT_ry`, `JOINT_rz` (rad, rotation vectors) with the joints of the skeleton, `index_mcp` for

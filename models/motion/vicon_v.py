@@ -1,9 +1,10 @@
 """Vicon V files (.v), read and written: binary motion of a skeleton.
 
-After "V#" and a version come sections: a header of 32 bytes with length and name, then records that
-begin with their length and end with an empty one. A header of zeros ends them, and records of
-numbers follow, one a frame. Little endian; millimetres and radians, z up; a segment has a rotation
-vector `<a-X>` .. `<a-Z>` and, where it moves freely, a position `<t-X>` .. `<t-Z>`.
+After "V#" and a version come sections. A section has a header of 32 bytes with its length and name,
+then records that begin with their length; an empty record ends it. A header of zeros ends the
+sections. Records of numbers follow, one per frame. Numbers are little endian, in millimetres and
+radians, with z up. A segment has a rotation vector `<a-X>` .. `<a-Z>` and, if it moves freely, a
+position `<t-X>` .. `<t-Z>`.
 
 Only parts of Vicon's own description (issue 2 of 2001) were readable. The rest follows a reader
 that was written for real files (readV.m of ComedyLab).

@@ -197,7 +197,8 @@ UNITS = {"millimetres": 1e-3, "centimetres": 1e-2, "inches": 0.0254}
 _BENT = (0.1, 0.4, 0.7)
 """Shares of the range of flexion at which hands are laid over each other."""
 _MOST_LINKS = 3
-"""Links of a finger that count for its length; one before them is within the palm."""
+"""Largest number of links that count for a finger's length; a link before them is within the
+palm."""
 
 
 def _check_order(robot: RobotModel, tips: Sequence[str]) -> None:

@@ -439,7 +439,7 @@ class RobotModel:
         return links
 
     def _seen(self, body: int) -> list[int]:
-        """Geoms that show a body: those of the visible groups, or all where it has none."""
+        """Geoms that show a body: those of the visible groups, or all geoms if none is visible."""
         model = self.model
         own = [g for g in range(model.ngeom) if int(model.geom_bodyid[g]) == body]
         own = [g for g in own if int(model.geom_type[g]) in _TYPES]

@@ -22,7 +22,7 @@ DOING = "move, open and close, pinch, turn"
 SETS: tuple[tuple[int, ...], ...] = tuple(
     chosen for size in range(5, 1, -1) for chosen in combinations(range(len(FINGERS)), size)
 )
-"""The 26 finger sets. Those with many fingers come first, since they locate the device best."""
+"""The 26 finger sets. Sets with many fingers come first, since they locate the device best."""
 
 PICTURES = 20
 """Number of pictures with the hand before the taps. A hand seen by a camera is not measured."""

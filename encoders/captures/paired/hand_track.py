@@ -126,7 +126,7 @@ def skeleton_of(calibration: HandCalibration) -> tuple[Skeleton, Array]:
     if calibration.bones is not None:
         size = float(np.median(calibration.bones[1:].sum(axis=1) / average[1:].sum(axis=1)))
     else:
-        # The part of an average finger that the first software sees: see `PaalmOptions.hidden`.
+        # The part of an average finger that the first software reports: see `PaalmOptions.hidden`.
         options = PaalmOptions()
         shown = average[1:].sum(axis=1) - options.hidden * average[1:, 0]
         size = float(np.median(calibration.standard[1:] / shown))

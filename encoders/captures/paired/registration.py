@@ -1,9 +1,9 @@
 """Registration: pose of a 3-D device in the surface frame, from touching fingertips.
 
-A touching fingertip is at its touch, half a fingertip above the surface. Enough of them, not on one
-line, determine rotation and translation of the device's frame. Labels of touches are not needed at
-first: the plane on which fingertips rest gives heights, and of all rotations about its normal, one
-    brings fingertips to the touches.
+A touching fingertip is at its touch, half a fingertip above the surface. Enough fingertips, not on
+one line, determine rotation and translation of the device's frame. Labels of touches are not needed
+at first: the plane on which fingertips rest gives heights, and one of the rotations about its
+normal brings fingertips to the touches.
 """
 
 from __future__ import annotations
