@@ -23,10 +23,11 @@ export const layoutOf = (width: number, height: number): Layout => (width > heig
  */
 export function tableRoom(width: number, height: number, hand: "left" | "right" = "right"): Rectangle {
   if (layoutOf(width, height) === "lies") {
-    const column = Math.min(Math.max(width - WIDE * height, COLUMN.least), COLUMN.most);
+    const room = Math.min(Math.max(width - WIDE * height, COLUMN.least), COLUMN.most);
+    const column = Math.min(room, width / 2);
     return { left: hand === "right" ? column : 0, top: 0, width: width - column, height };
   }
-  const high = Math.max(Math.min(width, height - FOOTER - HEADER), width / WIDE);
+  const high = Math.max(Math.min(width, height - FOOTER - HEADER), width / WIDE, 1);
   return { left: 0, top: height - FOOTER - high, width, height: high };
 }
 
