@@ -26,15 +26,15 @@ from sandbox.regress.plan import TrialJob
 from sandbox.trial.driver import never
 
 CONNECT_TIMEOUT = 5.0
-"""s to wait for a cluster's answer."""
+"""Time (s) to wait for a cluster's answer."""
 LOST_AFTER = 300.0
-"""s without any core in the cluster after which its trials are given up; a cluster that replaces a
-lost machine by itself does so within minutes."""
+"""Time (s) without any core in the cluster after which its trials are given up. A cluster that
+replaces lost machines does so within minutes."""
 LOOK_EVERY = 1.0
-"""s between two looks at the cluster's cores."""
+"""Time (s) between two counts of the cluster's cores."""
 JOBS_PER_CORE = 4
-"""Number of jobs given to the cluster at a time, for each of its cores. The answer of Ray takes
-longer the more jobs it is asked about."""
+"""Number of jobs given to the cluster at a time, for each of its cores. Ray's answers take longer
+with more jobs in a request."""
 
 
 def need_ray() -> Any:
@@ -43,7 +43,7 @@ def need_ray() -> Any:
     Raises:
         InputError: It is not installed.
     """
-    # Ray tells its makers how it is used, unless it is told not to before it is imported.
+    # Ray reports its use to its makers, unless this is switched off before it is imported.
     os.environ.setdefault("RAY_USAGE_STATS_ENABLED", "0")
     try:
         import ray
@@ -61,8 +61,8 @@ class Cluster:
 
     Every machine needs the same version of the sandbox, and the encoder's file where it is one.
     Different kinds of machines may give different states: every trial has its own fingerprint.
-    Ray opens ports that the network can reach, and whoever reaches them may run code: not for
-    machines without a firewall.
+    Ray opens ports that the network can reach, through which any program may run code. Do not use
+    it on machines without a firewall.
 
     A trial whose worker or machine is lost is reported with its seed, and the run goes on with the
     machines that are left.
@@ -125,7 +125,7 @@ class Cluster:
             options |= {"num_cpus": self.workers, "include_dashboard": False}
         else:
             options["address"] = _reachable(self.address)
-        # Ray takes signals for itself, and ends this process by them.
+        # Ray handles signals itself, and ends this process by them.
         ours = {number: signal.getsignal(number) for number in SIGNALS}
         try:
             with _blocked_below():
@@ -159,9 +159,9 @@ def _blocked_below() -> Iterator[None]:
 
 
 class _Cores:
-    """The cores of a cluster, looked at every `LOOK_EVERY` seconds at most.
+    """The cores of a cluster, counted every `LOOK_EVERY` seconds at most.
 
-    It notices that a cluster has had no core for long, after it had some.
+    It detects that a cluster that had cores has been without cores for long.
     """
 
     def __init__(self, ray: Any) -> None:
@@ -172,7 +172,7 @@ class _Cores:
         self._seen = False
 
     def count(self) -> int:
-        """The number of cores when it was last looked at."""
+        """The number of cores at the last count."""
         self._count_workers()
         return self._count
 
@@ -198,10 +198,10 @@ def _first_line(error: Exception) -> str:
 
 
 def _reachable(address: str) -> str:
-    """Checks that a server listens at the address: Ray itself would end this process if not."""
+    """Checks that a server listens at the address; without one, Ray would end this process."""
     host, colon, port = address.removeprefix("ray://").rpartition(":")
     if not colon:
-        # `auto` and `local` are for Ray to find.
+        # Ray itself finds `auto` and `local`.
         return address
     try:
         socket.create_connection((host, int(port)), CONNECT_TIMEOUT).close()

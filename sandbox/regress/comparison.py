@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from sandbox.regress.baseline import Baseline, BaselineTask
 
 TOGETHER = "all tasks"
-"""Stands for all tasks of the plain arm in lists of changes."""
+"""Name for all tasks of the plain arm in lists of changes."""
 
 
 def together_name(row: str) -> str:
@@ -34,15 +34,16 @@ def together_name(row: str) -> str:
 
 @dataclass(frozen=True)
 class Change:
-    """Change of a measure over the seeds that both have; positive changes are worse.
+    """Change of a measure over the seeds that both runs have; positive changes are worse.
 
     Attributes:
         measure: Name of the measure.
-        pairs: Number of seeds at which it is known before and now.
+        pairs: Number of seeds with a value before and now.
         before, now: Means.
-        change, low, high: Typical change and its interval (`statistics.typical_change`): a share of
-            the value before for time, and else a difference; of success the mean.
-        p_loss, p_gain: P values of both one-sided tests, adjusted by Holm for what decides.
+        change, low, high: Typical change and its interval (`statistics.typical_change`): for time
+            a share of the value before, for success the mean difference, else a difference.
+            p_loss, p_gain: P values of both one-sided tests; those of measures that decide are
+            adjusted by Holm's procedure.
         most: Seeds with the greatest losses, the greatest first, with the value before and now.
         margin: Change that does not matter.
         decides: True if a loss fails the gate.
@@ -63,12 +64,12 @@ class Change:
 
     @property
     def is_loss(self) -> bool:
-        """True for a loss beyond chance and margin in what decides."""
+        """True for a loss beyond chance and margin in a measure that decides."""
         return self.decides and self.p_loss <= statistics.GATE and self.change > self.margin
 
     @property
     def is_gain(self) -> bool:
-        """True for a gain beyond chance and margin in what decides."""
+        """True for a gain beyond chance and margin in a measure that decides."""
         return self.decides and self.p_gain <= statistics.GATE and -self.change > self.margin
 
     @property
@@ -121,12 +122,12 @@ class Comparison:
 
     Attributes:
         both, lost, won, neither: Seeds that succeeded in both, before only, now only, in none.
-        changed: Seeds with different states although the fingerprint is the baseline's.
+        changed: Seeds with different states although the fingerprints are equal.
         same_machine: Number of pairs with the baseline's fingerprint, whose states are compared; 0
             where the baseline is of other `STATES` or models.
-        elsewhere: What states depend on and was different there, in words, for the other pairs.
+        elsewhere: Differences on which states depend, in words, for the other pairs.
         crashed: Number of pairs whose trial crashed now.
-        unpaired: Seeds that were run and that the baseline lacks.
+        unpaired: Seeds of the run that are not in the baseline.
         progress: Mean progress now minus mean progress before.
         changes: Changes of the measures, by name.
     """
@@ -145,7 +146,7 @@ class Comparison:
 
     @property
     def pairs(self) -> int:
-        """Seeds that both have."""
+        """Seeds that both runs have."""
         return len(self.both) + len(self.lost) + len(self.won) + len(self.neither)
 
     @property
@@ -154,7 +155,7 @@ class Comparison:
         return any(change.is_loss for change in self.changes.values())
 
     def as_json(self, level: float) -> dict[str, Any]:
-        """With what so many pairs can notice, and can where as many are won as were here.
+        """JSON values, with the losses that so many pairs can detect: without and with these wins.
 
         Args:
             level: P value up to which a loss is called; see `level_of`.
@@ -190,9 +191,10 @@ def compared(
 
     Args:
         tasks: Trials of the run by task.
-        baseline: The baseline; tasks that it lacks or has with another hard setting are left out.
+        baseline: The baseline; tasks that are missing there, or that have another hard setting,
+            are left out.
         limits: s, time limits by task.
-        margins: Changes of what decides that do not matter, as shares, by measure.
+        margins: Changes of deciding measures that do not matter, as shares, by measure.
         states: True compares states.
     """
     found: dict[str, Comparison] = {}
@@ -216,7 +218,7 @@ def compared(
 
 
 def groups(names: Iterable[str]) -> dict[str, list[str]]:
-    """Rows by the arm that they are tested together in, where it has several."""
+    """Rows by the arm in which they are tested together, if it has several."""
     found: dict[str, list[str]] = {}
     for name in names:
         found.setdefault(together_name(name), []).append(name)
@@ -227,7 +229,7 @@ def level_of(names: Collection[str]) -> float:
     """P value up to which a loss is called at the hardest of Holm's steps.
 
     Args:
-        names: Names of the rows; what decides is tested of each, and of an arm's together.
+        names: Names of the rows; deciding measures are tested in each, and in an arm's together.
     """
     return statistics.GATE / (len(DECIDING) * max(len(names) + len(groups(names)), 1))
 
@@ -286,7 +288,7 @@ _MOST = 5
 def _adjusted(
     found: dict[str, Comparison], together: dict[str, dict[str, Change]]
 ) -> tuple[dict[str, Comparison], dict[str, dict[str, Change]]]:
-    """The same with p values adjusted: of what decides over all, of the others by measure."""
+    """The same with adjusted p values: deciding measures over all, the others by measure."""
     places = {(name, m): c for name, f in found.items() for m, c in f.changes.items()}
     places |= {(name, m): c for name, some in together.items() for m, c in some.items()}
     families: list[list[tuple[str, str]]] = [[at for at in places if at[1] in DECIDING]]
@@ -306,7 +308,7 @@ def _adjusted(
 
 
 def _paired(trials: Iterable[Trial], task: BaselineTask, states: bool) -> Comparison:
-    """Pairs of a task's trials, and their states where these can be equal."""
+    """Pairs of a task's trials, with their states if these can be equal."""
     c = Comparison()
     same, crashed, changes = 0, 0, []
     elsewhere: dict[str, None] = {}

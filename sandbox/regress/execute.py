@@ -1,8 +1,8 @@
 """Runs trials: one after another here, in processes of their own, or on a cluster with Ray.
 
-All give the same results to the bit: every trial is made anew from its settings, and BLAS gets one
-thread, so that nothing depends on who else was run where. Ctrl-C and SIGTERM take effect between
-two results, so that none is lost.
+All ways give the same results to the bit: every trial is built from its settings, and BLAS gets one
+thread, so that results do not depend on other trials or on the process. Ctrl-C and SIGTERM take
+effect between two results, so that none is lost.
 """
 
 from __future__ import annotations
@@ -47,11 +47,11 @@ Trials = Generator[Trial, None, None]
 Stopped = Callable[[], bool]
 
 STOPS_WITHIN = 0.1
-"""s within which a request to stop takes effect, where trials run elsewhere."""
+"""Time (s) within which a request to stop takes effect, for trials in other processes."""
 
 
 class Executor(Protocol):
-    """Runs trials and gives each back as it ends, in no particular order."""
+    """Runs trials and returns each as it ends, in no particular order."""
 
     name: str
 
@@ -72,7 +72,7 @@ def run_job(job: TrialJob) -> Trial:
     """One trial, from its settings to its result."""
     recording = job.recording
     if recording is not None:
-        # A run that was killed left a part of it.
+        # A killed run has left a part of it.
         recording.unlink(missing_ok=True)
     with registered(job.own_task):
         meter = HandMeter()
@@ -114,7 +114,7 @@ def crashed(job: TrialJob, why: str) -> Trial:
 
 
 def attempt(job: TrialJob) -> Trial | HandSandboxError:
-    """One trial; code that fails is a crash, and settings that cannot be run are given back."""
+    """One trial. Failing code counts as a crash; an error in settings is returned."""
     try:
         return run_job(job)
     except HandSandboxError as error:
@@ -124,9 +124,9 @@ def attempt(job: TrialJob) -> Trial | HandSandboxError:
 
 
 def is_own_fault(error: HandSandboxError, job: TrialJob) -> bool:
-    """True if an error came from the code of somebody else's task, as it drew or measured a trial.
+    """True if an error came from the code of an external task that drew or measured a trial.
 
-    Such code may fail for one seed alone. What a built-in task refuses follows from the settings,
+    Such code may fail for a single seed. A refusal by a built-in task follows from the settings,
     and holds for every trial.
     """
     codes = [frame.f_code for frame, _ in traceback.walk_tb(error.__traceback__)]
@@ -137,7 +137,7 @@ def is_own_fault(error: HandSandboxError, job: TrialJob) -> bool:
 
 @dataclass
 class Serial:
-    """One after another, in this process: for debuggers, and for machines with one core."""
+    """Runs trials one after another, in this process: for debuggers, and for one core."""
 
     name: str = "serial"
 
@@ -160,7 +160,7 @@ class Processes:
     """Runs trials in a given number of processes, each with one trial at a time.
 
     If a process dies, its trial is lost and reported with its seed, and another process replaces
-    it. The processes ignore Ctrl-C and SIGTERM, which this process heeds, and end with it.
+    it. The processes ignore Ctrl-C and SIGTERM, which this process handles, and end with it.
     """
 
     name = "processes"
@@ -180,7 +180,7 @@ class Processes:
             for worker in workers:
                 _give(worker, waiting)
             while not stopped() and (busy := [w for w in workers if w.job is not None]):
-                # A process that ends closes its line, so that waiting for lines is enough.
+                # A process that ends closes its pipe, so that waiting for pipes is enough.
                 ready = wait([w.line for w in busy], STOPS_WITHIN)
                 for worker in [w for w in busy if w.line in ready]:
                     job = worker.job
@@ -213,7 +213,7 @@ class Processes:
         here, there = self._context.Pipe()
         process = self._context.Process(target=_work, args=(there,), daemon=True)
         process.start()
-        # Only the worker holds its end now: it is closed when the worker ends, however it ends.
+        # Only the worker holds its end now, which is closed when the worker ends in any way.
         there.close()
         return _Worker(process, here)
 
@@ -221,16 +221,16 @@ class Processes:
 def _give(worker: _Worker, waiting: list[TrialJob]) -> None:
     if waiting:
         worker.job = waiting.pop()
-        # One that is dead already is noticed when its answer is awaited.
+        # A worker that is already dead is detected when its answer is awaited.
         with suppress(ConnectionError):
             worker.line.send(worker.job)
 
 
 def _work(line: Connection) -> None:
-    """A worker's life: a job, its result, and the next, until the line is closed."""
+    """A worker's loop: a job, its result, and the next job, until the pipe is closed."""
     for number in SIGNALS:
         signal.signal(number, signal.SIG_IGN)
-    # The line breaks if the process at its other end is killed; then nobody waits for a result.
+    # The pipe breaks if the process at its other end is killed, which then needs no result.
     with suppress(EOFError, ConnectionError):
         while True:
             line.send(_answer(line))
@@ -242,7 +242,7 @@ def _answer(line: Connection) -> Trial | HandSandboxError:
     except (EOFError, ConnectionError):
         raise
     except Exception as error:
-        # A task's class is sent by name, and its module has to be found here.
+        # A task's class is sent by name, so its module must be importable here.
         return InputError(
             "a worker cannot load its trial",
             got=_last_line(error),
@@ -270,14 +270,14 @@ def _last_line(error: BaseException) -> str:
 
 
 SIGNALS = (signal.SIGINT, signal.SIGTERM)
-"""What a person sends with Ctrl-C, and what CI systems and schedulers send."""
+"""The signal of Ctrl-C, and the signal of CI systems and schedulers."""
 
 
 class Interrupt(Closeable):
     """In its `with` block the first signal only sets a flag that workers check; a second one
     interrupts trials that are running.
 
-    Outside of a program's main thread, and for signals that are ignored, it changes nothing.
+    Outside a program's main thread, and for ignored signals, it changes nothing.
     """
 
     def __init__(self) -> None:
@@ -292,22 +292,22 @@ class Interrupt(Closeable):
 
     @property
     def requested(self) -> bool:
-        """True once a signal has come."""
+        """True once a signal has arrived."""
         return self._signal is not None
 
     @property
     def name(self) -> str:
-        """Name of the first signal; empty if none has come."""
+        """Name of the first signal; empty before any signal."""
         return "" if self._signal is None else signal.Signals(self._signal).name
 
     @property
     def status(self) -> int:
-        """Exit status of a program that the signal ended, as shells have it: 130 or 143."""
+        """Exit status of a program that the signal ended, by the rule of shells: 130 or 143."""
         return 128 + (self._signal or signal.SIGINT)
 
     @contextmanager
     def while_running(self) -> Iterator[None]:
-        """While trials run, which a second signal interrupts; what is written then is not."""
+        """Context while trials run, which a second signal interrupts; writes are not."""
         self._running = True
         try:
             yield
@@ -315,7 +315,7 @@ class Interrupt(Closeable):
             self._running = False
 
     def close(self) -> None:
-        """The signals do what they did before."""
+        """Restores the earlier handlers of the signals."""
         for number, how in self._before.items():
             signal.signal(number, how)
         self._before = {}

@@ -1,6 +1,7 @@
-"""Measures of a trial that a regression run compares: which they are, and how they are measured.
+"""Measures of a trial that a regression run compares: their declarations and their computation.
 
-Success and time decide; the others say how well the hand did it, and are reported as moved or not.
+Success and time decide. The others describe the quality of the movement, and their changes are only
+reported.
 """
 
 from __future__ import annotations
@@ -27,7 +28,7 @@ class Measure:
         name: Its name in options, reports and baselines.
         unit: Its unit; empty for counts and shares.
         more_is_better: Its better direction.
-        about: What it is, in words.
+        about: Description in words.
         relative: Changes are shares of the value before, not differences.
     """
 
@@ -38,7 +39,7 @@ class Measure:
     relative: bool = False
 
     def change(self, before: float, now: float) -> float:
-        """How much worse a trial is now: positive is worse; a logarithm for relative changes."""
+        """Change of a trial; positive changes are worse; a logarithm for relative changes."""
         change = log(now / before) if self.relative else now - before
         return -change if self.more_is_better else change
 
@@ -60,13 +61,13 @@ MEASURES: dict[str, Measure] = {
 """Measures by name."""
 
 _FORCES_EVERY = 8
-"""Snapshots from one look at the forces to the next: 0.13 s."""
+"""Number of snapshots between two readings of the forces: 0.13 s."""
 _MOVED = 0.005
-"""m, least way of an object that has a detour."""
+"""Least path length (m) of an object for which a detour is computed."""
 
 
 class HandMeter:
-    """Measures how well the hand does a trial; a view of it."""
+    """A view that measures the quality of the hand's movement in a trial."""
 
     def __init__(self) -> None:
         self._seen = 0
@@ -80,7 +81,7 @@ class HandMeter:
         self._losses = 0
 
     def see(self, snapshot: Snapshot) -> None:
-        """Takes a snapshot; every one of a trial, in order."""
+        """Processes a snapshot; it must get every snapshot of a trial, in order."""
         if not snapshot.score.held:
             self._move(snapshot)
             self._touch(snapshot)
@@ -92,7 +93,7 @@ class HandMeter:
         """Values by name; those that do not apply to the trial are missing.
 
         Args:
-            respawned: Times that an object was put back, from the trial's result.
+            respawned: Number of returns of objects, from the trial's result.
         """
         values = {
             "largest force": self._force,
@@ -142,7 +143,7 @@ class HandMeter:
 
 
 def value(measure: str, trial: Mapping[str, Any], limit: float) -> float | None:
-    """A measure of a trial; None where it is unknown or does not apply.
+    """A measure of a trial; None if it is unknown or does not apply.
 
     Args:
         measure: Name of the measure.
@@ -166,7 +167,7 @@ def pairs(
     now: Mapping[int, Mapping[str, Any]],
     limit: float,
 ) -> Iterator[tuple[int, float, float]]:
-    """Seeds that both have, with the value before and now, where both are known.
+    """Seeds with a value before and now, with both values.
 
     Args:
         measure: Name of the measure.

@@ -1,6 +1,6 @@
 """Plan of a regression run: tasks, seeds, and one configuration for all trials.
 
-`Origin` is what the results of a run follow from: the settings that the user gave, and the program.
+`Origin` determines the results of a run: the settings that the user gave, and the program.
 """
 
 from __future__ import annotations
@@ -45,7 +45,7 @@ HARD_SETTINGS: dict[str, str] = {
     "close-case": "friction=0.37",
     "single-keys": "size=0.5",
 }
-"""What the hard arm varies (`--vary`), by task."""
+"""Variation in the hard arm (`--vary`), by task."""
 
 _HARD_MARK = f" ({HARD})"
 
@@ -61,14 +61,14 @@ def arm_of(row: str) -> str:
 
 
 def setting_of(row: str) -> str:
-    """What is varied in a row's trials; empty in the plain arm."""
+    """Variation in a row's trials; empty in the plain arm."""
     return HARD_SETTINGS.get(row.removesuffix(_HARD_MARK), "") if arm_of(row) == HARD else ""
 
 
 ALL = "all"
 """Stands for every task of the registry."""
 MOST_SEEDS = 100_000
-"""Beyond this a range of seeds is a slip of the finger."""
+"""Largest number of seeds in a range; a larger range is taken as a typing error."""
 
 
 _OF_ONE_TRIAL = {
@@ -91,7 +91,7 @@ class TrialJob:
     Attributes:
         settings: Settings of the trial.
         record: Folder for a recording, which is kept if the trial fails; None does not record.
-        own_task: The task's class if the registry does not know it.
+        own_task: The task's class if it is not in the registry.
         record_all: The recording is kept if the trial succeeds, too.
         arm: Arm of the trial.
     """
@@ -152,12 +152,12 @@ class RegressionPlan:
     """All combinations of tasks and seeds, with equal settings but for those of the hard arm.
 
     Attributes:
-        tasks: Names, places such as `FILE.py:Class`, or classes that the registry does not know.
+        tasks: Names, places such as `FILE.py:Class`, or classes that are not in the registry.
         seeds: Seeds of every task.
         scene: Options of `sandbox run` that differ from its defaults.
         record: Folder for recordings of failed trials.
         record_all: Recordings of successful trials are kept there, too.
-        arms: Arms that are played; tasks that the hard arm lacks are played in the plain one alone.
+        arms: Arms that are played; tasks without a hard arm are played in the plain arm only.
 
     Raises:
         InputError: There is no such option, two tasks have one name, or nothing is left to play.
@@ -181,7 +181,7 @@ class RegressionPlan:
         for task in self.tasks:
             place, own_task = _place(task)
             with registered(own_task):
-                # Trials of two tasks of one name would be counted as those of one.
+                # Trials of two tasks with one name would be counted as trials of one task.
                 claim_name(claimed, place, find_task(place))
         if HARD in self.arms and self.scene.get("vary"):
             raise InputError("the hard arm has a variation of its own", got=self.scene["vary"])
@@ -204,7 +204,7 @@ class RegressionPlan:
         return tuple(row.name for row in self.rows)
 
     def jobs(self) -> list[TrialJob]:
-        """All trials, a seed of every task before the next seed: what breaks off is balanced.
+        """All trials, a seed of every task before the next seed: a part of a run is balanced.
 
         Raises:
             InputError: An option has an invalid value.
@@ -233,14 +233,14 @@ class RegressionPlan:
     def check_drawn(self) -> None:
         """Checks, before anything is played, that some trial of every task can be drawn.
 
-        Where a task's own code fails for other seeds, their trials crash.
+        If a task's own code fails for other seeds, their trials crash.
 
         Raises:
-            InputError: No trial of a task can be drawn; it says why the first one cannot.
+            InputError: No trial of a task can be drawn; the error has the reason for the first one.
         """
         for task in self.tasks:
             if isinstance(task, str) and is_built_in(find_task(task)):
-                # What cannot be drawn ends the run at its first trial.
+                # A trial that cannot be drawn ends the run at its first trial.
                 continue
             reasons: list[InputError] = []
             for job in replace(self, tasks=(task,), arms=(PLAIN,)).jobs():
@@ -276,14 +276,14 @@ class RegressionPlan:
         return {"settings": values, "digests": digests(settings)}
 
     def origin(self) -> Origin:
-        """What its trials follow from, beside tasks and seeds.
+        """All that determines its trials, besides tasks and seeds.
 
         Raises:
             InputError: An option has an invalid value.
         """
         configuration = self.configuration()
         models, settings = configuration["digests"], configuration["settings"]
-        # Whoever names a default gives nothing else than who does not.
+        # A given default is equal to an option that is not given.
         plain = TrialOptions()
         given = {k: value for k, value in self.scene.items() if value != getattr(plain, k)}
         if given.get(ENCODER, settings["pipeline"]["encoder"]) not in MODELS:
@@ -300,13 +300,13 @@ class RegressionPlan:
         return {row.name: row.kind.version for row in self.rows}
 
     def time_limits(self) -> dict[str, float]:
-        """s, time limit of every row's task."""
+        """Time limit (s) of every row's task."""
         return {row.name: float(row.kind.time_limit) for row in self.rows}
 
     def command(self, name: str, seed: int, crashed: bool = False) -> str:
         """One line that runs a trial again, records it and shows what happened.
 
-        Of a trial that crashed there is nothing to replay: the line runs it to its error.
+        A crashed trial cannot be replayed: the line runs it to its error.
 
         Args:
             name: Name of the row.
@@ -353,7 +353,7 @@ def _settings(task: str | type[Task], scene: Mapping[str, Any]) -> Settings:
 
 
 def _place(task: str | type[Task]) -> tuple[str, type[Task] | None]:
-    """Name or place of a task, and its class if the registry does not know it."""
+    """Name or place of a task, and its class if it is not in the registry."""
     return (task, None) if isinstance(task, str) else (task.name, task)
 
 
@@ -362,7 +362,7 @@ def _name(task: str | type[Task]) -> str:
 
 
 def _python_command(own_task: type[Task], seed: int, scene: Mapping[str, Any]) -> str:
-    """The same for a task that `sandbox run` does not know by name."""
+    """The same for a task that has no name in `sandbox run`."""
     module, name = own_task.__module__, own_task.__qualname__
     program = (
         "from sandbox.regress.execute import run_job; "
@@ -390,11 +390,11 @@ def options(scene: Mapping[str, Any]) -> Iterator[str]:
 
 
 def find_tasks(names: Sequence[str]) -> tuple[str, ...]:
-    """Tasks by name or place, each once; `all` is every one, also of installed packages.
+    """Tasks by name or place, each once; `all` means all tasks, also of installed packages.
 
     Raises:
-        InputError: There is none of such a name, or an installed one cannot be used: a gate that
-            leaves out what is broken would pass.
+        InputError: No task has such a name, or an installed task cannot be used: a gate that left
+            out broken tasks would pass.
     """
     asked = task_names() if ALL in names else names
     return tuple({find_task(name): name for name in asked}.values())
@@ -404,7 +404,7 @@ def parse_seeds(text: str) -> tuple[int, ...]:
     """`0:120` is 0 to 119, as Python counts; `7,9,20:30` are two and ten more.
 
     Raises:
-        InputError: It is not like that.
+        InputError: The text is of another form.
     """
     seeds: list[int] = []
     try:
@@ -452,15 +452,15 @@ ENCODER = "encoder"
 
 @dataclass(frozen=True)
 class Origin:
-    """What the trials of a run follow from, beside tasks and seeds; JSON values.
+    """All that determines the trials of a run, besides tasks and seeds; JSON values.
 
     Attributes:
         given: Options of `sandbox run` that the user gave; an encoder of one's own is named by its
             digest. Results compare only where these are equal.
         program: The program that ran: `states` (see `sandbox.recording.versions`), `version`,
             from a checkout `commit`, and `models`, the digests of encoder and labels.
-        settings: All settings of a trial, but for task, seed and what follows from the task, so
-            that a changed default is named; empty in a baseline that does not have them.
+        settings: All settings of a trial, except task, seed and settings that follow from the
+            task, so that a changed default is named; empty in a baseline without them.
     """
 
     given: Mapping[str, Any]
@@ -469,7 +469,7 @@ class Origin:
 
     @property
     def decides_states(self) -> tuple[Any, Any]:
-        """The parts of the program that states follow from."""
+        """The parts of the program on which states depend."""
         return self.program.get("states"), self.program.get("models")
 
     def __str__(self) -> str:

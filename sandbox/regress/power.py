@@ -1,8 +1,8 @@
-"""Power of a comparison, before it is made: which changes so many seeds find, and what they cost.
+"""Power of a comparison before it is made: the changes that it can detect, and its cost.
 
 A baseline has some of its trials a second time, with a change that makes nothing harder
-(`repeated`). How far apart such pairs are is the churn that any change of the last digit brings
-about, and so the scatter in which a real change has to be found.
+(`repeated`). The differences in such pairs are the churn that any change of the last digit causes,
+and thus the scatter from which a real change has to be distinguished.
 """
 
 from __future__ import annotations
@@ -21,14 +21,14 @@ if TYPE_CHECKING:
     from sandbox.regress.baseline import Baseline, BaselineTask, BaselineTrial
 
 REPEATS = 10
-"""Seeds of every task that a baseline has twice."""
+"""Number of seeds of every task that a baseline has twice."""
 
 LEAST_CHANGE = 0.005
-"""Least change of time that is claimed, where few pairs show no churn."""
+"""Least claimed change of time, for few pairs without churn."""
 
 
 def repeated(job: TrialJob) -> TrialJob:
-    """A trial with a friction that changes its last digits, and nothing else."""
+    """A trial with a friction that only changes its last digits."""
     before = job.settings.variation
     varied = replace(before, friction=1.0000001 * before.friction)
     return replace(job, settings=job.settings.changed(variation=varied), record=None)
@@ -36,14 +36,14 @@ def repeated(job: TrialJob) -> TrialJob:
 
 @dataclass(frozen=True)
 class Power:
-    """What a comparison of a task finds with a probability of 80 %.
+    """Smallest changes that a comparison of a task detects with a probability of 80 %.
 
     Attributes:
         task: Its name.
         pairs: Number of seeds.
-        success: Least drop of success, 0 to 1; None where not even a total loss is found.
+        success: Least drop of success, 0 to 1; None if not even a total loss is detected.
         time: Least change of time, as a share; None for an unknown scatter.
-        seconds: Simulated s of its trials.
+        seconds: Simulated time of its trials, s.
     """
 
     task: str
@@ -66,12 +66,12 @@ class Power:
 def power_of(
     baseline: Baseline, names: Sequence[str], seeds: Sequence[int], limits: Mapping[str, float]
 ) -> list[Power]:
-    """Power of every task that the baseline has, and of all of an arm together.
+    """Power of every task in the baseline, and of all tasks of an arm together.
 
     Args:
         baseline: The baseline.
         names: Tasks of the run in their arms.
-        seeds: Seeds of the run; those that the baseline lacks count as if it had them.
+        seeds: Seeds of the run; seeds that are missing in the baseline count as present.
         limits: s, time limits by task.
     """
     tasks = {name: baseline.tasks[name] for name in names if name in baseline.tasks}
@@ -79,7 +79,7 @@ def power_of(
     for arm in {arm_of(name): None for name in tasks}:
         own = [name for name in tasks if arm_of(name) == arm]
         pairs = {name: _pairs(tasks[name]) for name in own}
-        # So few pairs say little on a single task: all of an arm say how often success turns over.
+        # Few pairs show little about a single task: the frequency of turnovers is that of the arm.
         some = [pair for name in own for pair in pairs[name]]
         won = sum(a.success != b.success for a, b in some) / (2.0 * max(len(some), 1))
         churn = {

@@ -33,7 +33,7 @@ if TYPE_CHECKING:
 SCHEMA = 1
 """Version of the report's JSON."""
 _MOST_MOVED = 10
-"""Most trials that are named as those that moved most."""
+"""Largest number of trials that are named as those with the largest changes."""
 
 
 @dataclass(frozen=True)
@@ -77,12 +77,12 @@ class TaskResult:
 
     @property
     def time_s(self) -> float | None:
-        """Median s of the trials that succeeded."""
+        """Median time (s) of the trials that succeeded."""
         times = [t["time_s"] for t in self.trials if t["success"]]
         return median(times) if times else None
 
     def as_json(self) -> dict[str, Any]:
-        """Rates are 0 to 1."""
+        """JSON values; rates are from 0 to 1."""
         low, high = statistics.wilson(self.successes, self.n)
         return {
             "version": self.version,
@@ -103,7 +103,7 @@ class Crashes:
 
     Attributes:
         trials: The trials.
-        allowed: How many the run may have.
+        allowed: Number that the run may have.
     """
 
     trials: Sequence[Trial]
@@ -111,7 +111,7 @@ class Crashes:
 
     @property
     def too_many(self) -> bool:
-        """True if the run fails by them."""
+        """True if the run fails because of them."""
         return len(self.trials) > self.allowed
 
     def verdict(self) -> str:
@@ -135,7 +135,7 @@ class Crashes:
 
 
 class MovedTrial(NamedTuple):
-    """A trial of what is a loss beyond chance, and how it moved.
+    """A trial of a loss beyond chance, and its change.
 
     Attributes:
         name: Name of the task in its arm.
@@ -150,7 +150,7 @@ class MovedTrial(NamedTuple):
     command: str
 
     def __str__(self) -> str:
-        """The trial and how it moved, in words."""
+        """The trial and its change, in words."""
         return f"{self.name} seed {self.seed}: {self.what}"
 
 
@@ -168,7 +168,7 @@ class Report:
             compared.
         notes: Notes for the reader.
         reasons: Reasons why the gate does not hold; empty if it does.
-        gains: What is better beyond chance.
+        gains: Gains beyond chance.
         allow_crashes: Number of trials that may crash.
     """
 
@@ -195,17 +195,17 @@ class Report:
 
     @property
     def passed(self) -> bool:
-        """True if nothing speaks against passing; an interrupted run is not judged, and passes."""
+        """True without a reason against it; an interrupted run is not judged, and passes."""
         return not self.reasons
 
     def command(self, trial: Trial) -> str:
-        """The line that runs a trial again, or shows how it diverged."""
+        """The line that runs a trial again, or shows its divergence."""
         if trial.get("dump"):
             return shlex.join(["sandbox", "replay", trial["dump"]])
         return self.plan.command(trial["task"], trial["seed"], trial["status"] == CRASHED)
 
     def moved_most(self) -> list[MovedTrial]:
-        """Of every loss beyond chance, the trials that moved most."""
+        """The trials with the largest changes, for every loss beyond chance."""
         losses = [
             (name, measure)
             for name, comparison in self.comparisons.items()
@@ -213,7 +213,7 @@ class Report:
             if change.is_loss
         ]
         if not losses:
-            # A loss of all tasks together is one of each, too small to be called one.
+            # A loss of all tasks together is a small loss in each, below that task's limit.
             losses = [
                 (name, measure)
                 for group, own in groups(self.comparisons).items()
@@ -294,8 +294,8 @@ def make_report(
         plan: The plan.
         trials: The finished trials; fewer than planned after an interruption.
         baseline: The baseline.
-        exact: True requires equal states where the fingerprint is the baseline's; refused where
-            `STATES` or models are others.
+        exact: True requires equal states for equal fingerprints; refused if `STATES` or models
+            differ.
         across_encoders: True allows a baseline of another encoder.
         allow_crashes: Number of trials of the whole run that may crash.
         margins: Changes of success and time that do not matter, as shares, by measure.
@@ -384,7 +384,7 @@ def make_report(
 
 
 def without_baseline(seeds: Sequence[int]) -> str:
-    """A clause about seeds that were run and that the baseline lacks."""
+    """A clause about seeds of the run that are not in the baseline."""
     have = "seed has no baseline and is" if len(seeds) == 1 else "seeds have no baseline and are"
     return f"{len(seeds)} {have} not compared: {_some(seeds)}"
 
@@ -415,7 +415,7 @@ def _exact(comparisons: dict[str, Comparison]) -> tuple[list[str], list[str]]:
 
 
 def markdown(report: Report) -> str:
-    """The report as Markdown, as CI servers show it beside a run."""
+    """The report as Markdown, as CI servers show it with a run."""
     verdict = "the run broke off: nothing is judged"
     if report.complete:
         verdict = "no loss beyond chance" if report.passed else "**a loss beyond chance**"
@@ -450,7 +450,7 @@ def _changes(changes: Mapping[str, Change]) -> list[str]:
 
 
 def _in_markdown(text: str) -> str:
-    """Text in which nothing is a sign of Markdown or HTML, in one line."""
+    """Text in one line without signs of Markdown or HTML."""
     return re.sub(r"([\\`*_{}\[\]<>|#])", r"\\\1", " ".join(_legal(text).split()))
 
 
@@ -461,9 +461,9 @@ _ILLEGAL = re.compile("[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
 def junit(report: Report) -> str:
     """XML with a test for every task, and for all together where several are compared.
 
-    A loss beyond chance is a failure, and trials that crashed are an error; both together are an
-    error that names both. Crashes that are allowed are only told of. The output names failed seeds
-    and how to see them again. Tests have no `time`: a trial knows simulated time alone.
+    A loss beyond chance is a failure, and crashed trials are an error; both together are an error
+    that names both. Allowed crashes are only reported. The output names failed seeds and the
+    commands that run them again. Tests have no `time`, since a trial has only simulated time.
     """
     suite = ElementTree.Element("testsuite", name="sandbox regress")
     outcomes = [_add_test(suite, report, task) for task in report.tasks]

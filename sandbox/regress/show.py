@@ -1,7 +1,7 @@
-"""What a person sees of a regression run: its progress, and its report as tables for a terminal.
+"""Output of a regression run for people: its progress, and its report as tables for a terminal.
 
-Progress is a bar on a terminal, and now and then a plain line where there is none, as in the log of
-a CI server.
+Progress is a bar on a terminal, and otherwise a plain line from time to time, as in the log of a CI
+server.
 """
 
 from __future__ import annotations
@@ -84,17 +84,17 @@ def film_lost(report: Report, baseline: Baseline, folder: Path) -> None:
 
 
 FIRST, EVERY = 10.0, 30.0
-"""s after which the first plain line is due, and each further one."""
+"""Time (s) after which the first plain line is due, and each further line."""
 
 UpdateProgress = Callable[[int, int], None]
-"""Takes how many trials have ended, and how many of them succeeded."""
+"""Receives the number of ended trials, and the number of successful ones."""
 
 
 class PlainLines:
-    """Lines of plain text: one where so much time has passed, and one when all trials have ended.
+    """Lines of plain text: one after each such time, and one when all trials have ended.
 
     Args:
-        what: What is run, before every line; empty for a whole run.
+        what: Name of the part of the run, before every line; empty for a whole run.
         total: Number of trials.
         ended: How many of them had ended before.
         write: Takes each line.
@@ -170,7 +170,7 @@ MOST_FAILED = 20
 
 
 def show(report: Report, console: Console) -> None:
-    """Prints everything a person has to know."""
+    """Prints the whole report."""
     console.print(_successes(report))
     if report.comparisons:
         console.print(_compared(report))
@@ -293,7 +293,7 @@ def _failed(report: Report, console: Console) -> None:
     show_crashes(report.crashes, console)
     failed = [t for task in report.tasks for t in task.failed]
     lost = {(name, s) for name, c in report.comparisons.items() for s in c.lost}
-    # What was lost is what somebody looks for.
+    # Losses come first, since readers search for them.
     failed.sort(key=lambda t: (t["task"], t["seed"]) not in lost)
     for trial in failed[:MOST_FAILED]:
         mark = "[red]lost[/] " if (trial["task"], trial["seed"]) in lost else ""
@@ -306,13 +306,13 @@ def _failed(report: Report, console: Console) -> None:
 
 
 def show_power(rows: Sequence[Power], minutes: float, workers: int, console: Console) -> None:
-    """Prints which changes a comparison finds.
+    """Prints the changes that a comparison can detect.
 
     Args:
         rows: Power by task.
         minutes: Time of one core for all trials.
         workers: Number of trials at a time.
-        console: Where it is printed.
+        console: Console for the output.
     """
     chance = f"{statistics.POWER:.0%}"
     table = Table(title=f"changes that are found with a probability of {chance}")
@@ -341,7 +341,7 @@ def show_crashes(crashes: Crashes, console: Console) -> None:
 
 
 def show_sweep(found: Sweep, console: Console) -> None:
-    """Prints everything a person has to know."""
+    """Prints the whole report."""
     for curve in found.curves:
         console.print(_curve_table(found, curve))
         for line in limit_lines(curve):
@@ -415,7 +415,7 @@ def _row(curve: Curve, point: Point, seeds: int) -> tuple[str, ...]:
 
 
 def _notes(point: Point, neutral: bool, seeds: int) -> tuple[tuple[str, bool], ...]:
-    """Texts beside a value, each with whether it holds."""
+    """Texts next to a value, each with True if it holds."""
     return (
         ("nothing varied", neutral),
         ("[red]breaks[/]", not neutral and point.breaks),

@@ -25,18 +25,19 @@ ALPHA = 0.05
 GATE = 0.02
 """The same over all tests of a comparison with a baseline: one false alarm in fifty runs."""
 POWER = 0.8
-"""Chance with which a drop has to be noticed to count as noticeable."""
+"""Probability with which a drop has to be detected to count as detectable."""
 CONFIDENCE = 0.95
-"""Of intervals."""
+"""Coverage of intervals."""
 _EQUAL = 1e-9
 """Differences below which pairs are equal."""
 _COUNTED = 400
-"""Pairs up to which the distribution of a sum of ranks is counted; more follow the normal one."""
+"""Largest number of pairs for which the distribution of a rank sum is counted; above, it is normal.
+"""
 _QUANTILES = np.linspace(0.0, 1.0, _COUNTED)
 
 
 def wilson(successes: int, n: int) -> tuple[float, float]:
-    """Wilson interval of a rate, 0 to 1; nothing is known from no trials.
+    """Wilson interval of a rate, 0 to 1; the whole range without trials.
 
     Source: Wilson (1927), without continuity correction.
     """
@@ -47,7 +48,7 @@ def wilson(successes: int, n: int) -> tuple[float, float]:
 
 
 def mcnemar(lost: int, won: int) -> float:
-    """Chance of at least so many losses among the pairs that differ, were each as likely a win.
+    """Probability of at least so many losses among the pairs that differ, if wins are as likely.
 
     Args:
         lost: Pairs that succeeded before and fail now.
@@ -59,7 +60,7 @@ def mcnemar(lost: int, won: int) -> float:
 
 
 def signed_rank(*samples: ArrayLike) -> float:
-    """Chance of so large positive differences, or larger, were either sign as likely.
+    """Probability of positive differences of this size or larger, if both signs are equally likely.
 
     Wilcoxon's signed-rank test, one-sided and exact: pairs without a difference are left out, and
     equal differences share their mean rank. The distribution of the sum of ranks is counted.
@@ -110,7 +111,7 @@ def typical_change(*samples: ArrayLike) -> tuple[float, float, float]:
     n = sum(map(len, some))
     if n == 0:
         return 0.0, 0.0, 0.0
-    # Of many pairs, quantiles are enough.
+    # For many pairs, quantiles are enough.
     few = [each if len(each) <= _COUNTED else np.quantile(each, _QUANTILES) for each in some]
     upper = [np.add.outer(each, each)[np.triu_indices(len(each))] for each in few]
     means = np.round(0.5 * np.concatenate(upper), 12)
@@ -137,13 +138,13 @@ def mean_change(differences: ArrayLike) -> tuple[float, float, float]:
 
 
 def noticeable_shift(churn: Sequence[ArrayLike], pairs: int, level: float = ALPHA) -> float:
-    """The smallest shift of all pairs that the signed-rank test notices with power `POWER`.
+    """The smallest shift of all pairs that the signed-rank test detects with power `POWER`.
 
     By the normal approximation of the sum of ranks: its mean follows from how often the mean of two
     differences is positive, its variance from how often those of one with two others are.
 
     Args:
-        churn: (n,) differences of pairs that nothing has changed, by sample.
+        churn: (n,) differences of pairs without a real change, by sample.
         pairs: Number of pairs, of all samples together.
         level: P value up to which a loss is called.
 
@@ -168,7 +169,7 @@ def noticeable_shift(churn: Sequence[ArrayLike], pairs: int, level: float = ALPH
 
 
 def falls_short(successes: int, n: int, rate: float) -> float:
-    """Chance of so few successes, or fewer, were success as likely as the rate, 0 to 1."""
+    """Probability of this number of successes or fewer, at a success rate from 0 to 1."""
     return float(binomtest(successes, n, rate, alternative="less").pvalue) if n else 1.0
 
 
@@ -218,7 +219,7 @@ def power(pairs: int, loss: float, win: float = 0.0, level: float = ALPHA) -> fl
 
 
 def noticeable_drop(pairs: int, win: float = 0.0, level: float = ALPHA) -> float | None:
-    """The noise floor: the smallest drop of success that so many pairs notice with power `POWER`.
+    """The noise floor: the smallest drop of success that so many pairs detect with power `POWER`.
 
     Args:
         pairs: Seeds that are run before and after.
@@ -226,7 +227,7 @@ def noticeable_drop(pairs: int, win: float = 0.0, level: float = ALPHA) -> float
         level: See `fewest_losses`.
 
     Returns:
-        Success before less success now, 0 to 1; None where not even a total loss is noticed.
+        Success before minus success now, 0 to 1; None if not even a total loss is detected.
     """
 
     def short(drop: float) -> float:
@@ -242,7 +243,7 @@ def noticeable_drop(pairs: int, win: float = 0.0, level: float = ALPHA) -> float
 def _critical_cached(pairs: int, level: float) -> tuple[int, ...]:
     critical = []
     for differ in range(pairs + 1):
-        # The least number of losses whose chance, or of any more, is small enough.
+        # The least number of losses for which the probability of at least as many is small enough.
         losses = int(binom.isf(level, differ, 0.5)) + 1
         while losses > 0 and mcnemar(losses - 1, differ - losses + 1) <= level:
             losses -= 1

@@ -48,10 +48,10 @@ class RequestedVariation:
 
 
 def parse_variations(words: Sequence[str]) -> tuple[RequestedVariation, ...]:
-    """`size`, `latency=50,100`: what to vary, each once.
+    """Parses variations such as `size` or `latency=50,100`, each once.
 
     Raises:
-        InputError: A name or a value is none.
+        InputError: A name or a value is invalid.
     """
     wanted: list[RequestedVariation] = []
     for word in words:
@@ -71,8 +71,8 @@ class Point:
     Attributes:
         value: In the unit of its kind.
         result: Its trials.
-        lost, won: Seeds that only the trials with nothing varied succeeded in, and only these.
-        refused: Why there are no trials, where the task cannot be varied like that.
+        lost, won: Seeds with success only in the unvaried trials, and only in these trials.
+        refused: Reason why there are no trials, if the task cannot have this value.
         partial: The run was stopped before all trials had ended; then nothing is judged.
     """
 
@@ -94,7 +94,7 @@ class Point:
         return not self.partial and self.p <= statistics.ALPHA
 
     def as_json(self) -> dict[str, Any]:
-        """With every trial."""
+        """JSON values with every trial."""
         if self.refused:
             return {"value": self.value, "refused": self.refused}
         return {
@@ -130,7 +130,7 @@ class Curve:
 
     @property
     def breaks_below(self) -> float | None:
-        """The value below the neutral one, and nearest to it, that breaks; None: none did."""
+        """The nearest breaking value below the neutral one; None without one."""
         broken = [p.value for p in self.points if p.breaks and p.value < self.kind.neutral]
         return max(broken, default=None)
 
@@ -141,7 +141,7 @@ class Curve:
         return min(broken, default=None)
 
     def as_json(self) -> dict[str, Any]:
-        """With every trial."""
+        """JSON values with every trial."""
         return {
             "task": self.task,
             "varied": self.kind.name,
@@ -155,7 +155,7 @@ class Curve:
 
 @dataclass(frozen=True)
 class Unfinished:
-    """What a run that was stopped has not finished.
+    """The unfinished part of a stopped run.
 
     Attributes:
         task: Name of the task.
@@ -185,7 +185,7 @@ class Unfinished:
         return ", ".join(parts) + ended
 
     def as_json(self) -> dict[str, Any]:
-        """All of it."""
+        """JSON values of all fields."""
         return {
             "task": self.task,
             "varied": None if self.kind is None else self.kind.name,
@@ -201,7 +201,7 @@ class Sweep:
     Attributes:
         plan: Plan of the unvaried trials.
         curves: Curves by task, then by kind of variation.
-        unfinished: What was not run, because somebody stopped it.
+        unfinished: Parts that were not run because the run was stopped.
     """
 
     plan: RegressionPlan
@@ -263,7 +263,7 @@ def sweep(plan: RegressionPlan, wanted: Sequence[RequestedVariation], run: Runne
             elif not stopped:
                 missing.append(Unfinished(name, each.kind, _differing(each)))
             elif nominal.n:
-                # What has ended is counted, once.
+                # Every ended trial is counted once.
                 if each is wanted[0]:
                     curves.append(_curve(name, each.kind, [neutral]))
                 missing.append(Unfinished(name, each.kind, _differing(each)))
@@ -275,14 +275,14 @@ def _curve(task: str, kind: Kind, points: Sequence[Point]) -> Curve:
 
 
 def _differing(wanted: RequestedVariation) -> tuple[float, ...]:
-    """The values that were asked for; none where they are tried until it breaks."""
+    """The requested values; empty if values are tried until the task breaks."""
     return tuple(v for values in wanted.directions for v in values) if wanted.values else ()
 
 
 def _points(
     plan: RegressionPlan, name: str, wanted: RequestedVariation, nominal: TaskResult, run: Runner
 ) -> tuple[list[Point], list[Unfinished]]:
-    """Points of one task under one kind of variation, and what was not finished of them."""
+    """Points of one task under one kind of variation, and their unfinished part."""
     points: list[Point] = []
     begun: list[Unfinished] = []
     left: list[float] = []
@@ -320,7 +320,7 @@ def _point(
     refused = refusal(changed)
     if refused:
         return Point(value, TaskResult(nominal.name, nominal.version, ()), refused=refused)
-    # What goes wrong while trials run, such as a full disk, says nothing about the value.
+    # An error while trials run, such as a full disk, is not about the value.
     result = _result(plan, run(changed))
     before = {t["seed"]: t["success"] for t in nominal.trials}
     differ = [t for t in result.trials if t["success"] != before[t["seed"]]]
@@ -334,7 +334,7 @@ def _point(
 
 
 def refusal(plan: RegressionPlan) -> str:
-    """Why a trial of a plan cannot be drawn, before any is played; empty where all can.
+    """Reason why a trial of a plan cannot be drawn, before any is played; empty without one.
 
     A trial that the task's own code cannot draw is left to crash when it is run.
     """
@@ -355,10 +355,10 @@ def refusal(plan: RegressionPlan) -> str:
 def check_possible(plan: RegressionPlan, wanted: Sequence[RequestedVariation]) -> None:
     """Checks, before anything is played, that some task can have some value of every kind.
 
-    Of every task only the trial of the first seed is drawn.
+    Only the trial of the first seed of every task is drawn.
 
     Raises:
-        InputError: No task can be varied like that; it says why the first one cannot.
+        InputError: No task can be varied in this way; the error has the reason for the first one.
     """
     for each in wanted:
         # Only the first value of a direction is tried if the one before it was refused.

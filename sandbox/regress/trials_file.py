@@ -1,4 +1,4 @@
-"""The file of a run's trials, from which a run that was stopped or killed goes on.
+"""The file of a run's trials, from which a stopped or killed run can be resumed.
 
 It is append-only: a head, and a JSON line for every trial that has ended. Each line is one write,
 which is on the disk before the next trial is awaited. Only the last line can be cut.
@@ -41,14 +41,14 @@ _PACKAGES = ("models", "encoders", "tasks", "sandbox")
 _ANEW = "Repeat that run's command with --resume, or leave --resume out and begin anew"
 
 Key = tuple[str, str, int]
-"""What is varied, the task's name and the seed."""
+"""The variation, the task's name and the seed."""
 
 _END = b'{"end": true}'
 """Last line of a run whose report has all of its trials."""
 
 
 class _HeadLine(Struct):
-    """All that the results depend on; the first line has it after its kind and schema."""
+    """All values on which the results depend; the first line has them after kind and schema."""
 
     run: dict[str, Any]
 
@@ -73,13 +73,13 @@ class _TrialLine(Struct):
 
 
 def trials_path(output: Path) -> Path:
-    """The file of trials beside a report: `report.trials.jsonl` for `report.json`."""
+    """The file of trials next to a report: `report.trials.jsonl` for `report.json`."""
     return output.with_name(f"{output.stem}.trials.jsonl")
 
 
 def identity(plan: RegressionPlan, vary: Sequence[str] = ()) -> dict[str, Any]:
-    """Settings, seeds, program of a run, and what states depend on beside these; its trials are
-    those of an equal one.
+    """Settings, seeds and program of a run, and all else on which states depend. Runs with equal
+    values have equal trials.
 
     Args:
         plan: Plan of the unvaried trials.
@@ -96,7 +96,7 @@ def identity(plan: RegressionPlan, vary: Sequence[str] = ()) -> dict[str, Any]:
         "seeds": _ranges(plan.seeds),
         "vary": " ".join(vary),
         "configuration": plan.configuration(),
-        # States depend on nothing else: another processor, NumPy or Python may go on with a run.
+        # States depend on nothing else: another processor, NumPy or Python may resume a run.
         "depends_on": decisive_parts(versions()),
         "files": files,
         "source code": source_digest(sources, root),
@@ -176,7 +176,7 @@ class TrialsFile(Closeable):
             raise self._unwritten(error) from None
 
     def close(self) -> None:
-        """Closes the file, which then is another run's to write."""
+        """Closes the file, which another run may then write."""
         if self._fd >= 0:
             self._release()
             os.close(self._fd)
@@ -187,7 +187,7 @@ class TrialsFile(Closeable):
         if lines:
             self._read(lines)
             if cut:
-                # A line that was cut is no trial; the next one must not be glued to it.
+                # A cut line is not a trial; the next line must not be appended to it.
                 os.ftruncate(self._fd, len(data) - len(cut))
         else:
             self._head(data)
@@ -223,7 +223,7 @@ class TrialsFile(Closeable):
                 continue
             varied, trial = _trial_of(line, f"{where}, line {number}")
             key = (varied, trial["task"], trial["seed"])
-            # A trial that crashed was run again; what has a result keeps it.
+            # A crashed trial was run again; a trial with a result keeps it.
             if self.trials.get(key, trial)["status"] == CRASHED or key not in self.trials:
                 self.trials[key] = trial
         self.crashed_before = [t for t in self.trials.values() if t["status"] == CRASHED]
@@ -234,7 +234,7 @@ class TrialsFile(Closeable):
         try:
             written = os.write(self._fd, line)
             if written < len(line):
-                # The disk is full: the rest says so.
+                # The disk is full: writing the rest raises the error.
                 os.write(self._fd, line[written:])
             os.fsync(self._fd)
         except OSError:
@@ -280,7 +280,7 @@ def _opened(path: Path) -> tuple[int, Release]:
 
 
 def _lines(data: bytes) -> tuple[list[bytes], bytes]:
-    """Pair (whole lines, what a program that was killed left of its last line)."""
+    """Pair (whole lines, the part of a last line that a killed program has left)."""
     *lines, cut = data.split(b"\n")
     return lines, cut
 
@@ -292,7 +292,7 @@ def _head_of(line: bytes, where: str) -> _HeadLine:
 
 
 def _trial_of(line: bytes, where: str) -> tuple[str, Trial]:
-    """Pair (what is varied, the trial)."""
+    """Pair (the variation, the trial)."""
     what = "this file of trials is damaged"
     remedy = "Leave --resume out and begin anew"
     values = decoded_record(line, InputError, what=what, where=where, remedy=remedy)

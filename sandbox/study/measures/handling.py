@@ -13,13 +13,13 @@ from models.scene import CONTROL_PERIOD
 from sandbox.study.measures.arrays import NO_CONTACT, ObjectArrays, TrialArrays
 
 RELEASE = 0.1
-"""s without any push of the hand, after which the object counts as let go."""
+"""Time (s) without any push of the hand after which the object counts as released."""
 FORCE = 0.05
 """N; a push begins when the force reaches this value, and ends when no digit pushes at all. With
 one threshold for both, a single light touch would count as many."""
 FALL = 0.010
-"""m that an untouched object must fall to count as dropped. One that is let go a little above its
-place is put down, not dropped."""
+"""Least fall (m) of an untouched object that counts as dropped. An object that is released a little
+above its place is put down, not dropped."""
 PALM = "p"
 
 FingersByContact = Mapping[Any, int]

@@ -15,7 +15,7 @@ from sandbox.study.measures.arrays import TrialArrays
 from sandbox.study.measures.handling import first_push, true_intervals
 
 JUMP = 0.05
-"""m in one control period; only an object that is put back moves this far."""
+"""Displacement (m) in one control period that only an object that is put back reaches."""
 
 STILL = 0.001
 """m; efficiency and smoothness of a shorter path are meaningless."""

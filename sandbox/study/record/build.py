@@ -21,7 +21,7 @@ from sandbox.study.design.design import Design
 
 
 def _with_packages_below(folder: str) -> list[str]:
-    """A folder of the program and every package below it, so that a new one need not be named."""
+    """A folder of the program and every package below it, including later packages."""
     root = program_root()
     below = (path.parent for path in (root / folder).rglob("__init__.py"))
     return sorted(path.relative_to(root).as_posix() for path in below)
@@ -55,7 +55,7 @@ COMPUTES = (
     "sandbox/study/tables",
     "sandbox/trial",
 )
-"""Folders whose own files take part in a trial or make measures of it."""
+"""Folders whose files take part in a trial or compute its measures."""
 LEFT_OUT = {
     "encoders/captures/conversion": "it makes captures of recordings, which no trial does",
     "models/motion": "it reads and writes files of motion capture, which no trial does",
@@ -73,15 +73,15 @@ LIBRARIES = ("hand-sandbox", *DECISIVE)
 OWN_TASKS = "tasks of one's own"
 """Part of a build: tasks that are not built in, by name."""
 NOTED = ("numpy", "python", "scipy")
-"""Versions that are noted for people; states do not depend on them."""
+"""Versions that are recorded for people; states do not depend on them."""
 
 SHARED_BUILD = (*LIBRARIES, *NOTED, OWN_TASKS, "program", "encoders", "design")
-"""Parts of a build that `sandbox study share` lets out."""
+"""Parts of a build that `sandbox study share` includes."""
 
 
 @cache
 def code_digest() -> str:
-    """Digest of the program as far as it takes part in a trial or makes measures of it."""
+    """Digest of the parts of the program that take part in a trial or compute its measures."""
     return digest_of(program_root())
 
 
@@ -114,9 +114,9 @@ def build_of(design: Design) -> dict[str, Any]:
 
 
 def changes(locked: dict[str, Any], here: dict[str, Any]) -> list[str]:
-    """Parts that differ between two builds and to which a study is locked, with their values."""
+    """Different parts of two builds to which a study is locked, with their values."""
     names = (set(locked) | set(here)) - set(NOTED)
-    # Studies that were begun before tasks of one's own were locked go on.
+    # Studies from before the lock of external tasks go on.
     return _differences(locked, here, names if OWN_TASKS in locked else names - {OWN_TASKS})
 
 
@@ -138,6 +138,6 @@ def _differences(locked: dict[str, Any], here: dict[str, Any], names: Collection
 
 
 def _changed_tasks(before: dict[str, str], after: dict[str, str]) -> str:
-    """Tasks of one's own whose code or things are others, in words."""
+    """External tasks whose code or objects have changed, in words."""
     names = [name for name in sorted({*before, *after}) if before.get(name) != after.get(name)]
     return ", ".join(f"the code or the things of {name} have changed" for name in names)

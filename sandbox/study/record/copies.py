@@ -1,4 +1,4 @@
-"""Folders of people and sessions, and copies among them, which are no data.
+"""Folders of people and sessions, and copies among them, which are not data.
 
 A folder is a person's if its name is the pseudonym in its first note, and a session's if its place
 is the one in the first sound record of a run. Who copies a folder inside of a study gives it
@@ -112,7 +112,7 @@ def _session_in(folder: Path) -> str | None:
 
 
 def _sound(path: Path) -> Iterator[dict[str, Any]]:
-    """Records of a session up to the first line that is not what was written."""
+    """Records of a session up to the first damaged or changed line."""
     head = ""
     for line in _bytes(path).split(b"\n")[:-1]:
         record = _decoded(line)
@@ -124,7 +124,7 @@ def _sound(path: Path) -> Iterator[dict[str, Any]]:
 
 
 def _decoded(line: bytes) -> dict[str, Any]:
-    """A line of JSON; empty if it is damaged, which who reads all of the file reports."""
+    """A line of JSON; empty if it is damaged, which a reader of the whole file reports."""
     try:
         value = json.loads(line)
     except (ValueError, RecursionError):
@@ -133,7 +133,7 @@ def _decoded(line: bytes) -> dict[str, Any]:
 
 
 def _bytes(path: Path) -> bytes:
-    """Content of a file; empty if it cannot be read, which who reads all of the file reports."""
+    """Content of a file; empty if it cannot be read, which a reader of the whole file reports."""
     try:
         return path.read_bytes()
     except OSError:

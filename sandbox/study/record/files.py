@@ -86,7 +86,7 @@ def write_new(path: Path, text: str) -> None:
 
 
 def remove_locks(folder: Path) -> None:
-    """Removes the lock files of a folder that nobody has open."""
+    """Removes the lock files of a folder that no program has open."""
     for name in LOCK_FILES:
         _remove(folder / name)
 
@@ -98,7 +98,7 @@ def remove_unfinished(folder: Path) -> None:
 
 
 def _remove(path: Path) -> None:
-    # A file that stays does no harm: the next write uses another name, or overwrites it.
+    # A remaining file is harmless: the next write uses another name, or overwrites it.
     with suppress(OSError):
         path.unlink(missing_ok=True)
 

@@ -121,7 +121,7 @@ class StudyFolder:
 
     Attributes:
         noted: Changed versions, since the study was last opened, that do not affect states.
-        anew: Changes, since the study was last opened, that are accepted because there is no
+        anew: Changes since the study was last opened, which are accepted because there is no
             participant yet.
 
     Raises:

@@ -1,4 +1,4 @@
-"""The record of a session: append-only JSON lines, from which all else is derived.
+"""The record of a session: append-only JSON lines, from which all other data are derived.
 
 Each record is one write. A written record survives the end of the program at once. It survives a
 power cut after at most `SYNC` seconds; a durable record does so at once. The records are a hash
@@ -31,17 +31,17 @@ from sandbox.study.record.records import (
 from sandbox.system.files import OPEN, flush, sync_folder
 
 SYNC = 0.5
-"""s between two flushes of written data to the disk."""
+"""Time (s) between two flushes of written data to the disk."""
 
 DAMAGED = "damaged-"
 """Prefix of the name of a copy of a damaged journal, before its date."""
 
 STEP = 0.5
-"""s by which the wall clock must move against the monotonic clock between two records to count as a
-step."""
+"""Least movement (s) of the wall clock against the monotonic clock between two records that counts
+as a step."""
 SLEW = 1e-3
-"""Difference of the two clocks, as a part of the time between two records, that does not count as a
-step: clocks are corrected by up to 500 ppm (the limit of `adjtimex` and NTP), and their own rates
+"""Largest difference of the two clocks, as a share of the time between two records, that is not a
+step. Clocks are corrected by up to 500 ppm (the limit of `adjtimex` and NTP), and their own rates
 differ by less than that."""
 
 
@@ -180,15 +180,15 @@ class Journal:
 
 
 NUL_IN_JSON = b"\\u0000"
-"""How a NUL is written in a line; so is a backslash before u0000."""
+"""Escape of a NUL in a line, and of a backslash before u0000."""
 
 
 def plain_text(text: str, where: str) -> str:
-    """Returns a text that JSON, CSV and their readers keep as it is.
+    """Returns a text that JSON, CSV and their readers preserve.
 
     Args:
-        text: Any text that somebody has typed.
-        where: Where, for the message.
+        text: Any typed text.
+        where: Place of the text, for the message.
 
     Raises:
         StudyError: It holds a NUL, which ends a row for some readers, or half of a letter
@@ -245,8 +245,8 @@ def sound_records(data: bytes, path: Path) -> tuple[list[Record], int, StudyErro
     """Parses a journal up to the first line that is damaged or changed.
 
     Returns:
-        The records before it, their number of bytes, and what is wrong with the line, if one is
-        wrong; without, the rest is a half-written last line.
+        The records before it, their number of bytes, and the error of the line, if there is one.
+        Without an error, the rest is a half-written last line.
     """
     records: list[Record] = []
     sound, head = 0, ""
@@ -259,7 +259,7 @@ def sound_records(data: bytes, path: Path) -> tuple[list[Record], int, StudyErro
         try:
             record = _read_record(line, len(records), where)
         except LaterLayoutError:
-            # It is whole, and nothing of it may be given up.
+            # The line is whole, and must not be discarded.
             raise
         except StudyError as error:
             return records, sound, _damage(error.what, path, number, error.got, error.expected)
@@ -275,7 +275,7 @@ def sound_records(data: bytes, path: Path) -> tuple[list[Record], int, StudyErro
 def _damage(
     what: str, path: Path, line: int, got: object = None, expected: str | None = None
 ) -> StudyError:
-    """The error of a damaged line, which names both ways on."""
+    """The error of a damaged line, which names both ways to continue."""
     person = path.absolute().parent.parent
     return StudyError(
         what,
@@ -352,7 +352,7 @@ def readable_records(path: Path) -> tuple[list[Record], int]:
 
 
 def cut_damage(path: Path) -> Path | None:
-    """Cuts a journal before its first damaged line; a copy of the whole stays beside it.
+    """Cuts a journal before its first damaged line; a copy of the whole remains next to it.
 
     Returns:
         The copy; None if no line is damaged, so that nothing is changed.

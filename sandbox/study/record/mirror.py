@@ -38,7 +38,7 @@ class Mirror(Closeable):
         StudyError: The mirror would be the study's own folder.
 
     Attributes:
-        behind: Number of bytes that the mirror lacks, by the last check.
+        behind: Number of bytes that are missing in the mirror, by the last check.
     """
 
     def __init__(self, study: Path, ppid: str, to: Path, say: Callable[[str], object]) -> None:

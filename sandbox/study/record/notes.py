@@ -1,9 +1,9 @@
-"""Decisions and seals, which stand beside the records of sessions: lines of JSON, only appended.
+"""Decisions and seals, which are stored apart from sessions' records: append-only lines of JSON.
 
-`PERSON/notes.jsonl` begins with who the person is, and holds the decisions about them; it goes with
-the person's folder wherever that is copied. `notes/SITE.jsonl` of the study holds what the study
-is, what it is locked to, seals of sessions, copies and withdrawals. Each line is on the disk when
-the function that writes it returns.
+`PERSON/notes.jsonl` begins with the person's identity, and holds the decisions about the person. It
+is copied with the person's folder. `notes/SITE.jsonl` of the study holds the study's identity and
+lock, seals of sessions, copies and withdrawals. Each line is on the disk when the function that
+writes it returns.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ PARTICIPANT, EXCLUDE, INCLUDE = "participant", "exclude", "include"
 RELEASE, REMARK, LOSS = "release", "remark", "loss_accepted"
 
 DECISIONS = (EXCLUDE, INCLUDE, RELEASE, REMARK)
-"""Kinds of decisions about a participant that can be taken back."""
+"""Kinds of decisions about a participant that can be undone."""
 
 
 class _Head(Struct):
@@ -58,8 +58,8 @@ class _Participant(_Head):
 class _Decision(_Head):
     """Exclusion, inclusion or remark: about a trial of a session, or about the person.
 
-    `after` has the number of records that each session had at that time. `number` is the one that
-    a participant has who takes part again after it was freed.
+    `after` has the number of records of each session at that time. `number` is the new number of
+    a participant who takes part again after the earlier number was freed.
     """
 
     reason: Words[str]
@@ -179,7 +179,7 @@ def add_note(path: Path, kind: str, /, **values: Any) -> Record:
         data = path.read_bytes() if path.exists() else b""
         fd = os.open(path, os.O_WRONLY | os.O_CREAT | OPEN, 0o666)
         try:
-            # Behind the last whole line; a killed program may have left the half of one.
+            # After the last whole line, since a killed program may have left a part of a line.
             whole = data.rfind(b"\n") + 1
             try:
                 os.ftruncate(fd, whole)
@@ -200,7 +200,7 @@ def add_note(path: Path, kind: str, /, **values: Any) -> Record:
 
 
 def write_notes(path: Path, notes: Iterable[Record]) -> None:
-    """Writes notes anew, atomically: those of a copy, or those that a withdrawal leaves."""
+    """Replaces notes atomically: by those of a copy, or by those that a withdrawal leaves."""
     lines = (json.dumps(note, separators=(",", ":"), ensure_ascii=False) for note in notes)
     write_atomically(path, "".join(f"{line}\n" for line in lines).encode())
 
@@ -242,7 +242,7 @@ class Seal:
 
 
 def seals_of(study: Path, ppid: str, session: int) -> list[Seal]:
-    """Seals of a session that hold: those that no accepted loss has ended, in order.
+    """Valid seals of a session, in order: those that no accepted loss has ended.
 
     Raises:
         StudyError: Notes are damaged.
@@ -262,7 +262,7 @@ def broken_seals(records: Sequence[Record], seals: Iterable[Seal]) -> tuple[int,
     """Compares the record of a session with its seals.
 
     Returns:
-        How many sealed lines it lacks at its end, and whether a sealed line is another one.
+        Number of sealed lines that are missing at its end, and True if a sealed line has changed.
     """
     lacks, unlike = 0, False
     for seal in seals:

@@ -28,14 +28,14 @@ def _check(body: str) -> str:
 def is_text(name: str) -> bool:
     """Returns True if spreadsheets and `read_csv` leave a name unchanged.
 
-    They would convert 12E345, 0X12AB and 000123 to numbers, and 5MAR12 to a date. What begins with
-    a letter is no number.
+    They would convert 12E345, 0X12AB and 000123 to numbers, and 5MAR12 to a date. A text that
+    begins with a letter is not converted to a number.
     """
     return name[0].isalpha() and not any(month in name for month in _MONTHS)
 
 
 def new_pseudonym() -> str:
-    """Draws a pseudonym that does not look like a number or date: a letter, four random characters
+    """Draws a pseudonym that is not readable as a number or date: a letter, four random characters
     and a check character."""
     while True:
         body = "".join(secrets.choice(ALPHABET) for _ in range(LENGTH))

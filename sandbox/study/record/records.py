@@ -2,8 +2,8 @@
 
 A record may have more fields than its kind declares, as those of a later version.
 
-The declaration of a field is also where it is decided whether others get it: `sandbox study share`
-lets out `Shared` fields, `Words` only where it is asked to, and nothing else.
+The declaration of a field also decides on its sharing: `sandbox study share` includes `Shared`
+fields, `Words` fields only on request, and no others.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ _SHARED, _WORDS = Meta(extra={"shared": True}), Meta(extra={"words": True})
 Shared = Annotated[_T, _SHARED]
 """Type of a field that may be shared."""
 Words = Annotated[_T, _WORDS]
-"""Type of a field with somebody's words, which are shared only with `--keep-words`."""
+"""Type of a field with a person's words, which are shared only with `--keep-words`."""
 
 SESSION, RESUME, END = "session", "resume", "end"
 CONSENT, ANSWER, FORM, DONE = "consent", "answer", "form", "done"
@@ -35,16 +35,16 @@ SCHEMA = 4
 
 
 def number_from_one(record: dict[str, Any]) -> None:
-    """Brings the number of a participant in a record or note, if it has one, to today's layout."""
+    """Converts the participant's number in a record or note, if there is one, to today's layout."""
     if record.get("number") is not None and record.get("schema", 0) < SCHEMA:
         record |= {"number": record["number"] + 1, "schema": SCHEMA}
 
 
 def refuse_later_layout(record: dict[str, Any], where: str) -> None:
-    """Checks that this version of the program knows the layout of a record or note.
+    """Checks that this version of the program supports the layout of a record or note.
 
     Raises:
-        LaterLayoutError: It is of a later version, whose fields may mean something else.
+        LaterLayoutError: It is of a later version, whose fields may have other meanings.
     """
     schema = record.get("schema")
     if isinstance(schema, int) and schema > SCHEMA:
@@ -74,7 +74,7 @@ class _Line(Struct, tag_field="kind"):
 
 
 class Session(_Line, tag=SESSION):
-    """A session begins: whose it is, by which program and design, whose texts are `files`."""
+    """A session begins: its participant, program and design; `files` has the design's texts."""
 
     ppid: str
     number: Shared[int] = 1
@@ -95,19 +95,19 @@ class Session(_Line, tag=SESSION):
 
 
 class Resume(Session, tag=RESUME):
-    """It goes on; the design's texts are in it if that is another one."""
+    """A session is resumed; the texts of the design are included if the design has changed."""
 
 
 class Screen(_Line, tag=SCREEN):
     """A page of the participant came, went, came back, or has another size.
 
     Attributes:
-        page: Whose page it is.
+        page: Name of the page.
         event: `open`, `gone`, `back` or `changed`.
-        width_px, height_px: Its size, CSS pixels; None before it is known.
+        width_px, height_px: Its size, CSS pixels; None before it has been reported.
         px_per_in: CSS pixels in an inch.
-        calibrated: True if that was measured, false if it is a guess.
-        browser: What the browser calls itself.
+        calibrated: True if this was measured, False if it is a guess.
+        browser: Name that the browser reports.
     """
 
     page: Shared[str]
@@ -120,7 +120,7 @@ class Screen(_Line, tag=SCREEN):
 
 
 class Consent(_Line, tag=CONSENT):
-    """The participant agreed to a version of the text, here as it was shown, or did not."""
+    """The participant agreed or did not agree to a version of the text, which is included."""
 
     step: Shared[str]
     agreed: Shared[bool]
@@ -149,8 +149,8 @@ class Form(_Line, tag=FORM):
 
 
 class Done(_Line, tag=DONE):
-    """An instruction, a break or a calibration is over; the last has what was measured, such as a
-    hand, or the clock of LSL beside that of the records."""
+    """An instruction, a break or a calibration is over. A calibration has the measured values, such
+    as a hand, or the offset of the clock of LSL from that of the records."""
 
     step: Shared[str]
     hand: str = ""
@@ -181,12 +181,12 @@ class Trial(_Line, tag=TRIAL):
 
 
 class TrialEnd(_Line, tag=TRIAL_END):
-    """It ends: with a result, or broken off without one; `recording` is the recording's digest.
+    """An attempt ends with a result, or was broken off; `recording` is the recording's digest.
 
     Attributes:
         adopted: True if a killed program had not written this, so that the result comes from the
             recording.
-        lasted: Length of such a recording, s.
+        lasted: Duration of such a recording, s.
     """
 
     step: Shared[str]
@@ -225,8 +225,8 @@ class Repaired(_Line, tag=REPAIRED):
     Attributes:
         lost_bytes: Length of a half-written last line that was cut off.
         records: Number of lines whose loss was accepted, for `reason`.
-        file, recording: A recording without a record, and its digest; with `reason`, a whole one
-            that was set aside.
+        file, recording: A recording without a record, and its digest; with `reason`, a whole
+            recording that was set aside.
     """
 
     lost_bytes: Shared[int | None] = None

@@ -49,8 +49,8 @@ from sandbox.system.files import sync_file, sync_folder
 from sandbox.trial.result import ResultRecord, TrialResult
 
 SENT = ("n", "step", "trial", "attempt", "practice", "form", "block", "levels", "command")
-"""Fields of a record that are sent over LSL to other instruments. Its digest is not: whoever knows
-all else of a record could try out what was answered."""
+"""Fields of a record that are sent over LSL to other instruments. Its digest is not sent: with all
+other fields, answers could be found by trying."""
 
 
 class SessionFolder(Closeable):
@@ -123,7 +123,7 @@ class SessionFolder(Closeable):
         self.away = _since(self.journal.records)
         seals = seals_of(self.study.path, self.person.ppid, self.number)
         self._sealed = seals[-1].hash if seals else ""
-        # Who opens what is complete resumes it only if something is left to be written down.
+        # A complete session is resumed only if records remain to be written.
         self._is_opened = False
         if not self.state.complete:
             self._write_opening()
@@ -134,7 +134,7 @@ class SessionFolder(Closeable):
         self._closing.callback(self._syncing.close)
 
     def _write_opening(self) -> None:
-        """Records that the session begins or is resumed, and by which program and machine."""
+        """Records that the session begins or is resumed, with the program and the machine."""
         design = self.study.design
         # The texts of a design are in the first record of each session that is run by it.
         texts = {} if self.state.design == design.digest else {FILES: design_files(design)}
@@ -185,7 +185,7 @@ class SessionFolder(Closeable):
         return self.write(COMMAND, durable, command=name, **values)
 
     def begin_again(self, steps: Sequence[Step], reason: str) -> None:
-        """Records that some steps are done again; attempts at their trials stay, and do not count.
+        """Records that some steps are repeated; earlier attempts at their trials remain, uncounted.
 
         Raises:
             StudyError: The record cannot be written.
@@ -226,11 +226,11 @@ class SessionFolder(Closeable):
 
         Args:
             lost: Number of lost records.
-            unlike: True if sealed records are other ones.
+            unlike: True if sealed records have changed.
             reason: Reason, for both.
         """
         kept = self.journal.found
-        # Of a record that is other than its seals, no earlier seal says anything.
+        # Earlier seals are useless for a record that differs from its seals.
         most = -1 if unlike else kept
         seals = seals_of(self.study.path, self.person.ppid, self.number)
         self.study.note_about(
@@ -273,10 +273,10 @@ class SessionFolder(Closeable):
         self._end(self.state.attempts[trial.number][-1], why=why)
 
     def seal(self) -> str:
-        """Notes how long the record of this session is, and its last hash.
+        """Writes a note with the length of this session's record, and its last hash.
 
         Returns:
-            That hash.
+            The hash.
 
         Raises:
             StudyError: The record cannot be written.
@@ -292,7 +292,7 @@ class SessionFolder(Closeable):
                 hash=head,
             )
             self._sealed = head
-            # What another machine records of this stands for the whole journal.
+            # This hash, recorded on another machine, covers the whole journal.
             send_event(SEALED, {"session": self.number, "records": count, HASH: head})
         return head
 
@@ -333,7 +333,7 @@ class SessionFolder(Closeable):
         self.write(TRIAL_END, durable, **of, recording=digest, **more)
 
     def _check_turn(self) -> None:
-        """Raises an error if the design lacks this session, or an earlier session is unfinished."""
+        """Raises an error if the design has no such session, or if an earlier one is unfinished."""
         planned = self.study.design.sessions
         if not 1 <= self.number <= planned:
             raise StudyError(
@@ -388,7 +388,7 @@ class SessionFolder(Closeable):
             **vars(self.person),
         }
         if not self.state.attempts:
-            # Who takes part again before a trial may have got another number.
+            # A participant who takes part again before a trial may have another number.
             del mine["number"]
         wrong = [name for name, value in mine.items() if start.get(name) != value]
         if wrong:
@@ -437,7 +437,7 @@ class SessionFolder(Closeable):
         records = read_journal(self.path / JOURNAL)
         self.state = SessionState.of(records)
         if self.state.start:
-            # What is of another session has lost nothing of this one.
+            # Losses of another session do not concern this one.
             self._check()
         whole = whole_leftovers(self.path, self.state)
         seals = seals_of(self.study.path, self.person.ppid, self.number)
@@ -460,7 +460,7 @@ class SessionFolder(Closeable):
         )
 
     def _note_leftovers(self) -> None:
-        """Records what is left of attempts whose records a power cut has taken."""
+        """Records the remains of attempts whose records were lost by a power cut."""
         whole = whole_leftovers(self.path, self.state)
         for file in unknown_recordings(self.path, self.state):
             if file not in whole:

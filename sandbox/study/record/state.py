@@ -27,9 +27,9 @@ class SessionClock:
     """Seconds since the session's start, of every record.
 
     Within a run of the program, and between runs on a machine that was not restarted, time is that
-    of the monotonic clock, so that nobody who sets the clock changes it. That clock begins anew
-    when a machine starts: the time between two such runs is the wall clock's, and 0 if that went
-    backwards.
+    of the monotonic clock, which does not change when the wall clock is set. The monotonic clock
+    restarts with the machine. The time between two such runs is the wall clock's, and 0 if the wall
+    clock went backwards.
     """
 
     def __init__(self) -> None:
@@ -42,7 +42,7 @@ class SessionClock:
         return self.of[n]
 
     def take(self, record: dict[str, Any]) -> None:
-        """Takes the next record of the journal."""
+        """Processes the next record of the journal."""
         if record["kind"] in records.RUNS:
             self._begin(record)
         if self._offset is not None:
@@ -92,12 +92,12 @@ class Attempt:
 
 @dataclass(frozen=True)
 class Decision:
-    """A decision about a session that was taken outside of it.
+    """A decision about a session, made outside the session.
 
     Attributes:
-        after: Number of records that the session had then.
+        after: Number of records of the session at that time.
         trial: Number of the trial; None for the participant.
-        excluded: Reason for the exclusion; empty ends one.
+        excluded: Reason for the exclusion; empty ends an exclusion.
     """
 
     after: int
@@ -136,7 +136,7 @@ class SessionState:
         consent: True if the participant consented; None before the question.
         calibration: Calibration of the hand over a Leap, in the format of `sandbox paalm
             calibrate`; None uses an average hand.
-        learned: Layouts of five fingers that the last trial to find some has left, by hand.
+        learned: Layouts of five fingers from the last trial that found any, by hand.
         complete: True if the session reached its planned end.
         recordings: Digest of each recording by file; None for one that is missing.
         seconds: Time of each record since the session's start, s, by number of the record.
@@ -163,7 +163,7 @@ class SessionState:
 
     @classmethod
     def of(cls, lines: Iterable[Record], decided: Sequence[Decision] = ()) -> SessionState:
-        """Computes the state after some records, and after decisions that were taken meanwhile.
+        """Computes the state after some records, and after decisions that were made meanwhile.
 
         Args:
             lines: Records of the session.
@@ -179,7 +179,7 @@ class SessionState:
         return state
 
     def decide(self, decision: Decision) -> None:
-        """Updates the state by a decision that is no record of the session."""
+        """Updates the state by a decision that is not a record of the session."""
         if decision.trial is None:
             self.excluded_participant = decision.excluded
         elif decision.excluded:
@@ -198,14 +198,14 @@ class SessionState:
             case records.SESSION:
                 self.start = record
             case records.RESUME if "number" in record:
-                # Another one only if no trial has begun; see `StudyFolder.include`.
+                # Another number only if no trial has begun; see `StudyFolder.include`.
                 self.start = {**self.start, "number": record["number"]}
             case records.CLOCK_STEP:
                 self.clock_steps.append(record["seconds"])
             case records.TRIAL:
                 self.attempts.setdefault(record["trial"], []).append(Attempt(record))
             case records.TRIAL_END if is_broken(record):
-                # What the experimenter excluded was this attempt; the trial begins anew.
+                # The experimenter excluded this attempt; the trial is repeated.
                 self.excluded.pop(record["trial"], None)
                 self._attempt(record).over = True
             case records.TRIAL_END:
@@ -345,7 +345,7 @@ def is_broken(record: Record) -> bool:
 
 
 def _learned(record: Record) -> dict[str, Layouts]:
-    """What a `trial_end` record says that later trials of its session know."""
+    """Values of a `trial_end` record that later trials of its session use."""
     return checked(
         record["result"].get("learned", {}),
         dict[str, Layouts],

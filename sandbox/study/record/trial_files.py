@@ -3,7 +3,7 @@
 `trials/T007.jsonl.gz` is the recording of the first attempt at trial 7, `trials/T007.a2.jsonl.gz`
 that of the second; `trials/T007.frames.csv.gz` and `trials/T007.a2.frames.csv.gz` have their
 frames. A recording is a plain file until its trial has ended, and is then compressed; a failure or
-kill meanwhile loses no data. One that has its end without a record is what a power cut leaves.
+kill meanwhile loses no data. After a power cut, a complete recording may have no record.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ TRIALS = "trials"
 def attempt_files(folder: Path) -> list[str]:
     """Names of the recordings of attempts in a session's folder of trials, without `.gz`, in order.
 
-    The last states of an attempt that diverged lie beside its recording, and are no attempt.
+    The last states of a diverged attempt lie next to its recording, and are not an attempt.
     """
     names = {path.name.removesuffix(SUFFIX) for path in folder.glob("T*.jsonl*")}
     return sorted(name for name in names if TRIAL.fullmatch(name.removesuffix(".jsonl")))
@@ -226,7 +226,7 @@ STOOD_STILL = ("waited_s", "away_s", "lost_s")
 
 
 def unknown_recordings(session: Path, state: SessionState) -> list[str]:
-    """Recordings that no record names, without `.gz`, in order.
+    """Recordings without a record, without `.gz`, in order.
 
     Args:
         session: Folder of the session.

@@ -27,16 +27,16 @@ from sandbox.trial.logs import TimedDevice, Timing
 from sandbox.trial.settings import Settings
 
 AFTER, AFTER_WITH_RESULT = 1.2, 3.0
-"""s for which the end of a trial stays visible; the second one where there is a result to read."""
+"""Times (s) for which the end of a trial is visible: without and with a result to read."""
 PATIENCE = 30.0
-"""s for which a trial waits at most for its demonstration."""
+"""Longest time (s) for which a trial waits for its demonstration."""
 
 
 class PagePlayer:
     """Runs trials on the page in real time; implements `sandbox.study.run.players.TrialPlayer`.
 
     Args:
-        page: The participant's page, which may have one of the second hand beside it.
+        page: The participant's page, to which a page of the second hand may belong.
         options: Settings of trials on the page.
         language: Language of the participant.
     """
@@ -77,7 +77,7 @@ class PagePlayer:
 
     @property
     def _trial_pages(self) -> list[StudyPage]:
-        """The pages that show this trial: the participant's, and another one that is touched."""
+        """The pages that show this trial: the participant's, and another page that is touched."""
         return [page for page in self._page.pages if page is self._page or page.device]
 
     def _show(self, session: Session, request: TrialRequest) -> None:
@@ -149,8 +149,8 @@ class _PageClock:
         self._seats = [(page.server.seated, page.server.screen) for page in pages]
 
     def pause(self, attempt: RunningAttempt, session: Session) -> Pause:
-        """Why simulated time must stand still now; empty if it may run. May break the attempt
-        off; not for a page that leaves once the goal is held."""
+        """Reason why simulated time must stand still now; empty if it may run. It may break the
+        attempt off, but not for a page that leaves once the goal is held."""
         for page in self._pages:
             page.check_connection()
         self._follow_pause(attempt.check_pause())
@@ -158,7 +158,7 @@ class _PageClock:
         pause = self._auto.check(session.time, held, self._paused)
         now = time.monotonic()
         if self._waited is None and (self._paused or self._auto.away):
-            # Nobody sees the scene meanwhile.
+            # The scene is not visible meanwhile.
             self._shown += now - self._last
         if self._waited is None and self._auto.begun:
             self._waited = now - self._shown
@@ -170,12 +170,12 @@ class _PageClock:
             page.server.seated != seated and _is_another(page.server.screen, screen)
             for page, (seated, screen) in zip(self._pages, self._seats, strict=True)
         ):
-            # The trial began on a surface that is no longer there.
+            # The surface of the trial no longer exists.
             attempt.broken = attempt.broken or "another device became the participant's page"
         return pause
 
     def _add_absence(self, now: float) -> None:
-        """Adds up how long some page was away, and how many times."""
+        """Adds up the number and duration of absences of pages."""
         was, self._was_away = self._was_away, bool(self._auto.away)
         if self._was_away:
             # The silence before a page counts as away is part of its absence.
@@ -253,7 +253,7 @@ def page_device(page: StudyPage, surface: Surface) -> Device:
 
 
 def _is_another(now: PageScreen | None, before: PageScreen | None) -> bool:
-    """True if a page is on another screen than before, however it is turned; the same one may have
+    """True if a page is on another screen than before, at any turn of it. The same screen may have
     lost a fifth of its room to the browser's bars."""
     if now is None or before is None:
         return False

@@ -13,19 +13,19 @@ from sandbox.devices.webcam.webcam import WebcamDevice
 from sandbox.study.run.forms import Poll
 
 TICK = 0.05
-"""s between two checks of inputs of the participant and the experimenter."""
+"""Time (s) between two checks of inputs of the participant and the experimenter."""
 
 
 class SessionCamera(Closeable):
     """Opens the camera's page when a trial first needs it, and keeps it for all further trials.
 
-    A participant allows the camera once. It is on until the session ends, which the page says;
-    pictures between trials go nowhere.
+    A participant allows the camera once. It is on until the session ends, as the page states.
+    Pictures between trials are discarded.
 
     Args:
         engine: Folder of the engine (`sandbox.devices.webcam.engine`).
         sides: Sides of the hands that trials follow.
-        browse: True opens the page in this machine's browser; otherwise only its link is told.
+        browse: True opens the page in this machine's browser; False only prints its link.
         say: Prints a line for the experimenter.
 
     Attributes:
@@ -44,16 +44,16 @@ class SessionCamera(Closeable):
         self._device: WebcamDevice | None = None
 
     def wait_until_on(self, poll: Poll) -> None:
-        """Waits until the page sends pictures; the experimenter is told why it does not.
+        """Waits until the page sends pictures; the reason for a delay is printed.
 
         Args:
-            poll: See `Poll`; what it raises ends the wait.
+            poll: See `Poll`; an exception from it ends the wait.
 
         Raises:
             DeviceError: The page cannot be served.
         """
         device = self._opened()
-        # Pictures of before do not tell that the camera is still on.
+        # Earlier pictures do not show that the camera is still on.
         device.poll(0.0)
         told: Sequence[str] = ()
         while not device.wait(TICK):

@@ -28,9 +28,9 @@ SLACK = 0.02
 """Share by which a screen may be smaller than the touch rectangle, since people measure it by hand
 with a bank card."""
 TICK = 0.02
-"""s between two checks of inputs of the participant and the experimenter."""
+"""Time (s) between two checks of inputs of the participant and the experimenter."""
 GONE = 3.0
-"""s without a message after which the page counts as gone; it sends two messages a second."""
+"""Time (s) without a message after which the page counts as gone; it sends two a second."""
 
 Given = str | float | None
 
@@ -53,8 +53,8 @@ class StudyPage:
             forms.
         device: Device of the running trial; None if it does not use the page.
         needed_in: Size of the touch rectangle that trials need, inches; None for any size.
-        needed_lifts: True if a trial needs the lift control beside the touch rectangle, too.
-        record: Writes that the page came, went, came back or has another size, with its screen.
+        needed_lifts: True if a trial also needs the lift control next to the touch rectangle.
+        record: Records that the page was opened, left, returned or changed its size.
     """
 
     def __init__(
@@ -132,7 +132,7 @@ class StudyPage:
         self.server.show_sheet(self._sheet, tell=False)
 
     def reject_answer(self, item: str, text: str) -> None:
-        """Shows why an answer is not accepted."""
+        """Shows the reason why an answer is not accepted."""
         self.server.refuse(Refusal(self._sheet.sheet, item, text))
 
     def take_inputs(self) -> list[ItemAnswer | Leave]:
@@ -156,7 +156,7 @@ class StudyPage:
         return self._gone
 
     def check_connection(self) -> None:
-        """Checks the connection to the page, and tells the experimenter about changes."""
+        """Checks the connection to the page, and prints changes for the experimenter."""
         silent = self.server.silence
         if (silent > GONE) != self._gone:
             self._gone = silent > GONE
@@ -177,7 +177,7 @@ class StudyPage:
             self.beside.check_connection()
 
     def _note_screen(self, event: str) -> None:
-        """Records what became of the page, with its screen."""
+        """Records a change of the page, with its screen."""
         screen = self._recorded = self.server.screen
         about = {} if screen is None else msgspec.structs.asdict(screen)
         about.pop("fit", None)
@@ -185,22 +185,21 @@ class StudyPage:
 
     @property
     def is_unmeasured(self) -> bool:
-        """True if the size of this page's screen is a guess, and nobody has chosen to leave it."""
+        """True if the size of this page's screen is a guess that was not accepted."""
         screen = self.server.screen
         known = screen is None or screen.calibrated
         return not known and self._measured_at != self.server.seated
 
     def leave_guessed(self) -> None:
-        """Asks no more for the size of this screen if it is a guess; that of another device is
-        asked for again."""
+        """Accepts the guessed size of this screen; that of another device is requested again."""
         if self.is_unmeasured:
             self._measured_at = self.server.seated
 
     def _check_screen(self) -> None:
-        """Tells the experimenter before the first trial if the screen is too small for the trials,
-        and when it no longer is.
+        """Reports to the experimenter before the first trial that the screen is too small for the
+        trials, and later that it is large enough.
 
-        A guessed size counts once the participant has gone on, as until then they may measure it.
+        A guessed size counts once the participant has gone on, who may measure it until then.
         """
         screen, wanted = self.server.screen, self.needed_in
         if wanted is None or screen is None or screen == self._screen:
@@ -237,7 +236,7 @@ class StudyPage:
 def is_too_small(screen: PageScreen, wanted: tuple[float, float], lifts: bool = False) -> bool:
     """Returns True if a screen is too small for a touch rectangle, inches.
 
-    With `lifts`, the lift control needs a place beside the rectangle.
+    With `lifts`, the lift control needs a place next to the rectangle.
     """
     return any(r < w * (1.0 - SLACK) for r, w in zip(room(screen, lifts), wanted, strict=True))
 

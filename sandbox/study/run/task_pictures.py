@@ -1,7 +1,7 @@
 """Pictures of the tasks of a session, which participants see before a new task.
 
-They are drawn by a process of their own at low priority while the session begins, so that nobody
-waits for them, and no window's graphics are disturbed. A machine that cannot draw has none.
+They are drawn by a process of their own at low priority while the session begins, so that they
+cause no wait, and do not disturb a window's graphics. Without OpenGL there are none.
 
     python -m sandbox.study.run.task_pictures    # settings on stdin, a picture a line on stdout
 """
@@ -26,19 +26,19 @@ from sandbox.study.run.forms import Poll
 from sandbox.trial.settings import Settings, decoded, encoded
 
 SIZE = (960, 540)
-"""px of a picture."""
+"""Size (px) of a picture."""
 QUALITY = 80
 """Quality of its JPEG, of 100."""
 LONGEST = 8.0
-"""s for which a participant waits for a picture at most."""
+"""Longest time (s) for which a participant waits for a picture."""
 TICK = 0.02
-"""s between two calls of what is polled meanwhile."""
+"""Time (s) between two calls of `poll` meanwhile."""
 NICE = 10
 """Priority of the process, as of `nice`."""
 
 
 class TaskPictures(Closeable):
-    """Has the tasks of some trials drawn, each once.
+    """Draws the tasks of some trials, each once.
 
     Args:
         trials: Settings of the trials, in order.
@@ -64,7 +64,7 @@ class TaskPictures(Closeable):
 
         Args:
             task: Name of the task.
-            poll: Called all the time while the picture is waited for.
+            poll: Called repeatedly while the picture is awaited.
         """
         drawn, until = self._drawn.get(task), time.monotonic() + LONGEST
         while drawn is not None and not drawn.wait(TICK) and time.monotonic() < until:
@@ -110,7 +110,7 @@ def main() -> None:
     """Draws the trials on stdin, and writes a line with each picture to stdout."""
     with suppress(AttributeError, OSError):  # Windows has no such priority.
         os.nice(NICE)
-    # Whatever else is printed goes elsewhere.
+    # All other output goes elsewhere.
     out, sys.stdout = sys.stdout, sys.stderr
     for settings in json.load(sys.stdin):
         picture = ""
