@@ -161,7 +161,7 @@ is 30 N."""
 CALM_ARMATURE = 3.0
 """Factor on the armature of the finger joints of a hand no stronger than `safe`. A lighter
 fingertip that pushes with 100 N, and bounces off for a single physics step, returns at 1.6 m/s and
-penetrates the object by 4 mm; a heavier one does not (measured at db485e42)."""
+penetrates the object by 4 mm. A heavier fingertip does not (measured at db485e42)."""
 
 SERVOS = ("orientation", "position")
 """`orientation`: one servo on the rotation of each ball joint, with a limit on the norm of its
@@ -175,9 +175,9 @@ ROOT_STIFFNESS, ROOT_TURN_STIFFNESS = 8000.0, 40.0
 """Stiffness (N/m and N m/rad) of the root's servos, at servo stiffness 1."""
 
 CONTACT_HAND, CONTACT_OBJECT, CONTACT_TABLE, CONTACT_HANDS = 1, 2, 4, 8
-"""Collision bits. The hand collides with objects, and with the other hand where hands are solid all
-over; neither with itself nor with the table: at an upright surface, the wrist may have to be below
-the table."""
+"""Collision bits. A hand collides with objects, and with the other hand if hands are solid all
+over. It collides neither with itself nor with the table, since at an upright surface the wrist may
+have to be below the table."""
 
 FLESH_DENSITY = 1100.0
 """Density (kg/m3) of flesh."""
@@ -197,8 +197,8 @@ class Hand:
         impulse: Impulse limit of every servo, N s (or N m s) per 1/60 s.
         stiffness: Factor on the servo stiffnesses of the skeleton and the root.
         finger_armature: Factor on the armature of the finger joints; see `finger_armature()`.
-        solid_end: Length of the part of a last link that collides (m), measured from the middle of
-            the fingertip, where only fingertips are solid; None makes the whole link collide.
+        solid_end: Length (m) of the colliding part of a last link, measured from the middle of the
+            fingertip, where only fingertips are solid; None makes the whole link collide.
         solid_palm: The palm can collide as well; otherwise objects pass through it.
     """
 
@@ -472,7 +472,7 @@ def _orientation(hand: Hand, joint: str, stiffness: float) -> Element:
 def _palm_geoms(palm: Element, hand: Hand) -> None:
     """Metacarpals from the wrist to each knuckle, the thumb's ball, and a stub of forearm.
 
-    The capsules with mass are the palm of the simulation and are hidden (group 3); the visible
+    The capsules with mass are the palm of the simulation and are hidden (group 3). The visible
     geoms have no mass, so that the look can change without changing the physics.
     """
     skeleton, radius = hand.skeleton, hand.skeleton.palm_radius

@@ -78,8 +78,8 @@ class Person:
 class RestSample:
     """Touches and pose of a person's hand at one moment; JSON values only.
 
-    Both are in the 3-D surface frame of the screen's lower edge, in the person's own size, mirrored
-    to a right hand. `encoders.person.rest_posture` uses them.
+    Both are in the 3-D surface frame of the screen's lower edge and in the person's own size; those
+    of a left hand are mirrored to a right hand. `encoders.person.rest_posture` uses them.
 
     Attributes:
         touches: Place (x right, y down) m of each finger, thumb first; None while it is lifted.

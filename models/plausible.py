@@ -10,24 +10,26 @@ running device, which is never refused.
 Bounds of lengths span less than the smallest ratio of two units (1 in = 2.54 cm), bounds of times
 less than 1000, so that at most one unit fits. Their sources:
 
-    hand      ANSUR (Gordon et al. 1989) has hands of 165 mm (women, 5th percentile) to 211 mm (men,
-              95th); Snyder et al. 1977 have 100 mm at the age of two. The largest known hands of
-              adults have 250 mm. Finger and palm are their shares of a hand: 0.53 and 0.50 in our
-              own skeleton, whose lengths are those of ANSUR's average man.
-    reach     From the palm's centre to the farthest fingertip: a child's fist, a large open hand.
-    step      Cameras begin at a few pictures a second, markers are filmed at 1000 at most.
-    distance  A Leap sees 1 m, a headset its wearer's arm. A wrist is 5 to 15 cm over
-              the surface that its fingers touch.
-    picture   A hand is not much larger than the picture, and a quarter of it may lie beyond.
-    speed     A throw has 20 m/s at the hand, a stroke over a surface 3. Devices correct their
-              places by a few centimetres between two frames.
-    contact   Fingertips rest with 5 to 28 mm, palms with 25 to 120, whole hands with some more; the
-              outer edge of a forearm is nine times as long as wide.
-    touch     Fingertips side by side are 12 mm apart or more. Screens report at 480 Hz at most; a
-              hand that rests may send nothing for a second.
-    object    What fingers move; a ring and a tray are wider than a hand, and no wider than a table.
-    angle     The most that a joint of a finger bends is 2 rad, and that of a thumb less. Joints of
-              robots' hands have ranges of a few degrees to a turn.
+    hand      Hands are 165 mm (women, 5th percentile) to 211 mm (men, 95th) long in ANSUR (Gordon
+              et al. 1989), and 100 mm at the age of two in Snyder et al. 1977. The largest known
+              hands of adults have 250 mm. Finger and palm are shares of the hand: 0.53 and 0.50
+              in our own skeleton, whose lengths are those of ANSUR's average man.
+    reach     Distance from the palm's centre to the farthest fingertip, from a child's fist to a
+              large open hand.
+    step      Cameras take a few pictures a second or more, marker systems 1000 at most.
+    distance  A Leap reaches 1 m, a headset its wearer's arm. A wrist is 5 to 15 cm over the surface
+              that its fingers touch.
+    picture   A hand is not much larger than the picture, and at most a quarter of it lies beyond.
+    speed     A hand moves at 20 m/s in a throw and at 3 m/s in a stroke over a surface. Devices
+              correct its place by a few centimetres between two frames.
+    contact   The contact of a resting fingertip has 5 to 28 mm, that of a palm 25 to 120, that of a
+              whole hand somewhat more. The outer edge of a forearm is nine times as long as wide.
+    touch     Fingertips side by side are 12 mm apart or more. Screens report at 480 Hz at most. A
+              resting hand may cause no report for a second.
+    object    The objects are moved by fingers. A ring and a tray are wider than a hand, and no
+              wider than a table.
+    angle     A joint of a finger bends by 2 rad at most, that of a thumb by less. Joints of robots'
+              hands have ranges of a few degrees to a full turn.
 """
 
 from __future__ import annotations

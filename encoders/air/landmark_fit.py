@@ -189,8 +189,8 @@ class FitSettings:
             (degrees).
         neighbour: Spread of the difference between the flexions of neighbouring fingers (degrees).
         coupling: Flexion of the last joint, divided by that of the middle joint.
-        linear, toward, angular: Spreads of speeds between two pictures: of the wrist across and
-            along the camera's axis (m/s), and of the rotations of wrist and joints (rad/s).
+        linear, toward, angular: Spreads of speeds between two pictures: the wrist's across and
+            along the camera's axis (m/s), and the rotations' of wrist and joints (rad/s).
         steps, first_steps: Gauss-Newton steps for a picture after another picture, and for a first
             picture.
         thumb_steps: Additional steps for the thumb.

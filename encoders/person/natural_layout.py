@@ -125,7 +125,7 @@ class NaturalLayout:
 
     def _hypothetical(self, count: int) -> tuple[Array, Array]:
         """Inner products with the positions of all labellings relative to their middles, as a
-        matrix (2 P, 2 k) for real and imaginary parts; and the norms (P,) of those positions."""
+        matrix (2 P, 2 k) for real and imaginary parts, and the norms (P,) of these positions."""
         table = self._laid.get(count)
         if table is None:
             there = self.places[hypotheses(count)]

@@ -7,8 +7,9 @@ pose and the encoder's, averaged over a few samples. A single sample also contai
 posture of its moment, so the difference counts only for its likely constant part (a random effect
 whose variance is that of the population).
 
-A sample has the touches and the pose of one moment, in metres and radians, in the person's own
-size, in the 3-D surface frame of the screen's lower edge, mirrored to a right hand.
+A sample has the touches and the pose of one moment, in metres and radians. Both are in the person's
+own size and in the 3-D surface frame of the screen's lower edge; those of a left hand are mirrored
+to a right hand.
 """
 
 from __future__ import annotations
@@ -217,7 +218,7 @@ def save_rest(samples: Sequence[RestSample], path: Path, hand: str, simulated: b
     """Writes a rest posture, with the samples of the person's own hand.
 
     Args:
-        samples: Samples of the hand, mirrored to a right hand.
+        samples: Samples of the hand; a left hand's are mirrored to a right hand.
         path: The file.
         hand: `right` or `left`; a left hand's samples are mirrored.
         simulated: True if no real person was seen.
@@ -278,7 +279,7 @@ def knowing_rest(model: TrainedModel, samples: Sequence[RestSample], size: float
 
     Args:
         model: A model for any person.
-        samples: Samples of the person's hand, mirrored to a right hand.
+        samples: Samples of the person's hand; a left hand's are mirrored to a right hand.
         size: Size of the person's hand.
 
     Raises:
@@ -359,7 +360,8 @@ class SeenRest:
 
         Args:
             time: Time (s) of the pose.
-            q: (48,) pose, mirrored to a right hand; x right, y away from the person, z up.
+            q: (48,) pose, a left hand's mirrored to a right hand; x right, y away from the person,
+                z up.
 
         Returns:
             True if a sample was taken.
@@ -392,7 +394,7 @@ def rest_sample_of(poses: Array, kinematics: Kinematics) -> RestSample:
     """The sample of a hand that was held still.
 
     Args:
-        poses: (n, 48), mirrored to a right hand; z is up.
+        poses: (n, 48), a left hand's mirrored to a right hand; z is up.
         kinematics: Kinematics of the hand's skeleton.
 
     Raises:

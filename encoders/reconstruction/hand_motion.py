@@ -172,9 +172,9 @@ class ArrivalSettings:
         hover: Height (m) above its place at which the hand waits; 0 switches these rules off.
         settle: Time (s) for which the set of contacts must be unchanged before it is labelled.
         dwell: Time (s) for which the touches must rest before the hand comes down.
-        rest: Speed (m/s) below which touches count as resting. They also rest if none moves, within
-            `dwell`, farther than this speed would carry it in this time: noise of a screen is fast
-            from step to step, but does not move a touch away.
+        rest: Speed (m/s) below which touches count as resting. Touches also rest if none moves
+            farther within `dwell` than this speed allows. (Noise of a screen is fast from step to
+            step, but does not move a touch away.)
         patience: Time (s) after which the hand comes down although the touches do not rest.
         place: Distance (m) from its place within which the hand comes down.
         down: Speed (m/s) of the hand on its way down.

@@ -68,8 +68,8 @@ class RobotMapping:
         side: `right` or `left`.
         palm: Name of the body that carries all fingers.
         tips: Names of the sites or bodies at the middle of the fingertips, thumb first: n of them,
-            three to five. A hand with four lacks the little finger, one with three the ring finger
-            too.
+            three to five. A hand with four fingertips lacks the little finger, a hand with three
+            also the ring finger.
         radii: (n,) m of the fingertips.
         scales: (n,) length of each finger relative to that of a person's.
         offset: (3,) m, origin of the robot's palm in the frame of a person's hand of trained size.

@@ -258,8 +258,8 @@ def fit_mapping(
 
     Args:
         path: MJCF file of the robot.
-        tips: Names of the sites or bodies at the middle of the n fingertips, thumb first; a hand
-            with four lacks the little finger, one with three the ring finger too.
+        tips: Names of the sites or bodies at the middle of the n fingertips, thumb first. A hand
+            with four fingertips lacks the little finger, a hand with three also the ring finger.
         palm: Name of the body that carries all fingers; empty finds it.
         model: The model's place to be written into the mapping; empty uses the file's name.
         ends: True if `tips` are the bodies of last links, whose meshes end with the fingertips.

@@ -102,8 +102,8 @@ class PairedSession:
         touch_delay, leap_delay: Mean delay from event to arrival (s).
         rotation, shift: The Leap's frame in the surface's frame.
         side: The hand, left or right.
-        motion: The hand's true motion, mirrored to a right hand: knots (n,) s and poses (n, 48) in
-            the surface frame, between which it moves smoothly.
+        motion: The hand's true motion, a left hand's mirrored to a right hand: knots (n,) s and
+            poses (n, 48) in the surface frame, between which it moves smoothly.
         skeleton: The person's bones.
     """
 
@@ -123,7 +123,7 @@ class PairedSession:
     skeleton: Skeleton
 
     def poses_at(self, times: Array) -> Array:
-        """True poses (m, 48) in the surface frame, mirrored to a right hand."""
+        """True poses (m, 48) in the surface frame, a left hand's mirrored to a right hand."""
         return _at(times, *self.motion)
 
     @property
