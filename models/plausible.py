@@ -142,7 +142,8 @@ _LONGEST, _SLENDEREST = 0.25, 10.0
 """Longest side of a contact (m), and largest ratio of its longer side to its shorter side."""
 _NARROWEST = 1.0 / _SLENDEREST
 _SMALL, _LARGE = CONTACT.least**2, _LONGEST**2 / _SLENDEREST
-"""Least and greatest width times height (m2) of contacts of possible size and shape."""
+"""Range of width times height (m2) in which contacts of possible shape are neither too small nor
+too long."""
 USUAL_LEAST, USUAL_MOST = 0.004, 0.040
 """Least and greatest width or height (m) of most contacts; any two of these sizes are possible
 together."""

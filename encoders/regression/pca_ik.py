@@ -352,8 +352,8 @@ class PcaIkEncoder(Encoder):
         return IkSolution(q, np.sqrt(squared_lengths(off).max(axis=1)), taken)
 
     def _step(self, off: Array, J: Array) -> Array:
-        """Change (n, 48) of poses, from the distances (n, 3 k) m to the targets and their
-        derivative J (n, 3 k, 48)."""
+        """Change (n, 48) of poses, from the fingertips' offsets (n, 3 k) m from their targets and
+        their derivative J (n, 3 k, 48)."""
         basis, cost = self._ways[off.shape[1] // 3]
         if not basis.shape[1]:
             return np.zeros((len(off), POSE_SIZE))
