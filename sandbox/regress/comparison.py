@@ -42,7 +42,7 @@ class Change:
         before, now: Means.
         change, low, high: Typical change and its interval (`statistics.typical_change`): for time
             a share of the value before, for success the mean difference, else a difference.
-            p_loss, p_gain: P values of both one-sided tests; those of measures that decide are
+        p_loss, p_gain: P values of both one-sided tests; those of measures that decide are
             adjusted by Holm's procedure.
         most: Seeds with the greatest losses, the greatest first, with the value before and now.
         margin: Change that does not matter.

@@ -500,10 +500,10 @@ class LiveRun:
         Args:
             turn: Called repeatedly in this thread, first before the first step. Returns the reason
                 why simulated time must stand still, empty if it may run, and None to end the run.
-                end: Called once: as soon as the trial is over, or if it is left before, also by an
+            end: Called once: as soon as the trial is over, or if it is left before, also by an
                 exception.
-                tick: Time (s) to sleep after a turn; 0 if a turn waits for the screen.
-                lingers: True goes on after the trial is over, with its last picture, until `turn`
+            tick: Time (s) to sleep after a turn; 0 if a turn waits for the screen.
+            lingers: True goes on after the trial is over, with its last picture, until `turn`
                 returns None.
 
         Raises:

@@ -66,9 +66,9 @@ LABEL_TRUTH, SIMULATED_USER = "label_truth", "simulated user"
 FRAMES = "frames"
 """Column with the file of the frames."""
 SIMULATED = "simulated"
-"""Kind of the data of a study in which nobody took part."""
+"""Kind of the data of a study without people."""
 RECORDS = "*/S[0-9][0-9][0-9]/session.jsonl"
-"""Files from which the tables of a study follow."""
+"""Files from which the tables of a study are derived."""
 SESSION = "session"
 """Name of the factor that is added if participants repeat the same levels in several sessions."""
 
@@ -254,17 +254,17 @@ class StudyData:
         primary: Confirmatory outcomes of the design: measures, and questionnaires for their scores.
             Empty if it names none.
         by_session: True if the session was added as a factor.
-        wordings: What the codebook says of questionnaires that have not the published wording.
+        wordings: The codebook's notes on questionnaires without the published wording.
         digest: SHA-256 of `trials.csv`.
-        withdrawn: Number of people who withdrew, and of whom nothing else is here; None if the
-            codebook does not tell.
-        upgrades: Sentences on every `--force-upgrade` after somebody had taken part.
+        withdrawn: Number of people who withdrew, without any other data of them; None if the
+            codebook does not have it.
+        upgrades: Sentences on every `--force-upgrade` after the first participation.
         events: `events.csv`; may be empty.
         columns: Rows of the codebook about factors, measures and questions, by name.
         has_records: True if the records from which the tables follow are in the folder.
         title: Title of the design; empty if it has none.
-        unused: Combinations of the design of which no trial is used, a level for each of `factors`;
-            empty where the codebook does not have those of the design.
+        unused: Combinations of the design without a used trial, with a level for each of `factors`;
+            empty if the codebook does not have the design's combinations.
     """
 
     name: str
@@ -290,13 +290,13 @@ class StudyData:
 
     @property
     def orders(self) -> str:
-        """How many participants a full cycle of orders takes, by the design; empty if unknown."""
+        """Number of participants in a full cycle of orders, by the design; empty if unknown."""
         return self.columns.get(ORDERS, {}).get("meaning", "")
 
     @property
     def unused_conditions(self) -> tuple[str, ...]:
-        """Names of the combinations of which no trial is used, by the factors of `conditions`;
-        by all factors where these cannot tell them apart."""
+        """Names of the combinations without a used trial, by the factors of `conditions`, or by all
+        factors if these do not distinguish them."""
         several = [i for i, f in enumerate(self.factors) if len(f.levels) > 1]
         names = [JOINED.join(levels[i] for i in several) for levels in self.unused]
         return tuple(
@@ -305,7 +305,7 @@ class StudyData:
         )
 
     def unused_levels(self, factor: ObservedFactor) -> list[str]:
-        """Levels of a factor of the design of which no trial is used."""
+        """Levels of a factor of the design without a used trial."""
         place = self.factors.index(self.factor(factor.name))
         seen = self.used[factor.column].unique() if len(self.used) else ()
         return list(dict.fromkeys(x[place] for x in self.unused if x[place] not in seen))
@@ -335,11 +335,11 @@ class StudyData:
 
     @property
     def rehearsed(self) -> str:
-        """Sentence on trials that a simulated user played although these are not simulated data, as
-        in a rehearsal; empty if there are none."""
+        """Sentence on trials by a simulated user in data that are not simulated, as in a rehearsal;
+        empty without such trials."""
         if self.mode == SIMULATED or LABEL_TRUTH not in self.used:
             return ""
-        # A trial without touches does not tell.
+        # A trial without touches gives no evidence.
         telling = [source for source in self.used[LABEL_TRUTH] if source]
         count = telling.count(SIMULATED_USER)
         if not count:
@@ -350,7 +350,7 @@ class StudyData:
 
     @property
     def withdrawals(self) -> str:
-        """Sentence on people who withdrew; empty if the folder does not tell."""
+        """Sentence on people who withdrew; empty if the folder has no number."""
         if self.withdrawn is None:
             return ""
         if not self.withdrawn:
@@ -429,7 +429,7 @@ class StudyData:
 
 
 def _guessed_scale(name: str, unit: str, values: Series) -> str:
-    """Scale of a column that is no measure of the program's, such as one of an older table."""
+    """Scale of a column that is not a measure of the program, such as one of an older table."""
     if name == "success" or unit == "0/1":
         return "share"
     if unit in RATIO_UNITS:
@@ -442,7 +442,7 @@ ENDS = (("low", -inf), ("high", inf))
 
 
 def number_in(text: str, nothing: float = nan) -> float:
-    """A number in a cell; `nothing` for an empty one."""
+    """A number in a cell; `nothing` for an empty cell."""
     try:
         return float(text)
     except ValueError:
@@ -477,7 +477,7 @@ def trial_values(data: StudyData, what: Measure) -> Values:
 def _by_person(
     data: StudyData, ppids: Series, cells: Sequence[int], numbers: Array, count: int
 ) -> tuple[Array, Array]:
-    """Means and numbers of the known values of every person in every cell."""
+    """Means and numbers of the present values of every person in every cell."""
     row = {ppid: i for i, ppid in enumerate(data.ppids)}
     at = np.array([row.get(ppid, -1) for ppid in ppids], dtype=np.intp)
     known = np.isfinite(numbers) & (at >= 0)
@@ -516,8 +516,8 @@ def score_values(data: StudyData, main: bool = True) -> list[tuple[Measure, Valu
 
 
 def item_values(data: StudyData) -> list[tuple[Measure, Values]]:
-    """Single questions with numbers as answers, by person and level; no question that is a scale
-    of its own, and none about the person."""
+    """Single questions with numbers as answers, by person and level, except those that are a scale
+    of their own, and those about the person."""
     table = data.answers
     if not {"ppid", "instrument", "item", "answer"} <= set(table.columns):
         return []
@@ -701,7 +701,7 @@ def _optional(path: Path) -> DataFrame:
 
 
 def _read(path: Path) -> DataFrame:
-    """Reads a table, whose first columns may be named as in UXF or otherwise; here as in UXF."""
+    """Reads a table; names of first columns, as in UXF or otherwise, become those of UXF."""
     return read_table(path).rename(columns=UXF_NAMES)
 
 
@@ -735,7 +735,7 @@ def _meanings(rows: DataFrame) -> dict[str, str]:
 
 
 def _described(book: DataFrame) -> dict[str, dict[str, str]]:
-    """Rows about factors, measures and questions, by name; of several of a name, the first one."""
+    """Rows about factors, measures and questions, by name; of several with one name, the first."""
     about = book["table"].isin(["trials.csv", "participants.csv", "answers.csv"])
     found: dict[str, dict[str, str]] = {}
     for _, row in book[about].iterrows():
@@ -750,7 +750,7 @@ def _primary(book: DataFrame) -> tuple[str, ...]:
 
 
 def _wordings(book: DataFrame) -> dict[str, str]:
-    """What the codebook says of questionnaires whose wording is not the published one, by name."""
+    """The codebook's notes on questionnaires without the published wording, by name."""
     told = _meanings(book[book["column"].astype(str).str.startswith(WORDING)])
     return {name.removeprefix(WORDING): meaning for name, meaning in told.items()}
 
@@ -758,7 +758,7 @@ def _wordings(book: DataFrame) -> dict[str, str]:
 def _unused(
     conditions: str, factors: Sequence[ObservedFactor], used: DataFrame
 ) -> tuple[tuple[str, ...], ...]:
-    """Combinations of the design of which no trial is used.
+    """Combinations of the design without a used trial.
 
     Args:
         conditions: Those of the design, as in the codebook; levels of an earlier design are in no
@@ -801,7 +801,7 @@ def _factors(trials: DataFrame, described: dict[str, dict[str, str]]) -> tuple[O
             continue
         seen = [x for x in dict.fromkeys(main[column]) if x]
         listed = _listed(described.get(column, {}).get("meaning", "").partition(": ")[2], seen)
-        # The codebook has the order of the design; levels that it lacks come last.
+        # The codebook has the order of the design; levels that are missing there come last.
         levels = [x for x in listed if x in seen] + [x for x in seen if x not in listed]
         within = len(main) > 0 and bool((main.groupby("ppid")[column].nunique() > 1).any())
         factors.append(ObservedFactor(column.removeprefix(FACTOR), tuple(levels), within))
@@ -809,7 +809,7 @@ def _factors(trials: DataFrame, described: dict[str, dict[str, str]]) -> tuple[O
 
 
 def _listed(text: str, names: Sequence[str]) -> list[str]:
-    """The entries of a list; names may have its separator in them, and the longest one counts."""
+    """The entries of a list. Names may contain its separator; the longest matching name counts."""
     parts = text.split(LISTED)
     entries: list[str] = []
     while parts:

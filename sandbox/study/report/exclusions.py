@@ -11,7 +11,7 @@ if TYPE_CHECKING:
     from pandas import DataFrame
 
 MORE = {"real": "", "pilot": "--pilot "}
-"""Kinds of data of which a session goes on by a command, and its options."""
+"""Kinds of data whose sessions are resumed by a command, with its options."""
 
 
 @dataclass(frozen=True)
@@ -68,8 +68,8 @@ def _take(steps: list[FlowStep], rest: DataFrame, gone: DataFrame, what: str) ->
 
 
 def unfinished(data: StudyData) -> list[str]:
-    """Participants who consented, if they were asked, and have not finished all sessions; empty if
-    the table does not say."""
+    """Participants who consented, if consent was requested, and have not finished all sessions;
+    empty if the table has no such column."""
     if "complete" not in data.people.columns:
         return []
     done = to_numbers(data.people["complete"])
@@ -78,7 +78,7 @@ def unfinished(data: StudyData) -> list[str]:
 
 
 def _without_consent(data: StudyData) -> set[str]:
-    """Participants who declined: nothing was asked of them, and nobody waits for them."""
+    """Participants who declined, and thus have no data and no open sessions."""
     if "consent" not in data.people.columns:
         return set()
     return set(data.people.loc[to_numbers(data.people["consent"]) == 0, "ppid"])

@@ -16,12 +16,12 @@ REPORTS = "report"
 PAGE = "report.html"
 """Name of the page."""
 SCRIPT, OF_SCRIPT = "analysis.R", "results_R.csv"
-"""The R script beside the page, and what it writes there."""
+"""The R script next to the page, and its output."""
 SCRIPT_COLUMNS = (
     *("outcome", "factor", "first", "second", "model", "kind"),
     *("estimate", "low", "high", "p"),
 )
-"""Columns of what it writes."""
+"""Columns of its output."""
 NEEDS = ("pandas", "matplotlib", "jinja2")
 RESULTS = (
     ("outcome", "column of trials.csv, or name of a questionnaire"),
@@ -57,7 +57,7 @@ RESULTS = (
     ("p", "p value of this test alone"),
     ("p_holm", "p value adjusted for all tests of the study (Holm)"),
 )
-"""Columns of `results.csv`, and what they mean."""
+"""Columns of `results.csv`, with their meanings."""
 PEOPLE = (
     ("ppid", "pseudonym"),
     ("outcome", "as in results.csv"),
@@ -85,8 +85,8 @@ def make_report(
         out: Folder of the report, created if needed.
         measures: Names of measures to compare besides time and success.
         say: Callback for progress messages.
-        note: Callback for lines that the reader of the report must know.
-        lacking: What the tables lack, in sentences for the top of the page.
+        note: Callback for lines that matter to the reader of the report.
+        lacking: Sentences on data missing in the tables, for the top of the page.
 
     Returns:
         Path of the page.
@@ -219,7 +219,7 @@ def _people(found: Any) -> Iterator[Row]:
 
 
 def csv_of(rows: Any, columns: Sequence[str]) -> bytes:
-    """A table as CSV, with ten digits of every number; what is not known is empty."""
+    """A table as CSV, with ten digits of every number; unknown values are empty."""
     import pandas as pd
 
     cells = [{k: _cell(v) for k, v in row.items() if k in columns} for row in rows]

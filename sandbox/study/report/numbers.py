@@ -1,11 +1,11 @@
-"""What a study found, in numbers: person means, and ordinary statistics of them by SciPy.
+"""Results of a study in numbers: person means, and their ordinary statistics by SciPy.
 
-The person is the unit of everything. A person's trials under one condition give one number, their
-mean; two levels of a factor are compared by the differences of these numbers within the same
-people, or between groups of people. No model is fitted here; `analysis.R` does that.
+The person is the unit of all statistics. A person's trials under one condition give one number,
+their mean. Two levels of a factor are compared by the differences of these numbers within the same
+people, or between groups of people. Models are fitted by `analysis.R`, not here.
 
-Under `FEWEST` people there is no interval and no p value. An interval never goes beyond what the
-outcome can be.
+With fewer than `FEWEST` people there is no interval and no p value. An interval never exceeds the
+possible values of the outcome.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ ALPHA = 0.05
 LEVEL = 0.95
 """Coverage of intervals."""
 EXACT = 13
-"""Most people for whom all signs are tried, 2^n; of more, `DRAWN` are drawn."""
+"""Largest number of people for whom all 2^n signs are tried; above it, `DRAWN` are drawn."""
 DRAWN = 9_999
 LARGE = 50
 """Smallest group whose ranks are compared by the normal distribution although there are no ties."""
@@ -49,7 +49,7 @@ MAIN = ("time_s", "success")
 
 @dataclass(frozen=True)
 class Estimate:
-    """A value with its 95 % interval; nan where it is not known."""
+    """A value with its 95 % interval; nan if it is unknown."""
 
     value: float = nan
     low: float = nan
@@ -85,7 +85,7 @@ class Pair:
         factor: Name of the factor.
         first, second: The levels; the estimate is of the second against the first.
         kind: `difference` or `ratio`, of the second to the first.
-        people: People who did both; of two groups, all of them.
+        people: People who did both levels; for two groups, all people.
         estimate: Mean difference, or ratio, with its interval.
         sd: Standard deviation over people of the difference, for a ratio of its logarithm; of two
             groups, that within groups.
@@ -94,7 +94,7 @@ class Pair:
         test: Name of the test.
         p: Its p value; nan where it cannot be computed.
         p_holm: P value adjusted for all tests of the study; nan if this one is exploratory.
-        why: Why there is no estimate; empty if there is one.
+        why: Reason for a missing estimate; empty with an estimate.
     """
 
     factor: str
@@ -142,13 +142,13 @@ class Compared:
 
 @dataclass(frozen=True)
 class Results:
-    """All that a study found.
+    """All results of a study.
 
     Attributes:
         data: The study.
         compared: Outcomes that are compared, those that are tested first.
         missing: Primary outcomes that these data cannot compare.
-        tests: Number of tests that p values are adjusted for.
+        tests: Number of tests for which p values are adjusted.
     """
 
     data: StudyData
@@ -164,14 +164,14 @@ class Results:
 def results(data: StudyData, asked: Sequence[str] = ()) -> Results:
     """Compares the outcomes of a study.
 
-    The primary outcomes of the design are tested; without any, time, success, the measures that
-    were asked for and one score of every questionnaire are. All tests are one family, whose p
-    values are adjusted together (Holm 1979). A pair that has an estimate but too few people for a
-    test is of the family: data that are lost make no other difference more certain.
+    The primary outcomes of the design are tested. Without primary outcomes, time, success, the
+    requested measures and one score of every questionnaire are tested. All tests are one family,
+    whose p values are adjusted together (Holm 1979). A pair with an estimate but too few people
+    for a test is part of the family: lost data make no other difference more certain.
 
     Args:
         data: The study.
-        asked: Names of measures that are compared besides.
+        asked: Names of further measures to compare.
 
     Raises:
         StudyError: A measure does not exist, or has no numbers.
@@ -180,7 +180,7 @@ def results(data: StudyData, asked: Sequence[str] = ()) -> Results:
     planned = data.primary or tuple(every)
     order = [*(name for name in planned if name in every), *(n for n in every if n not in planned)]
     compared = [_compare(data, *every[name]) for name in order]
-    # What changes from session to session is practice, which the design does not compare.
+    # Changes from session to session are practice, which the design does not compare.
     tested = [
         (i, j)
         for i, one in enumerate(compared)
@@ -267,7 +267,7 @@ def interval(values: Array, low: float = -inf, high: float = inf) -> Estimate:
 
 
 def _equal(values: Array) -> bool:
-    """True if values differ by rounding alone: they tell nothing of how much others differ."""
+    """True if values differ by rounding alone, and so are no measure of scatter."""
     return float(np.ptp(values)) <= EQUAL * max(float(np.abs(values).max()), 2.0 * EQUAL)
 
 
@@ -289,8 +289,8 @@ def _pair(what: Measure, values: Values, factor: ObservedFactor, first: str, sec
 
 
 def paired_differences(values: Values, factor: ObservedFactor, first: str, second: str) -> Array:
-    """Each person's difference (people,) between two levels, under otherwise equal conditions where
-    there are such; nan of who did not do both."""
+    """Each person's difference (people,) between two levels, under otherwise equal conditions if
+    there are any; nan for people who did not do both levels."""
     matched = values.matched(factor, first, second)
     if matched:
         one, other = ([values.means[:, pair[i]] for pair in matched] for i in (0, 1))
@@ -376,7 +376,8 @@ def mann_whitney(one: Array, other: Array) -> float:
 def sign_flips(own: Array) -> float:
     """P value of the mean of differences (n,) among all flips of their signs.
 
-    All 2^n for `EXACT` people or fewer; of more, `DRAWN` that are always the same.
+    All 2^n flips are tried for `EXACT` people or fewer; for more, `DRAWN` flips that are always
+    the same.
     """
     from scipy import stats
 

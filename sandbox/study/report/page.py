@@ -65,7 +65,7 @@ ALONE = (
     "whether somebody has changed them."
 )
 LATE = 60.0
-"""ms of latency (95th percentile) from which a session is marked."""
+"""Latency (ms, 95th percentile) from which a session is marked."""
 MOST_CONDITIONS = 6
 """Most columns of the table of further measures; of more conditions, it has a factor's levels."""
 MORE_TITLES = ("Screen size", "Resumed")
@@ -100,7 +100,7 @@ class Table:
 
 @dataclass(frozen=True)
 class Picture:
-    """Pictures, and the tables beside them.
+    """Pictures, and their tables.
 
     Attributes:
         pictures: Each picture as SVG, with its description.
@@ -118,7 +118,7 @@ class Paragraph:
 
     Attributes:
         text: Plain text.
-        tone: Empty, `note` for a limitation of a result, or `quote` for somebody's words.
+        tone: Empty, `note` for a limitation of a result, or `quote` for a person's words.
     """
 
     text: str
@@ -150,7 +150,7 @@ def page(found: Results, lacking: str = "", in_r: Sequence[dict[str, str]] = ())
 
     Args:
         found: What is shown.
-        lacking: What the tables lack, in sentences for the top of the page.
+        lacking: Sentences on data missing in the tables, for the top of the page.
         in_r: Rows of `results_R.csv`, if `analysis.R` ran.
     """
     from jinja2 import Environment
@@ -239,7 +239,7 @@ def _finding(one: Compared, pair: Pair) -> str:
 
 
 def _sessions(data: StudyData) -> Section:
-    """A row for every session, and what to do."""
+    """A row for every session, with a remedy."""
     section = Section("sessions", "Sessions")
     trials = data.trials
     if not len(trials):
@@ -286,7 +286,7 @@ def _sessions(data: StudyData) -> Section:
 
 
 def _resumes(data: StudyData, key: Sequence[Any]) -> str:
-    """How often a session went on after an interruption; empty if never."""
+    """Number of interruptions after which a session went on; empty without any."""
     events = data.events
     if not {"ppid", "session_num", "event"} <= set(events.columns):
         return ""
@@ -297,7 +297,7 @@ def _resumes(data: StudyData, key: Sequence[Any]) -> str:
 
 
 def _without_empty(table: Table) -> Table:
-    """A table without columns in which no cell has anything."""
+    """A table without the columns in which all cells are empty."""
     used = [i for i in range(len(table.head)) if any(row[i] not in ("", "0") for row in table.rows)]
     used = sorted({0, *used})
     rows = [[row[i] for i in used] for row in table.rows]
@@ -326,7 +326,7 @@ def _largest(rows: DataFrame, name: str) -> float:
 
 
 def _progress(data: StudyData) -> Section:
-    """Orders that were used, and what they leave confounded; endings of trials."""
+    """The used orders with their confounded effects, and endings of trials."""
     section = Section("progress", "Orders and endings")
     if data.orders:
         section.say(f"By the design, {data.orders}. Trials of {len(data.ppids)} are used.")
@@ -401,8 +401,8 @@ def _outcome(data: StudyData, one: Compared) -> Section:
 
 
 def _no_interaction(one: Compared, factors: Sequence[ObservedFactor]) -> str:
-    """Why there is no table of the interaction of the first two factors; empty if there is one, and
-    of one factor."""
+    """Reason for a missing table of the interaction of the first two factors; empty with a table,
+    or with a single factor."""
     if len(factors) < 2 or (one.interactions and _has_interval(one)):
         return ""
     names = f"the interaction of {factors[0].name} and {factors[1].name}"
@@ -475,7 +475,7 @@ def _means(one: Compared, means: Sequence[Mean], caption: str) -> Table:
 
 def _pairs(one: Compared) -> Table:
     tested = one.role == CONFIRMATORY
-    # Of a few people, nothing but their difference is shown.
+    # For a few people, only their difference is shown.
     known = any(pair.estimate.is_known for pair in one.pairs)
     rows, note = [], ""
     for pair in one.pairs:
@@ -535,7 +535,7 @@ def _order(found: Results) -> Section:
         return section
     used = data.used.assign(value=trial_numbers(data, one.what))
     used["value"] = used["value"].where(np.isfinite(used["value"]))
-    # Without the differences between conditions, so that practice is not what they are.
+    # Without the differences between conditions, which are thus not taken as practice.
     used["value"] -= used.groupby("cell")["value"].transform("mean") - used["value"].mean()
     lines = [
         (mine["position"].to_numpy(float), mine["value"].to_numpy(float))
@@ -558,8 +558,8 @@ def _order(found: Results) -> Section:
 
 
 def _carried_over(data: StudyData, one: Compared) -> Table | None:
-    """The differences of an outcome between pairs of levels by which level people met first; None
-    where everybody met the levels in one order."""
+    """The differences of an outcome between pairs of levels, by the level that people met first;
+    None if all people met the levels in one order."""
     rows = []
     for pair in one.pairs:
         factor = next(f for f in one.values.factors if f.name == pair.factor)
@@ -770,7 +770,7 @@ def _methods(found: Results, in_r: Sequence[dict[str, str]]) -> Section:
 
 
 def _in_r(found: Results, rows: Sequence[dict[str, str]]) -> Table:
-    """What `analysis.R` found beside what this page found."""
+    """Results of `analysis.R` next to those of this page."""
     cells = []
     for row in rows:
         one = found.of(row.get("outcome", ""))

@@ -1,8 +1,8 @@
 """Plots as SVG with the colours (light or dark) and the font of the page.
 
 matplotlib draws with placeholder colours, which are replaced in the SVG by variables of the page's
-style sheet. Levels also differ in the shape of their markers, for readers who cannot tell colours
-apart.
+style sheet. Levels also differ in the shape of their markers, for readers who cannot distinguish
+colours.
 """
 
 from __future__ import annotations
@@ -106,7 +106,7 @@ def svg_of(figure: Any, name: str, title: str) -> str:
     Args:
         figure: Figure of matplotlib.
         name: Prefix of all ids, so that those of two pictures differ.
-        title: Text for readers who cannot see it.
+        title: Text for blind readers.
     """
     from html import escape
 

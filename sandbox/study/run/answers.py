@@ -38,7 +38,7 @@ class Draft:
     Attributes:
         answers: Answers so far, by item, also from before an interruption.
         write: Function that stores an answer of an item at once.
-        step: Id of the step, since the same form may be asked more than once.
+        step: Id of the step, since the same form may occur more than once.
     """
 
     answers: Answers = field(default_factory=dict)
@@ -73,7 +73,7 @@ def _range(item: Item, low: str, high: str, language: str = "") -> str:
     Args:
         item: The question.
         low, high: Its ends, as they are shown.
-        language: Language of the words; English where `RANGES` lacks it.
+        language: Language of the words; English if it is missing in `RANGES`.
     """
     ends, step = RANGES.get(base(language), RANGES["en"])
     text = ends.format(low=low, high=high)
@@ -143,7 +143,7 @@ def chosen(text: str, options: Sequence[str]) -> int | None:
 
 
 def choice_of(options: Sequence[str]) -> str:
-    """Words that say how one of some options is typed, such as `1 yes, 2 no`."""
+    """Instructions for typing an option, such as `1 yes, 2 no`."""
     return ", ".join(_numbered(options))
 
 
@@ -189,7 +189,7 @@ def check_answer(item: Item, value: object) -> Any:
 
 
 def still_allowed(items: Sequence[Item], answers: Mapping[str, Any]) -> dict[str, Any]:
-    """Those of some stored answers that a form still allows: its design may have changed since."""
+    """The stored answers that a form still allows, since its design may have changed."""
     kept = {}
     for item in items:
         with suppress(StudyError):

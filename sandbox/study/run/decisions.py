@@ -1,9 +1,9 @@
 """Decisions about participants, taken after their sessions: each is a note in the person's folder.
 
 Exclusions, releases and remarks can be undone, and delete nothing. An accepted loss is final: the
-record of a session that has lost lines goes on as it is. Whole recordings without a record become
-trials where they fit the plan, and are set aside elsewhere; answers that were lost are asked for
-again. The tables of before, which may have such answers, stay in `tables/before-DATE`.
+record of a session that has lost lines is continued without them. Whole recordings without a record
+become trials if they fit the plan, and are set aside otherwise. Lost answers are requested again.
+The earlier tables, which may have such answers, remain in `tables/before-DATE`.
 """
 
 from __future__ import annotations
@@ -53,7 +53,7 @@ def decide(
         trial: Number of the trial; None for the participant.
 
     Returns:
-        What became of a number that was freed; empty if none was.
+        A sentence on the participant's freed number; empty if no number was freed.
 
     Raises:
         StudyError: There is no such participant or trial, or the note cannot be written.
@@ -90,9 +90,9 @@ class Found:
 
     Attributes:
         file: The recording, without `.gz`.
-        trial: The trial of the plan that it is of; None if it cannot be taken in.
-        result: Its result; None if it cannot be taken in.
-        why_not: Why it cannot be taken in; empty if it can.
+        trial: Its trial in the plan; None if it cannot be added.
+        result: Its result; None if it cannot be added.
+        why_not: Reason why it cannot be added; empty if it can be added.
     """
 
     file: str
@@ -110,7 +110,7 @@ class Loss:
         records: Number of lines that were sealed, or stand in the record behind a damaged line or
             are that line, and that the record has not without them.
         damaged: Number of the first damaged line, from 1; None if none is.
-        unlike: True if sealed lines are other ones now.
+        unlike: True if sealed lines have changed.
         found: Whole recordings without a record.
     """
 
@@ -123,7 +123,7 @@ class Loss:
 
 
 def losses(study: StudyFolder) -> Iterator[Loss]:
-    """Losses of the sessions of a study that have lost something, or whose record is damaged.
+    """Losses of the sessions of a study that have lost data, or whose record is damaged.
 
     Raises:
         StudyError: Notes are damaged, or a record cannot be read.
@@ -145,7 +145,7 @@ def losses(study: StudyFolder) -> Iterator[Loss]:
 
 
 def unsealed(study: StudyFolder) -> list[str]:
-    """Sessions that have ended and that nobody has sealed, as where notes were not copied.
+    """Ended sessions without a seal, as in a copy without notes.
 
     Raises:
         StudyError: A record is damaged.
@@ -160,7 +160,7 @@ def unsealed(study: StudyFolder) -> list[str]:
 
 
 def accept_loss(study: StudyFolder, loss: Loss, reason: str, say: Say) -> None:
-    """Accepts what a session has lost, takes in what fits, and builds the tables again.
+    """Accepts the losses of a session, adds fitting recordings, and builds the tables again.
 
     Raises:
         StudyError: The session is open, or cannot be written.
@@ -186,7 +186,7 @@ def accept_loss(study: StudyFolder, loss: Loss, reason: str, say: Say) -> None:
 def _found(
     person: Participant, session: int, plan: list[TrialStep], state: SessionState, path: Path
 ) -> Found:
-    """A recording, with the trial that it is of if it fits the plan and nothing counts yet."""
+    """A recording, with its trial if it fits the plan and no attempt at the trial counts yet."""
     file = f"{TRIALS}/{path.name}"
     result = finished_result(path)
     if result is None:

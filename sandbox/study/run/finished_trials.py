@@ -15,7 +15,7 @@ def bring_up_to_date(
 ) -> None:
     """Compresses the recordings of a session, seals its journal, and makes the study's tables.
 
-    What cannot be written is said, and written when the session is opened again.
+    Files that cannot be written are reported, and are written when the session is opened again.
 
     Args:
         session: The session.

@@ -27,12 +27,12 @@ experimenter; an exception that it raises ends the form."""
 
 @dataclass(frozen=True)
 class NewTask:
-    """What a participant reads before a new task, and where practice of a task ends.
+    """Text for a participant before a new task, and at the end of a task's practice.
 
     Attributes:
         number: Number of the next trial among those of the session, from 1.
         count: Number of trials of the session.
-        title, goal: Name of the task, and what to do; empty if the design does not show it.
+        title, goal: Name of the task, and its goal; empty if the design does not show it.
         practice: True if the next trial is practice.
         picture: Data URL of a picture of it; empty without one.
     """
@@ -57,7 +57,7 @@ class Forms(Protocol):
         ...
 
     def introduce(self, task: NewTask, poll: Poll) -> None:
-        """Shows what comes next and what to do until the participant has read it."""
+        """Shows the next task and its goal until the participant has read them."""
         ...
 
     def ask(self, form: Form, language: str, poll: Poll, draft: Draft) -> Answers:

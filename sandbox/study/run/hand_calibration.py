@@ -16,7 +16,7 @@ from sandbox.study.run.forms import Forms, Poll
 from sandbox.words.words import words_in
 
 TRIES = 2
-"""Number of frames read for every wanted frame, since half of them may not show an open hand."""
+"""Number of frames read for every required frame, since half may not show an open hand."""
 AGAIN = "`{}` resumes the session at this step"
 
 

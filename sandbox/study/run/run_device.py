@@ -68,7 +68,7 @@ def person_devices(
                 assert camera is not None
                 return cast(Device, camera.of_trial())
             if in_air is not None:
-                # The design decides: this trial uses a Leap, and starts with the scene, not with a
+                # By the design, this trial uses a Leap, and starts with the scene, not with a
                 # touch of the page.
                 return cast(Device, open_leap(leap))
             if page is not None and name == "web":

@@ -54,7 +54,7 @@ class SessionOutcome(StrEnum):
 
 
 SCREENS = Step("screens")
-"""What the experimenter does before a step, which can be skipped as one."""
+"""A task of the experimenter before a step, which can be skipped like a step."""
 
 
 class _StepLeft(Exception):  # noqa: N818 - not an error, but a signal that ends a form
@@ -114,7 +114,7 @@ class SessionRunner:
         try:
             return self._run_steps()
         except StudyError:
-            # What is missing is made when the session is opened again.
+            # Missing files are made when the session is opened again.
             disk_is_writable = False
             raise
         finally:
@@ -277,7 +277,7 @@ class SessionRunner:
         )
 
     def _introduce(self, task: str, practice: bool) -> None:
-        """Shows what to do, if the last trial had another task or was practice for this one."""
+        """Shows the goal if the last trial had another task or was practice for this task."""
         if (task, practice) == self._introduced:
             return
         session = self.session
@@ -331,7 +331,7 @@ class SessionRunner:
             return
         session.finish(trial, played.result)
         self._last = trial
-        # With this hash, written down, a record that is cut here or before is told from this one.
+        # With this hash on paper, a record that was cut here or before is detected.
         self.say(f"  {_trial_summary(played.result)}; hash {session.journal.head[:12]}")
         file = session.state.attempts[trial.number][-1].start["file"]
         # The participant goes on; the frames are written meanwhile.
@@ -345,11 +345,11 @@ class SessionRunner:
             self.say(str(error))
 
     def _announce(self, step: Step) -> None:
-        """Says which step begins."""
+        """Prints the step that begins."""
         self.say(f"{self.session.person.ppid}  {_called(step)}")
 
     def _say_left(self, step: Step, why: str = "") -> None:
-        """Says what became of a step that was left, and why if it was not the experimenter."""
+        """Prints the state of a step that was left, and the reason if it was not a command."""
         done = {"s": "skipped", "q": "left"}.get(self._leave_key, "begins again")
         self.say(f"  {_called(step)}: {done}" + (f", as {why}" if why else ""))
 

@@ -1,4 +1,4 @@
-"""The sheet of a session: everything that a participant will meet, in order.
+"""The sheet of a session: all texts, questions and trials for a participant, in order.
 
 The steps are those of `session_plan`, and the texts are those that forms get from the session. Its
 lines are text, its page is one HTML file without scripts.
@@ -51,9 +51,9 @@ class SheetPart:
 
     Attributes:
         steps: Ids of its steps; several for trials of one condition that follow each other.
-        heading: What it is, for the experimenter.
-        texts: What the participant reads, in their language.
-        questions: What the participant is asked, each in one line.
+        heading: Heading for the experimenter.
+        texts: Texts for the participant, in their language.
+        questions: Questions for the participant, each in one line.
     """
 
     steps: tuple[str, ...]
@@ -64,7 +64,7 @@ class SheetPart:
 
 @dataclass(frozen=True)
 class SessionSheet:
-    """Everything that a participant will meet in a session.
+    """All texts, questions and trials of a session for a participant.
 
     Attributes:
         title: Study, participant, session, language and duration.
@@ -205,7 +205,7 @@ def _trials(trials: list[TrialStep]) -> str:
 
 
 def _trial_texts(design: Design, language: str, trial: TrialStep) -> list[str]:
-    """What the page shows of a trial's task."""
+    """Texts of a trial's task on the page."""
     key = run_settings(trial.values, trial.seed).task
     words = words_in(language, design.page.words.get(language))
     return [text for text in texts_by_design(design.page, key, language, words) if text]

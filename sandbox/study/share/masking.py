@@ -1,8 +1,8 @@
-"""Records, notes, recordings and frames of a participant, as others get them.
+"""Masked records, notes, recordings and frames of a participant, for other people.
 
-Each passes only the fields that are declared to be shared, where they are declared: of records and
-notes in `sandbox.study.record`, of recordings in `sandbox.recording` and `sandbox.trial`, of frames
-beside them. A field of a later version is left out until its declaration says otherwise.
+Only fields that are declared as shared are included. Fields of records and notes are declared in
+`sandbox.study.record`, fields of recordings in `sandbox.recording` and `sandbox.trial`, and fields
+of frames with the frames. A field of a later version is left out unless it is declared as shared.
 """
 
 from __future__ import annotations
@@ -42,7 +42,7 @@ WITHHELD = "(words are left out)"
 HAND_SIZE = "hand_size"
 """Field with the length of a hand relative to the trained one."""
 COPY = "anonymous copy"
-"""In the place of the id of the machine's start."""
+"""Replacement of the id of the machine's start."""
 
 _WITHIN: dict[str, tuple[str, ...]] = {
     "build": SHARED_BUILD,
@@ -53,8 +53,8 @@ _WITHIN: dict[str, tuple[str, ...]] = {
 }
 """Shared fields of objects in records, notes and recordings, by their name."""
 _USER_OPTIONS = ("user", "drop_outs")
-"""Options of devices that are about a simulated user; addresses of a laboratory's devices are
-nobody else's."""
+"""Options of devices that are about a simulated user. Other options, such as addresses of a
+laboratory's devices, are private."""
 HEADER, DUMP, BROKEN_OFF = "header", "dump", "broken_off"
 """Kind of a recording's first line; fields with the file of a divergence, and with words on an
 attempt that was broken off."""
@@ -73,7 +73,7 @@ class PersonMasking:
         answer: Function of form, item and answer that returns the kept part of the answer, or
             None to leave it out.
         words: True keeps texts typed by the experimenter.
-        hand_size: Returns the size of the hand that the copy tells.
+        hand_size: Returns the size of the hand in the copy.
     """
 
     ppid: str
@@ -99,16 +99,16 @@ def shared_note(note: Record, masking: PersonMasking) -> Record:
 
 
 def time_after(seconds: float) -> str:
-    """Time of the wall clock so long after the start of a session, s, as others get it."""
+    """Masked time of the wall clock at a time after a session's start, s."""
     return (EPOCH + timedelta(seconds=seconds)).isoformat(timespec="milliseconds")
 
 
 def _masked_record(record: Record, seconds: float, masking: PersonMasking) -> Record:
-    """Masks a record that was written so long after the session's start, s."""
+    """Masks a record that was written at a time after the session's start, s."""
     kind = record["kind"]
     names = shared_fields(forms()[kind]) if kind in forms() else {}
     if names.keys() <= {"n"} or record.get("command", "note") not in COMMANDS:
-        # Drafts of forms, and whatever a later version adds.
+        # Drafts of forms, and kinds that a later version adds.
         kind, names, record = COMMAND, {}, {"n": record["n"], "command": LEFT_OUT}
     masked: Record = {
         "n": record["n"],
@@ -147,7 +147,7 @@ def _shared(record: Record, names: Mapping[str, bool], masking: PersonMasking) -
 
 
 def _within(name: str, value: Any) -> Any:
-    """A field without what is not shared within it."""
+    """A field without its parts that are not shared."""
     if name not in ("settings", *_WITHIN):
         return value
     if not isinstance(value, Mapping):
@@ -161,7 +161,7 @@ def _within(name: str, value: Any) -> Any:
         return value
     value = {k: _within(k, v) for k, v in value.items() if k in _WITHIN[name]}
     if isinstance(value.get(DUMP), str):
-        # Its folders need not look like a path's: that of a study may be `studies/NAME/...`.
+        # A folder need not begin like a path: that of a study may be `studies/NAME/...`.
         value[DUMP] = PureWindowsPath(value[DUMP]).name
     return value
 

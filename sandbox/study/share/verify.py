@@ -1,4 +1,4 @@
-"""Verifies that a study's data are as they were written: nine points, each with what is wrong.
+"""Verifies that a study's data are as they were written: nine points, each with its findings.
 
 Nothing is repaired or written. What a killed program leaves (a half-written last line, an attempt
 without an end, a recording without one) is not wrong; it is counted or noted.
@@ -62,7 +62,7 @@ POINTS = (FOLDERS, CHAINS, SEALS, RECORDINGS, STATES, FRAMES, TABLES, PLANS, GON
 
 @dataclass(frozen=True)
 class Finding:
-    """Something that is not as it was written.
+    """A difference from the data as they were written.
 
     Attributes:
         path: The file or folder, relative to the folder of the study.
@@ -85,9 +85,9 @@ class Verified:
 
     Attributes:
         root: Folder of the study.
-        found: What is wrong, by point.
-        compared: What was compared, in words, by point.
-        notes: Lines about what is as it may be, such as attempts that were broken off.
+        found: Findings by point.
+        compared: The comparisons, in words, by point.
+        notes: Lines about normal states, such as attempts that were broken off.
     """
 
     root: Path
@@ -105,7 +105,7 @@ class Verified:
         self.found[point].append(Finding(self.name(path), what, line))
 
     def note(self, path: Path, what: str) -> None:
-        """Adds a line about what is as it may be."""
+        """Adds a line about a normal state."""
         self.notes.append(f"{self.name(path)}: {what}")
 
     def name(self, path: Path) -> str:
@@ -113,7 +113,7 @@ class Verified:
         return path.relative_to(self.root).as_posix()
 
     def lines(self) -> Iterator[str]:
-        """A line for each point: whether it is right, and what was compared."""
+        """A line for each point, with the result and the comparisons."""
         for point in POINTS:
             wrong, compared = len(self.found[point]), self.compared.get(point, "")
             if wrong:
@@ -132,7 +132,7 @@ class _Read:
 
     Attributes:
         path: Its file.
-        person: Whose it is; None if nobody's notes are there.
+        person: The participant; None without notes about a participant.
         number: Number of the session.
         records: The records.
         sound: True if nothing was wrong.
@@ -297,7 +297,7 @@ def _is_right(done: Verified, path: Path, digest: str | None) -> bool:
 
 
 def _check_replays(done: Verified, finished: Sequence[Path]) -> None:
-    """Replays attempts, and compares states and frames with what was written."""
+    """Replays attempts, and compares states and frames with the written ones."""
     others: Counter[str] = Counter()
     played, frames = 0, 0
     for path in finished:
@@ -332,7 +332,7 @@ def verified(verification: Verification) -> bool:
 
 
 def _differs(verification: Verification) -> str:
-    """What a replay has found, in words."""
+    """Findings of a replay, in words."""
     if verification.exact:
         return "incomplete: its states are equal, up to where it breaks off"
     why = (verification.task_change, *verification.differs_in)

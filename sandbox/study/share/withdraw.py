@@ -1,7 +1,7 @@
 """Withdrawal: deletes all data of a participant, and leaves a note with the pseudonym and the date.
 
-The note tells data in a restored backup, or in a copy of another site, as withdrawn. It is written
-first, so that a withdrawal that was cut short is completed by another call.
+The note marks data in a restored backup, or in a copy of another site, as withdrawn. It is written
+first, so that another call completes an interrupted withdrawal.
 """
 
 from __future__ import annotations
@@ -43,8 +43,8 @@ class Withdrawal:
         copies: Exports that contain the data.
         still: Files in the study folder that still contain the pseudonym, or may contain it
             because they are damaged, and pages of reports, which have the participant in them.
-        unmade: Why the tables could not be made anew, such as another person's damaged record;
-            empty if they were. The participant is in none of them.
+        unmade: Reason why the tables could not be made again, such as another person's damaged
+            record; empty if they were made. The participant is in none of them.
     """
 
     files: int

@@ -45,7 +45,7 @@ NUMBERS = ("hand_size", "score", "score_low", "score_high")
 ITEM_TYPES = {"text": "text", "choice": "factor", "scale": "number", "number": "number"}
 """Type of the answers to an item, by its kind."""
 TOLD = {"paraphrase": "a paraphrase", "translation": "a translation that nobody has validated"}
-"""Wordings that readers have to know of, in their words."""
+"""Descriptions of wordings that matter to readers."""
 
 
 def columns_by_table(

@@ -30,13 +30,13 @@ UXF_NAMES = {
 }
 """Names of columns in UXF (Unity Experiment Framework), by ours."""
 ORDERS = "orders of the design"
-"""Row of the codebook that says how many participants a full cycle of orders takes."""
+"""Row of the codebook with the number of participants in a full cycle of orders."""
 WORDING = "wording of "
-"""Begin of the rows of the codebook about questionnaires that have not the published wording."""
+"""Prefix of the codebook's rows about questionnaires without the published wording."""
 PRIMARY = "primary"
 """Role of a confirmatory outcome in the codebook."""
 STUDY = "study"
-"""In the place of a table's name: rows of the codebook that are about the study."""
+"""Replacement of a table's name in the codebook's rows about the study."""
 EXPERIMENT, TITLE, MODE, CONDITIONS = "experiment", "title", "mode", "conditions"
 WITHDRAWALS, CHANGE = "withdrawals", "change "
 """Such rows: its name, its title, its kind of data, all combinations of levels, how many people

@@ -1,4 +1,4 @@
-"""Reads which digits, objects and table push each object in a simulation, for the frames.
+"""Finds the digits and objects that push each object in a simulation, or the table, for frames.
 
 Contact sensors, which tasks use as well, give the force between an object and the table or another
 object. For a hand they give only the net force of all digits, so the forces of single digits are
@@ -30,13 +30,13 @@ LETTERS = (str.lower, str.upper)
 
 @dataclass(frozen=True)
 class ObjectPushes:
-    """Digits and other things that push one object at one moment.
+    """Digits and other bodies that push one object at one moment.
 
     Attributes:
         digits: First letters of the digits that push it, thumb first, and `p` for the palm; capital
             letters for a second hand.
         grip: Sum of the normal forces of all hands on it, N.
-        by: Other things that push it: the table, names of objects.
+        by: Other bodies that push it: the table, names of objects.
         on: Those of `by` that bear it, with an upward force of most of its weight.
     """
 
@@ -65,7 +65,7 @@ class ContactSample(NamedTuple):
 
 
 class ContactReader:
-    """Reads which digits and other things push each object of a simulation.
+    """Finds the digits and other bodies that push each object of a simulation.
 
     Args:
         scene: Scene with elliptic friction cones, as all scenes of this program have.
@@ -103,7 +103,7 @@ class ContactReader:
             for name in scene.object_bodies
             for hand in hands
         ]
-        # By object: name, address of the sensor, and sign of the force, for every other thing that
+        # By object: name, address of the sensor, and sign of the force, for every other body that
         # may push it.
         self._others: dict[str, list[tuple[str, int, float]]] = {n: [] for n in scene.object_bodies}
         names = list(scene.object_bodies)
@@ -133,7 +133,7 @@ class ContactReader:
         return ContactSample(sensors, contact.geom.copy(), contact.efc_address.copy(), forces)
 
     def pushes(self, contacts: ContactSample) -> Mapping[str, ObjectPushes]:
-        """Returns what pushes each object, by the object's name."""
+        """Returns the contacts that push each object, by the object's name."""
         digits: dict[str, dict[str, float]] = {name: {} for name in self._weight}
         if contacts.geoms is not None:
             assert contacts.addresses is not None and contacts.forces is not None

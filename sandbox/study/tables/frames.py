@@ -39,7 +39,7 @@ if TYPE_CHECKING:
     from tasks.task import Goal
 
 SAME_MACHINE = "the program or the recording's settings (MuJoCo, architecture and libm are equal)"
-"""What differs if states differ where equal states are promised."""
+"""Name of the difference if states differ although equal states are promised."""
 
 FRAMES = (
     Column("time_s", "s", "simulated time since the trial's start"),
@@ -104,7 +104,7 @@ _PARTS = {
     "OBJECT_*": tuple(f"OBJECT_{part}" for part in (*"xyz", "qw", "qx", "qy", "qz")),
     "OBJECT_goal_*": tuple(f"OBJECT_goal_{part}" for part in "xyz"),
 }
-"""Columns that a column of `FRAMES` stands for, where it stands for several."""
+"""Columns of a column of `FRAMES` that means several columns."""
 
 
 def declared_columns(names: Collection[str]) -> list[str]:
@@ -236,7 +236,7 @@ class FrameTable:
         }
 
     def _pushes(self) -> dict[str, Any]:
-        """Columns of what pushes each object; the cells are empty if it is unknown."""
+        """Columns of the pushes on each object; the cells are empty if they are unknown."""
         columns: dict[str, Any] = {}
         names = self._snapshots[0].objects if self._snapshots else ()
         rows: list[Mapping[str, ObjectPushes] | None] = [None] * len(self._snapshots)
@@ -341,14 +341,14 @@ def read_frames(recording: Path) -> TrialArrays | None:
 def make_frames(recording: Path) -> str:
     """Writes the frames of a trial by replaying its recording.
 
-    Where the replay does not give the recorded states, they are made of the recorded poses, and
-    what pushes the objects is unknown; where it cannot begin, there are none.
+    If the replay does not give the recorded states, the frames are made from the recorded poses,
+    without the pushes on objects. If it cannot begin, there are no frames.
 
     Args:
         recording: Recording of a finished trial.
 
     Returns:
-        What differs here, if the replayed states are not the recorded ones; empty if they are.
+        Differences of this machine, if the replayed states are not the recorded ones; else empty.
 
     Raises:
         StudyError: The file cannot be written.
@@ -356,7 +356,7 @@ def make_frames(recording: Path) -> str:
     try:
         verification, table = _replayed(recording)
     except RecordingError as error:
-        # Not where it lies: names of folders may be names of people, and tables are shared.
+        # Without its folders: their names may be names of people, and tables are shared.
         return error.what if error.got is None else f"{error.what} (got {error.got})"
     differs = ""
     if not (verification.exact and verification.complete):
@@ -376,7 +376,7 @@ def frames_again(recording: Path) -> tuple[Verification, bytes | None]:
         recording: Recording of a finished trial.
 
     Returns:
-        How the states compare, and the file of the frames; None where the states are others.
+        The comparison of the states, and the file of the frames; None if the states differ.
 
     Raises:
         RecordingError: The recording cannot be replayed.

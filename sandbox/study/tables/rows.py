@@ -1,4 +1,4 @@
-"""Rows of the tables beside that of the trials: participants, answers, scores and events."""
+"""Rows of the tables of participants, answers, scores and events."""
 
 from __future__ import annotations
 
@@ -101,7 +101,7 @@ def participant_row(
     ended = sum(state.complete for state in states)  # any order: whole numbers
     between = [factor.name for factor in design.factors if factor.order == "between"]
     return {
-        # What the program knows is not for a question to change.
+        # A question must not change the program's own values.
         **(asked[-1] if asked else {}),
         **{k: cell for k, cell in session_cells(states[0]).items() if k != "session"},
         **{name: start[name] for name in ("hand", "hand_size", "language")},
@@ -219,7 +219,7 @@ def answer_rows(session: StoredSession, designs: Callable[[str], Design]) -> lis
 
 
 def _seconds(session: StoredSession) -> dict[tuple[str, str], float]:
-    """Time that every answer took, s, by step and item, as far as it is known."""
+    """Time (s) for every answer, by step and item, as far as it is known."""
     of = session.state.seconds.of
     opened = {
         record["step"]: of[record["n"]] - record["seconds"]
@@ -230,7 +230,7 @@ def _seconds(session: StoredSession) -> dict[tuple[str, str], float]:
     seconds: dict[tuple[str, str], float] = {}
     for record in session.records:
         if record["kind"] in kinds.RUNS:
-            # Nobody answered while the program did not run.
+            # No question was answered while the program did not run.
             before = {}
         if record["kind"] != kinds.ANSWER or record["n"] not in of:
             continue
@@ -246,7 +246,7 @@ def _seconds(session: StoredSession) -> dict[tuple[str, str], float]:
 def score_rows(states: Sequence[SessionState], designs: Callable[[str], Design]) -> list[Row]:
     """Rows of `scores.csv`; forms without scales have none.
 
-    Answers are scored by the form as it was asked: a later design may ask, and score, otherwise.
+    Answers are scored by the form that was shown, since a later design may have another form.
 
     Args:
         states: States of a participant's sessions, over which places are counted.
@@ -315,7 +315,7 @@ KINDS = {
     RELEASE: "the number of the participant was freed for a newcomer",
     REMARK: "a remark that was written after the session",
 }
-"""Events that have a row, and what they mean."""
+"""Events that have a row, with their meanings."""
 EVENT = (
     *SESSION,
     Column("time_s", "s", "time from the start of the session (monotonic clock)"),
@@ -331,7 +331,7 @@ def event_rows(session: StoredSession) -> list[Row]:
     """Rows of `events.csv` for a session."""
     state = session.state
     records = [(event_of(record), record) for record in session.records]
-    # What is about the person, and no session, is in the rows of the first one.
+    # Notes about the person, and no session, are in the rows of the first session.
     mine = (None, session.number) if session.number == 1 else (session.number,)
     notes = [n for n in session.notes if n["kind"] in DECISIONS and n.get("session") in mine]
     return [

@@ -1,8 +1,8 @@
 """Derives the tables of a study from the records and frames of its sessions: `tables/*.csv`.
 
-Everything in them follows from the records, so that they may be deleted and made again at any time.
-Each is written as a whole and atomically. A session ends with them, a report begins with them, and
-`sandbox study tables` makes them.
+All their values follow from the records, so they may be deleted and made again at any time. Each
+table is written as a whole and atomically. They are made at the end of a session, before a report,
+and by `sandbox study tables`.
 """
 
 from __future__ import annotations
@@ -76,10 +76,10 @@ def make_tables(
 
     Args:
         study: The study.
-        say: Called with a line for everything that cannot be made.
+        say: Called with a line for every file that cannot be made.
         mine: Folder of a session that this program has open.
         uxf_names: True names columns as UXF does; see `UXF_NAMES`.
-        compare: True says which tables were other than the records say, as after a change by hand.
+        compare: True reports tables that differ from the records, as after a change by hand.
 
     Returns:
         Numbers of participants, of counted trials, and of excluded ones among these.
@@ -89,7 +89,7 @@ def make_tables(
     """
     folder = study.path / TABLES
     make_folder(folder)
-    # Of two programs, the one that reads last writes last.
+    # With two programs, the program that reads last also writes last.
     with locked(folder / ".lock", wait=True):
         remove_unfinished(folder)
         people = _people(study)
@@ -159,7 +159,7 @@ def keep_tables(study: StudyFolder) -> Path:
 
 
 def _people(study: StudyFolder) -> list[tuple[Participant, list[StoredSession]]]:
-    """Everybody who has begun, by site and number; a number is given again after a release."""
+    """All people who have begun, by site and number; a released number is assigned again."""
     return sorted(all_sessions(study), key=lambda x: (x[0].site, x[0].number, x[0].ppid))
 
 
@@ -243,7 +243,7 @@ def _files(
 
 
 def _facts(study: StudyFolder) -> dict[str, str]:
-    """What a report must know of a study that is in no row of a table."""
+    """Facts about a study for its report that are in no row of a table."""
     return {
         EXPERIMENT: study.design.name,
         **({TITLE: study.design.title} if study.design.title else {}),

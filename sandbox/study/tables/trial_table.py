@@ -116,7 +116,7 @@ FILES = (
 PERSON = "participant: "
 """Prefix of the reason if all trials of a participant are excluded."""
 MOVED = "moved"
-"""Key of a row for the amplitude and error of a movement, of which the throughput comes."""
+"""Key of a row for the amplitude and error of a movement, which determine the throughput."""
 FILE_NAMES = tuple(column.name for column in FILES)
 PLACE, ORDER = "place_", "order_"
 """Prefixes of the names of columns with places of levels, and with their orders."""
@@ -292,7 +292,7 @@ def _trial_row(
         "trial": trial,
         "block": start["block"],
         "trial_in_block": start["in_block"],
-        # Of an attempt whose records were lost nobody knows when it was.
+        # The time of an attempt whose records were lost is unknown.
         "started_s": None if "taken_in" in start else state.seconds[start["n"]],
         "ended_s": None if "taken_in" in start else _end_time(state, start, end),
         "hand": session["hand"],
@@ -381,7 +381,7 @@ def exclude_person(design: Design, states: Sequence[SessionState], rows: Sequenc
 
 
 def excluded_person(design: Design, states: Sequence[SessionState], rows: Sequence[Row]) -> str:
-    """Reason why a participant is excluded, after `exclude_person`; empty for one who is not.
+    """Reason why a participant is excluded, after `exclude_person`; empty without an exclusion.
 
     An experimenter may begin the reason for a single trial with `participant: `, too: only a rule
     of the design that marks all trials is a rule on participants.

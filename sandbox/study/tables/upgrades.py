@@ -1,4 +1,4 @@
-"""What a study's notes say of changes by `--force-upgrade` after somebody had taken part."""
+"""Sentences on changes by `--force-upgrade` after the first participation, from a study's notes."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from sandbox.study.record.notes import ANONYMISED, UPGRADE
 
 
 def upgrades_of(study: StudyFolder) -> tuple[str, ...]:
-    """Returns sentences on every change that was forced after somebody had taken part."""
+    """Returns sentences on every change that was forced after the first participation."""
     notes = study.records()
     if any(note["kind"] == ANONYMISED for note in notes):
         return tuple(_of_anonymous_copy(study))
@@ -45,7 +45,7 @@ def _design(study: StudyFolder, digest: str) -> Design | None:
 
 
 def _differences(before: Design | None, after: Design | None) -> str:
-    """What a reader of the results must know of two designs, in sentences after a space."""
+    """Differences of two designs that matter to a reader of results, in sentences after a space."""
     known = _meanings(before, after) if before and after else ()
     return "".join(f" {sentence}." for sentence in known)
 
