@@ -99,7 +99,7 @@ def check_frames(
         whole: They begin with the device's first frame, so that no finger was down before.
 
     Raises:
-        DeviceError: A frame breaks a rule; the message says which.
+        DeviceError: A frame breaks a rule, which the message names.
     """
     last = None
     present: frozenset[int] | None = frozenset() if whole else None
@@ -163,7 +163,7 @@ def _check_cancelled(
     Args:
         frame: The frame.
         ids: Ids of its contacts.
-        present: Ids of the contacts of the frame before it; None if they are not known.
+        present: Ids of the contacts of the previous frame; None if they are unknown.
         where: The frame, for messages.
 
     Raises:
@@ -203,7 +203,7 @@ def _check_ids(frames: Sequence[Frame], where: str) -> None:
 
 
 def _check_words(device: AnyDevice, where: str) -> None:
-    """Checks that the device has a name and says whether it has finished.
+    """Checks that the device has a name and reports whether it has finished.
 
     Raises:
         DeviceError: It has no name, or `finished` is neither true nor false.
@@ -247,7 +247,7 @@ def _check_closed(device: AnyDevice, where: str, surface: Surface) -> None:
     """Checks a device that was closed: it may be closed again, is empty, and has finished.
 
     Raises:
-        DeviceError: It fails, still has frames, or does not say that it has finished.
+        DeviceError: It fails, still has frames, or does not report that it has finished.
     """
     _call(device.close, where, "the second close")
     check_frames(_poll(device, where, STEPS * PERIOD), surface, where, whole=False)
@@ -289,7 +289,7 @@ def _check_waits(device: AnyDevice, where: str) -> None:
 
 
 def _wait(device: AnyDevice, now: float) -> float:
-    """s that a poll waits: the time that it takes without that in which its thread computes."""
+    """Time (s) that a poll waits: its duration minus the computing time of its thread."""
     began, busy = time.perf_counter(), time.thread_time()
     device.poll(now)
     return (time.perf_counter() - began) - (time.thread_time() - busy)

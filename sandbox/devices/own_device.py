@@ -47,11 +47,11 @@ _FRAMES: dict[Sees, type[Any]] = {
     Sees.HEADSET: HandFrame,
     Sees.CAMERA: LandmarkFrame,
 }
-"""What a device sees -> class of its frames."""
+"""Kind of input of a device -> class of its frames."""
 
 
 def own_entry(text: str) -> tuple[DeviceEntry[PlayedOptions], str] | None:
-    """The entry of somebody's own device and its argument; None if the text does not name one.
+    """The entry of an external device and its argument; None if the text does not name one.
 
     Args:
         text: `NAME[:ARGUMENT]` of an installed package, `FILE.py:CLASS[:ARGUMENT]` or
@@ -89,7 +89,7 @@ def own_entry(text: str) -> tuple[DeviceEntry[PlayedOptions], str] | None:
 
 
 def _declared(entry: DeviceEntry[Any], where: str) -> DeviceEntry[PlayedOptions]:
-    """An entry that somebody declares: its options are decoded and its device is guarded.
+    """An entry declared outside the program: its options are decoded and its device is guarded.
 
     Raises:
         DeviceError: Its options are not a frozen dataclass with defaults.
@@ -197,7 +197,7 @@ def adapted(device: Any, where: str) -> AnyDevice:
 
 
 class GuardedDevice(DeviceWrapper):
-    """Converts whatever goes wrong in the `poll` of somebody's device to one clear error.
+    """Converts any exception in the `poll` of an external device to one clear error.
 
     What frames may hold, they check themselves when they are made (`models.frames`). Contacts in
     another unit than metres are refused here, since a session would show nothing, a size that no

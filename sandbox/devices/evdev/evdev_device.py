@@ -51,7 +51,7 @@ class Node(Protocol):
         y: Vertical axis of the panel.
         diameter: Axis of the contacts' diameters; None without one.
         matrix: How the panel lies on the surface.
-        warning: What the person has to know of it; empty if nothing.
+        warning: Warning for the person; empty without any.
     """
 
     name: str
@@ -111,12 +111,12 @@ class EvdevDevice(Device):
 
     @property
     def report(self) -> ReaderReport:
-        """Contacts and sizes that were left out, and what is to be known of the device."""
+        """Contacts and sizes that were left out, and notes on the device."""
         return self._touch.report
 
     @property
     def notices(self) -> Sequence[str]:
-        """What is to be known of the device."""
+        """Notes on the device."""
         return (self._node.warning,) if self._node.warning else ()
 
     @property
@@ -191,7 +191,7 @@ class LinuxNode:
         path: Path such as /dev/input/event5.
         grab: Keeps events from other programs while it is open, so that a trackpad does not move
             the pointer.
-        turned: Degrees clockwise by which the panel is turned; None as udev says.
+        turned: Degrees clockwise by which the panel is turned; None takes udev's value.
 
     Raises:
         DeviceError: It cannot be opened, or its touches cannot be read.

@@ -1,6 +1,6 @@
 """State machine that turns Linux multitouch events (protocol B) into contacts, without hardware.
 
-The kernel keeps a fixed number of slots. `ABS_MT_SLOT` says which slot the following values are
+The kernel keeps a fixed number of slots. `ABS_MT_SLOT` names the slot that the following values are
 for; a tracking id of -1 empties it, another one puts a new contact in; `SYN_REPORT` ends a frame.
 Only changes are sent, and a slot keeps its values when its finger leaves: if the next finger in it
 comes down at the same x, that x is not sent. Source: the kernel's document on multi-touch
@@ -21,7 +21,7 @@ EV_SYN, EV_ABS = 0x00, 0x03
 SYN_REPORT, SYN_DROPPED = 0, 3
 ABS_X, ABS_Y = 0x00, 0x01
 INPUT_PROP_DIRECT, INPUT_PROP_SEMI_MT = 0x01, 0x03
-"""Properties of screens, as opposed to trackpads, and of pads that see a box around the fingers."""
+"""Properties of screens, in contrast to trackpads, and of pads that report a box around fingers."""
 ABS_MT_SLOT = 0x2F
 ABS_MT_TOUCH_MAJOR = 0x30
 ABS_MT_TOUCH_MINOR = 0x31
@@ -117,7 +117,7 @@ def why_unusable(axes: Mapping[int, Axis]) -> str:
 
 
 def doubts(properties: Collection[int]) -> str:
-    """What is to be known of a device with these properties; empty if nothing is."""
+    """A note on a device with these properties; empty without any."""
     if INPUT_PROP_SEMI_MT in properties:
         return (
             "this device reports not its fingers but two corners of the box around them: "

@@ -59,7 +59,7 @@ class About(Struct):
     fov: float | None = None
 
     def person(self, asked: str | None) -> str:
-        """Pseudonym of the person: the one that is asked for, or else the recorded one."""
+        """Pseudonym of the person: the requested one, or else the recorded one."""
         return asked or self.subject or UNNAMED
 
 
@@ -148,7 +148,7 @@ class PairedCaptureWriter(Closeable):
         self.hands += 1
 
     def request(self, fingers: Sequence[int], host: float) -> None:
-        """Writes which fingers the guide asks for from `host` on, s.
+        """Writes the fingers that the guide requests from the time `host` (s) on.
 
         Raises:
             RecordingError: It cannot be written.
@@ -158,7 +158,7 @@ class PairedCaptureWriter(Closeable):
         self._asked.write({"host": host, "asked": list(fingers)})
 
     def describe(self, **more: Any) -> None:
-        """Adds to `about.json` what became known during the session; JSON values.
+        """Adds values found during the session to `about.json`; JSON values.
 
         Raises:
             RecordingError: It cannot be written.
@@ -187,7 +187,7 @@ class HandsFile:
     Attributes:
         frames: Frames in order.
         time: (n,) s, times on the device's clock.
-        host: (n,) s, arrival times; None if the file lacks them.
+        host: (n,) s, arrival times; None if they are missing in the file.
         damage: Error that ended the file early; empty if it is undamaged.
         report: What was left out, and what is assumed.
     """
@@ -221,7 +221,7 @@ def read_hands(path: Path, unit: str = "") -> HandsFile:
 
 
 def arrivals(path: Path, count: int) -> Array | None:
-    """(count,) s, arrival times of the frames in a file of touches; None if it lacks them."""
+    """(count,) s, arrival times of the frames in a file of touches; None if they are missing."""
     host: list[float] = []
     with suppress(RecordingError):
         for number, line in numbered_lines(path, LONGEST_LINE):
@@ -233,7 +233,7 @@ def arrivals(path: Path, count: int) -> Array | None:
 
 
 def picture_arrivals(path: Path, lines: Sequence[int]) -> Array | None:
-    """s, arrival times of the pictures in these lines of a file; None if it lacks them."""
+    """Arrival times (s) of the pictures in these lines of a file; None if they are missing."""
     host: dict[int, float] = {}
     wanted = set(lines)
     with suppress(RecordingError):
@@ -253,7 +253,7 @@ class RequestedFingers(Struct):
 
 
 def read_requests(folder: Path) -> tuple[RequestedFingers, ...]:
-    """Fingers that the guide asked for, in order; empty where it did not guide.
+    """Fingers that the guide requested, in order; empty without a guide.
 
     Raises:
         RecordingError: A line is damaged.
@@ -274,7 +274,7 @@ def read_requests(folder: Path) -> tuple[RequestedFingers, ...]:
 
 
 def first_line_with_host(path: Path) -> float | None:
-    """s, arrival time of the first frame in a file; None if the file is missing or lacks it."""
+    """Arrival time (s) of the first frame in a file; None if the file or the time is missing."""
     if not path.is_file():
         return None
     with suppress(RecordingError):

@@ -124,5 +124,5 @@ def first_line(path: Path) -> dict[str, object]:
 
 
 def guessed_surface() -> Surface:
-    """Returns the surface that is assumed when its size is not known."""
+    """Returns the surface that is assumed when its size is unknown."""
     return replace(parse_surface("ipad2"), calibrated=False)

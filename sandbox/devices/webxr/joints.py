@@ -30,20 +30,20 @@ FINGER_JOINTS = (
 with its metacarpal (CMC), a finger with its phalanx-proximal (MCP)."""
 _KNUCKLES = tuple(joints[0] for joints in FINGER_JOINTS[1:])
 _LEAST = 1e-6
-"""m, least length of anything that is a bone."""
+"""Least length (m) of a bone."""
 
 
 def quantities(seen: SeenJoints) -> dict[Bounds, float]:
-    """Size of the palm in the page's own unit; empty where it is not known."""
+    """Size of the palm in the page's own unit; empty if it is unknown."""
     known = [joint for joint in (seen.joints[0], seen.joints[_KNUCKLES[1]]) if joint is not None]
     numbers = [c for joint in known for c in joint if c is not None]
     return {PALM: dist(numbers[:3], numbers[3:])} if len(numbers) == 6 else {}
 
 
 def seen_hand(seen: SeenJoints, metre: float = 1.0) -> TrackedHand | None:
-    """The hand of 25 joints, with those fingers of which all joints are known.
+    """The hand of 25 joints, with the fingers whose joints are all known.
 
-    None without the wrist or one of the four knuckles: where the palm is cannot be told then.
+    None without the wrist or one of the four knuckles, since the palm is undetermined then.
 
     Args:
         seen: The joints.
@@ -70,7 +70,7 @@ def with_possible_fingers(hand: TrackedHand) -> TrackedHand:
 
 
 def _place(joint: Sequence[float | None] | None, metre: float = 1.0) -> Vector | None:
-    """Place of a joint in m; None if the headset does not know it, or if no hand can be there."""
+    """Place of a joint in m; None if the headset does not report it, or if no hand can be there."""
     x, y, z = joint or (None, None, None)
     if x is None or y is None or z is None:
         return None

@@ -32,7 +32,7 @@ dropped."""
 
 
 _PALM = 0.1
-"""m, about the size of a palm."""
+"""Approximate size of a palm (m)."""
 
 
 class HeadsetDevice(HandDevice, PageDevice[HandFrame]):
@@ -57,7 +57,7 @@ class HeadsetDevice(HandDevice, PageDevice[HandFrame]):
 
     @property
     def touched(self) -> bool:
-        """True while a hand is seen."""
+        """True while a hand is in view."""
         with self._lock:
             return self._seen
 
@@ -136,7 +136,7 @@ class HeadsetDevice(HandDevice, PageDevice[HandFrame]):
         return tuple(filter(None, (self._units.notice, self._side.sentence)))
 
     def cancel_all(self) -> None:
-        """The page was closed or fell silent: no hand is seen."""
+        """Called when the page was closed or fell silent: no hand is in view."""
         if self.touched:
             self._put_hands((), self.applied)
 
