@@ -338,6 +338,8 @@ def test_a_success_shows_the_best_time_and_the_next_task_and_a_tick_in_the_menu(
             score = replace(snapshot.score, held=True, final=True, progress=1.0)
             server.publish(replace(snapshot, time=took, score=score))
             tab.wait("document.querySelector('.bar-fill').classList.contains('done')")
+            # The picture of this moment, since the next one replaces it where it is not yet drawn.
+            tab.wait(f"{text.format('.clock')}.startsWith('{took} ')")
             score = replace(score, status=Status.HELD)
             server.publish(replace(snapshot, time=took + 1.0, score=score))
             tab.wait("!document.querySelector('.end').hidden")
