@@ -18,7 +18,8 @@ from hypothesis import strategies as st
 
 from sandbox.cli import doctor
 from sandbox.cli.common.command_line import parse
-from sandbox.cli.main import COMMANDS, first_steps, main, overview
+from sandbox.cli.main import COMMANDS, main
+from sandbox.cli.overview import first_steps, overview
 from sandbox.cli.play import PlayOptions
 from sandbox.cli.run import RunOptions
 from sandbox.doctor.check import Check, run_probe
