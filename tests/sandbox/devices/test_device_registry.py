@@ -10,7 +10,8 @@ import pytest
 
 from models.surface import Surface
 from sandbox import run_trial
-from sandbox.cli.main import main, overview
+from sandbox.cli.main import main
+from sandbox.cli.overview import overview
 from sandbox.devices.device import Place
 from sandbox.devices.registry import DEVICES, DeviceSettings, built_in, touch_devices
 from sandbox.recording.recording import load_recording
