@@ -51,7 +51,7 @@ if TYPE_CHECKING:
     from sandbox.trial.settings import Settings
 
 
-HERE = Path(__file__).parent
+SCRIPTS = Path(__file__).parents[1] / "stream"
 PARTS = {
     "maya": ("guest_math", "guest_line", "maya_side"),
     "blender": ("guest_math", "guest_line", "blender_rigs", "blender_side"),
@@ -72,7 +72,7 @@ def script(program: str) -> str:
             got=program,
             expected=", ".join(PARTS),
         )
-    parts = [(HERE / f"{part}.py").read_text(encoding="utf-8") for part in PARTS[program]]
+    parts = [(SCRIPTS / f"{part}.py").read_text(encoding="utf-8") for part in PARTS[program]]
     docstring = ast.get_docstring(ast.parse(parts[-1]), clean=False) or ""
     head = f'"""{docstring}"""\n\nfrom __future__ import annotations\n'
     return head + "\n\n".join(_body(part) for part in parts)

@@ -18,7 +18,7 @@ export const WIDEST = 0.2;
 /** Fingers of a right hand of one to five: label, and x and y (m) from its middle. */
 export const HANDS: readonly (readonly [number, number, number])[][] = [[[1, 0.0000, 0.0000]], [[0, -0.0240, 0.0288], [1, 0.0240, -0.0288]], [[0, -0.0240, 0.0288], [1, 0.0167, -0.0349], [2, 0.0313, -0.0227]], [[0, -0.0240, 0.0288], [1, 0.0094, -0.0410], [2, 0.0240, -0.0288], [3, 0.0386, -0.0167]], [[0, -0.0240, 0.0288], [1, 0.0021, -0.0471], [2, 0.0167, -0.0349], [3, 0.0313, -0.0227], [4, 0.0459, -0.0106]]];
 
-/** Size of the page: CSS pixels per inch, and pixels. The encoder needs inches; `calibrated` is true if the person has measured them. `fit` says why the table fills the page, whatever its inches: a `mouse`, for which size means nothing, or a `phone`, which is too small for a hand; it is empty for a table of true size. */
+/** Size of the page's part for the table and the lift control: CSS pixels per inch, and pixels. It is the whole page, save on a phone, where words and buttons stand beside the table. The encoder needs inches; `calibrated` is true if the person has measured them. `fit` says why the table fills the page, whatever its inches: a `mouse`, for which size means nothing, or a `phone`, which is too small for a hand; it is empty for a table of true size. */
 export interface PageScreen {
   px_per_in: number;
   width_px: number;
