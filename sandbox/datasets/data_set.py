@@ -1,15 +1,20 @@
-"""A data set that was read from files, its kinds, and playing its demonstrations back."""
+"""A data set that was read from files, its kinds, and playing its demonstrations back.
+
+Nothing here needs the extra `gym`: `sandbox export` writes motion without it.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from models.arithmetic import Array
 from models.errors import InputError
-from sandbox.datasets.demonstration import Demonstration
+
+if TYPE_CHECKING:
+    from sandbox.datasets.demonstration import Demonstration
 
 
 @dataclass(frozen=True)

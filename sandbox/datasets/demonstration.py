@@ -8,7 +8,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from gymnasium import spaces
 
 from models.arithmetic import Array
 from models.errors import InputError, RecordingError
@@ -247,7 +246,9 @@ def demonstrate(recording: Recording, env: HandSandboxEnv) -> Demonstration:
     touches = [touches_of([f.contacts for f in own]) for own in frames]
     slots = [_slots_of_arrival(own) for own in touches]
     space = env.action_space
-    assert isinstance(space, spaces.Box)
+    from gymnasium.spaces import Box
+
+    assert isinstance(space, Box)
     first = np.clip(_actions(touches, slots, lifts, periods), space.low, space.high)
     seed = recorded_settings(recording.header, "seed").seed
     seen, info = env.reset(seed=seed)

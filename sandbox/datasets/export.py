@@ -66,15 +66,9 @@ def export_data_set(
         InputError: A recording cannot be a demonstration, recordings are of several environments,
             none is left, or the data set cannot be written.
     """
-    try:
-        from sandbox.gym import HandSandboxEnv, register_task
-    except ImportError:
-        raise InputError(
-            "Gymnasium is not installed",
-            where=f"--to {to}",
-            remedy="pip install 'hand-sandbox[gym]'",
-        ) from None
     import gymnasium
+
+    from sandbox.gym import HandSandboxEnv, register_task
 
     if str(to) == MINARI:
         from sandbox.datasets.minari_file import check_name

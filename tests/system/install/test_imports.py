@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from tests.support.processes import printed
+from sandbox.cli.main import COMMANDS
+from tests.support.processes import ROOT, printed, python
 
 Picture = NDArray[np.float64]
 
@@ -94,3 +95,33 @@ HEAVY = ("mujoco", "glfw", "scipy", "OpenGL", "websockets", "matplotlib")
 def test_starting_the_program_loads_nothing_heavy(module: str) -> None:
     question = f"import sys, {module}; print(*(set({HEAVY}) & set(sys.modules)))"
     assert printed("-c", question).split() == []
+
+
+OPTIONAL = (
+    "gymnasium", "h5py", "imageio_ffmpeg", "jinja2", "matplotlib", "minari", "pandas", "pyarrow",
+    "pylsl", "ray", "sklearn",
+)  # fmt: skip
+"""Packages of extras, which a plain installation lacks."""
+
+_WITHOUT_EXTRAS = f"""
+import importlib.abc, sys
+class Missing(importlib.abc.MetaPathFinder):
+    def find_spec(self, name, path=None, target=None):
+        if name.split(".")[0] in {OPTIONAL}:
+            raise ModuleNotFoundError(f"no {{name}}", name=name)
+sys.meta_path.insert(0, Missing())
+from sandbox.cli.main import main
+sys.exit(main(sys.argv[1:]))
+"""
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_every_command_has_its_help_where_no_extra_is_installed(command: str) -> None:
+    assert f"sandbox {command}" in printed("-c", _WITHOUT_EXTRAS, command, "--help")
+
+
+def test_a_data_set_without_its_extra_is_one_line_with_the_remedy(tmp_path: Path) -> None:
+    demo = ROOT / "sandbox" / "data" / "demo.jsonl"
+    ended = python("-c", _WITHOUT_EXTRAS, "export", demo, "--to", tmp_path / "set.npz")
+    assert ended.returncode == 2
+    assert ended.stderr.count("\n") == 1 and "hand-sandbox[gym]" in ended.stderr
