@@ -16,7 +16,6 @@ from rich.progress import Progress
 
 from models.errors import InputError
 from sandbox.cli.common.command_line import FLAT, parse
-from sandbox.play.pages import in_air, open_page, show_address, show_session
 from sandbox.recording.recording import Recording, load_recording
 from sandbox.server.page_options import PageOptions
 from sandbox.session.messages import Snapshot
@@ -44,6 +43,7 @@ def show_in_window(
         GraphicsError: No window can be opened here.
     """
     # glfw looks for a screen as soon as it is imported.
+    from sandbox.play.pages import in_air
     from sandbox.views.window.window import REPLAY_HELP, Window
 
     with Window(
@@ -85,6 +85,8 @@ def show_on_page(
     Raises:
         DeviceError: The page cannot be served.
     """
+    from sandbox.play.pages import open_page, show_address, show_session
+
     server = open_page(page, touch=False)
     try:
         show_address(server, page, EventLog(None), console)

@@ -19,7 +19,7 @@ from models.motion.armature import Armature
 from models.person import Person
 from models.skeleton import ADULT
 from sandbox.devices.device import AnyDevice
-from sandbox.devices.leap.leap import SplitBySide
+from sandbox.devices.leap.two_hands import SplitBySide
 from sandbox.devices.wrappers.shared import SharedDevice
 
 STRAIGHT = HandReconstructorSettings(

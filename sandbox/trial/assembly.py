@@ -185,7 +185,7 @@ def shared_makers(make: DeviceMaker, settings: Settings, sees: Sees) -> DeviceMa
         if sees is Sees.TOUCHES:
             return SplitByPlace(homes(settings, surface))
         if sees is Sees.LEAP:
-            from sandbox.devices.leap.leap import SplitBySide
+            from sandbox.devices.leap.two_hands import SplitBySide
 
             return SplitBySide([hand.side for hand in settings.hands])
         return Split()
@@ -255,7 +255,7 @@ def _merged(makers: DeviceMakers, sees: Sees) -> DeviceMaker:
     def make(task: Task, surface: Surface) -> Device:
         devices: list[AnyDevice] = [maker(task, surface) for maker in makers]
         if sees is Sees.LEAP:
-            from sandbox.devices.leap.leap import MergedLeaps
+            from sandbox.devices.leap.two_hands import MergedLeaps
 
             return MergedLeaps(devices)
         from sandbox.devices.wrappers.shared import MergedTouches

@@ -22,11 +22,12 @@ from sandbox.devices.check_device import check_device, check_frames
 from sandbox.devices.device import Place, TouchDevice
 from sandbox.devices.evdev.evdev_device import EvdevDevice
 from sandbox.devices.files.frame_file import FramesDevice
-from sandbox.devices.leap.leap import LeapDevice, LeapFileDevice, SplitBySide
-from sandbox.devices.leap.leap import MergedLeaps as MergedLeap
+from sandbox.devices.leap.leap import LeapDevice, LeapFileDevice
 from sandbox.devices.leap.leap_fake import FakeLeapd
 from sandbox.devices.leap.leap_file import LeapRecording
 from sandbox.devices.leap.leap_write import leap_message
+from sandbox.devices.leap.two_hands import MergedLeaps as MergedLeap
+from sandbox.devices.leap.two_hands import SplitBySide
 from sandbox.devices.mouse.mouse import MouseDevice
 from sandbox.devices.registry import DeviceSettings, find_device
 from sandbox.devices.simulated.in_air import SimulatedHeadset, SimulatedLeap

@@ -13,9 +13,10 @@ from typing import Any
 import pytest
 from websockets.sync.client import connect
 
-from sandbox.devices.leap.leap import KEPT, LeapDevice, SplitBySide
+from sandbox.devices.leap.leap import KEPT, LeapDevice
 from sandbox.devices.leap.leap_fake import FakeLeapd
 from sandbox.devices.leap.leap_write import leap_message
+from sandbox.devices.leap.two_hands import SplitBySide
 from sandbox.devices.wrappers.shared import SharedDevice
 from tests.support.leap_hands import take
 from tests.support.processes import PATIENCE

@@ -9,7 +9,7 @@ from encoders.evaluation.paalm import moved, side_by_side
 from encoders.paalm.hand_reconstructor import NOTICE_LASTS
 from models.frames import HandFrame
 from sandbox.devices.hand_input import HandInput
-from sandbox.devices.leap.leap import SplitBySide
+from sandbox.devices.leap.two_hands import SplitBySide
 from sandbox.devices.wrappers.shared import SharedDevice
 from sandbox.trial.assembly import build
 from sandbox.trial.settings import HandSettings, Settings

@@ -14,8 +14,8 @@ from sandbox.cli.main import main as command
 from sandbox.cli.run import main
 from sandbox.devices.device import Sees
 from sandbox.devices.leap import OverLeapOptions, over_leap
-from sandbox.devices.leap.leap import SplitBySide
 from sandbox.devices.leap.leap_write import write_take
+from sandbox.devices.leap.two_hands import SplitBySide
 from sandbox.devices.registry import kind_of
 from sandbox.devices.simulated.in_air import SimulatedLeap
 from sandbox.devices.wrappers.shared import SharedDevice
