@@ -287,7 +287,7 @@ def _check(options: RegressOptions) -> None:
     if not options.tasks:
         raise InputError("no task is named", where="--tasks", remedy="Leave it out, or name one")
     if options.workers < 1:
-        raise InputError("nobody works", where="--workers", got=options.workers, expected="1 ...")
+        raise InputError("too few", where="--workers", got=options.workers, expected="1 or more")
     if options.allow_crashes < 0:
         raise InputError(
             "fewer than none", where="--allow-crashes", got=options.allow_crashes, expected="0 ..."

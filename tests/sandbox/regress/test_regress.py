@@ -208,7 +208,7 @@ def test_another_encoder_is_compared_where_that_is_the_question(
     [
         (("--seeds", "9:3"), "--seeds"),
         (("--tasks", "no-such-task"), "no such task"),
-        (("--workers", "0"), "nobody works"),
+        (("--workers", "0"), "1 or more"),
         (("--update-baseline",), "no baseline"),
         (("--exact",), "no baseline"),
         (("--baseline", "no-such-file.json"), "no such baseline"),
