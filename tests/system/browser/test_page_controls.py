@@ -237,10 +237,14 @@ def test_who_has_done_a_task_is_not_shown_how(browser: Browser, server: PageServ
         asked.extend(request.what for request in server.take_requests())
         return "demo" in asked
 
+    def helped() -> bool:
+        # On a busy machine a page may lose its connection, and with it the request: it begins anew.
+        if not tab.evaluate("document.querySelector('.hint').checkVisibility()"):
+            tab.tap("?")
+        return demonstrates()
+
     assert not demonstrates()
-    tab.tap("?")
-    tab.wait("document.querySelector('.hint').checkVisibility()")
-    assert wait_for(demonstrates)
+    assert wait_for(helped)
     tab.close()
 
 
