@@ -67,8 +67,10 @@ SMALL_TILE = (236, 164)
 """Pixels of its pictures at most: screens have different proportions."""
 WITH_MICE = ("1280x800", "3840x2160")
 """Screens of which the start is also shown as people with a mouse see it."""
-PHONE = 3.6
-"""in, shorter side below which the page takes a screen for a phone."""
+FOOTER_PX = 66.0
+"""CSS pixels below the table of a phone that stands, for buttons."""
+START = 60.0
+"""Seconds within which a page joins."""
 
 GRIP = (
     (13.0, 30.0, 0.0, 0.0, 0.0),
@@ -153,9 +155,10 @@ def in_play(browser: Browser, code: str, size: str) -> Iterator[tuple[str, Tab]]
     try:
         session = show(server, width, height)
         tab = browser.open(f"{server.url}&lang={code}", width=width, height=height, storage=known)
-        if min(width, height) / PPI < PHONE:
-            screen = PageScreen(PPI, width, height, True, "phone")
-            session = show(server, width, height, scaled(screen, lifts=True))
+        assert server.wait_for_player(START) and server.screen is not None
+        middle = middle_of_table(server.screen, width, height)
+        if server.screen.fit == "phone":
+            session = show(server, width, height, scaled(server.screen, lifts=True))
         tab.wait("!!document.querySelector('.dot[data-condition=open]')")
         snapshot = session.advance()
         server.publish(snapshot, "start")
@@ -173,7 +176,6 @@ def in_play(browser: Browser, code: str, size: str) -> Iterator[tuple[str, Tab]]
         tab.tap(words["measure_screen"])
         yield settled("card", tab)
         tab.tap(words["card_skip"])
-        middle = width / 2, height / 2
         tab.touch([(1, middle[0] - 60, middle[1]), (2, middle[0] + 60, middle[1] + 20)])
         held = with_fingers(session, snapshot)
         server.publish(with_load(held, *GRIP))
@@ -205,6 +207,13 @@ def in_play(browser: Browser, code: str, size: str) -> Iterator[tuple[str, Tab]]
             yield from with_a_mouse(browser, code, width, height)
     finally:
         server.close()
+
+
+def middle_of_table(screen: PageScreen, width: int, height: int) -> tuple[float, float]:
+    """Middle (px) of the page's part for the table: on a phone, right of the words, or between
+    words and buttons."""
+    below = FOOTER_PX if screen.height_px < height else 0.0
+    return width - screen.width_px / 2, height - below - screen.height_px / 2
 
 
 def with_a_mouse(browser: Browser, code: str, width: int, height: int) -> Iterator[tuple[str, Tab]]:
