@@ -400,7 +400,7 @@ def _importing_from(folder: Path) -> Iterator[set[str]]:
     second and has the same size, and would then run other code than the code that is recorded."""
     for name, owner in list(_neighbours.items()):
         top = folder / name.partition(".")[0]
-        if owner != folder and (_is_beside(folder, name) or top.is_dir()):
+        if owner != folder and (_holds(folder, name) or top.is_dir()):
             sys.modules.pop(name, None)
             del _neighbours[name]
     before = set(sys.modules)
@@ -416,12 +416,12 @@ def _importing_from(folder: Path) -> Iterator[set[str]]:
         sys.path.remove(str(folder))
         new = set(sys.modules) - before
         imported.update(
-            name for name in new if _is_beside(folder, name) or _is_in_plain_folder(folder, name)
+            name for name in new if _holds(folder, name) or _is_in_plain_folder(folder, name)
         )
         _neighbours.update(dict.fromkeys(imported, folder))
 
 
-def _is_beside(folder: Path, name: str) -> bool:
+def _holds(folder: Path, name: str) -> bool:
     """True if a folder holds the module or package of a dotted name."""
     top = folder / name.partition(".")[0]
     return top.with_suffix(".py").is_file() or (top / "__init__.py").is_file()

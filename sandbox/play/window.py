@@ -194,14 +194,14 @@ class WindowPlay(Play):
             makers = device_makers(chosen, _from_first_touch)
         makers = with_lift(makers, keys=True)
 
-        def beside_page(maker: DeviceMaker) -> DeviceMaker:
+        def with_page(maker: DeviceMaker) -> DeviceMaker:
             def make_both(task: Task, surface: Surface) -> Device:
                 return MergedDevice((maker(task, surface), WebDevice(surface)), kept=1)
 
             return make_both
 
         if self.share:
-            makers = with_first(makers, beside_page)
+            makers = with_first(makers, with_page)
         # The offset of a Leap's clock from this machine's is unknown.
         if is_live(chosen) and not chosen.in_air:
             makers = with_first(makers, lambda maker: timed(maker, timing))
