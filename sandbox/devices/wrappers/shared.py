@@ -1,9 +1,9 @@
 """One device for two hands: its frames are divided, and each hand becomes a device.
 
 `Split` is the rule by which frames are divided: for a screen by the places of the hands
-(`SplitByPlace`), for a Leap by their sides (`sandbox.devices.leap.two_hands`). A camera and a headset
-give every frame to both hands, each of which uses the hand of its own side. `MergedUsers` is the
-opposite: two simulated users with one device.
+(`SplitByPlace`), for a Leap by their sides (`sandbox.devices.leap.two_hands`). A camera and a
+headset give every frame to both hands, each of which uses the hand of its own side. `MergedUsers`
+is the opposite: two simulated users with one device.
 """
 
 from __future__ import annotations
