@@ -1,6 +1,7 @@
 // The WebSocket: sends hello, acknowledgements and heartbeats, and reconnects when it is lost.
 
-import { clientName, fileAddress, reload, socketAddress, spectator } from "./page-address";
+import { openSocket, spectator } from "./link";
+import { clientName, fileAddress, reload } from "./page-address";
 import { parseDemonstration } from "./demonstration";
 import { type Frame, parseFrame } from "./frame";
 import { type Down, PROTOCOL, type Refusal, type SceneMessage, type Seat, type Sheet, type Localised, type Up, type Welcome } from "./protocol";
@@ -107,11 +108,11 @@ export class Connection {
       return;
     }
     if (!this.parted) this.listener.onCondition("connecting", "connecting");
-    const socket = new WebSocket(socketAddress());
+    const socket = openSocket();
     socket.binaryType = "arraybuffer";
     this.socket = socket;
     this.heard = performance.now();
-    socket.onopen = () => {
+    const greet = (): void => {
       this.say({
         type: "hello",
         protocol: PROTOCOL,
@@ -122,6 +123,8 @@ export class Connection {
       });
       if (!this.isPresent) this.say({ type: "presence", here: false });
     };
+    if (socket.readyState === WebSocket.OPEN) greet();
+    else socket.onopen = greet;
     socket.onmessage = (event) => {
       if (socket === this.socket) this.hear(event.data);
     };

@@ -1,6 +1,7 @@
-// Runs before the rest of the page has come: the language, and the first words in it.
+// Runs before the rest of the page has come: the socket, the language, and the first words in it.
 
 import { announce, base, choose } from "./language";
+import { openEarly } from "./link";
 
 /** "Preparing the table" by language, put in by bundle.mjs. */
 declare const PREPARING: Record<string, string>;
@@ -10,3 +11,4 @@ document.documentElement.dataset["study"] = document.documentElement.lang && "ye
 const code = document.documentElement.lang || choose(Object.keys(PREPARING));
 announce(code);
 document.querySelector(".preparing")!.textContent = PREPARING[base(code)] ?? "";
+openEarly();

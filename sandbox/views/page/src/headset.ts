@@ -15,11 +15,12 @@ import {
 import { BACKGROUND } from "./colours";
 import { Connection } from "./connection";
 import { make, show, write } from "./dom";
-import { canDraw } from "./drawing";
+import { canDraw, freePlainContext } from "./drawing";
 import type { Frame } from "./frame";
 import { Hands, type Seen } from "./headset-hands";
 import { Lens } from "./camera";
-import { reload, spectator } from "./page-address";
+import { spectator } from "./link";
+import { reload } from "./page-address";
 import type { SceneMessage, State } from "./protocol";
 import { Quality } from "./quality";
 import { Sign } from "./sign";
@@ -83,6 +84,7 @@ class HeadsetPage {
       make("div", "panel", {}, this.line, this.goal, this.enter),
     );
     show(this.enter, false);
+    freePlainContext();
     this.quality.apply(this.renderer);
     this.renderer.shadowMap.type = PCFShadowMap;
     this.renderer.xr.enabled = true;

@@ -46,6 +46,13 @@ const STUDY_PAUSES: Record<Exclude<State["pause"], "">, Key> = {
   back: "go_on",
 };
 
+/** Why time stands still, for a page whose trial has so many hands: the page of a single hand that still gets frames
+ * is itself the player who was away. */
+function whyPaused(pause: Exclude<State["pause"], "">, player: boolean, hands: number): Key {
+  if (pause === "away" && player && hands === 1) return "go_on";
+  return PAUSES[pause][player ? 0 : 1];
+}
+
 export interface Wishes {
   again(): void;
   tasks(): void;
@@ -198,7 +205,7 @@ export class Hud {
     let words = reason;
     if (demonstrated) words = say("demonstration");
     else if (turned) words = say("stands_still");
-    else if (state.pause) words = say(PAUSES[state.pause][player ? 0 : 1]);
+    else if (state.pause) words = say(whyPaused(state.pause, player, state.hands.length));
     else if (state.held) words = say("stayed");
     else if (state.reached) words = say("there");
     write(this.reason, words);

@@ -15,7 +15,8 @@ import { Hint } from "./hint";
 import { Hud } from "./hud";
 import { type Rectangle, touchRectangle } from "./camera";
 import { Lift, elsewhere } from "./lift-slider";
-import { lookOn, reload, spectator } from "./page-address";
+import { spectator } from "./link";
+import { lookOn, reload } from "./page-address";
 import { measureScreen } from "./measure";
 import { type Switch, settingsMenu, taskMenu } from "./menu";
 import { layoutOf, markLayout, tableRoom } from "./phone";
@@ -127,12 +128,14 @@ class Page {
   private settling = 0;
 
   constructor() {
-    const scene = make("canvas", "scene", { label: say("table") });
+    this.stage = new Stage(reload);
+    const scene = this.stage.canvas;
+    scene.className = "scene";
     scene.setAttribute("role", "img");
+    scene.setAttribute("aria-label", say("table"));
     const overlay = make("canvas", "rings");
     const glass = make("div", "glass");
     document.body.append(scene, overlay, glass);
-    this.stage = new Stage(scene, reload);
     this.rings = new Rings(overlay);
     this.anew = new Anew({
       pause: () => this.ask("pause"),

@@ -1,12 +1,8 @@
-// The link that opened the page: its token is removed from the address bar, since links are
-// photographed and shared, and stored in this tab so that the page can reconnect and reload (see return.html).
+// The address of the page: its token is removed from the address bar, since links are photographed and
+// shared, and stored in this tab so that the page can reconnect and reload (see return.html).
 
+import { spectator, token, withToken } from "./link";
 import { recall, recallHere, remember, rememberHere } from "./storage";
-
-const query = new URLSearchParams(location.search);
-
-export const token = query.get("token") ?? recallHere("token") ?? "";
-export const spectator = query.get("role") === "spectator";
 
 /** The browser's random name, the same in its next tab, so that it remains the player. */
 export const clientName = recallHere("client") ?? recall("client") ?? randomName();
@@ -18,16 +14,6 @@ remember("client", clientName);
 window.addEventListener("appinstalled", () => remember("token", token));
 if (matchMedia("(display-mode: standalone)").matches) remember("token", token);
 history.replaceState(null, "", location.pathname + (spectator ? "?role=spectator" : ""));
-
-function withToken(): string {
-  const kept = new URLSearchParams({ token });
-  if (spectator) kept.set("role", "spectator");
-  return `/?${kept}`;
-}
-
-export function socketAddress(): string {
-  return `${location.protocol === "https:" ? "wss" : "ws"}://${location.host}${withToken()}`;
-}
 
 export const fileAddress = (name: string): string =>
   `/${name}?${new URLSearchParams({ token })}`;

@@ -2,6 +2,7 @@
 // is stored for the next start. A device without a graphics card begins with the lowest.
 
 import type { WebGLRenderer } from "three";
+import { drawsSlowly } from "./drawing";
 import { recall, remember } from "./storage";
 
 /** ms, largest mean duration of a picture; 60 Hz leaves 17. */
@@ -14,8 +15,6 @@ const FEW = 3;
 const PAUSE = 1000;
 /** Levels: full quality; no shadows; one pixel per CSS pixel; fewer pixels, and jagged edges. */
 const LOWEST = 3;
-/** Names of renderers that draw without a graphics card. */
-const SOFTWARE = /swiftshader|llvmpipe|softpipe|software|basic render/i;
 const PIXELS = [2, 2, 1, 0.7];
 
 export class Quality {
@@ -75,10 +74,5 @@ export class Quality {
 function firstLevel(): number {
   const stored = recall("quality");
   if (stored !== null) return Math.min(Math.max(Number(stored) || 0, 0), LOWEST);
-  const gl = document.createElement("canvas").getContext("webgl2");
-  const names = gl?.getExtension("WEBGL_debug_renderer_info");
-  const renderer = names ? String(gl?.getParameter(names.UNMASKED_RENDERER_WEBGL)) : "";
-  // A browser has few contexts; this one is not drawn on.
-  gl?.getExtension("WEBGL_lose_context")?.loseContext();
-  return SOFTWARE.test(renderer) ? LOWEST : 0;
+  return drawsSlowly() ? LOWEST : 0;
 }

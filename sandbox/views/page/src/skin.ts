@@ -10,6 +10,7 @@ import {
   Quaternion,
   Skeleton,
   SkinnedMesh,
+  Sphere,
   Vector3,
 } from "three";
 import { POSE_BYTES, PROTOCOL, SKIN_KIND } from "./protocol";
@@ -53,7 +54,7 @@ export function parseSkin(data: ArrayBuffer): Skin | null {
   geometry.setAttribute("skinWeight", new BufferAttribute(weights, 4, true));
   geometry.setAttribute("color", new BufferAttribute(linear(colours, n), 3));
   geometry.setIndex(new BufferAttribute(triangles, 1));
-  geometry.computeVertexNormals();
+  geometry.setAttribute("normal", new BufferAttribute(normals(places, triangles), 3));
   return { names, geometry, inverses: names.map((_, i) => inverse(bind.subarray(7 * i))) };
 }
 
@@ -69,6 +70,8 @@ export function wear(
   const mesh = new SkinnedMesh(skin.geometry, material);
   mesh.bind(new Skeleton(bones as Bone[], skin.inverses), new Matrix4());
   mesh.frustumCulled = false;
+  // Otherwise three.js poses every vertex on the processor, only to sort the scene by distance.
+  mesh.boundingSphere = new Sphere();
   mesh.castShadow = mesh.receiveShadow = true;
   return mesh;
 }
@@ -82,11 +85,38 @@ function inverse(pose: Float32Array): Matrix4 {
 
 /** Linear colours from sRGB bytes, as three.js needs for vertices. */
 function linear(colours: Uint8Array, n: number): Float32Array {
+  const of = Float32Array.from({ length: 256 }, (_, byte) => new Color().setRGB(byte / 255, 0, 0, "srgb").r);
   const out = new Float32Array(3 * n);
-  const colour = new Color();
-  for (let i = 0; i < n; i++) {
-    const [r = 0, g = 0, b = 0] = colours.subarray(4 * i, 4 * i + 3);
-    colour.setRGB(r / 255, g / 255, b / 255, "srgb").toArray(out, 3 * i);
+  for (let i = 0; i < 3 * n; i++) out[i] = of[colours[i + Math.floor(i / 3)]!]!;
+  return out;
+}
+
+/** Unit normals of vertices: means over their triangles, weighted by area. Plain numbers, as those of three.js take
+ * several times as long, and a person waits for the first picture. */
+function normals(places: Float32Array, triangles: Uint16Array): Float32Array {
+  const out = new Float32Array(places.length);
+  for (let t = 0; t < triangles.length; t += 3) {
+    const a = 3 * triangles[t]!;
+    const b = 3 * triangles[t + 1]!;
+    const c = 3 * triangles[t + 2]!;
+    const ux = places[b]! - places[a]!;
+    const uy = places[b + 1]! - places[a + 1]!;
+    const uz = places[b + 2]! - places[a + 2]!;
+    const vx = places[c]! - places[a]!;
+    const vy = places[c + 1]! - places[a + 1]!;
+    const vz = places[c + 2]! - places[a + 2]!;
+    for (let corner = 0; corner < 3; corner++) {
+      const at = 3 * triangles[t + corner]!;
+      out[at]! += uy * vz - uz * vy;
+      out[at + 1]! += uz * vx - ux * vz;
+      out[at + 2]! += ux * vy - uy * vx;
+    }
+  }
+  for (let i = 0; i < out.length; i += 3) {
+    const long = Math.hypot(out[i]!, out[i + 1]!, out[i + 2]!) || 1;
+    out[i]! /= long;
+    out[i + 1]! /= long;
+    out[i + 2]! /= long;
   }
   return out;
 }

@@ -2,6 +2,7 @@
 
 import { Color, Mesh, type MeshStandardMaterial, PCFShadowMap, Scene as World, Vector3, WebGLRenderer } from "three";
 import { BACKGROUND } from "./colours";
+import { freePlainContext, plainContext } from "./drawing";
 import type { Frame } from "./frame";
 import { Lens, type Rectangle } from "./camera";
 import type { SceneMessage } from "./protocol";
@@ -13,6 +14,7 @@ import { Table } from "./table";
 const SLICES = 8;
 
 export class Stage {
+  readonly canvas: HTMLCanvasElement;
   readonly lens = new Lens();
   private readonly renderer: WebGLRenderer;
   private readonly quality: Quality;
@@ -23,15 +25,20 @@ export class Stage {
   /** ms, time at which the last picture was begun. */
   private began = 0;
 
-  constructor(canvas: HTMLCanvasElement, reload: () => void) {
+  constructor(reload: () => void) {
     this.quality = new Quality(() => {
       this.resize();
       this.world.traverse((o) => {
         if (o instanceof Mesh) (o.material as MeshStandardMaterial).needsUpdate = true;
       });
     });
-    this.table = new Table(!this.quality.smooth);
-    this.renderer = new WebGLRenderer({ canvas, antialias: this.quality.smooth, stencil: true });
+    const { smooth } = this.quality;
+    this.table = new Table(!smooth);
+    const context = smooth ? null : plainContext();
+    if (!context) freePlainContext();
+    this.canvas = context ? (context.canvas as HTMLCanvasElement) : document.createElement("canvas");
+    const { canvas } = this;
+    this.renderer = new WebGLRenderer({ canvas, ...(context && { context }), antialias: smooth, stencil: true });
     this.renderer.shadowMap.type = PCFShadowMap;
     this.quality.apply(this.renderer);
     // A lost context comes back empty; reloading the page is simpler than filling it again.

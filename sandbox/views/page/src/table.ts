@@ -42,6 +42,8 @@ export class Table {
   private content = new Group();
   private scene: SceneMessage | null = null;
   private bodies: Bone[] = [];
+  /** Geoms of hands that are not drawn yet: a skin, which comes before the first frame, covers them. */
+  private bare: Geom[] = [];
   private skins = new Map<string, Skin>();
   private ghosts = new Map<string, Ghost>();
   private skin: Surfaced;
@@ -69,12 +71,9 @@ export class Table {
     this.scene = scene;
     this.hands = [];
     this.bodies = scene.bodies.map(() => new Bone());
-    for (const geom of scene.geoms) {
-      const mesh = this.mesh(geom);
-      this.bodies[geom.body]?.add(mesh);
-      if (geom.part !== "hand") continue;
-      this.bodies[geom.body]?.add(copy(mesh, NO_COLOUR, 3), copy(mesh, this.through[0], 4));
-    }
+    this.bare = scene.geoms.filter((geom) => geom.part === "hand");
+    for (const geom of scene.geoms)
+      if (geom.part !== "hand") this.bodies[geom.body]?.add(this.mesh(geom, material(geom, this.plain)));
     this.content.add(...this.bodies, outline(scene.surface));
     this.ghosts = new Map(
       scene.bodies.map((name, i) => [
@@ -106,6 +105,7 @@ export class Table {
    */
   move(frame: Frame, live: boolean, demonstrated = false): void {
     const poses = frame.poses;
+    this.addBareHands();
     this.bodies.forEach((body, i) => {
       const at = 7 * i;
       if (at + 7 > poses.length) return;
@@ -154,8 +154,9 @@ export class Table {
     const veil = wear(skin, this.bodies, this.scene.bodies, NO_COLOUR);
     const through = wear(skin, this.bodies, this.scene.bodies, this.through[1]);
     if (!mesh || !veil || !through) return;
-    for (const body of (mesh.skeleton as Skeleton).bones)
-      for (const child of body.children) child.visible = false;
+    const covered = new Set<Object3D>((mesh.skeleton as Skeleton).bones);
+    this.bare = this.bare.filter((geom) => !covered.has(this.bodies[geom.body]!));
+    for (const body of covered) for (const child of body.children) child.visible = false;
     mesh.renderOrder = 4;
     veil.renderOrder = 3;
     through.renderOrder = 4;
@@ -179,16 +180,22 @@ export class Table {
     return [make(bones), make(skins), [make({ ...bones, ...covering }), make({ ...skins, ...covering })]];
   }
 
-  private mesh(geom: Geom): Mesh {
-    const hand = geom.part === "hand";
-    const mesh = new Mesh(geometry(geom, hand), hand ? this.skin : material(geom, this.plain));
+  /** Adds the bones of the hands that no skin covers. */
+  private addBareHands(): void {
+    for (const geom of this.bare) {
+      const mesh = this.mesh(geom, this.skin, true);
+      mesh.renderOrder = 4;
+      this.hands.push(mesh);
+      this.bodies[geom.body]?.add(mesh, copy(mesh, NO_COLOUR, 3), copy(mesh, this.through[0], 4));
+    }
+    this.bare = [];
+  }
+
+  private mesh(geom: Geom, of: Material, fine = false): Mesh {
+    const mesh = new Mesh(geometry(geom, fine), of);
     place(mesh, geom);
     mesh.castShadow = geom.kind !== "plane";
     mesh.receiveShadow = true;
-    if (hand) {
-      mesh.renderOrder = 4;
-      this.hands.push(mesh);
-    }
     return mesh;
   }
 
