@@ -254,11 +254,13 @@ def _on_its_slide(
     old, new = pairs[goal.object]
     if goal.on is not None or not isinstance(old, MechanismPart):
         return goal
-    slides = old.joint is not None and old.joint.kind == "slide"
+    joint = old.joint
+    slides = joint is not None and joint.kind == "slide"
     if old.carrier is not None or not slides or not isinstance(new, MechanismPart):
         return goal
-    zero, other = old.placed(0.0)[0], new.placed(0.0)[0]
-    x, y, z = (c + size * (b - a) for a, b, c in zip(zero, before.position, other, strict=True))
+    low = joint.range[0] if joint is not None and joint.range else 0.0
+    end, other = old.placed(low)[0], new.placed(size * low)[0]
+    x, y, z = (c + size * (b - a) for a, b, c in zip(end, before.position, other, strict=True))
     return replace(goal, position=(x, y, z))
 
 

@@ -46,6 +46,8 @@ _FAR = 100.0
 _LONGEST = 1.0
 """Longest range (m) of a slide. A longer range exceeds any reach, and was probably written in mm or
 degrees by mistake."""
+_ROUNDING = 1e-9
+"""Distance (m or rad) beyond a joint's range that still counts as within it."""
 _DEGREES = 'Angles in MJCF are degrees unless it says <compiler angle="radian"/>; a start is in rad'
 _FIXED_BITS = (CONTACT_OBJECT, CONTACT_HAND | CONTACT_OBJECT)
 _FREE_BITS = (CONTACT_OBJECT | CONTACT_TABLE, CONTACT_HAND | CONTACT_OBJECT | CONTACT_TABLE)
@@ -269,10 +271,19 @@ class Part(MechanismPart):
         other joints at their starts.
 
         Raises:
-            InputError: The part has no joint.
+            InputError: The part has no joint, or the value is outside of the joint's range.
         """
         if self.joint is None:
             raise InputError("this part has no joint", where="Part.placed", got=self.name)
+        low, high = self.joint.range or (-np.inf, np.inf)
+        if not low - _ROUNDING <= value <= high + _ROUNDING:
+            raise InputError(
+                f"the joint of {self.name} cannot be at this value",
+                where="Part.placed",
+                got=f"{value:g}",
+                expected=f"{low:g} to {high:g} {'m' if self.joint.kind == 'slide' else 'rad'}",
+                remedy="Choose a goal within the joint's range, or a longer range in the MJCF",
+            )
         position, rotation = self._pose(value)
         x, y, z = position.tolist()
         return (x, y, z), atan2(rotation[1, 0], rotation[0, 0])

@@ -323,6 +323,11 @@ def test_unknown_joints_and_parts_are_named() -> None:
         desk.part("door")
     with pytest.raises(InputError, match="has no joint"):
         desk.parts[0].placed(0.1)
+    drawer = desk.part("drawer")
+    assert drawer.joint and drawer.joint.range
+    for beyond in (drawer.joint.range[0] - 0.001, drawer.joint.range[1] + 0.001):
+        with pytest.raises(InputError, match="cannot be at this value"):
+            drawer.placed(beyond)
     sensing = Sensing(scene, data)
     with pytest.raises(InputError, match=r"no joint of this name .*desk/drawer, desk/lid"):
         sensing.joint("desk")
