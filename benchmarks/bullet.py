@@ -27,7 +27,7 @@ from models.pose import JOINTS, ROOT_POSITION, ROOT_ROTATION
 from models.rotations import geodesic_angle, quaternion_log
 from models.scene import CONTROL_PERIOD, Scene, SceneSpec
 from models.skeleton import ADULT
-from tasks.simulated_user.hand import minimum_jerk
+from tasks.simulated_user.user_hand import minimum_jerk
 
 DURATION = 12.0
 """s."""

@@ -42,7 +42,7 @@ from benchmarks.machine import describe_machine
 from benchmarks.one_line import run
 from benchmarks.success import wilson
 from sandbox.figures.charts import COLOURS, FAINT, STYLE, figure, need_matplotlib
-from sandbox.regress.plan import parse_seeds
+from sandbox.regress.run_plan import parse_seeds
 from sandbox.regress.statistics import holm
 from sandbox.session.session import Session
 from sandbox.trial.assembly import device_makers

@@ -19,7 +19,7 @@ from websockets.client import ClientProtocol
 from websockets.frames import Frame, Opcode
 from websockets.uri import parse_uri
 
-from sandbox.server.frames import KIND
+from sandbox.server.page_frames import KIND
 from sandbox.server.protocol import PROTOCOL
 
 PX_PER_IN = 132.0

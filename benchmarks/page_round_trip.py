@@ -28,7 +28,7 @@ import numpy as np
 
 from benchmarks.page_client import PX_PER_IN, measure
 from models.surface import Surface
-from sandbox.server.frames import describe_scene
+from sandbox.server.page_frames import describe_scene
 from sandbox.server.page_server import PageServer
 from sandbox.server.web import WebDevice
 from sandbox.session.messages import Snapshot

@@ -40,11 +40,11 @@ from rich.table import Table
 
 from sandbox.regress import statistics
 from sandbox.regress.baseline import load_baseline
+from sandbox.regress.compared_measures import DECIDING
 from sandbox.regress.comparison import level_of
 from sandbox.regress.execute import Trial
-from sandbox.regress.measures import DECIDING
-from sandbox.regress.plan import ARMS, RegressionPlan, arm_of, find_tasks
-from sandbox.regress.report import Report, make_report
+from sandbox.regress.run_plan import ARMS, RegressionPlan, arm_of, find_tasks
+from sandbox.regress.run_report import Report, make_report
 
 ROOT = Path(__file__).parents[1]
 PACKAGES = ("models", "encoders", "tasks", "sandbox")

@@ -21,7 +21,7 @@ from sandbox.recording.recording import load_recording, packed
 from sandbox.session.session import Session
 from sandbox.study.design.design import Design
 from sandbox.study.design.design_file import load_design
-from sandbox.study.design.plan import TrialStep
+from sandbox.study.design.session_plan import TrialStep
 from sandbox.study.record.folder import SIMULATED, StudyFolder
 from sandbox.study.record.journal import Journal, SyncThread
 from sandbox.study.record.session_folder import SessionFolder
@@ -29,8 +29,8 @@ from sandbox.study.run.controls import Controls
 from sandbox.study.run.forms import SimulatedForms
 from sandbox.study.run.players import HeadlessPlayer, PlayedAttempt, TrialRequest
 from sandbox.study.run.runner import SessionRunner
-from sandbox.study.run.simulate import simulated_devices, simulated_person
-from sandbox.study.tables.frames import FrameTable
+from sandbox.study.run.simulated_study import simulated_devices, simulated_person
+from sandbox.study.tables.frame_table import FrameTable
 from sandbox.study.tables.tables import make_tables
 from sandbox.system.files import sync_file
 from sandbox.trial.assembly import DeviceMaker, build

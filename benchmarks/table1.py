@@ -20,7 +20,7 @@ from rich.table import Table
 from encoders.capture import Capture
 from encoders.captures.subject import FROZEN, simulate
 from encoders.regression.polynomial import PolynomialEncoder
-from encoders.regression.train import train
+from encoders.regression.training import train
 from models.arithmetic import Array
 from models.pose import ROOT_POSITION, joint_vectors
 from models.rotations import geodesic_angle

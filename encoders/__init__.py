@@ -10,14 +10,14 @@ from models import lazy_names  # before NumPy: `models` pins the BLAS kernel
 
 if TYPE_CHECKING:
     from encoders.capture import Capture
-    from encoders.checks import check_encoder
     from encoders.encoder import Encoder
+    from encoders.encoder_checks import check_encoder
     from encoders.input_vector import contact_vector
-    from encoders.paalm.paalm import Paalm
+    from encoders.paalm.joint_angles import Paalm
     from encoders.regression.pca_ik import PcaIkEncoder
     from encoders.regression.polynomial import CubicEncoder, LinearEncoder, QuadraticEncoder
-    from encoders.regression.train import save_model, train
     from encoders.regression.trained import TrainedModel, builtin, builtin_capture, load_model
+    from encoders.regression.training import save_model, train
     from encoders.store import load_capture, save_capture
 else:
     __getattr__ = lazy_names(
@@ -27,19 +27,19 @@ else:
             "CubicEncoder": "encoders.regression.polynomial",
             "Encoder": "encoders.encoder",
             "LinearEncoder": "encoders.regression.polynomial",
-            "Paalm": "encoders.paalm.paalm",
+            "Paalm": "encoders.paalm.joint_angles",
             "PcaIkEncoder": "encoders.regression.pca_ik",
             "QuadraticEncoder": "encoders.regression.polynomial",
             "TrainedModel": "encoders.regression.trained",
             "builtin": "encoders.regression.trained",
             "builtin_capture": "encoders.regression.trained",
-            "check_encoder": "encoders.checks",
+            "check_encoder": "encoders.encoder_checks",
             "contact_vector": "encoders.input_vector",
             "load_capture": "encoders.store",
             "load_model": "encoders.regression.trained",
             "save_capture": "encoders.store",
-            "save_model": "encoders.regression.train",
-            "train": "encoders.regression.train",
+            "save_model": "encoders.regression.training",
+            "train": "encoders.regression.training",
         },
     )
 

@@ -7,7 +7,7 @@ Shapes and units, for T frames:
 - `Q` (T, 48), relative poses: position of the root in metres relative to the leftmost contact, then
   the root's rotation vector and those of 14 ball joints in radians (`models.pose`).
 
-Built-in encoders are in `encoders.regression`, by name in `encoders.regression.registry`.
+Built-in encoders are in `encoders.regression`, by name in `encoders.regression.encoder_registry`.
 docs/write-an-encoder.md explains how to write another one.
 """
 

@@ -46,10 +46,10 @@ from models import InputError, Surface
 from models.arithmetic import Array
 from models.frames import FINGERS
 from models.scene import CONTROL_PERIOD
-from sandbox.datasets.demonstration import Demonstration
 from sandbox.datasets.npz_file import read_npz
+from sandbox.datasets.played_trial import Demonstration
 from sandbox.gym import register_task
-from sandbox.regress.plan import parse_seeds
+from sandbox.regress.run_plan import parse_seeds
 from sandbox.regress.statistics import wilson
 
 # What it sees

@@ -32,7 +32,7 @@ from numpy.typing import NDArray
 from PIL import Image, ImageDraw
 
 from encoders import LinearEncoder, QuadraticEncoder
-from encoders.regression.train import RIDGES
+from encoders.regression.training import RIDGES
 from models.errors import InputError
 from models.motion.asf import read_amc, read_asf
 from models.motion.motion import Motion

@@ -17,16 +17,16 @@ from typing import Any, Literal
 import pytest
 
 from encoders.regression.model_registry import DEFAULT_MODEL
-from encoders.regression.train import save_model
 from encoders.regression.trained import TrainedModel
+from encoders.regression.training import save_model
 from models.errors import InputError
 from models.message import counted
 from sandbox.regress import statistics
 from sandbox.regress.baseline import Baseline, load_baseline, replaceable, update
 from sandbox.regress.comparison import level_of
 from sandbox.regress.execute import CRASHED, Processes, Serial
-from sandbox.regress.plan import ARMS, RegressionPlan, find_tasks, parse_seeds
-from sandbox.regress.report import Report, make_report, without_baseline
+from sandbox.regress.run_plan import ARMS, RegressionPlan, find_tasks, parse_seeds
+from sandbox.regress.run_report import Report, make_report, without_baseline
 from sandbox.system.files import check_whole
 from tasks.task import Task
 

@@ -10,13 +10,13 @@ from models import lazy_names  # before NumPy: `models` pins the BLAS kernel
 
 if TYPE_CHECKING:
     from models.scene import PaintedRing
-    from tasks.checks import check_task
     from tasks.custom_task import CustomTask, judge, two_places
     from tasks.guarded import draw_task
     from tasks.registry import find_task, task_names
     from tasks.score import Score, Status
     from tasks.sensing import Sensing
     from tasks.task import Goal, Measure, Task
+    from tasks.task_checks import check_task
     from tasks.user import Sight, User, UserConfiguration
 else:
     __getattr__ = lazy_names(
@@ -33,7 +33,7 @@ else:
             "Task": "tasks.task",
             "User": "tasks.user",
             "UserConfiguration": "tasks.user",
-            "check_task": "tasks.checks",
+            "check_task": "tasks.task_checks",
             "draw_task": "tasks.guarded",
             "find_task": "tasks.registry",
             "judge": "tasks.custom_task",

@@ -36,7 +36,7 @@ if package.__name__ == "models":
     for name in ROBOTS:
         find_robot(name)
 elif package.__name__ == "encoders":
-    from encoders.regression.registry import ENCODERS, find_encoder
+    from encoders.regression.encoder_registry import ENCODERS, find_encoder
     for name in ENCODERS:
         find_encoder(name)
 elif package.__name__ == "tasks":

@@ -15,7 +15,7 @@ from msgspec import Struct
 from models.frames import FINGERS
 from sandbox.devices.mouse import mouse
 from sandbox.server import protocol
-from sandbox.server.frames import KIND, POSE_BYTES, SKIN_KIND
+from sandbox.server.page_frames import KIND, POSE_BYTES, SKIN_KIND
 
 FILE = Path(__file__).resolve().parents[1] / "sandbox" / "views" / "page" / "src" / "protocol.ts"
 

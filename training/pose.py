@@ -21,8 +21,8 @@ from encoders.capture import Capture
 from encoders.correction import tip_targets
 from encoders.input_vector import contact_vectors
 from encoders.regression.bone_fit import DISTRUSTS
-from encoders.regression.train import rounded
 from encoders.regression.trained import POPULATION, PersonCorrection, TrainedModel
+from encoders.regression.training import rounded
 from encoders.regression.yaw_normalised import YawNormalisedEncoder, turned_root, yaw_of
 from encoders.validation import bounded_errors, error_product
 from models.arithmetic import Array

@@ -69,8 +69,8 @@ def _make_capture(out: Path, inputs: Inputs) -> None:
 
 
 def _make_polynomial(name: str, out: Path, inputs: Inputs) -> None:
-    from encoders.regression.train import save_model, train
     from encoders.regression.trained import POLYNOMIALS
+    from encoders.regression.training import save_model, train
     from encoders.store import load_capture
 
     # As it is read, in single precision.
@@ -84,7 +84,7 @@ def _to_train_on(inputs: Inputs) -> Population:
 
 
 def _make_population(out: Path, inputs: Inputs) -> None:
-    from encoders.regression.train import save_model
+    from encoders.regression.training import save_model
     from training.pose import train_population
 
     people = _to_train_on(inputs)

@@ -15,10 +15,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from encoders.capture import Capture
-from encoders.evaluation.errors import pose_errors
 from encoders.evaluation.labels import takes
 from encoders.evaluation.person_model import estimated
-from encoders.evaluation.report import block_interval
+from encoders.evaluation.pose_errors import pose_errors
+from encoders.evaluation.result_values import block_interval
 from encoders.labels.belief import BeliefLabels
 from encoders.regression.trained import TrainedModel
 from models.arithmetic import Array

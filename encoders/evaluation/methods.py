@@ -18,14 +18,14 @@ from encoders.input_vector import contact_vectors
 from encoders.labels.belief import builtin_population_belief
 from encoders.labels.labelling import Labeller
 from encoders.labels.paper import PaperLabels
-from encoders.regression.registry import (
+from encoders.regression.encoder_registry import (
     ENCODER_PLUGINS,
     ENCODERS,
     find_encoder,
     is_external,
 )
-from encoders.regression.train import predicted
 from encoders.regression.trained import TrainedModel, load_model
+from encoders.regression.training import predicted
 from models.arithmetic import Array
 from models.errors import EncoderError, InputError, unknown_name
 from models.pose import POSE_SIZE, absolute_pose

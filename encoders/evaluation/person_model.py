@@ -25,8 +25,8 @@ from encoders.reconstruction.hand_motion import PoseFilter, rigid_motion
 from encoders.regression.bone_fit import blocked_variance, fitted_skeleton, train_correction
 from encoders.regression.model_registry import cache_folder, keep_model
 from encoders.regression.polynomial import PolynomialEncoder
-from encoders.regression.train import blocked_predictions, origin, rounded
 from encoders.regression.trained import PersonCorrection, TrainedModel, load_model
+from encoders.regression.training import blocked_predictions, origin, rounded
 from encoders.regression.yaw_normalised import YawNormalisedEncoder
 from encoders.validation import error_product, robust_covariance
 from models.arithmetic import Array

@@ -21,8 +21,8 @@ from encoders.paalm.calibration import (
 )
 from encoders.paalm.hand_pose import PALM_CENTRE
 from encoders.paalm.identity import HandSides
+from encoders.paalm.joint_angles import Paalm, stacked_hands
 from encoders.paalm.options import Hands, PaalmOptions
-from encoders.paalm.paalm import Paalm, stacked_hands
 from encoders.paalm.rig import bone_lengths, with_palm_shift
 from encoders.paalm.seen_palm import FIRST_SHIFT
 from models.arithmetic import Array, squared_lengths

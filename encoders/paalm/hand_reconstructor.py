@@ -13,7 +13,7 @@ import numpy as np
 
 from encoders.paalm.average import average_calibration
 from encoders.paalm.hand_pose import hand_pose
-from encoders.paalm.paalm import Paalm, PaalmHand
+from encoders.paalm.joint_angles import Paalm, PaalmHand
 from encoders.paalm.palm import Palm
 from encoders.reconstruction.followed_hand import FollowedHand, FollowingSettings
 from encoders.reconstruction.hand_motion import RateLimit

@@ -38,7 +38,7 @@ class PaalmOptions:
             it learns the position of the palm (`encoders.paalm.seen_palm`).
         smoothing: Time constant (s) of the smoothing of lengths and directions; 0 switches it off.
         longest: Upper limit (s) of this time constant, which grows with the device's noise for each
-            finger (`encoders.paalm.paalm`).
+            finger (`encoders.paalm.joint_angles`).
     """
 
     identity: Literal["paper", "tracked"] = "tracked"

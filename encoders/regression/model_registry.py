@@ -20,7 +20,7 @@ from time import perf_counter
 from typing import TYPE_CHECKING
 
 from encoders.encoder import Encoder
-from encoders.regression.registry import (
+from encoders.regression.encoder_registry import (
     ENCODER_PLUGINS,
     find_encoder,
     is_external,
@@ -163,7 +163,7 @@ def _trained(kind: type[Encoder], tell: Callable[[str], None]) -> TrainedModel:
             return load_model(kept, builtin_capture())
         except EncoderError as error:
             tell(f"a kept model cannot be used: {error}")
-    from encoders.regression.train import train_encoder
+    from encoders.regression.training import train_encoder
 
     tell(f"training {kind.__qualname__} on the built-in capture of a simulated subject")
     began = perf_counter()
@@ -202,7 +202,7 @@ def keep_model(model: TrainedModel, path: Path) -> str:
     Returns:
         The rest of a message: the model's place, or the reason why it could not be written.
     """
-    from encoders.regression.train import save_model
+    from encoders.regression.training import save_model
 
     try:
         path.parent.mkdir(parents=True, exist_ok=True)

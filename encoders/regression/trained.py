@@ -1,7 +1,7 @@
 """Trained models: an encoder with the covariance of its errors and its training data.
 
-A model is read from its file here; `encoders.regression.train` trains and writes it. The built-in
-models are trained on a capture of the *simulated* subject, not on people.
+A model is read from its file here; `encoders.regression.training` trains and writes it. The
+built-in models are trained on a capture of the *simulated* subject, not on people.
 """
 
 from __future__ import annotations
@@ -22,14 +22,14 @@ from encoders.correction import tip_targets
 from encoders.encoder import Encoder
 from encoders.input_vector import CONTACT_VECTOR_SIZE
 from encoders.npz import read_npz
-from encoders.regression.polynomial import is_ridge
-from encoders.regression.registry import (
+from encoders.regression.encoder_registry import (
     ENCODER_PLUGINS,
     ENCODERS,
     builtin_name,
     find_encoder,
     source_digest,
 )
+from encoders.regression.polynomial import is_ridge
 from models.arithmetic import Array
 from models.errors import EncoderError
 from models.frames import FINGERS
@@ -318,7 +318,7 @@ def restored(
 
 
 def _class_of_origin(source: Mapping[str, Any]) -> type[Encoder]:
-    """Loads the class of an origin in a header (`encoders.regression.registry.origin`).
+    """Loads the class of an origin in a header (`encoders.regression.encoder_registry.origin`).
 
     Raises:
         EncoderError: The class does not exist on this machine.

@@ -21,8 +21,8 @@ from models.motion.armature import Armature, Keys
 from models.motion.output import MotionWriter, checked_rate, refused
 from models.pose import POSE_SIZE
 from models.rotations import matrix_to_quaternion
-from models.skin.gltf import FLOAT, GlbArrays, inverse_binds, material, primitive
 from models.skin.skin import Skin, frames
+from models.skin.skinned_glb import FLOAT, GlbArrays, inverse_binds, material, primitive
 
 UP = [-float(np.sqrt(0.5)), 0.0, 0.0, float(np.sqrt(0.5))]
 """Quaternion x, y, z, w of the node that turns our z axis up into glTF's y."""

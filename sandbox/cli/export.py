@@ -198,7 +198,7 @@ def _data_set(options: ExportOptions, console: Console, errors: Console) -> int:
             got=options.name or "nothing",
             expected=f"such as {such}" if such else "no --name",
         )
-    from sandbox.datasets.export import export_data_set
+    from sandbox.datasets.written_data_set import export_data_set
 
     notes: list[str] = []
     found = [file for name in options.file for file in _recordings(name, options.out, notes)]

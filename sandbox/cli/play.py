@@ -17,8 +17,8 @@ from sandbox.devices.registry import LIVE_HEADSET as LIVE
 from sandbox.devices.registry import is_in_air
 from sandbox.hand.profiles import DEFAULT, default_path, find_profile, uses_touch_profile
 from sandbox.play.own_profile import Learner, with_measured_hand, with_usable_profile
-from sandbox.play.page import play_on_page
-from sandbox.play.play import checked_limit
+from sandbox.play.page_play import play_on_page
+from sandbox.play.player_requests import checked_limit
 from sandbox.server.page_options import PageOptions
 from sandbox.trial.trial_options import (
     COMMON,
@@ -117,7 +117,7 @@ def main(argv: list[str]) -> int:
         )
     if uses_touch_profile(options):
         console.print(f"profile: {find_profile(str(options.profile)).line}")
-    from sandbox.play.window import play_in_window
+    from sandbox.play.window_play import play_in_window
 
     with streaming(options.lsl, console):
         return play_in_window(options, options, limit, console, learner)

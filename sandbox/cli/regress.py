@@ -31,8 +31,8 @@ from sandbox.trial.trial_options import (
 if TYPE_CHECKING:
     from sandbox.regress.baseline import Baseline
     from sandbox.regress.execute import Executor, Interrupt, Trial
-    from sandbox.regress.plan import RegressionPlan, TrialJob
-    from sandbox.regress.report import Report
+    from sandbox.regress.run_plan import RegressionPlan, TrialJob
+    from sandbox.regress.run_report import Report
     from sandbox.regress.sweep import Runner
     from sandbox.regress.trials_file import TrialsFile
 
@@ -153,10 +153,10 @@ def main(argv: list[str]) -> int:
     """Runs `sandbox regress ...`."""
     options = _parsed(argv)
     _check(options)
+    from sandbox.regress.console_report import show
     from sandbox.regress.execute import Interrupt
-    from sandbox.regress.plan import ARMS, PLAIN, RegressionPlan, find_tasks, parse_seeds
-    from sandbox.regress.report import make_report, markdown, save_junit
-    from sandbox.regress.show import show
+    from sandbox.regress.run_plan import ARMS, PLAIN, RegressionPlan, find_tasks, parse_seeds
+    from sandbox.regress.run_report import make_report, markdown, save_junit
     from sandbox.system.files import write_whole
 
     plan = RegressionPlan(
@@ -217,7 +217,7 @@ def main(argv: list[str]) -> int:
             if options.markdown is not None:
                 write_whole(options.markdown, markdown(report), "--markdown")
             if options.film_lost is not None and old is not None:
-                from sandbox.regress.show import film_lost
+                from sandbox.regress.console_report import film_lost
 
                 film_lost(report, old, options.film_lost)
             passed = report.passed if report.complete else None
@@ -251,7 +251,7 @@ def margins(texts: Sequence[str]) -> dict[str, float]:
     Raises:
         InputError: A measure does not decide or does not exist, or a margin has no unit.
     """
-    from sandbox.regress.measures import DECIDING
+    from sandbox.regress.compared_measures import DECIDING
 
     found = {}
     for text in texts:
@@ -430,7 +430,7 @@ def _run(
         named: They are a part of a run, whose progress names its tasks and its variation.
         changed: Changes every trial.
     """
-    from sandbox.regress.show import progress_lines
+    from sandbox.regress.console_report import progress_lines
 
     trials = kept.ended(plan) if kept is not None else []
     ended = {(t["task"], t["seed"]) for t in trials}
@@ -461,7 +461,7 @@ def _run(
 
 def _repeated(plan: RegressionPlan, executor: Executor, interrupt: Interrupt) -> list[Trial]:
     """Some of a plan's trials with a change that makes nothing harder."""
-    from sandbox.regress.power import REPEATS, repeated
+    from sandbox.regress.detectable_changes import REPEATS, repeated
 
     again = replace(plan, seeds=plan.seeds[:REPEATS], record=None)
     return _run(again, executor=executor, interrupt=interrupt, kept=None, changed=repeated)
@@ -471,9 +471,9 @@ def _show_power(
     options: RegressOptions, plan: RegressionPlan, baseline: Baseline, console: Console
 ) -> int:
     """Prints what a comparison with a baseline would find, and what it would cost."""
+    from sandbox.regress.console_report import show_power
+    from sandbox.regress.detectable_changes import power_of
     from sandbox.regress.execute import run_job
-    from sandbox.regress.power import power_of
-    from sandbox.regress.show import show_power
 
     rows = power_of(baseline, plan.names, plan.seeds, plan.time_limits())
     jobs = plan.jobs()[: len(plan.names)]
@@ -557,7 +557,7 @@ def check_vary(options: RegressOptions) -> None:
         )
     parse_variations(options.vary)
     if options.plot is not None:
-        from sandbox.figures.variation import check_plot
+        from sandbox.figures.variation_plot import check_plot
 
         check_plot(options.plot)
 
@@ -578,7 +578,7 @@ def run_vary(
         run: Runs a plan's trials.
         console: For people.
     """
-    from sandbox.regress.show import show_crashes, show_sweep
+    from sandbox.regress.console_report import show_crashes, show_sweep
     from sandbox.regress.sweep import parse_variations, sweep
     from sandbox.system.files import write_whole
 
@@ -601,7 +601,7 @@ def run_vary(
         else:
             write_whole(options.json, text + "\n", "--json")
     if options.plot is not None:
-        from sandbox.figures.variation import draw, save_plot
+        from sandbox.figures.variation_plot import draw, save_plot
 
         save_plot(draw(result), options.plot)
     return not crashes.too_many if result.complete else None

@@ -17,7 +17,7 @@ from sandbox.cli.common.command_line import parse
 from sandbox.cli.common.json_out import TERMINAL, check_output, printing, refuse_same, write_json
 from sandbox.cli.common.lsl_options import LslOptions, streaming
 from sandbox.devices.device import Device
-from sandbox.play.play import NoticePrinter, address_line, report_end
+from sandbox.play.player_requests import NoticePrinter, address_line, report_end
 from sandbox.session.messages import Snapshot
 from sandbox.session.session import Session
 from sandbox.system.ending import ending_as_by_ctrl_c
@@ -164,7 +164,7 @@ def _run(options: RunOptions, chosen: Settings, events: EventLog, console: Conso
                 views.append(closing.enter_context(drawn).show)
             if options.motion:
                 # This import loads all formats of motion files.
-                from sandbox.export.view import MotionView
+                from sandbox.export.motion_view import MotionView
 
                 views.append(closing.enter_context(MotionView(options.motion, session)).show)
             return views

@@ -37,8 +37,8 @@ from sandbox.export.motion_source import MotionSource
 from sandbox.export.sources import open_source
 from sandbox.recording.recording import is_recording
 from sandbox.server.page_options import PageOptions
+from sandbox.stream.hand_sources import StreamPace, StreamPlayer
 from sandbox.stream.lines import BLENDER, MAYA, MAYA_MEL, StreamTarget
-from sandbox.stream.motion import StreamPace, StreamPlayer
 from sandbox.stream.sender import Moment, Sender, parse_address
 from sandbox.study.record.trial_files import find_recordings
 from sandbox.system.ending import heeding
@@ -308,7 +308,7 @@ def _open(
         yield _recorded(options, path), False
         return
     # This import loads the simulation, which recordings do not need.
-    from sandbox.stream.motion import source_of_leap, source_of_session
+    from sandbox.stream.hand_sources import source_of_leap, source_of_session
 
     if straight and options.device == LEAP:
         device = open_leap(options.leap, tell=True)

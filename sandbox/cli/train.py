@@ -14,9 +14,9 @@ from rich.progress import Progress
 
 from encoders.capture import Capture
 from encoders.evaluation.person_model import train_person
-from encoders.regression.registry import find_encoder
-from encoders.regression.train import save_model, train, train_encoder
+from encoders.regression.encoder_registry import find_encoder
 from encoders.regression.trained import TrainedModel, builtin_capture
+from encoders.regression.training import save_model, train, train_encoder
 from encoders.store import load_capture
 from models.errors import InputError
 from sandbox.cli.common.command_line import parse

@@ -14,7 +14,7 @@ from models.arithmetic import Array
 from models.errors import InputError
 
 if TYPE_CHECKING:
-    from sandbox.datasets.demonstration import Demonstration
+    from sandbox.datasets.played_trial import Demonstration
 
 
 @dataclass(frozen=True)

@@ -22,7 +22,7 @@ from models.errors import InputError
 from models.frames import FINGERS
 from models.scene import CONTROL_PERIOD
 from sandbox.datasets.data_set import DataSet, check_schema
-from sandbox.datasets.demonstration import Demonstration
+from sandbox.datasets.played_trial import Demonstration
 from sandbox.recording.versions import versions
 
 RATE = 1.0 / CONTROL_PERIOD

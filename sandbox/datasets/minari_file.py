@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from models.errors import InputError
-from sandbox.datasets.demonstration import Demonstration
+from sandbox.datasets.played_trial import Demonstration
 from sandbox.recording.versions import versions
 
 _NAME = re.compile(r"(?![\w-]/[^/]*$)([\w-]+/)*[\w-]+-v\d+")

@@ -13,7 +13,7 @@ import numpy as np
 from models.arithmetic import Array
 from models.errors import InputError
 from sandbox.datasets.data_set import DataSet, check_schema
-from sandbox.datasets.demonstration import Demonstration
+from sandbox.datasets.played_trial import Demonstration
 
 KIND, SCHEMA = "hand sandbox demonstrations", 2
 OBSERVATION = "observation."

@@ -101,7 +101,7 @@ class HandInput:
         """
         from encoders.paalm.calibration_file import calibration_from_json
         from encoders.paalm.hand_reconstructor import HandReconstructor, HandReconstructorSettings
-        from encoders.paalm.paalm import Paalm
+        from encoders.paalm.joint_angles import Paalm
 
         _check_seat(person, surface)
         paalm = Paalm()

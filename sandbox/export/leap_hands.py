@@ -12,7 +12,7 @@ from math import inf
 
 from encoders.paalm.calibration import HandCalibration
 from encoders.paalm.hand_reconstructor import HandReconstructor, HandReconstructorSettings
-from encoders.paalm.paalm import Paalm
+from encoders.paalm.joint_angles import Paalm
 from encoders.reconstruction.hand_motion import RateLimit
 from models.frames import SIDES, HandFrame
 from models.motion.armature import Armature

@@ -19,7 +19,7 @@ from encoders.paalm.average import (
 from encoders.paalm.calibration import HandCalibration
 from encoders.paalm.calibration_file import read_hand
 from encoders.paalm.hand_reconstructor import HandReconstructor
-from encoders.paalm.paalm import Paalm
+from encoders.paalm.joint_angles import Paalm
 from encoders.reconstruction.hand_motion import Phase
 from models.arithmetic import Array
 from models.errors import EncoderError, InputError, RecordingError

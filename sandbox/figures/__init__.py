@@ -13,7 +13,7 @@ from sandbox.figures.charts import need_matplotlib as need_matplotlib
 from sandbox.figures.charts import save
 
 if TYPE_CHECKING:
-    from encoders.evaluation.measure import MethodResult, Tests
+    from encoders.evaluation.measure_method import MethodResult, Tests
 
 
 def draw_all(
@@ -26,7 +26,7 @@ def draw_all(
 
     Args:
         folder: An existing folder.
-        report: Report from `encoders.evaluation.report`.
+        report: Report from `encoders.evaluation.result_values`.
         results: Results of the same methods; hands are drawn from their poses.
         tests: The test captures.
 

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from encoders.evaluation.paper import row
+from encoders.evaluation.paper_results import row
 from models.errors import InputError
 
 if TYPE_CHECKING:

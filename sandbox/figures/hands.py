@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from encoders.evaluation.measure import TRUE, MethodResult, Tests
+from encoders.evaluation.measure_method import TRUE, MethodResult, Tests
 from models.arithmetic import Array
 from models.kinematics import Kinematics
 from models.pose import ROOT_ROTATION

@@ -16,7 +16,7 @@ from models.rotations import exp
 from models.skeleton import Skeleton
 from models.surface import Surface
 from sandbox.devices.device import Device
-from sandbox.gym.options import EnvOptions
+from sandbox.gym.environment_options import EnvOptions
 from sandbox.session.messages import HandView
 
 SLOTS = len(FINGERS)

@@ -18,8 +18,7 @@ from models.scene import CONTROL_PERIOD
 from models.skeleton import ADULT
 from models.surface import Surface
 from sandbox.gym.actions import Hands, PoseHands, TouchHands
-from sandbox.gym.observation import Moment, Observing, Pictures, check_counts, slot_labels
-from sandbox.gym.options import (
+from sandbox.gym.environment_options import (
     LABELS,
     STEP,
     TRUE_LABELS,
@@ -29,6 +28,7 @@ from sandbox.gym.options import (
     observed_parts,
     run_settings,
 )
+from sandbox.gym.observation import Moment, Observing, Pictures, check_counts, slot_labels
 from sandbox.gym.rewards import Reward, goal_observation, goal_reward, goal_space
 from sandbox.session.messages import Snapshot
 from sandbox.session.session import Session
@@ -91,7 +91,7 @@ class HandSandboxEnv(gymnasium.Env[Observation, Array]):
 
     Args:
         task: Name of the task, or its place such as `FILE.py:Class`.
-        action: One of `sandbox.gym.options.ACTIONS`.
+        action: One of `sandbox.gym.environment_options.ACTIONS`.
         labels: One of `LABELS` there: what labels the touches, or `true`, by which the touch in a
             finger's slot is that finger's. None takes that of the settings.
         observe: Names of `OBSERVED` there that are seen besides, or `all`.
@@ -189,7 +189,7 @@ class HandSandboxEnv(gymnasium.Env[Observation, Array]):
         Args:
             seed: Seed of the trial; None draws one.
             options: Of this trial only: `near`, `size`, `mass`, `friction`, `start` (see
-                `sandbox.gym.options.Curriculum`).
+                `sandbox.gym.environment_options.Curriculum`).
 
         Raises:
             InputError: An option is unknown or not allowed, or the trial has another number of

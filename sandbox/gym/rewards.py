@@ -29,7 +29,7 @@ class Reward:
     to the nearest object. Going back costs what coming gave.
 
     Args:
-        kind: One of `sandbox.gym.options.REWARDS`.
+        kind: One of `sandbox.gym.environment_options.REWARDS`.
         snapshot: The beginning of the episode.
         progress: The task's progress then.
     """

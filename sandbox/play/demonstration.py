@@ -21,7 +21,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from sandbox.server.frames import BodyKinematics, pack, state_of
+from sandbox.server.page_frames import BodyKinematics, pack, state_of
 from sandbox.server.protocol import DEMONSTRATION_KIND, PROTOCOL
 from sandbox.session.messages import ObjectView, Snapshot
 from sandbox.session.session import Session

@@ -14,7 +14,7 @@ from models.surface import Surface, parse_surface
 from sandbox.cli.common.touch_options import TouchOptions
 from sandbox.devices.device import Device
 from sandbox.play.pages import open_page, show_address
-from sandbox.server.frames import describe_scene
+from sandbox.server.page_frames import describe_scene
 from sandbox.server.page_server import PageServer
 from sandbox.server.screen import rectangle
 from sandbox.server.web import WebDevice

@@ -16,7 +16,7 @@ from sandbox.devices.device import DeviceWrapper
 from sandbox.hand.profiles import default_path
 from sandbox.recording.versions import versions
 from sandbox.server.access import stored_token
-from sandbox.server.frames import describe_scene, pack_skin
+from sandbox.server.page_frames import describe_scene, pack_skin
 from sandbox.server.page_options import LOOPBACK, PageOptions, code, hints
 from sandbox.server.page_server import PageServer, tls_context
 from sandbox.server.protocol import StudyView, TaskName

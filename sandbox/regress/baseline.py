@@ -15,7 +15,7 @@ from msgspec import Struct, structs, to_builtins
 from models.errors import InputError
 from models.json_input import check_layout, decoded, read_bytes
 from sandbox.regress.execute import CRASHED, Trial
-from sandbox.regress.plan import ENCODER, Origin, flat, setting_of
+from sandbox.regress.run_plan import ENCODER, Origin, flat, setting_of
 from sandbox.system.files import OPEN, Release, lock, resolved, write_whole
 from sandbox.trial.result import ResultRecord, record_fields
 
@@ -35,8 +35,8 @@ class BaselineTrial(Struct, frozen=True, array_like=True):
 
     Attributes:
         success, progress, time_s, state_hash: Fields of the trial's result.
-        measures: Further measures by name (`sandbox.regress.measures`); empty in a baseline from
-            before these measures existed.
+        measures: Further measures by name (`sandbox.regress.compared_measures`); empty in a
+            baseline from before these measures existed.
     """
 
     success: bool

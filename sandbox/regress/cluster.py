@@ -22,7 +22,7 @@ from sandbox.regress.execute import (
     attempt,
     crashed,
 )
-from sandbox.regress.plan import TrialJob
+from sandbox.regress.run_plan import TrialJob
 from sandbox.trial.driver import never
 
 CONNECT_TIMEOUT = 5.0

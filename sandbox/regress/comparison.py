@@ -16,9 +16,9 @@ from typing import TYPE_CHECKING, Any
 
 from sandbox.recording.versions import differing_parts
 from sandbox.regress import statistics
+from sandbox.regress.compared_measures import DECIDING, MEASURES, SUCCESS, TIME, pairs
 from sandbox.regress.execute import CRASHED, Trial
-from sandbox.regress.measures import DECIDING, MEASURES, SUCCESS, TIME, pairs
-from sandbox.regress.plan import arm_of, row_name, setting_of
+from sandbox.regress.run_plan import arm_of, row_name, setting_of
 
 if TYPE_CHECKING:
     from sandbox.regress.baseline import Baseline, BaselineTask

@@ -24,8 +24,8 @@ from typing import Any, Protocol
 from models.errors import HandSandboxError, InputError
 from sandbox.devices.device import Closeable
 from sandbox.recording.versions import decisive_parts
-from sandbox.regress.measures import HandMeter
-from sandbox.regress.plan import TrialJob, registered
+from sandbox.regress.compared_measures import HandMeter
+from sandbox.regress.run_plan import TrialJob, registered
 from sandbox.trial.assembly import load_encoder
 from sandbox.trial.driver import never, play_trial
 from sandbox.trial.result import ResultRecord, record_fields

@@ -15,8 +15,8 @@ from models.errors import InputError
 from models.message import counted
 from sandbox.regress import statistics
 from sandbox.regress.execute import Trial, is_own_fault
-from sandbox.regress.plan import RegressionPlan, registered
-from sandbox.regress.report import Crashes, TaskResult
+from sandbox.regress.run_plan import RegressionPlan, registered
+from sandbox.regress.run_report import Crashes, TaskResult
 from sandbox.trial.assembly import drawn
 from sandbox.trial.trial_options import Kind, find_kind, parse_value
 

@@ -28,7 +28,7 @@ from sandbox.recording.versions import (
     versions,
 )
 from sandbox.regress.execute import CRASHED, Trial
-from sandbox.regress.plan import RegressionPlan, flat
+from sandbox.regress.run_plan import RegressionPlan, flat
 from sandbox.system.files import OPEN, Release, lock
 
 KIND = "trials of sandbox regress"

@@ -21,7 +21,7 @@ from websockets.exceptions import ConnectionClosed
 
 from models.errors import InputError
 from sandbox.server.access import Counters
-from sandbox.server.frames import number_frame
+from sandbox.server.page_frames import number_frame
 from sandbox.server.protocol import (
     CREDIT,
     PROTOCOL,

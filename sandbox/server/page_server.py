@@ -23,7 +23,7 @@ from websockets.http11 import Request, Response
 from models.errors import InputError
 from models.scene import Scene as SimulatedScene
 from sandbox.server.clients import MOST_CLIENTS, Clients
-from sandbox.server.frames import (
+from sandbox.server.page_frames import (
     BodyKinematics,
     localised,
     pack,
@@ -197,7 +197,7 @@ class PageServer(ServerThread):
             message: Message to the page.
             scene: The compiled scene, which is only read.
             device: Device for the player's touches; None for a page without touches.
-            skins: Skins of its hands, from `sandbox.server.frames`; without them, the page
+            skins: Skins of its hands, from `sandbox.server.page_frames`; without them, the page
                 shows bones.
             own: Index of the hand that touches this page, if others touch elsewhere; else None.
         """

@@ -1,7 +1,7 @@
 """Messages between server and page. The page's TypeScript types are generated from this file.
 
 From the page: JSON texts, one message each, tagged by `type`. To the page: JSON texts for events,
-and binary frames for motion (see `sandbox.server.frames`). Every message is checked whole
+and binary frames for motion (see `sandbox.server.page_frames`). Every message is checked whole
 against the types here; an invalid one is refused, counted, and changes nothing. `Allowance` limits
 how many are accepted.
 """
@@ -53,7 +53,7 @@ NOTCH_PX = 100.0
 
 DEMONSTRATION_KIND = 3
 """Kind of a binary message with the frames of a demonstration (`sandbox.play.demonstration`); see
-`sandbox.server.frames` for the others."""
+`sandbox.server.page_frames` for the others."""
 
 
 class Allowance:

@@ -8,7 +8,7 @@ from models.arithmetic import Array
 from models.errors import DeviceError
 from sandbox.devices.device import Closeable
 from sandbox.session.session import Session
-from sandbox.stream.motion import follow
+from sandbox.stream.hand_sources import follow
 from sandbox.trial.driver import RealTime, Trial
 
 

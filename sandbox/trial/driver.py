@@ -26,7 +26,7 @@ import numpy as np
 from numpy.typing import NDArray
 from threadpoolctl import threadpool_limits
 
-from encoders.regression.registry import origin as encoder_origin
+from encoders.regression.encoder_registry import origin as encoder_origin
 from models.errors import DivergenceError, RecordingError
 from models.scene import CONTROL_PERIOD
 from sandbox.recording.recorded_task import task_origin

@@ -18,8 +18,8 @@ from typing import Annotated, Any, Literal, Union, get_args, get_origin, get_typ
 import msgspec
 
 from encoders.labels.finger_use import parse_finger_sets
+from encoders.regression.encoder_registry import find_encoder
 from encoders.regression.model_registry import DEFAULT_MODEL
-from encoders.regression.registry import find_encoder
 from models.errors import InputError, RecordingError
 from models.hand import IMPULSE_PROFILES
 from models.json_input import in_plain_words

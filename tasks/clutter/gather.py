@@ -19,8 +19,8 @@ from models.scene import PaintedRing
 from models.surface import Surface
 from tasks.sensing import Sensing
 from tasks.simulated_user.grasp import wrapped
-from tasks.simulated_user.hand import beyond_border, stopped_at_border
 from tasks.simulated_user.user import SkilledUser
+from tasks.simulated_user.user_hand import beyond_border, stopped_at_border
 from tasks.task import Goal, Measure, TaskDefaults
 from tasks.user import Sight, UserConfiguration, UserMaker
 

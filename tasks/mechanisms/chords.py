@@ -26,7 +26,7 @@ from models.message import Message
 from models.objects import MechanismPart, SceneObject
 from models.surface import Surface
 from tasks.sensing import Sensing
-from tasks.simulated_user.hand import Fingers, Hand
+from tasks.simulated_user.user_hand import Fingers, Hand
 from tasks.simulated_user.view import Eye
 from tasks.task import Goal, Measure, TaskDefaults
 from tasks.user import FingersKnown, SeenObject, Sight, UserConfiguration, UserMaker

@@ -21,8 +21,8 @@ from models.objects import SceneObject
 from models.surface import Surface
 from tasks.sensing import Sensing
 from tasks.simulated_user.grasp import Grasp, wrapped
-from tasks.simulated_user.hand import Hand
 from tasks.simulated_user.user import SkilledUser
+from tasks.simulated_user.user_hand import Hand
 from tasks.task import Goal, Measure, TaskDefaults
 from tasks.user import SeenObject, Sight, UserMaker
 

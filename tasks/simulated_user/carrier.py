@@ -17,9 +17,9 @@ from models.frames import TouchFrame
 from models.objects import Box, Tray
 from models.surface import Surface
 from tasks.simulated_user.grasp import Grasp, grasp_across, wrapped
-from tasks.simulated_user.hand import Hand
 from tasks.simulated_user.handling import BoxHandling
 from tasks.simulated_user.user import SkilledUser, Slider
+from tasks.simulated_user.user_hand import Hand
 from tasks.task import Goal
 from tasks.user import SeenObject, Sight, UserConfiguration
 

@@ -14,7 +14,7 @@ import numpy as np
 from models.arithmetic import Array
 from models.objects import Box, Wrench
 from models.surface import Surface
-from tasks.simulated_user.hand import Hand, beyond_border
+from tasks.simulated_user.user_hand import Hand, beyond_border
 from tasks.user import SeenObject
 
 _TIP_RADIUS = 0.007

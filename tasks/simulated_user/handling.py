@@ -15,7 +15,7 @@ from models.arithmetic import Array, small_product
 from models.errors import InputError
 from models.objects import JAW, Box, SceneObject, Wrench
 from tasks.simulated_user.grasp import Grasp, choose_grasp, choose_handle_grasp, within_comfort
-from tasks.simulated_user.hand import Hand
+from tasks.simulated_user.user_hand import Hand
 from tasks.task import Goal
 from tasks.user import SeenObject
 

@@ -22,9 +22,9 @@ from models.frames import TouchFrame
 from models.objects import Box
 from models.surface import Surface
 from tasks.simulated_user.grasp import Grasp, Surroundings, grasp_across, roomiest_grasp
-from tasks.simulated_user.hand import Hand
 from tasks.simulated_user.handling import BoxHandling
 from tasks.simulated_user.user import SkilledUser, Slider
+from tasks.simulated_user.user_hand import Hand
 from tasks.task import Goal, flat_yaw
 from tasks.user import SeenObject, Sight, UserConfiguration
 

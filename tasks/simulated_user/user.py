@@ -15,8 +15,14 @@ from models.arithmetic import Array, length, squared_lengths
 from models.frames import TouchFrame
 from models.surface import Surface
 from tasks.simulated_user.grasp import Grasp
-from tasks.simulated_user.hand import Fingers, Hand, beyond_border, minimum_jerk, stopped_at_border
 from tasks.simulated_user.handling import Handling, handling_of
+from tasks.simulated_user.user_hand import (
+    Fingers,
+    Hand,
+    beyond_border,
+    minimum_jerk,
+    stopped_at_border,
+)
 from tasks.simulated_user.view import Eye
 from tasks.user import FingersKnown, SeenObject, Sight, UserConfiguration
 

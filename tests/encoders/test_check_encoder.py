@@ -8,7 +8,7 @@ from numpy.typing import ArrayLike
 
 from encoders import check_encoder
 from encoders.capture import Capture
-from encoders.regression.registry import ENCODERS
+from encoders.regression.encoder_registry import ENCODERS
 from encoders.regression.trained import builtin_capture
 from models.arithmetic import Array
 from models.errors import EncoderError

@@ -15,9 +15,7 @@ from numpy.typing import ArrayLike
 from encoders.capture import Capture
 from encoders.encoder import Encoder
 from encoders.evaluation.methods import Training
-from encoders.regression.model_registry import cache_folder, find_model, pca_ik_model
-from encoders.regression.pca_ik import PcaIkEncoder
-from encoders.regression.registry import (
+from encoders.regression.encoder_registry import (
     ENCODERS,
     builtin_name,
     find_encoder,
@@ -25,8 +23,10 @@ from encoders.regression.registry import (
     origin,
     source_digest,
 )
-from encoders.regression.train import save_model, train_encoder
+from encoders.regression.model_registry import cache_folder, find_model, pca_ik_model
+from encoders.regression.pca_ik import PcaIkEncoder
 from encoders.regression.trained import builtin_capture, load_model
+from encoders.regression.training import save_model, train_encoder
 from encoders.store import save_capture
 from models.arithmetic import Array
 from models.errors import EncoderError, RecordingError

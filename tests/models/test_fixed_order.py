@@ -51,13 +51,13 @@ APART = {
     "encoders/person/hand_size.py": "a profile's file holds the result",
     "encoders/regression/bone_fit.py": "training",
     "encoders/regression/least_squares.py": "training",
-    "encoders/regression/train.py": "training",
+    "encoders/regression/training.py": "training",
     "encoders/regression/trained.py": "training; what ships is stored",
     "encoders/validation.py": "training",
     "sandbox/session/contact_forces.py": "what views say about a grip",
     "models/robot/mapping_fit.py": "a mapping's file holds the result",
     "models/person.py": "turns by quarters, whose products are exact in any order",
-    "tasks/checks.py": "checks of a draw",
+    "tasks/task_checks.py": "checks of a draw",
     "tasks/guarded.py": "checks of a draw",
 }
 """Files of these rooms that make no state, and what they are for."""

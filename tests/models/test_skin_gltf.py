@@ -14,8 +14,8 @@ from numpy.typing import NDArray
 from models.errors import InputError
 from models.pose import POSE_SIZE
 from models.skeleton import ADULT
-from models.skin.gltf import glb, main, write_glb
 from models.skin.skin import Skin, frames
+from models.skin.skinned_glb import glb, main, write_glb
 from training.skin.weights import random_poses
 
 

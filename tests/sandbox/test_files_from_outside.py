@@ -23,8 +23,8 @@ from sandbox.devices.files.touch_log_file import read_touch_log
 from sandbox.devices.tuio.touch_capture import read_capture
 from sandbox.hand.profiles import load_profile
 from sandbox.regress.baseline import Baseline, BaselineTask, BaselineTrial, load_baseline
-from sandbox.regress.plan import Origin
-from sandbox.study.record.chain import chained
+from sandbox.regress.run_plan import Origin
+from sandbox.study.record.hash_chain import chained
 from sandbox.study.record.journal import read_journal
 from sandbox.study.record.notes import read_notes
 from sandbox.study.record.state import SessionState

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from functools import cache
 
-from encoders.evaluation.paalm import calibrated_on
+from encoders.evaluation.paalm_errors import calibrated_on
 from encoders.paalm import Paalm, PaalmOptions
 from encoders.paalm.simulated.air import FROZEN_AIR, simulate_air
 from encoders.paalm.simulated.forward import PRINTED_LEAP, LeapTake, leap_take

@@ -22,7 +22,7 @@ from sandbox.study.measures.arrays import TrialArrays
 from sandbox.study.measures.measures import Measured, measure_trial
 from sandbox.study.measures.movement import throughput
 from sandbox.study.run.players import HeadlessPlayer, PlayedAttempt, TrialRequest
-from sandbox.study.run.simulate import simulated_hand
+from sandbox.study.run.simulated_study import simulated_hand
 from tasks.registry import TASKS, find_task
 from tasks.user import UserConfiguration
 

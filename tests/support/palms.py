@@ -25,7 +25,7 @@ from sandbox.trial.assembly import load_encoder, make_labeller, reconstructor_se
 from sandbox.trial.trial_options import TrialOptions, trial_settings
 from tasks.clutter.books import EDGE, Books
 from tasks.simulated_user.grasp import grasp_across
-from tasks.simulated_user.hand import Hand as PersonsHand
+from tasks.simulated_user.user_hand import Hand as PersonsHand
 from tasks.task import place_surface
 from tasks.user import UserConfiguration
 

@@ -20,7 +20,7 @@ from sandbox.study.record.folder import SIMULATED, StudyFolder
 from sandbox.study.record.journal import read_journal
 from sandbox.study.record.stored_sessions import session_path
 from sandbox.study.run.decisions import losses
-from sandbox.study.run.simulate import run_simulated
+from sandbox.study.run.simulated_study import run_simulated
 from sandbox.study.share import verify as verification
 from sandbox.study.tables.tables import make_tables
 from tests.support.needs import require

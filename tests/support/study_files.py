@@ -15,7 +15,7 @@ import numpy as np
 
 from sandbox.study.design.design import Design
 from sandbox.study.design.design_file import parse_design
-from sandbox.study.design.plan import session_plan, trials_of
+from sandbox.study.design.session_plan import session_plan, trials_of
 from sandbox.study.record.folder import SIMULATED, Participant, StudyFolder
 from sandbox.study.record.journal import read_journal
 from sandbox.study.record.session_folder import SessionFolder
@@ -26,7 +26,7 @@ from sandbox.study.run.controls import Controls
 from sandbox.study.run.forms import Forms
 from sandbox.study.run.players import HeadlessPlayer
 from sandbox.study.run.runner import SessionRunner
-from sandbox.study.run.simulate import simulated_devices
+from sandbox.study.run.simulated_study import simulated_devices
 from sandbox.study.tables.trial_table import trial_rows
 from sandbox.trial.result import TrialResult
 from tasks.score import Status

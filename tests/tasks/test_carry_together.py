@@ -20,7 +20,7 @@ from sandbox.cli.main import main
 from sandbox.devices.hand_input import HandInput
 from sandbox.devices.simulated.simulated import SimulatedDevice
 from sandbox.recording.recording import Recording, load_recording
-from sandbox.regress.plan import RegressionPlan
+from sandbox.regress.run_plan import RegressionPlan
 from sandbox.session.session import Session
 from sandbox.trial.assembly import build, device_makers
 from sandbox.trial.driver import play_trial

@@ -30,13 +30,13 @@ from sandbox.trial.assembly import build
 from sandbox.trial.replay import settings_of
 from sandbox.trial.settings import Settings, encoded
 from tasks import variation
-from tasks.checks import check_task
 from tasks.custom_task import CustomTask, judge, two_places
 from tasks.guarded import draw_task
 from tasks.registry import TASKS, find_task, origin
 from tasks.score import measure
 from tasks.sensing import Sensing
 from tasks.task import Goal, Measure
+from tasks.task_checks import check_task
 from tests.support.processes import ROOT
 from tests.support.scripted import Script
 

@@ -17,8 +17,8 @@ from sandbox.trial.driver import play_trial
 from sandbox.trial.result import TrialResult
 from sandbox.trial.trial_options import TrialOptions, trial_settings
 from tasks.simulated_user.grasp import Surroundings, roomiest_grasp
-from tasks.simulated_user.hand import Hand
 from tasks.simulated_user.user import IdleLiftUser, RandomLiftUser, Slider
+from tasks.simulated_user.user_hand import Hand
 from tasks.stack import Stack
 from tasks.user import SeenObject, UserConfiguration
 

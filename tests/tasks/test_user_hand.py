@@ -22,7 +22,7 @@ from sandbox.trial.settings import Settings
 from sandbox.trial.trial_options import TrialOptions, trial_settings
 from tasks.registry import TASKS
 from tasks.simulated_user.grasp import grasp_across
-from tasks.simulated_user.hand import NARROWEST, Hand
+from tasks.simulated_user.user_hand import NARROWEST, Hand
 from tasks.task import Task
 from tasks.user import UserConfiguration
 

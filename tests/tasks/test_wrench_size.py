@@ -20,8 +20,8 @@ from sandbox.recording.recording import load_recording
 from sandbox.trial.driver import play_trial
 from sandbox.trial.replay import replay
 from sandbox.trial.trial_options import TrialOptions, trial_settings
-from tasks.simulated_user.hand import Hand
 from tasks.simulated_user.handling import handling_of
+from tasks.simulated_user.user_hand import Hand
 from tasks.task import Goal
 from tasks.user import SeenObject, UserConfiguration
 from tasks.variation import RANGES, Variation, vary

@@ -18,8 +18,8 @@ from sandbox.trial.result import TrialResult
 from sandbox.trial.trial_options import TrialOptions, trial_settings
 from tasks import registry
 from tasks.simulated_user.grasp import within_comfort
-from tasks.simulated_user.hand import Hand
 from tasks.simulated_user.handling import WrenchHandling, handling_of
+from tasks.simulated_user.user_hand import Hand
 from tasks.simulated_user.view import Seat
 from tasks.task import Goal
 from tasks.user import SeenObject, Sight, UserConfiguration

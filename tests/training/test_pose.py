@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 from encoders.capture import Capture
-from encoders.evaluation.errors import pose_errors
+from encoders.evaluation.pose_errors import pose_errors
 from encoders.input_vector import contact_vectors
-from encoders.regression.train import save_model
 from encoders.regression.trained import TrainedModel, builtin, load_model
+from encoders.regression.training import save_model
 from models.pose import ROOT_POSITION, relative_pose
 from training.population import Population, simulate_population
 from training.pose import at_trained_size, train_population

@@ -54,10 +54,9 @@ $ sandbox study report out/three-encoders-simulated
 
 The design plans {planned} participants. For this page {people} simulated ones were played, and
 nobody else. They differ in skill (reaction, speed, noise, aim), in the number of fingers, in the
-length of the hand, and in which
-hand is the better one: `sandbox/study/run/simulate.py`. **Their answers to questionnaires are by
-chance**, and so are the differences between encoders in them. The encoders learned from simulated
-people, too.
+length of the hand, and in which hand is the better one: `sandbox/study/run/simulated_study.py`.
+**Their answers to questionnaires are by chance**, and so are the differences between encoders in
+them. The encoders learned from simulated people, too.
 
 ## What the report says
 

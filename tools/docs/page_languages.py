@@ -23,9 +23,9 @@ from typing import Any
 from PIL import Image
 
 from models.surface import Surface
-from sandbox.play.page import OTHER_PAGE
+from sandbox.play.page_play import OTHER_PAGE
 from sandbox.play.pages import EASIEST_FIRST
-from sandbox.server.frames import describe_scene, pack_skin
+from sandbox.server.page_frames import describe_scene, pack_skin
 from sandbox.server.page_server import PageServer
 from sandbox.server.protocol import (
     LIFT_STRIP_PX,

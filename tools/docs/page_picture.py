@@ -17,7 +17,7 @@ from PIL import Image
 
 from models.surface import METRES_PER_INCH
 from sandbox.devices.simulated.simulated import SimulatedDevice
-from sandbox.server.frames import describe_scene, pack_skin
+from sandbox.server.page_frames import describe_scene, pack_skin
 from sandbox.server.page_server import PageServer
 from sandbox.server.web import WebDevice
 from sandbox.trial.assembly import build

@@ -22,7 +22,7 @@ from typing import Any
 
 from PIL import Image
 
-from encoders.evaluation.paper import TABLE_1, TABLE_2
+from encoders.evaluation.paper_results import TABLE_1, TABLE_2
 from sandbox.cli.main import main as sandbox
 from tools.docs.markdown_table import markdown_table
 

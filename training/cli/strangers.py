@@ -14,7 +14,7 @@ from rich.progress import Progress, TaskID
 from rich.table import Table
 
 from encoders.capture import Capture
-from encoders.evaluation.report import plain
+from encoders.evaluation.result_values import plain
 from encoders.evaluation.subjects import TRAINING_DAY
 from encoders.labels.belief import BeliefLabels, builtin_population_belief
 from encoders.person.rest_posture import MOST, knowing_rest, rest_samples

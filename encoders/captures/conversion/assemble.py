@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from encoders.capture import Capture
+from encoders.captures.conversion.conversion_report import ConversionReport, ConversionRules
 from encoders.captures.conversion.fingers import (
     LabelledTrack,
     distances,
@@ -17,7 +18,6 @@ from encoders.captures.conversion.fingers import (
 )
 from encoders.captures.conversion.hand_points import touches_from_tips
 from encoders.captures.conversion.joint_track import JointTrack
-from encoders.captures.conversion.report import ConversionReport, ConversionRules
 from encoders.captures.conversion.synchronise import ClockOffset, offset_by_taps, refined_by_motion
 from encoders.captures.conversion.touch_log import ContactTrack, TouchLog, valid_contacts
 from models.arithmetic import Array

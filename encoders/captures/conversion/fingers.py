@@ -8,8 +8,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from encoders.captures.conversion.conversion_report import ConversionReport, ConversionRules
 from encoders.captures.conversion.joint_track import JointTrack
-from encoders.captures.conversion.report import ConversionReport, ConversionRules
 from encoders.captures.conversion.touch_log import ContactTrack
 from models.arithmetic import Array
 from models.frames import FINGERS

@@ -8,9 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from encoders.captures.conversion.conversion_report import ConversionReport, ConversionRules
 from encoders.captures.conversion.fingers import LabelledTrack
 from encoders.captures.conversion.joint_track import JointTrack
-from encoders.captures.conversion.report import ConversionReport, ConversionRules
 from encoders.captures.conversion.sites import PALM, Site
 from encoders.captures.conversion.surface_frame import ON_PLANE, SurfaceFrame, frame_from_fingertips
 from encoders.captures.conversion.touch_log import ContactTrack

@@ -12,9 +12,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from encoders.captures.conversion.conversion_report import ConversionRules
 from encoders.captures.conversion.fingers import LabelledTrack, sample_times
 from encoders.captures.conversion.joint_track import JointTrack
-from encoders.captures.conversion.report import ConversionRules
 from encoders.captures.conversion.touch_log import ContactTrack
 from models.arithmetic import Array
 from models.errors import CaptureError

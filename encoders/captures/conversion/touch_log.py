@@ -12,7 +12,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from encoders.captures.conversion.report import ConversionReport, ConversionRules
+from encoders.captures.conversion.conversion_report import ConversionReport, ConversionRules
 from models.arithmetic import Array
 from models.errors import CaptureError
 

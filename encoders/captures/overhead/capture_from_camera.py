@@ -23,8 +23,8 @@ from encoders.air.camera import Camera
 from encoders.air.landmark_fit import LandmarkFit
 from encoders.capture import Capture
 from encoders.captures.conversion.assemble import assemble, whole_frames
+from encoders.captures.conversion.conversion_report import ConversionReport, ConversionRules
 from encoders.captures.conversion.fingers import LabelledTrack, sample_times
-from encoders.captures.conversion.report import ConversionReport, ConversionRules
 from encoders.captures.conversion.synchronise import ClockOffset, refined_by_motion
 from encoders.captures.conversion.touch_log import TouchLog, valid_contacts
 from encoders.captures.overhead.names import NamingRules

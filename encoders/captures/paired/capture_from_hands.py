@@ -20,8 +20,8 @@ import numpy as np
 
 from encoders.capture import Capture
 from encoders.captures.conversion.assemble import assemble, whole_frames
+from encoders.captures.conversion.conversion_report import ConversionReport, ConversionRules
 from encoders.captures.conversion.fingers import RESTING, LabelledTrack, sample_times
-from encoders.captures.conversion.report import ConversionReport, ConversionRules
 from encoders.captures.conversion.surface_frame import frame_from_fingertips
 from encoders.captures.conversion.synchronise import ClockOffset, offset_by_taps, refined_by_motion
 from encoders.captures.conversion.touch_log import ContactTrack, TouchLog, valid_contacts

@@ -12,8 +12,8 @@ from rich.console import Console
 from rich.progress import Progress
 from rich.text import Text
 
-from encoders.captures.overhead.simulated import OverheadPictures, simulate_overhead
-from encoders.captures.paired.simulated import PairedSession, simulate_paired
+from encoders.captures.overhead.simulated_camera import OverheadPictures, simulate_overhead
+from encoders.captures.paired.simulated_pair import PairedSession, simulate_paired
 from encoders.store import save_capture
 from models.errors import InputError
 from sandbox.cli.common.command_line import parse

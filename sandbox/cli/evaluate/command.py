@@ -120,12 +120,12 @@ def measure(options: EvaluateOptions, person: Subject) -> int:
         InputError: Something does not exist, or a result cannot be written.
     """
     _check(options)
-    from encoders.evaluation.measure import MethodResult, Tests, evaluate_method
+    from encoders.evaluation.measure_method import MethodResult, Tests, evaluate_method
     from encoders.evaluation.methods import check_names
-    from encoders.evaluation.report import report
-    from encoders.regression.registry import ENCODER_PLUGINS, is_external
-    from sandbox.evaluation.data import gather, refuse_learned
-    from sandbox.evaluation.tables import show
+    from encoders.evaluation.result_values import report
+    from encoders.regression.encoder_registry import ENCODER_PLUGINS, is_external
+    from sandbox.evaluation.evaluated_data import gather, refuse_learned
+    from sandbox.evaluation.printed_tables import show
 
     check_names(options.encoders)
     console = Console()

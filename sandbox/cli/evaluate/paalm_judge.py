@@ -13,7 +13,7 @@ from rich.progress import Progress
 from models.errors import InputError
 from sandbox.cli.common.command_line import parse
 from sandbox.cli.common.json_out import check_output, refuse_replacing, write_json
-from sandbox.evaluation.paalm import (
+from sandbox.evaluation.paalm_evaluation import (
     judge_folder,
     judge_simulated,
     show_judgements,

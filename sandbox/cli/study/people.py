@@ -11,7 +11,7 @@ from models.person import Person
 from sandbox.study.record.folder import Participant, StudyFolder
 from sandbox.study.record.pseudonym import read_pseudonym
 from sandbox.study.record.stored_sessions import has_finished, sessions_of
-from sandbox.study.run.simulate import simulated_person
+from sandbox.study.run.simulated_study import simulated_person
 
 if TYPE_CHECKING:
     from sandbox.cli.study.run_options import StudyRunOptions

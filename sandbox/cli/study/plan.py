@@ -134,7 +134,7 @@ def sheet(options: SheetOptions, console: Console) -> int:
         for number in range(1, design.sessions + 1)
     ]
     if options.out is not None:
-        from sandbox.study.record.files import write_new
+        from sandbox.study.record.durable_files import write_new
 
         write_new(options.out, sheet_page(sheets))
         console.print(f"{options.out}: open it in a browser, and print it there", markup=False)

@@ -159,7 +159,7 @@ def offer_to_begin_again(
     Raises:
         StudyError: The input has ended, so that nobody can answer.
     """
-    from sandbox.study.design.plan import trials_of
+    from sandbox.study.design.session_plan import trials_of
 
     again = session.state.block_under_way(session.steps)
     if session.away <= LONG_PAUSE or not again:
@@ -278,7 +278,7 @@ def _pictures(session: SessionFolder) -> TaskPictures:
 def _settings_left(session: SessionFolder) -> list[Settings]:
     """Settings of the trials of a session that are not finished."""
     from sandbox.study.design.conditions import run_settings
-    from sandbox.study.design.plan import trials_of
+    from sandbox.study.design.session_plan import trials_of
 
     person, done = session.person, session.state.finished
     return [

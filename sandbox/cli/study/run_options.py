@@ -206,7 +206,7 @@ def check_leap(options: StudyRunOptions, design: Design) -> None:
     """Checks the Leap, too, if the design has trials over it."""
     from sandbox.devices.leap.leap import open_leap
     from sandbox.study.design.conditions import combinations, values_of
-    from sandbox.study.design.plan import over_a_leap
+    from sandbox.study.design.session_plan import over_a_leap
 
     wanted = any(over_a_leap(values_of(design, levels)) for levels in combinations(design))
     if wanted and options.device != "simulated":

@@ -17,7 +17,7 @@ from sandbox.cli.study.printing import print_copies, print_losses
 
 if TYPE_CHECKING:
     from sandbox.study.record.folder import StudyFolder
-    from sandbox.study.share.share import Shared
+    from sandbox.study.share.shared_folder import Shared
 
 Folder = Annotated[Path, Parameter(metavar="STUDY")]
 Out = Annotated[Path, Parameter(metavar="FOLDER")]
@@ -74,7 +74,7 @@ def share(options: ShareOptions, console: Console) -> int:
         make_report,
         read_script_rows,
     )
-    from sandbox.study.share.share import Masking, refuse_existing, share_study
+    from sandbox.study.share.shared_folder import Masking, refuse_existing, share_study
 
     check_libraries()
     study = StudyFolder.at(options.folder)

@@ -48,7 +48,7 @@ def simulate(options: StudySimulateOptions, console: Console) -> int:
     from sandbox.study.design.checks import findings
     from sandbox.study.design.design_file import load_design
     from sandbox.study.record.folder import SIMULATED, StudyFolder
-    from sandbox.study.run import simulate as simulated
+    from sandbox.study.run import simulated_study as simulated
 
     design = load_design(options.file)
     count = participants_of(options.participants, design)

@@ -12,8 +12,8 @@ from itertools import groupby, product
 from models.message import counted
 from sandbox.study.design.balance import confounded, cycle_line, nearest_cycles, whole_cycle
 from sandbox.study.design.design import Design, Exclusion
-from sandbox.study.design.plan import BreakStep, Step, duration, session_plan, trials_of
 from sandbox.study.design.power import ALPHA, family_size, planned_tests, power_lines
+from sandbox.study.design.session_plan import BreakStep, Step, duration, session_plan, trials_of
 from sandbox.study.measures.measures import find_measure
 
 MOST_ORDERS = 24

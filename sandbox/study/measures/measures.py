@@ -19,7 +19,7 @@ import numpy as np
 from models.errors import InputError
 from models.plugins import PluginKind, failure, place_in
 from sandbox.study.measures.arrays import NO_CONTACT, TrialArrays
-from sandbox.study.measures.handling import handling, labels
+from sandbox.study.measures.grasping import handling, labels
 from sandbox.study.measures.movement import joints, movement, objects, palm
 from sandbox.trial.result import TrialResult, fields
 

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 from models.arithmetic import Array, total
 from models.scene import CONTROL_PERIOD
 from sandbox.study.measures.arrays import TrialArrays
-from sandbox.study.measures.handling import first_push, true_intervals
+from sandbox.study.measures.grasping import first_push, true_intervals
 
 JUMP = 0.05
 """Displacement (m) in one control period that only an object that is put back reaches."""

@@ -26,9 +26,14 @@ from typing import TYPE_CHECKING, Any
 from models.errors import InputError, StudyError
 from sandbox.study.design.design import Design
 from sandbox.study.record.build import build_of, changes, noted_changes
-from sandbox.study.record.chain import Record
 from sandbox.study.record.copies import JOURNAL, person_folders, session_folders
-from sandbox.study.record.files import locked, make_folder, remove_unfinished, write_atomically
+from sandbox.study.record.durable_files import (
+    locked,
+    make_folder,
+    remove_unfinished,
+    write_atomically,
+)
+from sandbox.study.record.hash_chain import Record
 from sandbox.study.record.journal import read_journal
 from sandbox.study.record.notes import (
     ANEW,

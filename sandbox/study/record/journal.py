@@ -2,7 +2,7 @@
 
 Each record is one write. A written record survives the end of the program at once. It survives a
 power cut after at most `SYNC` seconds; a durable record does so at once. The records are a hash
-chain (`sandbox.study.record.chain`).
+chain (`sandbox.study.record.hash_chain`).
 """
 
 from __future__ import annotations
@@ -18,8 +18,8 @@ from typing import Any
 
 from models.errors import LaterLayoutError, StudyError
 from models.json_input import checked, decoded_record
-from sandbox.study.record.chain import HASH, Record, chained, chained_bytes, follows
-from sandbox.study.record.files import study_error, write_atomically
+from sandbox.study.record.durable_files import study_error, write_atomically
+from sandbox.study.record.hash_chain import HASH, Record, chained, chained_bytes, follows
 from sandbox.study.record.records import (
     CLOCK_STEP,
     REPAIRED,

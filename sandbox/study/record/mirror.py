@@ -16,7 +16,7 @@ from pathlib import Path
 from models.errors import StudyError
 from sandbox.devices.device import Closeable
 from sandbox.recording.recording import SUFFIX
-from sandbox.study.record.files import LOCK_FILES, TEMPORARY
+from sandbox.study.record.durable_files import LOCK_FILES, TEMPORARY
 from sandbox.study.record.folder import DESIGN_FILE
 from sandbox.study.record.journal import SYNC
 from sandbox.study.record.notes import NOTES

@@ -14,11 +14,11 @@ from sandbox.devices.device import Closeable
 from sandbox.lsl import send_event
 from sandbox.recording.recording import stored
 from sandbox.recording.versions import versions
-from sandbox.study.design.plan import Step, TrialStep, session_plan, trials_of
-from sandbox.study.record.chain import HASH, Record
+from sandbox.study.design.session_plan import Step, TrialStep, session_plan, trials_of
 from sandbox.study.record.copies import JOURNAL
-from sandbox.study.record.files import locked, make_folder, remove_unfinished, study_error
+from sandbox.study.record.durable_files import locked, make_folder, remove_unfinished, study_error
 from sandbox.study.record.folder import FILES, Participant, StudyFolder, design_files
+from sandbox.study.record.hash_chain import HASH, Record
 from sandbox.study.record.journal import Journal, SyncThread, cut_damage, read_journal
 from sandbox.study.record.notes import LOSS, SEALED, broken_seals, person_notes, seals_of
 from sandbox.study.record.records import (

@@ -10,7 +10,7 @@ from typing import Any
 from models.errors import StudyError
 from models.json_input import checked
 from sandbox.session.own_layouts import Layouts
-from sandbox.study.design.plan import (
+from sandbox.study.design.session_plan import (
     ABOUT_PERSON,
     BreakStep,
     InstructionStep,
@@ -18,7 +18,7 @@ from sandbox.study.design.plan import (
     TrialStep,
 )
 from sandbox.study.record import records
-from sandbox.study.record.chain import Record
+from sandbox.study.record.hash_chain import Record
 from sandbox.study.record.notes import EXCLUDE, INCLUDE
 from sandbox.trial.result import TrialResult
 

@@ -14,7 +14,7 @@ from pathlib import Path
 
 from models.errors import StudyError
 from sandbox.recording.recording import load_recording
-from sandbox.study.design.plan import TrialStep, session_plan, trials_of
+from sandbox.study.design.session_plan import TrialStep, session_plan, trials_of
 from sandbox.study.record.copies import JOURNAL, session_folders
 from sandbox.study.record.folder import Participant, StudyFolder
 from sandbox.study.record.journal import readable_records

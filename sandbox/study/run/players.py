@@ -13,7 +13,7 @@ from sandbox.session.messages import Snapshot
 from sandbox.session.own_layouts import learned_layouts
 from sandbox.session.session import Session
 from sandbox.study.measures.measures import SIMULATED_USER
-from sandbox.study.tables.frames import FrameTable
+from sandbox.study.tables.frame_table import FrameTable
 from sandbox.trial.assembly import DeviceMakers
 from sandbox.trial.driver import TICK, LiveRun, RealTime, Trial, View, ViewMaker, open_trial
 from sandbox.trial.result import TrialResult

@@ -15,13 +15,13 @@ from sandbox.devices.simulated import NEXT_PERSON
 from sandbox.devices.webcam import webcam_choice
 from sandbox.devices.wrappers.degraded import DegradedDevice
 from sandbox.study.design.conditions import PARTNER
-from sandbox.study.design.plan import TrialStep
+from sandbox.study.design.session_plan import TrialStep
 from sandbox.study.record.folder import Participant
 from sandbox.study.run.forms import Poll
 from sandbox.study.run.page_player import on_both_screens, page_device, settings_for_screen
 from sandbox.study.run.runner import FitSettings, OpenDevices
 from sandbox.study.run.session_camera import SessionCamera
-from sandbox.study.run.simulate import simulated_devices, simulated_hand
+from sandbox.study.run.simulated_study import simulated_devices, simulated_hand
 from sandbox.study.run.study_page import StudyPage
 from sandbox.trial.assembly import DeviceMaker, DeviceMakers, shared_makers, with_lift
 from sandbox.trial.settings import Settings

@@ -13,7 +13,7 @@ from models.message import counted
 from sandbox.devices.registry import DeviceSettings
 from sandbox.devices.simulated import SimulatedOptions
 from sandbox.study.design.conditions import PARTNER, consent_text, run_settings
-from sandbox.study.design.plan import (
+from sandbox.study.design.session_plan import (
     BreakStep,
     CalibrationStep,
     ConsentStep,
@@ -30,7 +30,7 @@ from sandbox.study.run.finished_trials import bring_up_to_date
 from sandbox.study.run.forms import Forms, NewTask, Poll
 from sandbox.study.run.players import PlayedAttempt, TrialPlayer, TrialRequest
 from sandbox.study.run.task_texts import texts_by_design
-from sandbox.study.tables.frames import FrameWriter
+from sandbox.study.tables.frame_table import FrameWriter
 from sandbox.trial.assembly import DeviceMakers
 from sandbox.trial.driver import TICK
 from sandbox.trial.result import TrialResult

@@ -15,7 +15,7 @@ from models.errors import StudyError
 from models.message import counted
 from sandbox.study.design.conditions import WEBCAM, consent_text, run_settings
 from sandbox.study.design.design import Design
-from sandbox.study.design.plan import (
+from sandbox.study.design.session_plan import (
     BreakStep,
     CalibrationStep,
     ConsentStep,

@@ -25,11 +25,11 @@ from models.json_input import checked, decoded_record
 from sandbox.recording.recording import SHARED_FIELDS
 from sandbox.recording.versions import SHARED_VERSIONS
 from sandbox.study.record.build import SHARED_BUILD
-from sandbox.study.record.chain import Record
+from sandbox.study.record.hash_chain import Record
 from sandbox.study.record.notes import FORMS
 from sandbox.study.record.records import COMMAND, FORM, RUNS, forms, shared_fields
 from sandbox.study.record.state import SessionClock
-from sandbox.study.tables.frames import declared_columns, frames_bytes
+from sandbox.study.tables.frame_table import declared_columns, frames_bytes
 from sandbox.trial.result import ResultRecord, record_fields
 from sandbox.trial.settings import declared
 from tasks.user import UserConfiguration

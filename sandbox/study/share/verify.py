@@ -15,9 +15,8 @@ from models.errors import StudyError
 from models.message import counted
 from sandbox.recording.recording import SUFFIX, load_recording, read_stored, stored
 from sandbox.recording.versions import states_difference
-from sandbox.study.design.plan import session_plan, trials_of
+from sandbox.study.design.session_plan import session_plan, trials_of
 from sandbox.study.record.build import code_digest
-from sandbox.study.record.chain import HASH, Record, digest_of
 from sandbox.study.record.copies import JOURNAL, SESSIONS, copies
 from sandbox.study.record.folder import (
     FILES,
@@ -25,6 +24,7 @@ from sandbox.study.record.folder import (
     StudyFolder,
     readable_design,
 )
+from sandbox.study.record.hash_chain import HASH, Record, digest_of
 from sandbox.study.record.journal import sound_records
 from sandbox.study.record.notes import (
     SEALED,
@@ -40,7 +40,7 @@ from sandbox.study.record.stored_sessions import session_path
 from sandbox.study.record.trial_files import TRIALS, frames_of, is_whole, unknown_recordings
 from sandbox.study.share.masking import LEFT_OUT
 from sandbox.study.tables.column import TABLES as FOLDER
-from sandbox.study.tables.frames import frames_again
+from sandbox.study.tables.frame_table import frames_again
 from sandbox.study.tables.tables import table_files
 from sandbox.trial.replay import Verification
 

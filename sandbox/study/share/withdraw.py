@@ -16,7 +16,7 @@ from pathlib import Path
 
 from models.errors import StudyError
 from sandbox.study.record.copies import session_folders
-from sandbox.study.record.files import LOCK_FILES, locked, study_error, write_atomically
+from sandbox.study.record.durable_files import LOCK_FILES, locked, study_error, write_atomically
 from sandbox.study.record.folder import REPORT, StudyFolder
 from sandbox.study.record.journal import now
 from sandbox.study.record.notes import (

@@ -21,7 +21,7 @@ from sandbox.study.tables.column import (
     Row,
     csv_bytes,
 )
-from sandbox.study.tables.frames import FRAMES
+from sandbox.study.tables.frame_table import FRAMES
 from sandbox.study.tables.rows import (
     EVENT,
     answer_columns,

@@ -6,10 +6,10 @@ from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
 
 from sandbox.study.design.design import Design
-from sandbox.study.design.plan import FormStep, session_plan
 from sandbox.study.design.scoring import scores
+from sandbox.study.design.session_plan import FormStep, session_plan
 from sandbox.study.record import records as kinds
-from sandbox.study.record.chain import Record
+from sandbox.study.record.hash_chain import Record
 from sandbox.study.record.notes import DECISIONS, INCLUDE, RELEASE, REMARK
 from sandbox.study.record.state import SessionState, is_broken
 from sandbox.study.record.stored_sessions import StoredSession

@@ -18,7 +18,12 @@ from models.errors import StudyError
 from models.message import counted
 from sandbox.recording.recording import stored
 from sandbox.study.design.conditions import combinations
-from sandbox.study.record.files import locked, make_folder, remove_unfinished, write_atomically
+from sandbox.study.record.durable_files import (
+    locked,
+    make_folder,
+    remove_unfinished,
+    write_atomically,
+)
 from sandbox.study.record.folder import Participant, StudyFolder, withdrawals_of
 from sandbox.study.record.journal import now
 from sandbox.study.record.stored_sessions import StoredSession, all_sessions, planned_trials
@@ -41,7 +46,7 @@ from sandbox.study.tables.column import (
     is_empty,
     names_of,
 )
-from sandbox.study.tables.frames import make_frames
+from sandbox.study.tables.frame_table import make_frames
 from sandbox.study.tables.rows import (
     answer_rows,
     event_rows,

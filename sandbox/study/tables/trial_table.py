@@ -16,10 +16,10 @@ from models.errors import InputError
 from sandbox.recording.recording import stored
 from sandbox.study.design.conditions import combinations, values_of
 from sandbox.study.design.design import Design
-from sandbox.study.design.plan import session_plan, trials_of
+from sandbox.study.design.session_plan import session_plan, trials_of
 from sandbox.study.measures.measures import all_measures, find_measure, measure_trial
 from sandbox.study.measures.movement import throughput
-from sandbox.study.record.chain import Record
+from sandbox.study.record.hash_chain import Record
 from sandbox.study.record.state import Attempt, SessionState
 from sandbox.study.record.trial_files import frames_of
 from sandbox.study.tables.column import (
@@ -28,7 +28,7 @@ from sandbox.study.tables.column import (
     Row,
     factor_columns,
 )
-from sandbox.study.tables.frames import read_frames
+from sandbox.study.tables.frame_table import read_frames
 from sandbox.trial.result import ResultRecord, fields, record_fields
 from tasks.registry import find_task
 

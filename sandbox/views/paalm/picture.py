@@ -12,7 +12,7 @@ from PIL import Image, ImageDraw, ImageFont
 
 from encoders.paalm.calibration import measure, pointing
 from encoders.paalm.hand_pose import hand_pose
-from encoders.paalm.paalm import PaalmFrame, PaalmHand
+from encoders.paalm.joint_angles import PaalmFrame, PaalmHand
 from models.arithmetic import Array
 from models.frames import FINGERS, HandFrame, TrackedHand
 from models.hand import Hand

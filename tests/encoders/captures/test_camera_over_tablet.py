@@ -16,7 +16,7 @@ from encoders.captures.overhead.capture_from_camera import (
     name_touches,
 )
 from encoders.captures.overhead.names import Belief, NamingRules, chosen, names_of
-from encoders.captures.overhead.simulated import (
+from encoders.captures.overhead.simulated_camera import (
     FROZEN_OVERHEAD,
     SIZE,
     OverheadPictures,
@@ -29,7 +29,7 @@ from encoders.captures.overhead.tablet_plane import (
     place_of_camera,
     plane_of_corners,
 )
-from encoders.captures.paired.simulated import FROZEN_PAIRED, PairedSession, simulate_paired
+from encoders.captures.paired.simulated_pair import FROZEN_PAIRED, PairedSession, simulate_paired
 from models.errors import CaptureError, InputError
 from models.frames import LandmarkFrame
 from sandbox.captures.live_naming import ArrivalClock, LiveNames

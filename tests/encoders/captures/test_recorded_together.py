@@ -18,7 +18,7 @@ from encoders.captures.paired.guide import SETS, Guide
 from encoders.captures.paired.hand_track import _smooth, skeleton_of
 from encoders.captures.paired.open_hand import OPEN_FRAMES, open_hand
 from encoders.captures.paired.registration import register
-from encoders.captures.paired.simulated import FROZEN_PAIRED, PairedSession, simulate_paired
+from encoders.captures.paired.simulated_pair import FROZEN_PAIRED, PairedSession, simulate_paired
 from encoders.correction import tip_targets
 from encoders.store import load_capture
 from models.errors import CaptureError, EncoderError, RecordingError

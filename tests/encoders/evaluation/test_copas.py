@@ -8,7 +8,7 @@ import pytest
 from encoders.capture import Capture
 from encoders.evaluation.copas import RULES, copas, verdict
 from encoders.evaluation.methods import MeanEncoder
-from encoders.evaluation.report import block_interval, standard_error
+from encoders.evaluation.result_values import block_interval, standard_error
 from encoders.regression.polynomial import LinearEncoder, PolynomialEncoder
 from encoders.regression.trained import builtin_capture
 from models.errors import EncoderError

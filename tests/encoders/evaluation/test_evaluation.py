@@ -15,24 +15,24 @@ from numpy.typing import NDArray
 from encoders.capture import Capture
 from encoders.correction import PAD_HEIGHT
 from encoders.evaluation import EncoderMethod, evaluate_method
-from encoders.evaluation.errors import (
+from encoders.evaluation.labels import own_labels
+from encoders.evaluation.measure_method import OWN, TRUE, Tests
+from encoders.evaluation.methods import NAMES, TRAINED, Training, check_names
+from encoders.evaluation.pose_errors import (
     limit_share,
     pose_errors,
     smoothness,
     tip_errors,
     variance_shares,
 )
-from encoders.evaluation.labels import own_labels
-from encoders.evaluation.measure import OWN, TRUE, Tests
-from encoders.evaluation.methods import NAMES, TRAINED, Training, check_names
-from encoders.evaluation.report import block_interval, plain, report
+from encoders.evaluation.result_values import block_interval, plain, report
 from encoders.evaluation.subjects import first_subject
 from encoders.labels.belief import builtin_population_belief
 from encoders.labels.labelling import Labelling
 from encoders.labels.paper import PaperLabels
 from encoders.regression.polynomial import LinearEncoder
-from encoders.regression.train import save_model
 from encoders.regression.trained import TrainedModel, builtin, builtin_capture
+from encoders.regression.training import save_model
 from models.arithmetic import Array
 from models.errors import EncoderError
 from models.kinematics import Kinematics

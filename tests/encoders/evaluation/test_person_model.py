@@ -20,8 +20,8 @@ from encoders.evaluation.person_model import (
     train_person,
 )
 from encoders.reconstruction.hand_motion import PoseFilter
-from encoders.regression.train import blocked_predictions
 from encoders.regression.trained import TrainedModel, builtin_capture, builtin_folder
+from encoders.regression.training import blocked_predictions
 from encoders.validation import FOLDS, error_product, robust_covariance, trial_folds
 from models.arithmetic import Array
 from models.errors import EncoderError

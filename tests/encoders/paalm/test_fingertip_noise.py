@@ -8,9 +8,9 @@ import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from encoders.evaluation.paalm import judge_recording
+from encoders.evaluation.paalm_errors import judge_recording
 from encoders.paalm import PaalmOptions
-from encoders.paalm.paalm import STEADY, FingertipNoise
+from encoders.paalm.joint_angles import STEADY, FingertipNoise
 from encoders.paalm.simulated.air import simulate_air
 from encoders.paalm.simulated.forward import FROZEN_LEAP, leap_take
 from tests.support.leap_hands import SHORT, calibrated, take

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from encoders.evaluation.paalm import plausibility
+from encoders.evaluation.paalm_errors import plausibility
 from encoders.paalm import Paalm, PaalmOptions
 from encoders.paalm.average import average_calibration
 from encoders.paalm.calibration import longest_calibration

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from encoders import Paalm
-from encoders.evaluation.paalm import (
+from encoders.evaluation.paalm_errors import (
     judge_recording,
     moved,
     side_by_side,

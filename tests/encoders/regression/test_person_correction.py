@@ -22,8 +22,8 @@ from encoders.regression.bone_fit import (
     train_correction,
 )
 from encoders.regression.polynomial import PolynomialEncoder
-from encoders.regression.train import blocked_predictions
 from encoders.regression.trained import PersonCorrection, builtin_capture
+from encoders.regression.training import blocked_predictions
 from encoders.validation import robust_covariance
 from models.errors import EncoderError
 from models.kinematics import Kinematics

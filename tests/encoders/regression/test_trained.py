@@ -16,7 +16,6 @@ from encoders.capture import Capture
 from encoders.evaluation.person_model import train_person
 from encoders.regression.bone_fit import perturbed_skeleton
 from encoders.regression.polynomial import PolynomialEncoder, QuadraticEncoder
-from encoders.regression.train import RIDGES, rounded, save_model, train
 from encoders.regression.trained import (
     BUILTIN,
     PersonCorrection,
@@ -26,6 +25,7 @@ from encoders.regression.trained import (
     builtin_folder,
     load_model,
 )
+from encoders.regression.training import RIDGES, rounded, save_model, train
 from encoders.regression.yaw_normalised import YawNormalisedEncoder
 from encoders.store import save_capture
 from models.errors import EncoderError

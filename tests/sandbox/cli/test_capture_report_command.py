@@ -9,8 +9,8 @@ from typing import Any
 
 import pytest
 
-from encoders.captures.overhead.simulated import simulate_overhead
-from encoders.captures.paired.simulated import FROZEN_PAIRED, PairedSession, simulate_paired
+from encoders.captures.overhead.simulated_camera import simulate_overhead
+from encoders.captures.paired.simulated_pair import FROZEN_PAIRED, PairedSession, simulate_paired
 from sandbox.cli.capture.simulate import write_simulated, write_simulated_camera
 from sandbox.cli.main import main
 from sandbox.devices.files.paired_capture import ASKED, HANDS, TOUCHES, read_about

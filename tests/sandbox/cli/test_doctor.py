@@ -22,8 +22,8 @@ from sandbox.cli.main import COMMANDS, main
 from sandbox.cli.overview import first_steps, overview
 from sandbox.cli.play import PlayOptions
 from sandbox.cli.run import RunOptions
-from sandbox.doctor.check import Check, run_probe
 from sandbox.doctor.devices import port_check
+from sandbox.doctor.probes import Check, run_probe
 from sandbox.doctor.system import (
     DEVELOPERS,
     USES,

@@ -14,11 +14,11 @@ from PIL import Image
 
 from encoders.capture import Capture
 from encoders.evaluation import methods
-from encoders.regression.train import save_model, train
 from encoders.regression.trained import TrainedModel, builtin_capture
+from encoders.regression.training import save_model, train
 from encoders.store import load_capture, save_capture
 from sandbox.cli.main import main
-from sandbox.evaluation.data import capture_files
+from sandbox.evaluation.evaluated_data import capture_files
 
 PICTURES = ("table-1", "table-2", "by-fingers", "pca-variance", "figure-2")
 
@@ -268,9 +268,9 @@ def test_hands_are_drawn_as_bones_where_there_is_no_opengl(
     folder: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     from encoders.evaluation import evaluate_method
-    from encoders.evaluation.measure import Tests
+    from encoders.evaluation.measure_method import Tests
     from encoders.evaluation.methods import Training
-    from encoders.evaluation.report import report
+    from encoders.evaluation.result_values import report
     from encoders.store import load_capture
     from sandbox.figures import hands
     from sandbox.views.display import GraphicsError
@@ -290,7 +290,7 @@ def test_hands_are_drawn_as_bones_where_there_is_no_opengl(
 
 def test_the_drawn_frames_are_of_median_error(folder: Path) -> None:
     from encoders.evaluation import evaluate_method
-    from encoders.evaluation.measure import TRUE, Tests
+    from encoders.evaluation.measure_method import TRUE, Tests
     from encoders.evaluation.methods import Training
     from encoders.store import load_capture
     from sandbox.figures.hands import typical_frames

@@ -17,12 +17,12 @@ from models.errors import InputError
 from models.frames import Contact
 from sandbox import run_trial
 from sandbox.cli.main import main
-from sandbox.datasets import export
+from sandbox.datasets import written_data_set
 from sandbox.datasets.data_set import DataSet, first_difference
-from sandbox.datasets.demonstration import actions_of, slots_of, touches_of
-from sandbox.datasets.export import export_data_set
 from sandbox.datasets.minari_file import check_name
 from sandbox.datasets.npz_file import read_npz
+from sandbox.datasets.played_trial import actions_of, slots_of, touches_of
+from sandbox.datasets.written_data_set import export_data_set
 from sandbox.devices.registry import DeviceSettings
 from sandbox.gym import register_task
 from sandbox.recording.recording import load_recording
@@ -425,7 +425,7 @@ def test_a_minari_set_of_a_person_and_a_simulated_user_says_that_it_is_of_both(
 def test_a_file_that_cannot_be_written_is_told_before_a_recording_is_played(
     recordings: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(export, "demonstrate", lambda *args: pytest.fail("it was played"))
+    monkeypatch.setattr(written_data_set, "demonstrate", lambda *args: pytest.fail("it was played"))
     (tmp_path / "folder.npz").mkdir()
     for to in ("nowhere/set.npz", "folder.npz"):
         with pytest.raises(InputError, match=to):

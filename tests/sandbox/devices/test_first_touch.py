@@ -13,7 +13,7 @@ from sandbox.devices.check_device import check_device
 from sandbox.devices.mouse.mouse import MouseDevice
 from sandbox.devices.tuio.tuio import TuioDevice
 from sandbox.devices.wrappers.playing import FirstTouch
-from sandbox.play.window import _from_first_touch, _waiting
+from sandbox.play.window_play import _from_first_touch, _waiting
 from sandbox.trial.assembly import build, device_makers
 from sandbox.trial.trial_options import TrialOptions, trial_settings
 from tests.support.processes import PATIENCE, Sender

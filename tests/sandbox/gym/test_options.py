@@ -17,7 +17,7 @@ from gymnasium.wrappers import RescaleAction
 from models.arithmetic import Array
 from models.errors import InputError
 from sandbox.gym import HandSandboxEnv
-from sandbox.gym.options import ACTIONS, LABELS, OBSERVED, REWARDS
+from sandbox.gym.environment_options import ACTIONS, LABELS, OBSERVED, REWARDS
 from sandbox.gym.rewards import ARRIVED, REACH
 from sandbox.trial.settings import HandSettings, Settings, encoded
 from tasks.variation import Variation

@@ -6,7 +6,7 @@ import contextlib
 import threading
 from collections.abc import Iterator
 
-from sandbox.play.page import PagePlay
+from sandbox.play.page_play import PagePlay
 from sandbox.server.page_server import PageServer
 from sandbox.server.protocol import PlayerRequest
 

@@ -7,7 +7,7 @@ import os
 
 from rich.console import Console
 
-from sandbox.play.play import NoticePrinter
+from sandbox.play.player_requests import NoticePrinter
 from tests.support.processes import until
 
 

@@ -6,9 +6,9 @@ from pathlib import Path
 
 from rich.console import Console
 
-from sandbox.play.page import PagePlay
+from sandbox.play.page_play import PagePlay
 from sandbox.play.pages import EASIEST_FIRST, open_page
-from sandbox.play.play import PlayerRequests
+from sandbox.play.player_requests import PlayerRequests
 from sandbox.server.page_options import PageOptions
 from sandbox.server.protocol import PlayerRequest
 from sandbox.trial.logs import EventLog

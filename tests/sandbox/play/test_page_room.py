@@ -8,7 +8,7 @@ import pytest
 from rich.console import Console
 
 from models.surface import PRESETS
-from sandbox.play.page import PagePlay
+from sandbox.play.page_play import PagePlay
 from sandbox.play.pages import open_page
 from sandbox.server import clients
 from sandbox.server.page_options import PageOptions

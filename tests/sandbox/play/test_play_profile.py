@@ -17,7 +17,7 @@ from sandbox.cli.play import PlayOptions
 from sandbox.cli.play import main as play
 from sandbox.hand.profiles import Profile, load_profile, save_profile
 from sandbox.play.own_profile import Learner, with_usable_profile
-from sandbox.play.page import PagePlay
+from sandbox.play.page_play import PagePlay
 from sandbox.play.pages import open_page
 from sandbox.server.page_options import PageOptions
 from sandbox.trial.logs import EventLog

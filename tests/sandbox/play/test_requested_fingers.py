@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from models.surface import PRESETS, Surface
-from sandbox.play.play import PlayerRequests, can_choose_fingers
+from sandbox.play.player_requests import PlayerRequests, can_choose_fingers
 from sandbox.server.protocol import PageScreen, PageTouches, PlayerRequest, decode
 from sandbox.server.web import WebDevice
 from sandbox.trial.settings import Settings

@@ -12,7 +12,7 @@ from rich.console import Console
 
 from models.errors import InputError, StudyError
 from models.surface import METRES_PER_INCH, Surface
-from sandbox.play.page import PagePlay
+from sandbox.play.page_play import PagePlay
 from sandbox.play.pages import open_page
 from sandbox.recording.recording import load_recording
 from sandbox.server.page_options import PageOptions

@@ -10,7 +10,7 @@ import pytest
 from rich.console import Console
 
 from models.surface import METRES_PER_INCH
-from sandbox.play.page import PagePlay
+from sandbox.play.page_play import PagePlay
 from sandbox.play.pages import open_page, show_session, touched_pages
 from sandbox.server.page_options import PageOptions
 from sandbox.server.page_server import PageServer
@@ -150,7 +150,7 @@ def test_two_tablets_carry_a_tray_together(servers: tuple[PageServer, PageServer
 
 
 def test_time_begins_with_whichever_hand_touches_first() -> None:
-    from sandbox.play.window import _from_first_touch, _waiting
+    from sandbox.play.window_play import _from_first_touch, _waiting
 
     chosen = trial_settings(replace(OPTIONS, device="mouse"))
     session = build(chosen, device_makers(chosen, _from_first_touch))

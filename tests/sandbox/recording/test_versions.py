@@ -17,7 +17,7 @@ from sandbox.export.sources import open_source
 from sandbox.recording.recording import load_recording
 from sandbox.recording.versions import STATES, DifferentStatesError, commit, made_with, states_of
 from sandbox.study.record.stored_sessions import session_path
-from sandbox.study.run.simulate import run_simulated
+from sandbox.study.run.simulated_study import run_simulated
 from sandbox.trial.driver import play_trial
 from sandbox.trial.replay import replay
 from sandbox.trial.settings import recorded_settings

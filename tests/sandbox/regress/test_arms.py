@@ -16,7 +16,7 @@ from sandbox.cli.regress import main as regress
 from sandbox.regress.baseline import load_baseline
 from sandbox.regress.comparison import level_of
 from sandbox.regress.execute import Serial
-from sandbox.regress.plan import (
+from sandbox.regress.run_plan import (
     ARMS,
     HARD_SETTINGS,
     RegressionPlan,

@@ -10,7 +10,7 @@ import pytest
 
 from sandbox.regress import cluster
 from sandbox.regress.cluster import JOBS_PER_CORE, Cluster
-from sandbox.regress.plan import RegressionPlan
+from sandbox.regress.run_plan import RegressionPlan
 
 CORES = 2
 

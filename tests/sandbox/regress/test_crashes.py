@@ -18,7 +18,7 @@ from models.errors import InputError, SurfaceTooSmallError
 from models.surface import Surface
 from sandbox.cli.main import main
 from sandbox.regress.execute import CRASHED, Executor, Processes, Serial
-from sandbox.regress.plan import RegressionPlan, registered
+from sandbox.regress.run_plan import RegressionPlan, registered
 from sandbox.regression import Regression
 from sandbox.study.design.reading import DesignError, Mistake
 from tasks.box_to_goal import BoxToGoal

@@ -12,8 +12,8 @@ import pytest
 from sandbox.cli.regress import main as regress
 from sandbox.regress.baseline import Baseline, BaselineTask, BaselineTrial, load_baseline
 from sandbox.regress.comparison import compared
-from sandbox.regress.plan import Origin, registered
-from sandbox.regress.power import power_of
+from sandbox.regress.detectable_changes import power_of
+from sandbox.regress.run_plan import Origin, registered
 from tests.support.regress_tasks import Quick
 
 LIMITS = {"quick": 30.0, "other": 30.0}

@@ -23,7 +23,7 @@ from sandbox.recording.recording import load_recording
 from sandbox.recording.versions import DECISIVE
 from sandbox.regress.baseline import load_baseline
 from sandbox.regress.execute import CRASHED, Executor, Processes, Serial, run_job
-from sandbox.regress.plan import (
+from sandbox.regress.run_plan import (
     RegressionPlan,
     TrialJob,
     options,

@@ -23,13 +23,13 @@ from hypothesis import strategies as st
 from markdown_it import MarkdownIt
 
 from encoders.regression.model_registry import find_model
-from encoders.regression.train import save_model
+from encoders.regression.training import save_model
 from models.errors import InputError
 from sandbox.cli.main import main
 from sandbox.regress.baseline import Baseline, load_baseline, update
 from sandbox.regress.execute import Serial
-from sandbox.regress.plan import RegressionPlan, registered
-from sandbox.regress.report import Report, junit, make_report, markdown
+from sandbox.regress.run_plan import RegressionPlan, registered
+from sandbox.regress.run_report import Report, junit, make_report, markdown
 from sandbox.regression import Regression
 from sandbox.system.files import write_whole
 from sandbox.trial.result import ResultRecord, record_fields

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from sandbox.regress.show import EVERY, PlainLines
+from sandbox.regress.console_report import EVERY, PlainLines
 
 
 def test_time_that_is_left_is_told_from_the_trials_of_this_run_alone() -> None:

@@ -16,7 +16,7 @@ from sandbox.cli.main import main
 from sandbox.cli.regress import main as regress_main
 from sandbox.regress.baseline import Baseline, BaselineTask
 from sandbox.regress.execute import Serial
-from sandbox.regress.plan import RegressionPlan, registered
+from sandbox.regress.run_plan import RegressionPlan, registered
 from sandbox.regress.sweep import Runner, Sweep, check_possible, parse_variations, sweep, varied
 from sandbox.regress.trials_file import TrialsFile
 from sandbox.trial.trial_options import KINDS

@@ -15,7 +15,7 @@ from sandbox.cli.main import main
 from sandbox.recording.versions import versions
 from sandbox.regress import trials_file
 from sandbox.regress.execute import Serial, crashed
-from sandbox.regress.plan import RegressionPlan, registered
+from sandbox.regress.run_plan import RegressionPlan, registered
 from sandbox.regress.trials_file import TrialsFile, identity, trials_path
 from tests.support.regress_tasks import Newer, Quick, Raising, StoppingOnce
 

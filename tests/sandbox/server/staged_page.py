@@ -10,7 +10,7 @@ from urllib.parse import urlsplit
 from models.frames import TouchFrame
 from models.surface import METRES_PER_INCH
 from sandbox.devices.simulated.simulated import SimulatedDevice
-from sandbox.server.frames import describe_scene, pack_skin
+from sandbox.server.page_frames import describe_scene, pack_skin
 from sandbox.server.page_server import PageServer
 from sandbox.server.protocol import LIFT_STRIP_PX, TaskName
 from sandbox.server.web import WebDevice

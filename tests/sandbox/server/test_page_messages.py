@@ -15,7 +15,7 @@ import pytest
 from models.errors import InputError
 from models.surface import Surface
 from sandbox.server.access import stored_token
-from sandbox.server.frames import describe_scene, pack_skin, state_of
+from sandbox.server.page_frames import describe_scene, pack_skin, state_of
 from sandbox.server.page_server import PageServer
 from sandbox.server.protocol import PageScreen, PageTouches, decode, encode
 from sandbox.server.web import WebDevice

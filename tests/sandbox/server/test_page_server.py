@@ -20,7 +20,7 @@ from models.errors import DeviceError
 from models.frames import TouchFrame
 from sandbox.server import clients
 from sandbox.server.clients import MOST_QUEUED
-from sandbox.server.frames import describe_scene
+from sandbox.server.page_frames import describe_scene
 from sandbox.server.page_options import checked_address
 from sandbox.server.page_server import PageServer
 from sandbox.server.protocol import CREDIT

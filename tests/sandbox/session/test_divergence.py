@@ -15,7 +15,7 @@ from sandbox.cli import replay as replay_command
 from sandbox.cli import run as run_command
 from sandbox.recording.recording import load_recording
 from sandbox.regress.execute import run_job
-from sandbox.regress.plan import TrialJob
+from sandbox.regress.run_plan import TrialJob
 from sandbox.session.session import Session
 from sandbox.trial.driver import DUMPED_STATES, play_trial
 from sandbox.trial.replay import replay

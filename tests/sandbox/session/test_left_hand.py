@@ -35,8 +35,8 @@ from sandbox.trial.replay import replay
 from sandbox.trial.result import TrialResult
 from sandbox.trial.settings import HandSettings, Settings
 from sandbox.trial.trial_options import TrialOptions, trial_settings
-from tasks.simulated_user.hand import Hand as UserHand
 from tasks.simulated_user.handling import OutlineHandling
+from tasks.simulated_user.user_hand import Hand as UserHand
 from tasks.simulated_user.view import Seat
 from tasks.task import Goal
 from tasks.user import SeenObject, Sight, UserConfiguration

@@ -9,7 +9,7 @@ import numpy as np
 
 from models.hand import Hand, SceneHand
 from models.scene import Scene, SceneSpec
-from sandbox.server.frames import pack_skin
+from sandbox.server.page_frames import pack_skin
 from sandbox.session.session import Session
 from sandbox.trial.assembly import build, device_makers
 from sandbox.trial.trial_options import TrialOptions, trial_settings

@@ -37,8 +37,8 @@ from sandbox.stream.guest_math import (
     rotated,
     rows_of,
 )
+from sandbox.stream.hand_sources import StreamPace, StreamPlayer
 from sandbox.stream.lines import BLENDER, LIMIT, MAYA, MAYA_MEL, HandLines, StreamTarget
-from sandbox.stream.motion import StreamPace, StreamPlayer
 from sandbox.stream.sender import Sender, parse_address
 from tests.sandbox.stream.command_port import CommandPort, Manners
 from tests.sandbox.stream.fake_maya import FakeMaya, maya_with

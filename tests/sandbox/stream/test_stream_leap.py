@@ -23,7 +23,7 @@ from sandbox.devices.leap.leap_file import read_leap
 from sandbox.devices.leap.leap_write import leap_message
 from sandbox.export.leap_hands import straight_reconstructor
 from sandbox.stream.guest_line import Line
-from sandbox.stream.motion import source_of_leap
+from sandbox.stream.hand_sources import source_of_leap
 from tests.sandbox.export.test_export_leap import alone, together, write
 
 

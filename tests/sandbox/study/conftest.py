@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from sandbox.study.record.folder import SIMULATED, StudyFolder
-from sandbox.study.run.simulate import simulate
+from sandbox.study.run.simulated_study import simulate
 from tests.support.study_files import design, quiet
 
 

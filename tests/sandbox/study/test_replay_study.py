@@ -21,7 +21,7 @@ from sandbox.session.messages import Snapshot
 from sandbox.study.record.folder import StudyFolder
 from sandbox.study.record.stored_sessions import session_path
 from sandbox.study.record.trial_files import find_recordings
-from sandbox.study.run.simulate import run_simulated
+from sandbox.study.run.simulated_study import run_simulated
 from sandbox.trial.replay import Playback
 from tests.support.study_files import TRIALS, open_study, quiet
 

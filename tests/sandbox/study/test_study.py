@@ -20,7 +20,7 @@ from sandbox.study.record.folder import PILOT, REAL, SIMULATED, StudyFolder
 from sandbox.study.record.journal import Journal, journal_bytes, now, parse_records, read_journal
 from sandbox.study.record.stored_sessions import session_path
 from sandbox.study.run.runner import SessionOutcome
-from sandbox.study.run.simulate import run_simulated, simulated_person
+from sandbox.study.run.simulated_study import run_simulated, simulated_person
 from sandbox.study.tables.column import csv_bytes
 from sandbox.study.tables.tables import make_tables
 from sandbox.trial.replay import replay

@@ -19,7 +19,7 @@ from models.errors import StudyError
 from sandbox.cli.main import main
 from sandbox.cli.study.run import LONG_PAUSE, offer_to_begin_again
 from sandbox.study.design.design import DEMOGRAPHICS, Form, Item
-from sandbox.study.design.plan import FormStep
+from sandbox.study.design.session_plan import FormStep
 from sandbox.study.record.folder import StudyFolder
 from sandbox.study.record.journal import read_journal
 from sandbox.study.record.session_folder import SessionFolder
@@ -28,7 +28,7 @@ from sandbox.study.run.answers import Answers, Draft, question, read_answer
 from sandbox.study.run.controls import COMMANDS, Command, Controls, Terminal, parse_command
 from sandbox.study.run.forms import SimulatedForms, TerminalForms
 from sandbox.study.run.runner import SessionOutcome
-from sandbox.study.run.simulate import run_simulated, simulated_person
+from sandbox.study.run.simulated_study import run_simulated, simulated_person
 from tests.support.processes import PATIENCE
 from tests.support.study_files import (
     DESIGN,

@@ -13,7 +13,7 @@ from models.errors import StudyError
 from sandbox.cli.main import main
 from sandbox.cli.study.people import find_participant
 from sandbox.cli.study.run_options import StudyRunOptions
-from sandbox.study.design.plan import session_plan, trials_of
+from sandbox.study.design.session_plan import session_plan, trials_of
 from sandbox.study.record.folder import StudyFolder
 from sandbox.study.record.session_folder import SessionFolder
 from sandbox.study.share.verify import verify

@@ -16,7 +16,9 @@ from sandbox.study.design.conditions import combinations, run_settings
 from sandbox.study.design.design import FILLED, JOINED, LISTED, Item
 from sandbox.study.design.design_file import load_design, parse_design
 from sandbox.study.design.fields import FIELDS, NUMBER, WHOLE
-from sandbox.study.design.plan import (
+from sandbox.study.design.power import detectable, power
+from sandbox.study.design.reading import DesignError
+from sandbox.study.design.session_plan import (
     BreakStep,
     ConsentStep,
     FormStep,
@@ -24,8 +26,6 @@ from sandbox.study.design.plan import (
     session_plan,
     trials_of,
 )
-from sandbox.study.design.power import detectable, power
-from sandbox.study.design.reading import DesignError
 from sandbox.study.design.toml_lines import TomlLines
 from sandbox.study.record.pseudonym import ALPHABET, new_pseudonym, read_pseudonym
 from sandbox.study.run.answers import read_answer

@@ -14,7 +14,7 @@ from sandbox.devices.leap.leap_fake import FakeLeapd
 from sandbox.devices.leap.leap_write import leap_message
 from sandbox.devices.registry import DeviceSettings
 from sandbox.recording.recording import load_recording
-from sandbox.study.design.plan import CalibrationStep, TrialStep, session_plan
+from sandbox.study.design.session_plan import CalibrationStep, TrialStep, session_plan
 from sandbox.study.record.folder import PILOT, Participant, StudyFolder
 from sandbox.study.record.journal import read_journal
 from sandbox.study.record.session_folder import SessionFolder
@@ -25,7 +25,7 @@ from sandbox.study.run.hand_calibration import hand_measurer
 from sandbox.study.run.players import HeadlessPlayer
 from sandbox.study.run.run_device import person_devices, settings_fitter
 from sandbox.study.run.runner import SessionOutcome, SessionRunner
-from sandbox.study.share.share import Masking, share_study
+from sandbox.study.share.shared_folder import Masking, share_study
 from sandbox.trial.replay import replay
 from tests.support.leap_hands import take
 from tests.support.study_files import DESIGN, design, quiet

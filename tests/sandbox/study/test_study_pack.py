@@ -10,7 +10,7 @@ from models.errors import StudyError
 from sandbox.recording.recording import packed, read_stored
 from sandbox.study.record.stored_sessions import session_path
 from sandbox.study.record.trial_files import pack
-from sandbox.study.run.simulate import run_simulated
+from sandbox.study.run.simulated_study import run_simulated
 from tests.support.study_files import open_study, quiet, recordings
 
 

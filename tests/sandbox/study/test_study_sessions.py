@@ -13,14 +13,20 @@ from models.errors import StudyError
 from sandbox.cli.main import main
 from sandbox.study.design.balance import balanced_latin_square
 from sandbox.study.design.design import Design
-from sandbox.study.design.plan import ConsentStep, FormStep, TrialStep, session_plan, trials_of
+from sandbox.study.design.session_plan import (
+    ConsentStep,
+    FormStep,
+    TrialStep,
+    session_plan,
+    trials_of,
+)
 from sandbox.study.record.folder import SIMULATED, StudyFolder
 from sandbox.study.record.journal import read_journal
 from sandbox.study.record.session_folder import SessionFolder
 from sandbox.study.record.stored_sessions import has_finished, session_path
 from sandbox.study.record.trial_files import find_recordings
 from sandbox.study.report.data import load_study
-from sandbox.study.run.simulate import run_simulated, simulate
+from sandbox.study.run.simulated_study import run_simulated, simulate
 from sandbox.study.tables.tables import make_tables
 from tests.support.study_files import FIRST, SECOND, TWICE, design, pilot, quiet, rows_of
 

@@ -15,7 +15,7 @@ from sandbox.cli.study.run_options import StudyRunOptions, check_second_device
 from sandbox.devices.registry import DeviceSettings
 from sandbox.recording.recording import load_recording
 from sandbox.study.design.conditions import run_settings
-from sandbox.study.design.plan import TrialStep
+from sandbox.study.design.session_plan import TrialStep
 from sandbox.study.measures.arrays import NO_CONTACT
 from sandbox.study.record.folder import Participant, StudyFolder
 from sandbox.study.record.session_folder import SessionFolder
@@ -24,8 +24,8 @@ from sandbox.study.run.forms import SimulatedForms
 from sandbox.study.run.players import HeadlessPlayer
 from sandbox.study.run.run_device import needs_second_device, person_devices, settings_fitter
 from sandbox.study.run.runner import SessionOutcome, SessionRunner
-from sandbox.study.run.simulate import run_simulated
-from sandbox.study.tables.frames import read_frames
+from sandbox.study.run.simulated_study import run_simulated
+from sandbox.study.tables.frame_table import read_frames
 from sandbox.study.tables.tables import make_tables
 from sandbox.trial.settings import HandSettings, Settings, recorded_settings
 from tasks.user import UserConfiguration

@@ -16,7 +16,7 @@ from sandbox.cli.main import main
 from sandbox.devices.mouse.mouse import MouseDevice
 from sandbox.devices.tuio.tuio import TuioDevice
 from sandbox.devices.wrappers.playing import LiftKeys, MergedDevice
-from sandbox.play.play import checked_limit, judge_latency
+from sandbox.play.player_requests import checked_limit, judge_latency
 from sandbox.session.messages import Snapshot
 from sandbox.session.session import Session
 from sandbox.trial.driver import LiveRun, Trial

@@ -9,7 +9,7 @@ import numpy as np
 from PIL import Image
 
 from encoders.paalm import Paalm
-from encoders.paalm.paalm import PaalmFrame
+from encoders.paalm.joint_angles import PaalmFrame
 from models.frames import HandFrame
 from sandbox.views.palette import FINGER_COLOURS
 from tests.support.leap_hands import take

@@ -15,8 +15,8 @@ from PIL import Image
 from models.errors import DeviceError
 from sandbox.cli.main import main
 from sandbox.devices.leap.leap_write import write_take
+from sandbox.views.paalm.paalm_pictures import PicturePage
 from sandbox.views.paalm.picture import HandMemory, PaalmPicture, ball_radius, diagram
-from sandbox.views.paalm.show import PicturePage
 from tests.sandbox.views.paalm_seen import colours, seen
 from tests.support.leap_hands import take
 

@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 
 from models.message import Message
-from sandbox.server.frames import localised
+from sandbox.server.page_frames import localised
 from sandbox.study.design.fields import WORDINGS
 from sandbox.words.words import (
     GROUPS,

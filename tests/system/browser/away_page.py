@@ -13,7 +13,7 @@ from typing import Any
 from rich.console import Console
 
 from models.frames import TouchFrame
-from sandbox.play.page import PagePlay
+from sandbox.play.page_play import PagePlay
 from sandbox.play.pages import open_page
 from sandbox.recording.recording import load_recording
 from sandbox.server.page_options import PageOptions

@@ -18,7 +18,7 @@ from models.frames import Contact
 from models.surface import METRES_PER_INCH
 from sandbox.server import clients
 from sandbox.server.clients import SILENT_TOUCHED
-from sandbox.server.frames import describe_scene
+from sandbox.server.page_frames import describe_scene
 from sandbox.server.page_server import PageServer
 from sandbox.server.protocol import LIFT_STRIP_PX
 from sandbox.server.screen import rectangle

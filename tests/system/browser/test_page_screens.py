@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 from rich.console import Console
 
-from sandbox.play.page import PagePlay
+from sandbox.play.page_play import PagePlay
 from sandbox.play.pages import open_page
 from sandbox.server.page_options import PageOptions
 from sandbox.server.page_server import PageServer

@@ -14,7 +14,7 @@ import pytest
 from models.arithmetic import Array
 from models.pose import JOINTS, ROOT_POSITION
 from sandbox import run_trial
-from sandbox.stream.motion import follow
+from sandbox.stream.hand_sources import follow
 from sandbox.trial.assembly import build, device_makers
 from sandbox.trial.trial_options import TrialOptions, trial_settings
 from tests.system.lerobot.environment import ROOT, run_with_lerobot

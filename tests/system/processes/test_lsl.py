@@ -29,7 +29,7 @@ from sandbox.lsl import (
 )
 from sandbox.recording.recording import Recording, load_recording
 from sandbox.session.messages import Snapshot
-from sandbox.study.run.simulate import run_simulated
+from sandbox.study.run.simulated_study import run_simulated
 from sandbox.trial.driver import play_trial
 from sandbox.trial.replay import replay
 from sandbox.trial.trial_options import TrialOptions, trial_settings

@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from encoders.captures.paired.simulated import FROZEN_PAIRED, PairedSession, simulate_paired
+from encoders.captures.paired.simulated_pair import FROZEN_PAIRED, PairedSession, simulate_paired
 from encoders.store import load_capture
 from sandbox.cli.capture import record
 from sandbox.cli.capture.simulate import write_simulated

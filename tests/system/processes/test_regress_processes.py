@@ -17,7 +17,7 @@ import pytest
 
 from sandbox.regress.baseline import load_baseline
 from sandbox.regress.execute import CRASHED, Processes, Serial, run_job
-from sandbox.regress.plan import RegressionPlan
+from sandbox.regress.run_plan import RegressionPlan
 from tests.support.processes import PATIENCE, ROOT, printed, python, until
 from tests.support.regress_tasks import Dying, Quick
 

@@ -11,10 +11,10 @@ import pytest
 
 from models.errors import StudyError
 from sandbox.recording.recording import read_stored, stored
-from sandbox.study.record.files import remove_unfinished
+from sandbox.study.record.durable_files import remove_unfinished
 from sandbox.study.record.folder import SIMULATED, StudyFolder
 from sandbox.study.record.trial_files import pack
-from sandbox.study.run.simulate import simulate
+from sandbox.study.run.simulated_study import simulate
 from tests.support.study_files import (
     FIRST,
     SECOND,

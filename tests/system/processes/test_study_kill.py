@@ -14,12 +14,12 @@ import numpy as np
 import pytest
 
 from models.errors import InputError, StudyError
-from sandbox.study.design.plan import trials_of
+from sandbox.study.design.session_plan import trials_of
 from sandbox.study.record.folder import REAL, StudyFolder
 from sandbox.study.record.journal import SYNC, Journal
 from sandbox.study.record.session_folder import SessionFolder
 from sandbox.study.record.stored_sessions import session_path
-from sandbox.study.run.simulate import run_simulated, simulate
+from sandbox.study.run.simulated_study import run_simulated, simulate
 from sandbox.study.tables.tables import make_tables
 from tests.support.study_files import (
     DESIGN,

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from sandbox.views.paalm.window import PaalmWindow
+from sandbox.views.paalm.picture_window import PaalmWindow
 from tests.sandbox.views.paalm_seen import colours, seen
 from tests.support.screen import screen
 

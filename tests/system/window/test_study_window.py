@@ -16,7 +16,7 @@ from sandbox.study.run.controls import Controls
 from sandbox.study.run.forms import SimulatedForms
 from sandbox.study.run.players import HeadlessPlayer, TrialPlayer, WindowPlayer
 from sandbox.study.run.runner import SessionOutcome, SessionRunner
-from sandbox.study.run.simulate import simulated_devices, simulated_person
+from sandbox.study.run.simulated_study import simulated_devices, simulated_person
 from sandbox.trial.replay import replay
 from tests.support.screen import screen
 from tests.support.study_files import DESIGN, open_study

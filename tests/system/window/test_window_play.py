@@ -19,7 +19,7 @@ import segno
 
 from sandbox.devices.mouse.mouse import MouseDevice
 from sandbox.devices.wrappers.playing import LiftKeys, MergedDevice
-from sandbox.play.window import Footer, hint_of
+from sandbox.play.window_play import Footer, hint_of
 from sandbox.recording.recording import load_recording
 from sandbox.server.web import WebDevice
 from sandbox.trial.assembly import build

@@ -31,7 +31,7 @@ from tasks.mechanisms.dial import (
 )
 from tasks.sensing import Sensing
 from tasks.simulated_user.grasp import wrapped
-from tasks.simulated_user.hand import Hand
+from tasks.simulated_user.user_hand import Hand
 from tasks.task import place_surface
 from tasks.user import SeenObject, Sight, UserConfiguration
 from tasks.variation import Variation, vary

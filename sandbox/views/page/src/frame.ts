@@ -1,4 +1,4 @@
-// Decodes a binary frame; the layout is in sandbox/server/frames.py.
+// Decodes a binary frame; the layout is in sandbox/server/page_frames.py.
 
 import { FRAME_KIND, POSE_BYTES, PROTOCOL, type State } from "./protocol";
 

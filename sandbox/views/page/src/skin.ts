@@ -1,4 +1,4 @@
-// The skin of a hand; the layout is in sandbox/server/frames.py. Its bones are the scene's bodies.
+// The skin of a hand; the layout is in sandbox/server/page_frames.py. Its bones are the scene's bodies.
 
 import {
   type Bone,

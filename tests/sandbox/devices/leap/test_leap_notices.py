@@ -5,7 +5,7 @@ from typing import Any
 
 import pytest
 
-from encoders.evaluation.paalm import moved, side_by_side
+from encoders.evaluation.paalm_errors import moved, side_by_side
 from encoders.paalm.hand_reconstructor import NOTICE_LASTS
 from models.frames import HandFrame
 from sandbox.devices.hand_input import HandInput

@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 
 from encoders.paalm.calibration_file import read_calibration, write_calibration
 from encoders.paalm.hand_reconstructor import HandReconstructor, HandReconstructorSettings
-from encoders.paalm.paalm import Paalm
+from encoders.paalm.joint_angles import Paalm
 from encoders.paalm.simulated.forward import FROZEN_LEAP, ForwardLeap
 from encoders.reconstruction.hand_motion import Phase, RateLimit
 from encoders.reconstruction.reconstructor import Reconstruction

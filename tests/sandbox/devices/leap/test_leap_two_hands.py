@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from encoders.evaluation.paalm import side_by_side
+from encoders.evaluation.paalm_errors import side_by_side
 from models.errors import InputError
 from sandbox.cli.main import main as command
 from sandbox.cli.run import main
@@ -24,9 +24,9 @@ from sandbox.recording.recorded_device import RecordedDevice
 from sandbox.recording.recording import load_recording
 from sandbox.server.page_server import PageServer
 from sandbox.study.design.conditions import run_settings
-from sandbox.study.design.plan import TrialStep
+from sandbox.study.design.session_plan import TrialStep
 from sandbox.study.record.folder import Participant
-from sandbox.study.run.simulate import simulated_devices
+from sandbox.study.run.simulated_study import simulated_devices
 from sandbox.trial.assembly import build, device_makers
 from sandbox.trial.driver import play_trial
 from sandbox.trial.replay import replay

@@ -8,12 +8,12 @@ import pytest
 
 from sandbox.cli.main import main
 from sandbox.study.design.design import Design
-from sandbox.study.design.plan import FormStep, session_plan, trials_of
+from sandbox.study.design.session_plan import FormStep, session_plan, trials_of
 from sandbox.study.record.folder import SIMULATED, StudyFolder
 from sandbox.study.record.session_folder import SessionFolder
 from sandbox.study.record.state import SessionState
 from sandbox.study.report.data import load_study
-from sandbox.study.run.simulate import simulated_person
+from sandbox.study.run.simulated_study import simulated_person
 from sandbox.study.tables.column import UXF_NAMES
 from sandbox.study.tables.tables import make_tables, table_files
 from sandbox.study.tables.trial_table import planned_cells

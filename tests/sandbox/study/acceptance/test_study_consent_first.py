@@ -8,7 +8,7 @@ import pytest
 
 from sandbox.study.record.folder import SIMULATED, StudyFolder
 from sandbox.study.run.forms import SimulatedForms
-from sandbox.study.run.simulate import simulated_person
+from sandbox.study.run.simulated_study import simulated_person
 from tests.support.study_driver import SHORT, records, run, verify
 from tests.support.study_files import design
 

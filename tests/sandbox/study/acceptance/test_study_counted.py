@@ -11,7 +11,7 @@ from hypothesis import settings
 from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, initialize, invariant, precondition, rule
 
-from sandbox.study.design.plan import TrialStep, session_plan, trials_of
+from sandbox.study.design.session_plan import TrialStep, session_plan, trials_of
 from sandbox.study.record.state import SessionState
 from sandbox.study.tables.trial_table import trial_rows
 from sandbox.trial.result import ResultRecord

@@ -12,7 +12,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from sandbox.study.design.balance import rows_of, whole_cycle
-from sandbox.study.design.plan import session_plan, trials_of
+from sandbox.study.design.session_plan import session_plan, trials_of
 from sandbox.study.record.folder import REAL, Participant, StudyFolder
 from tests.sandbox.study.design.test_study_balance import crossed
 from tests.support.study_driver import SHORT

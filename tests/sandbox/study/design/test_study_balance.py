@@ -23,7 +23,7 @@ from sandbox.study.design.balance import (
 from sandbox.study.design.design import Design
 from sandbox.study.design.design_file import parse_design
 from sandbox.study.design.fields import ORDERS
-from sandbox.study.design.plan import session_plan, trials_of
+from sandbox.study.design.session_plan import session_plan, trials_of
 
 NAMES = ("contact", "servo", "task")
 Rule = tuple[str, int]

@@ -15,8 +15,8 @@ from sandbox.cli.main import main
 from sandbox.study.design.checks import findings
 from sandbox.study.design.conditions import run_settings
 from sandbox.study.design.design_file import load_design
-from sandbox.study.design.plan import BreakStep, TrialStep, session_plan
 from sandbox.study.design.reading import DesignError, Mistake
+from sandbox.study.design.session_plan import BreakStep, TrialStep, session_plan
 from tests.support.study_designs import KINDS, STYLES, TEXTS, TURN, changed, sound, written
 from tests.support.study_files import SOUND, design
 

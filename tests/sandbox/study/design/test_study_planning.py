@@ -19,7 +19,7 @@ from sandbox.study.design.power import (
 from sandbox.study.record.folder import SIMULATED, StudyFolder
 from sandbox.study.report.data import load_study
 from sandbox.study.report.numbers import CONFIRMATORY, results
-from sandbox.study.run.simulate import simulate
+from sandbox.study.run.simulated_study import simulate
 from tests.support.study_files import design, quiet
 
 PLANNED = """

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 from models.arithmetic import Array
 from models.rotations import exp
-from sandbox.study.measures.handling import (
+from sandbox.study.measures.grasping import (
     FALL,
     drops,
     grasps,

@@ -15,7 +15,7 @@ from sandbox.study.design.reading import DesignError
 from sandbox.study.measures.measures import MEASURES, REMOVED
 from sandbox.study.record.folder import SIMULATED, StudyFolder
 from sandbox.study.report.make import make_report
-from sandbox.study.run.simulate import run_simulated
+from sandbox.study.run.simulated_study import run_simulated
 from sandbox.study.tables.tables import make_tables
 from tests.support.study_files import DESIGN, design, quiet, rows_of
 

@@ -28,9 +28,9 @@ from sandbox.study.measures.measures import (
 from sandbox.study.record.folder import StudyFolder
 from sandbox.study.record.stored_sessions import session_path
 from sandbox.study.record.trial_files import frames_of
-from sandbox.study.run.simulate import run_simulated
+from sandbox.study.run.simulated_study import run_simulated
 from sandbox.study.tables.contacts import ContactReader
-from sandbox.study.tables.frames import FrameTable, make_frames, read_frames, yaw_error
+from sandbox.study.tables.frame_table import FrameTable, make_frames, read_frames, yaw_error
 from sandbox.study.tables.tables import make_tables
 from sandbox.study.tables.trial_table import trial_columns
 from sandbox.trial.assembly import build

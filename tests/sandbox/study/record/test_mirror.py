@@ -13,7 +13,7 @@ import pytest
 from sandbox.study.record import mirror as module
 from sandbox.study.record.mirror import Mirror
 from sandbox.study.record.session_folder import SessionFolder
-from sandbox.study.run.simulate import run_simulated, simulated_person
+from sandbox.study.run.simulated_study import run_simulated, simulated_person
 from tests.support.study_files import open_study, quiet
 
 

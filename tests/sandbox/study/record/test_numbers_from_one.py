@@ -11,8 +11,8 @@ from sandbox.study.record.folder import SIMULATED, StudyFolder
 from sandbox.study.record.journal import journal_bytes, read_journal
 from sandbox.study.record.notes import INCLUDE, PARTICIPANT, read_notes, write_notes
 from sandbox.study.record.records import RUNS, SCHEMA
-from sandbox.study.run.simulate import run_simulated
-from sandbox.study.share.share import Masking, share_study
+from sandbox.study.run.simulated_study import run_simulated
+from sandbox.study.share.shared_folder import Masking, share_study
 from tests.support.study_driver import SHORT, run, tables
 from tests.support.study_files import design, quiet, rows_of
 

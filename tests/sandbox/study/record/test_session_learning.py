@@ -14,8 +14,8 @@ from models.frames import Contact
 from models.person import Person, PersonFrame
 from models.surface import Surface
 from sandbox.recording.recording import load_recording
-from sandbox.study.design.plan import TrialStep
 from sandbox.study.design.reading import DesignError
+from sandbox.study.design.session_plan import TrialStep
 from sandbox.study.record.folder import SIMULATED, StudyFolder
 from sandbox.study.record.journal import read_journal
 from sandbox.study.record.session_folder import SessionFolder
@@ -25,8 +25,8 @@ from sandbox.study.run.controls import Controls
 from sandbox.study.run.forms import SimulatedForms
 from sandbox.study.run.players import HeadlessPlayer
 from sandbox.study.run.runner import SessionOutcome, SessionRunner
-from sandbox.study.run.simulate import simulated_person
-from sandbox.study.share.share import Masking, share_study
+from sandbox.study.run.simulated_study import simulated_person
+from sandbox.study.share.shared_folder import Masking, share_study
 from sandbox.trial.assembly import DeviceMakers
 from sandbox.trial.replay import replay
 from sandbox.trial.settings import Settings

@@ -14,8 +14,8 @@ from sandbox.study.record import journal as journal_module
 from sandbox.study.record.folder import SIMULATED, StudyFolder
 from sandbox.study.record.state import SessionClock
 from sandbox.study.report.data import load_study
-from sandbox.study.run.simulate import run_simulated
-from sandbox.study.share.share import Masking, share_study
+from sandbox.study.run.simulated_study import run_simulated
+from sandbox.study.share.shared_folder import Masking, share_study
 from sandbox.study.share.verify import verify
 from tests.support.study_files import TRIALS, design, quiet, rows_of
 

@@ -23,8 +23,8 @@ from sandbox.study.record.build import (
 )
 from sandbox.study.record.folder import SIMULATED, StudyFolder
 from sandbox.study.record.notes import ANEW
-from sandbox.study.run.simulate import run_simulated
-from sandbox.study.share.share import Masking, share_study
+from sandbox.study.run.simulated_study import run_simulated
+from sandbox.study.share.shared_folder import Masking, share_study
 from sandbox.study.share.verify import verify
 from sandbox.study.tables.tables import make_tables
 from sandbox.trial.settings import Settings, encoded
@@ -97,7 +97,7 @@ def program(tmp_path_factory: pytest.TempPathFactory) -> Path:
         ("sandbox/hand/profiles.py", True),
         ("sandbox/study/run/runner.py", True),
         ("sandbox/study/measures/measures.py", True),
-        ("sandbox/study/tables/frames.py", True),
+        ("sandbox/study/tables/frame_table.py", True),
         ("sandbox/views/window/window.py", False),
         ("sandbox/server/page_server.py", False),
         ("sandbox/cli/main.py", False),

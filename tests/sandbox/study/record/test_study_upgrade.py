@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from models.errors import DifferentPlanError
-from sandbox.study.design.plan import trials_of
+from sandbox.study.design.session_plan import trials_of
 from sandbox.study.record.folder import SIMULATED, StudyFolder
 from sandbox.study.record.journal import read_journal
 from sandbox.study.record.session_folder import SessionFolder
@@ -15,12 +15,12 @@ from sandbox.study.report.data import load_study
 from sandbox.study.report.make import make_report
 from sandbox.study.run.forms import SimulatedForms
 from sandbox.study.run.runner import SessionOutcome
-from sandbox.study.run.simulate import (
+from sandbox.study.run.simulated_study import (
     run_simulated,
     simulate,
     simulated_person,
 )
-from sandbox.study.share.share import Masking, share_study
+from sandbox.study.share.shared_folder import Masking, share_study
 from sandbox.study.share.verify import verify
 from tests.support.study_files import DESIGN, design, open_study, quiet, rows_of, simulated_runner
 

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from sandbox.study.design.balance import confounded
 from sandbox.study.design.design import Design
-from sandbox.study.design.plan import session_plan, trials_of
+from sandbox.study.design.session_plan import session_plan, trials_of
 from sandbox.study.report.data import StudyData, load_study
 from sandbox.study.tables.codebook import codebook, columns_by_table
 from sandbox.study.tables.column import csv_bytes

@@ -16,7 +16,7 @@ from sandbox.study.record.state import SessionState
 from sandbox.study.record.stored_sessions import session_path
 from sandbox.study.record.trial_files import whole_leftovers
 from sandbox.study.run.controls import Controls
-from sandbox.study.run.simulate import run_simulated
+from sandbox.study.run.simulated_study import run_simulated
 from sandbox.study.share.verify import verify
 from tests.support.study_files import DESIGN, TRIALS, design, quiet, rows_of
 

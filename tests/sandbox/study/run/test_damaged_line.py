@@ -12,7 +12,7 @@ from sandbox.cli.main import main
 from sandbox.study.record.folder import StudyFolder
 from sandbox.study.record.journal import read_journal
 from sandbox.study.record.stored_sessions import session_path
-from sandbox.study.share.share import Masking, share_study
+from sandbox.study.share.shared_folder import Masking, share_study
 from sandbox.study.share.verify import FOLDERS, Finding, Verified, verify
 from tests.support.study_files import quiet, rows_of
 
@@ -97,7 +97,7 @@ def test_a_folder_for_others_that_fails_its_verification_is_not_made(
         done.found[FOLDERS].append(Finding("A folder", "is a copy"))
         return done
 
-    monkeypatch.setattr("sandbox.study.share.share.verify", fails)
+    monkeypatch.setattr("sandbox.study.share.shared_folder.verify", fails)
     with pytest.raises(StudyError, match="A folder: is a copy"):
         share_study(study, tmp_path / "shared", Masking(), quiet)
     assert not (tmp_path / "shared").exists()

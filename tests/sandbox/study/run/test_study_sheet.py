@@ -15,7 +15,7 @@ from sandbox.study.run.answers import Answers, Draft, question
 from sandbox.study.run.forms import Poll, SimulatedForms
 from sandbox.study.run.runner import SessionOutcome
 from sandbox.study.run.sheet import SessionSheet, session_sheet, sheet_lines
-from sandbox.study.run.simulate import simulated_person
+from sandbox.study.run.simulated_study import simulated_person
 from tests.support.study_files import DESIGN, TWICE, open_study, simulated_runner
 
 TEXTS = """

@@ -23,8 +23,8 @@ from sandbox.study.design.conditions import consent_text
 from sandbox.study.record.folder import SIMULATED, StudyFolder
 from sandbox.study.run.runner import SessionOutcome
 from sandbox.study.run.session_camera import SessionCamera
-from sandbox.study.run.simulate import simulate
-from sandbox.study.share.share import Masking, share_study
+from sandbox.study.run.simulated_study import simulate
+from sandbox.study.share.shared_folder import Masking, share_study
 from sandbox.trial.replay import replay
 from sandbox.words.words import words_in
 from tests.encoders.air.seen_hands import SIZE, held_up, seen

@@ -31,9 +31,9 @@ from sandbox.study.record.notes import (
 )
 from sandbox.study.record.records import forms, shared_fields
 from sandbox.study.report.make import make_report
-from sandbox.study.run.simulate import run_simulated
+from sandbox.study.run.simulated_study import run_simulated
 from sandbox.study.share.masking import PersonMasking, shared_line, shared_note, shared_records
-from sandbox.study.share.share import Masking, share_study
+from sandbox.study.share.shared_folder import Masking, share_study
 from sandbox.study.share.verify import verify
 from sandbox.trial.result import ResultRecord, TrialResult, record_fields
 from tests.sandbox.study.share.test_share import contents

@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 from models.errors import StudyError
 from sandbox.study.record.folder import SIMULATED, StudyFolder
 from sandbox.study.record.session_folder import SessionFolder
-from sandbox.study.run.simulate import run_simulated
+from sandbox.study.run.simulated_study import run_simulated
 from sandbox.study.share.groups import binned, groups
 from sandbox.study.share.masking import (
     WITHHELD,
@@ -24,7 +24,7 @@ from sandbox.study.share.masking import (
     shared_records,
     without_folders,
 )
-from sandbox.study.share.share import Masking, Shared, _rare, share_study
+from sandbox.study.share.shared_folder import Masking, Shared, _rare, share_study
 from sandbox.study.tables.tables import make_tables
 from tests.support.study_files import DESIGN, TRIALS, design, quiet, rows_of
 

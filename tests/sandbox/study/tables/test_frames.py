@@ -7,7 +7,7 @@ from threading import Event
 from typing import Any
 
 from sandbox.study.record.trial_files import frames_of
-from sandbox.study.tables.frames import FrameTable, FrameWriter, read_frames
+from sandbox.study.tables.frame_table import FrameTable, FrameWriter, read_frames
 
 
 class Slow(FrameTable):

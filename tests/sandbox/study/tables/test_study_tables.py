@@ -12,12 +12,12 @@ from hypothesis import HealthCheck, example, given, settings
 from hypothesis import strategies as st
 
 from sandbox.study.design.design import DEMOGRAPHICS
-from sandbox.study.design.plan import FormStep, TrialStep
+from sandbox.study.design.session_plan import FormStep, TrialStep
 from sandbox.study.record.folder import SIMULATED, StudyFolder
 from sandbox.study.record.session_folder import SessionFolder
 from sandbox.study.record.stored_sessions import sessions_of
 from sandbox.study.report.data import load_study
-from sandbox.study.share.share import Masking, share_study
+from sandbox.study.share.shared_folder import Masking, share_study
 from sandbox.study.share.verify import verify
 from sandbox.study.share.withdraw import withdraw
 from sandbox.study.tables.tables import make_tables, table_files

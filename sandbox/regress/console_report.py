@@ -23,18 +23,18 @@ from rich.table import Table
 from models.message import counted
 from sandbox.regress import statistics
 from sandbox.regress.baseline import Baseline
+from sandbox.regress.compared_measures import DECIDING, SUCCESS, TIME
 from sandbox.regress.comparison import Change, Comparison, groups, level_of
 from sandbox.regress.execute import CRASHED
-from sandbox.regress.measures import DECIDING, SUCCESS, TIME
-from sandbox.regress.plan import file_name, registered
-from sandbox.regress.report import Crashes, Report
+from sandbox.regress.run_plan import file_name, registered
+from sandbox.regress.run_report import Crashes, Report
 from sandbox.session.session import Session
 from sandbox.system.files import write_whole
 from sandbox.trial.driver import View, play_trial
 from sandbox.views.film import FilmView
 
 if TYPE_CHECKING:
-    from sandbox.regress.power import Power
+    from sandbox.regress.detectable_changes import Power
     from sandbox.regress.sweep import Curve, Point, Sweep
 
 

@@ -11,7 +11,7 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
-from encoders.evaluation.paalm import (
+from encoders.evaluation.paalm_errors import (
     Judgement,
     Plausibility,
     as_first_software,

@@ -29,8 +29,8 @@ from sandbox.export.leap_hands import (
     straight_reconstructors,
 )
 from sandbox.export.motion_source import MotionSource, PoseCallback, poses_of, together
+from sandbox.export.motion_view import simulated_poses
 from sandbox.export.sources import commanded_poses
-from sandbox.export.view import simulated_poses
 from sandbox.session.session import Session
 from sandbox.stream.lines import HandLines, StreamTarget
 from sandbox.stream.sender import Moment

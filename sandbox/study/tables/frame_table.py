@@ -23,7 +23,7 @@ from models.pose import POSE_SIZE
 from models.rotations import matrix_to_quaternion
 from sandbox.recording.recording import load_recording
 from sandbox.study.measures.arrays import POSE_COLUMNS, SECOND, TrialArrays, texts_of
-from sandbox.study.record.files import write_atomically
+from sandbox.study.record.durable_files import write_atomically
 from sandbox.study.record.trial_files import frames_of, pack
 from sandbox.study.tables.column import Column
 from sandbox.study.tables.contacts import ContactReader, ContactSample, ObjectPushes

@@ -17,9 +17,9 @@ from numpy.typing import ArrayLike
 from encoders.capture import Capture
 from encoders.encoder import Encoder
 from encoders.npz import write_npz
+from encoders.regression.encoder_registry import ENCODER_PLUGINS, ENCODERS, builtin_name, origin_of
 from encoders.regression.least_squares import ridge_path
 from encoders.regression.polynomial import PolynomialEncoder
-from encoders.regression.registry import ENCODER_PLUGINS, ENCODERS, builtin_name, origin_of
 from encoders.regression.trained import (
     EXTERNAL,
     MODEL_ARRAYS,

@@ -15,7 +15,7 @@ from models.frames import FINGERS, Contact, TouchFrame
 from models.plugins import place_file
 from models.scene import CONTROL_PERIOD
 from sandbox.gym.environment import HandSandboxEnv
-from sandbox.gym.options import TRUE_LABELS
+from sandbox.gym.environment_options import TRUE_LABELS
 from sandbox.recording.recorded_task import task_change
 from sandbox.recording.recording import Recording, load_recording
 from sandbox.recording.versions import check_states

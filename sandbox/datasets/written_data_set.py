@@ -9,7 +9,8 @@ from typing import Any
 
 from models.errors import InputError
 from sandbox.datasets.data_set import LEROBOT, MINARI
-from sandbox.datasets.demonstration import (
+from sandbox.datasets.npz_file import check_npz, write_npz
+from sandbox.datasets.played_trial import (
     Demonstration,
     broken_off,
     changed_task,
@@ -18,7 +19,6 @@ from sandbox.datasets.demonstration import (
     environment_of,
     open_demonstration,
 )
-from sandbox.datasets.npz_file import check_npz, write_npz
 from tasks.registry import find_task
 
 

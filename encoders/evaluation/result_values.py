@@ -17,11 +17,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from encoders.capture import Capture
-from encoders.evaluation import paper
+from encoders.evaluation import paper_results as paper
 from encoders.evaluation.copas import RULES, Copas
-from encoders.evaluation.errors import Smoothness, limit_share, tip_errors, variance_shares
 from encoders.evaluation.labels import COUNTS, SEVERAL, Verdicts
-from encoders.evaluation.measure import LABELS, TRUE, MethodResult, Tests, counts_of
+from encoders.evaluation.measure_method import LABELS, TRUE, MethodResult, Tests, counts_of
+from encoders.evaluation.pose_errors import Smoothness, limit_share, tip_errors, variance_shares
 from models.arithmetic import Array
 from models.pose import JOINTS
 

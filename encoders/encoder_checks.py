@@ -17,15 +17,15 @@ import numpy as np
 
 from encoders.capture import Capture
 from encoders.encoder import Encoder
-from encoders.regression.registry import (
+from encoders.regression.encoder_registry import (
     ENCODER_PLUGINS,
     checked,
     find_encoder,
     origin_of,
     source_digest,
 )
-from encoders.regression.train import check_repeatable, predicted, train_encoder
 from encoders.regression.trained import TrainedModel, builtin_capture
+from encoders.regression.training import check_repeatable, predicted, train_encoder
 from models.errors import EncoderError
 
 EVERY = 40

@@ -25,7 +25,7 @@ from sandbox.play.pages import (
     show_session,
     touched_pages,
 )
-from sandbox.play.play import (
+from sandbox.play.player_requests import (
     Play,
     can_choose_fingers,
     judge_latency,

@@ -232,7 +232,7 @@ class WindowPictures:
     """Shows pictures in a window."""
 
     def __init__(self, sides: Sequence[str], caption: str) -> None:
-        from sandbox.views.paalm.window import PaalmWindow
+        from sandbox.views.paalm.picture_window import PaalmWindow
 
         self._window = PaalmWindow(sides, caption)
         self.show, self.rest, self.close = self._window.show, self._window.rest, self._window.close

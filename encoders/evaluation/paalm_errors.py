@@ -22,8 +22,8 @@ from encoders.paalm.average import average_calibration, calibrate_on_recording
 from encoders.paalm.calibration import EQUAL_BENDS, MOST_BENT, measure, pointing
 from encoders.paalm.chain import FINGER_LIMITS
 from encoders.paalm.hand_pose import hand_pose
+from encoders.paalm.joint_angles import Paalm
 from encoders.paalm.options import PaalmOptions
-from encoders.paalm.paalm import Paalm
 from encoders.paalm.palm import palm_of
 from encoders.paalm.simulated.air import FROZEN_AIR
 from encoders.paalm.simulated.forward import FROZEN_LEAP, LeapTake

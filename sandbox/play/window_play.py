@@ -24,7 +24,13 @@ from sandbox.play.pages import (
     show_session,
     touched_pages,
 )
-from sandbox.play.play import Play, address_line, judge_latency, print_latency, report_end
+from sandbox.play.player_requests import (
+    Play,
+    address_line,
+    judge_latency,
+    print_latency,
+    report_end,
+)
 from sandbox.server.page_options import PageOptions
 from sandbox.server.protocol import Pause
 from sandbox.server.screen import CANNOT_BEGIN

@@ -9,7 +9,7 @@ from typing import Any
 import glfw
 from PIL import Image
 
-from encoders.paalm.paalm import PaalmFrame
+from encoders.paalm.joint_angles import PaalmFrame
 from models.frames import HandFrame
 from sandbox.devices.device import Closeable
 from sandbox.views.paalm.picture import SIZE, PaalmPicture

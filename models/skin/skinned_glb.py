@@ -1,6 +1,6 @@
 """The skinned hand as a binary glTF 2.0 file (.glb): one mesh, 15 joints, no other files.
 
-    python -m models.skin.gltf hand.glb
+    python -m models.skin.skinned_glb hand.glb
 
 Metres. Up is +y, as in glTF: a node above the hand rotates our z axis into it. All joints are
 direct children of that node and are placed at the zero pose, so that a program that knows the

@@ -17,7 +17,7 @@ from sandbox.devices.simulated.simulated import SimulatedDevice
 from sandbox.devices.wrappers.degraded import DegradedDevice
 from sandbox.study.design.conditions import uses_camera
 from sandbox.study.design.design import Design
-from sandbox.study.design.plan import TrialStep
+from sandbox.study.design.session_plan import TrialStep
 from sandbox.study.record.folder import Participant, StudyFolder
 from sandbox.study.record.session_folder import SessionFolder
 from sandbox.study.record.stored_sessions import has_finished

@@ -12,7 +12,9 @@ from numpy.typing import NDArray
 
 from encoders.capture import Capture
 from encoders.evaluation.copas import FOLDS, Copas, copas
-from encoders.evaluation.errors import (
+from encoders.evaluation.labels import COUNTS, OwnLabels, Verdicts, own_labels, takes
+from encoders.evaluation.methods import Method
+from encoders.evaluation.pose_errors import (
     PoseErrors,
     Smoothness,
     joined,
@@ -21,8 +23,6 @@ from encoders.evaluation.errors import (
     smoothness,
     tip_errors,
 )
-from encoders.evaluation.labels import COUNTS, OwnLabels, Verdicts, own_labels, takes
-from encoders.evaluation.methods import Method
 from models.arithmetic import Array
 from models.errors import EncoderError
 

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 
 from sandbox.regress import statistics
 from sandbox.regress.comparison import level_of, together_name
-from sandbox.regress.plan import TrialJob, arm_of
+from sandbox.regress.run_plan import TrialJob, arm_of
 
 if TYPE_CHECKING:
     from sandbox.regress.baseline import Baseline, BaselineTask, BaselineTrial

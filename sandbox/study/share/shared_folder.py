@@ -21,10 +21,9 @@ from models.errors import StudyError
 from models.message import counted
 from sandbox.recording.recording import SUFFIX, packed, read_stored, stored
 from sandbox.study.design.design import DEMOGRAPHICS, FILLED, Design
-from sandbox.study.design.plan import in_the_air
-from sandbox.study.record.chain import HASH, Record
+from sandbox.study.design.session_plan import in_the_air
 from sandbox.study.record.copies import JOURNAL
-from sandbox.study.record.files import (
+from sandbox.study.record.durable_files import (
     TEMPORARY,
     json_bytes,
     make_folder,
@@ -38,6 +37,7 @@ from sandbox.study.record.folder import (
     withdrawals_of,
     write_design,
 )
+from sandbox.study.record.hash_chain import HASH, Record
 from sandbox.study.record.journal import journal_bytes, read_journal
 from sandbox.study.record.notes import (
     ANONYMISED,
@@ -76,7 +76,7 @@ from sandbox.system.files import sync_folder
 
 HAND_SIZE_BIN = 0.1
 """Default bin width of hand sizes. Hand sizes of people have a standard deviation of about 0.07
-(`sandbox.study.run.simulate`)."""
+(`sandbox.study.run.simulated_study`)."""
 ABOUT = "anonymised.json"
 """File with the masking and the left-out data; the note `ANONYMISED` has the same content."""
 README, VERIFIED = "README.md", "verify.txt"

@@ -14,6 +14,7 @@ from xml.etree import ElementTree
 
 from models.message import counted
 from sandbox.regress import statistics
+from sandbox.regress.compared_measures import MEASURES, SUCCESS, TIME
 from sandbox.regress.comparison import (
     Change,
     Comparison,
@@ -23,8 +24,7 @@ from sandbox.regress.comparison import (
     level_of,
 )
 from sandbox.regress.execute import CRASHED, Trial
-from sandbox.regress.measures import MEASURES, SUCCESS, TIME
-from sandbox.regress.plan import HARD, RegressionPlan, arm_of, setting_of
+from sandbox.regress.run_plan import HARD, RegressionPlan, arm_of, setting_of
 from sandbox.system.files import write_whole
 
 if TYPE_CHECKING:

@@ -9,8 +9,8 @@ from rich.console import Console
 from rich.table import Table
 
 from encoders.evaluation.methods import TRAINED
-from encoders.evaluation.paper import row
-from sandbox.evaluation.data import BUILTIN, SPLIT
+from encoders.evaluation.paper_results import row
+from sandbox.evaluation.evaluated_data import BUILTIN, SPLIT
 
 Report = dict[str, Any]
 

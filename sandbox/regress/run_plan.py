@@ -366,7 +366,7 @@ def _python_command(own_task: type[Task], seed: int, scene: Mapping[str, Any]) -
     module, name = own_task.__module__, own_task.__qualname__
     program = (
         "from sandbox.regress.execute import run_job; "
-        "from sandbox.regress.plan import RegressionPlan; "
+        "from sandbox.regress.run_plan import RegressionPlan; "
         f"from {module} import {name} as T; "
         f"print(run_job(RegressionPlan((T,), ({seed},), {dict(scene)!r}).jobs()[0]))"
     )

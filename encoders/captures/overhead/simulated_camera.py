@@ -15,7 +15,7 @@ import numpy as np
 
 from encoders.air.camera import Camera
 from encoders.air.landmark_fit import OF_POINTS, HandPoints
-from encoders.captures.paired.simulated import PairedSession
+from encoders.captures.paired.simulated_pair import PairedSession
 from models.arithmetic import Array
 from models.frames import LANDMARKS, LandmarkFrame, SeenHand
 from models.rotations import exp as turned
