@@ -19,8 +19,8 @@ from tasks.task import Goal, Measure, TaskDefaults
 EDGE = 0.050
 """Edge of the box (m)."""
 BORDER = 0.042
-"""Distance (m) from the surface's border to the nearest place for a box's centre, so that a
-fingertip has room beside the box on the side of the border as well."""
+"""Smallest distance (m) of a box's centre from the surface's border. A fingertip then has room
+between the box and the border."""
 DISTANCE = (0.050, 0.100)
 """Range of the distance (m) from start to goal."""
 ROOM = 0.055
@@ -35,22 +35,24 @@ POSITION_TOLERANCE = 0.010
 YAW_TOLERANCE = np.deg2rad(10.0)
 TILT_TOLERANCE = np.deg2rad(5.0)
 SPEED_TOLERANCE = 0.010
-"""Largest errors in position (m), yaw (rad) and tilt (rad), and largest speed (m/s), at which the
-box counts as arrived."""
+"""Largest errors in position (m), yaw (rad) and tilt (rad), and largest speed (m/s), of a box at
+its goal."""
 
 
 @dataclass(frozen=True)
 class BoxToGoal(TaskDefaults):
     """Bring a 5 cm box onto its translucent twin.
 
-    Scene: a box of 5 cm on a table, friction 0.5 against the table, 50 to 250 g.
+    Scene: a cube with edges of 5 cm and a mass of 50 to 250 g on a table. The friction coefficient
+    between box and table is 0.5.
     Goal: the box's ghost, 5 to 10 cm away and turned by up to 45 degrees.
-    Success: centre within 1 cm of the goal (horizontally and in height), yaw within 10 degrees of
-    the goal (a cube looks the same every quarter turn, so the nearest of the four counts), tilt
-    under 5 degrees, supported by the table, slower than 1 cm/s and touched by no hand, all for
-    0.5 s without a break, within 30 s.
-    Start: positions uniform over the surface less a border of 42 mm, redrawn until the distance is
-    in range; yaw uniform within 45 degrees of the surface's axes; turn uniform within 45 degrees.
+    Success: for 0.5 s without a break, within 30 s, all of these hold: the centre is within 1 cm of
+    the goal (in three dimensions), the yaw is within 10 degrees of the goal, the tilt is under 5
+    degrees, the box touches the table, is slower than 1 cm/s, and no hand touches it. A cube looks
+    the same after every quarter turn, so the yaw counts to the nearest of the four equal poses.
+    Start: start and goal are uniform over the part of the surface that is at least 42 mm from its
+    border, and redrawn until their distance is in range. The yaw is uniform within 45 degrees of
+    the surface's axes, and the turn to the goal is uniform within 45 degrees.
     History: version 1.
     """
 
@@ -101,7 +103,7 @@ class BoxToGoal(TaskDefaults):
         reason = missing(box, goal)
         way = max(distance(target, self.objects[0].position) - POSITION_TOLERANCE, 1e-9)
         travelled = 1.0 - max(off - POSITION_TOLERANCE, 0.0) / way
-        # Only success gives 1; a box on its way, tilted or still held stays below.
+        # Only success gives 1. A box that is on its way, tilted or still held gives less.
         progress = 1.0 if not reason else min(max(travelled, 0.0), 0.99)
         return Measure(not reason, progress, reason)
 
@@ -140,5 +142,6 @@ def missing(box: ObjectState, goal: Goal) -> str:
 
 @cache
 def _from_goal(mm: str) -> Message:
-    """The reason at most control steps. It is cached, since many steps have the same millimetre."""
+    """The reason while the box is away from its goal. It is cached, since most control steps have
+    this reason, and successive steps often have the same number of millimetres."""
     return Message("box_from_goal", "the box is {mm} mm from the goal", mm=mm)

@@ -1,4 +1,4 @@
-"""Carry a tray to its place in the air with a hand at either end; one hand alone tips it."""
+"""Carry a tray to its place in the air with a hand at each end. One hand alone tips the tray."""
 
 from __future__ import annotations
 
@@ -25,18 +25,18 @@ YAW = np.deg2rad(12.0)
 RISE = (0.040, 0.060)
 """Range of the height (m) of the goal above the start."""
 BORDER = 0.042
-"""Distance (m) from the surface's border to the nearest place of a grip, with room for a thumb
-beside the handle."""
+"""Smallest distance (m) of a grip from the surface's border. A thumb then has room beside the
+handle."""
 SEAM = 0.030
-"""Distance (m) from the border between the hands, the middle of the surface, to the nearest place
-of a grip."""
+"""Smallest distance (m) of a grip from the middle line of the surface, which divides the areas of
+the two hands."""
 
 POSITION_TOLERANCE = 0.015
 YAW_TOLERANCE = np.deg2rad(8.0)
 SLOPE_TOLERANCE, ROLL_TOLERANCE = np.deg2rad(6.0), np.deg2rad(25.0)
 SPEED_TOLERANCE = 0.050
-"""Largest errors in position (m), yaw, slope and roll (rad), and largest speed (m/s), at which the
-tray counts as being in its place."""
+"""Largest errors in position (m), yaw, slope and roll (rad), and largest speed (m/s), of a tray at
+its goal."""
 
 _TRIES = 20_000
 """Number of draws after which a surface is reported as too small."""
@@ -46,19 +46,21 @@ _TRIES = 20_000
 class CarryTogether(TaskDefaults):
     """Lift a tray with a hand at either end, carry it to its translucent twin, and hold it there.
 
-    Scene: a tray of 300 to 600 g on a table: a deck of 16 by 12 cm, broader than a hand opens, with
-    a handle of 30 mm breadth at either end, 24 cm from grip to grip. Every hand has a touch surface
-    of its own, the right one's to the right, or both share one that is as large; every hand's lift
-    control raises it by up to 12 cm.
-    Goal: the tray's ghost, 4 to 6 cm higher, 3 to 8 cm away and turned, free in the air.
-    Success: the tray's middle within 15 mm of the goal, yaw within 8 degrees, the
-    slope from handle to handle under 6 degrees, the roll about that line under 25 degrees (a hand
-    that only rises and falls has little hold on it), clear of the table and slower than 5 cm/s, all
-    for 0.5 s without a break, within 60 s. A hand alone at one handle tips the tray.
-    Start: middle uniform over the surface, yaw uniform within 12 degrees of the surface's axes,
-    flat on the table; the goal's place and yaw alike, its height uniform; all drawn anew until the
-    distance is in range and every grip, at the start and at the goal, is on its hand's half of the
-    surface, 42 mm from the border and 30 mm from the middle.
+    Scene: a tray of 300 to 600 g lies on a table. Its deck of 16 by 12 cm is wider than a hand can
+    open. It has a handle of 30 mm width at each end, and the grips are 24 cm apart. Each hand has
+    its own touch surface, with that of the right hand on the right; or both hands share a surface
+    of the combined size. A lift control raises each hand by up to 12 cm.
+    Goal: the tray's ghost in the air, 4 to 6 cm higher, 3 to 8 cm away and turned.
+    Success: for 0.5 s without a break, within 60 s, all of these hold: the tray's middle is within
+    15 mm of the goal, the yaw is within 8 degrees, the slope from handle to handle is under 6
+    degrees, the roll about that line is under 25 degrees, and the tray does not touch the table and
+    is slower than 5 cm/s. The roll may be larger because hands that only move up and down can
+    hardly control it. A single hand at one handle tips the tray.
+    Start: the tray lies flat on the table. Its middle is uniform over the surface, and its yaw is
+    uniform within 12 degrees of the surface's axes. The position and yaw of the goal are drawn in
+    the same way, and its height is uniform. Start and goal are redrawn until their distance is in
+    range and each grip, at the start and at the goal, is on the half of its hand, at least 42 mm
+    from the border and 30 mm from the middle line.
     History: version 1.
     """
 
@@ -159,7 +161,13 @@ class CarryTogether(TaskDefaults):
 
 
 def _fits(middle: list[float], yaw: float, surface: Surface) -> bool:
-    """True if both grips of a tray are within reach of their hands; positions on the surface."""
+    """True if each hand can reach its grip of a tray.
+
+    Args:
+        middle: (2,) m, middle of the tray in surface coordinates.
+        yaw: Yaw (rad) of the tray.
+        surface: The surface of both hands together.
+    """
     # Yaw is counterclockwise seen from above, but the surface's y points down.
     way = TRAY_GRIP * np.array([cos(yaw), -sin(yaw)])
     right, left = middle + way, middle - way

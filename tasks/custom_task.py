@@ -15,7 +15,8 @@
             far = length(off)
             return judge(1 - far / 0.1, (far > 0.01, f"it is {1000 * far:.0f} mm away"))
 
-Any class that follows the contract `tasks.task.Task` works as well; this one fills in common parts.
+Any class that follows the contract `tasks.task.Task` works as well. `CustomTask` adds the parts
+that most tasks have in common.
 """
 
 from __future__ import annotations
@@ -104,7 +105,7 @@ class CustomTask(TaskDefaults, ABC):
                     where=cls.name,
                     got=type(placed).__name__,
                     expected=f"a list of {what}",
-                    remedy="Of a mechanism called desk, return desk.parts"
+                    remedy="For a mechanism `desk`, return desk.parts"
                     if placed is objects
                     else None,
                 )
@@ -114,10 +115,11 @@ class CustomTask(TaskDefaults, ABC):
 
 
 def _check_not_sunk(objects: tuple[SceneObject, ...], where: str) -> None:
-    """Checks that no mechanism was placed below the table's top, since it does not collide with it.
+    """Checks that no mechanism was placed below the table's top.
 
-    A description may have geoms below its origin, such as keys that move down into the table. The
-    position is a mistake only if the origin is below the table's top and solid geoms are as well.
+    The table does not push a fixed mechanism out, since the two do not collide. A description may
+    have geoms below its origin, such as keys that move down into the table. The position is a
+    mistake only if both the origin and solid geoms are below the table's top.
 
     Raises:
         InputError: A mechanism was placed below the table's top.
@@ -154,8 +156,8 @@ def judge(progress: float, *lacks: tuple[bool, str]) -> Measure:
 
     Args:
         progress: Progress, 0 (as at the start) to 1, before the conditions are taken into account.
-        lacks: For each condition, a boolean, true while it is not met, and a text. People see the
-            text of the first unmet condition that has one.
+        lacks: For each condition, a boolean that is true while the condition is not met, and a
+            text. People see the first text, among the unmet conditions, that is not empty.
     """
     missing = [why for lacking, why in lacks if lacking]
     # Only success is 1.
@@ -180,13 +182,14 @@ def two_places(
 
     Raises:
         SurfaceTooSmallError: The surface is too small for two places.
-        InputError: The surface is upright (`plane = "front"`), where objects stand on a floor.
+        InputError: The surface is upright (`plane = "front"`). Objects in front of it stand on a
+            floor, which has no second dimension to draw.
     """
     if surface.upright:
         raise InputError(
-            "two places are drawn on a table, and this surface is upright",
+            "`two_places` draws places on a table, but this surface is upright",
             where="two_places",
-            remedy="Draw the places yourself: x along the screen, z up, y at its plane",
+            remedy="Draw the places yourself: x along the screen, z up, y in the screen's plane",
         )
     low, high = np.full(2, border), surface.size - border
     for _ in range(_TRIES if np.all(high > low) else 0):

@@ -1,4 +1,4 @@
-"""Draws trials and builds scenes with a task's own code, whose errors become one line.
+"""Draws trials and builds scenes with a task's own code. Errors of this code become one line.
 
 `tasks.score` calls a task's `measure`. `tasks.check_task` checks all rules for tasks. This module
 also refuses varied trials whose objects overlap at the start, since physics would throw them apart.
@@ -156,7 +156,7 @@ def _check_places(task: Task, where: str) -> None:
         InputError: A position is not three finite numbers, or a yaw or a mass is not finite.
     """
     for obj in task.objects:
-        # MuJoCo would treat such a mass as not given, and compute a mass by itself.
+        # MuJoCo would treat such a mass as absent, and compute a mass from the volume.
         if not isfinite(obj.mass):
             raise InputError(f"the mass of {obj.name} is not finite", where=where, got=obj.mass)
     placed = [(f"the object {obj.name}", obj.position, obj.yaw) for obj in task.objects]
@@ -164,7 +164,7 @@ def _check_places(task: Task, where: str) -> None:
     for name, position, yaw in placed:
         if len(position) != 3 or not all(map(isfinite, (*position, yaw))):
             raise InputError(
-                f"{name} is not at a place",
+                f"{name} has no valid position",
                 where=where,
                 got=f"{position!r}, yaw {yaw!r}"[:80],
                 expected="3 finite numbers in m, and a yaw in rad",
@@ -185,13 +185,14 @@ def check_varied(task: Task, where: str, plain: Task | None = None) -> None:
         plain: The trial before it was varied; None skips the check of rings.
 
     Raises:
-        InputError: Two objects overlap, or an object starts inside a ring that it was outside of.
+        InputError: Two objects overlap, or an object starts inside a ring although it started
+            outside before the variation.
     """
     before = set() if plain is None else _inside_rings(plain)
     inside = set() if plain is None else _inside_rings(task) - before
     if inside:
         raise InputError(
-            "objects start inside of the ring, where they are to be brought",
+            "objects start inside of the ring that is their goal",
             where=where,
             got=", ".join(sorted(obj for _, obj in inside)),
             remedy="Vary it less",

@@ -92,6 +92,7 @@ def find_task(name: str) -> type[Task]:
             where=plugin.where,
             got=task.name,
             expected=name,
+            remedy="Give the entry point the task's name",
         )
     if task.name in TASKS and TASKS[task.name] is not task:
         raise InputError(
@@ -114,7 +115,9 @@ def unusable_tasks() -> dict[str, str]:
     for name, entries in TASK_PLUGINS.offered().items():
         if name in TASKS:
             others = ", ".join(package(e) for e in entries)
-            reasons[name] = f"{others} offers a task of the same name as ours, which is left out"
+            reasons[name] = (
+                f"the task from {others} is left out, because a built-in task has the same name"
+            )
             continue
         try:
             find_task(name)
@@ -124,10 +127,10 @@ def unusable_tasks() -> dict[str, str]:
 
 
 def claim_name(claimed: dict[str, tuple[str, type[Task]]], place: str, kind: type[Task]) -> None:
-    """Records that a task has its name, among tasks that are identified by their names.
+    """Reserves a task's name, so that no two of the requested tasks have the same name.
 
     Args:
-        claimed: Name -> place of the task and the task; the new task is added.
+        claimed: Name -> place of the task and the task. The new task is added.
         place: Name or place with which the task was requested.
         kind: The task.
 
@@ -158,8 +161,9 @@ def origin(name: str) -> dict[str, Any]:
     """Origin of an external task, needed to run it again; empty for built-in tasks.
 
     Returns:
-        `entry_point` as `module:Class`, with `package` and `version` where one is installed; or
-        `file`, absolute, and `member`. Either way with the task's version as `task_version`.
+        For a task of a module: `entry_point` (`module:Class`), and `package` and `version` if an
+        installed package offers the task. For a task in a file: `file` (absolute path) and
+        `member`. In both cases also `task_version`, the version of the task.
     """
     kind = find_task(name)
     if is_built_in(kind):
@@ -172,7 +176,7 @@ def origin(name: str) -> dict[str, Any]:
 
 
 def completed(value: Any, where: str) -> type[Task]:
-    """A loaded task, completed with the defaults of members that it leaves out.
+    """Returns a loaded task, after adding the default members that it leaves out.
 
     Args:
         value: The loaded object.
@@ -186,7 +190,8 @@ def completed(value: Any, where: str) -> type[Task]:
             "not a task",
             where=where,
             got=repr(value)[:80],
-            expected="a class with draw and measure",
+            expected="a class with the methods draw and measure",
+            remedy="Add the methods, or name another class",
         )
     _check_members(value, where)
     for member in _OPTIONAL:
@@ -221,14 +226,19 @@ def _check_members(task: type[Any], where: str) -> None:
     user = getattr(task, "user", None)
     if user is not None and not callable(user):
         raise InputError(
-            "a task's user is wrong",
+            "`user`, the simulated user of a task, cannot be called",
             where=where,
             got=repr(user)[:80],
-            expected="a class that is made from (configuration, surface, seed), or None",
+            expected="a class whose arguments are (configuration, surface, seed), or None",
         )
     missing: frozenset[str] = getattr(task, "__abstractmethods__", frozenset())
     if missing:
-        raise InputError("this task lacks members", where=where, got=", ".join(sorted(missing)))
+        raise InputError(
+            "this task has abstract members",
+            where=where,
+            got=", ".join(sorted(missing)),
+            remedy="Define them in the task's class",
+        )
 
 
 def _check_numbers(task: type[Any], where: str) -> None:

@@ -28,7 +28,7 @@ class Status(StrEnum):
 
 
 def ending(status: str, success: bool) -> str:
-    """Text for people of how a trial ended, in a word or two."""
+    """How a trial ended, as a text of one or two words."""
     if status == "running":
         # A trial runs for another second after success, and may be left during this time.
         return "done" if success else "broken off"
@@ -42,7 +42,8 @@ class Score:
     Attributes:
         instant: True if the goal was reached at some moment.
         held: True if the goal was reached for the hold time without a break; this is success.
-        final: True if the goal was still reached when the trial ended, a second after success.
+        final: True if the goal was reached at the last measure of the trial. After success, this is
+            a second after the goal was held.
         status: State or end of the trial.
         progress: Progress, 0 to 1, at the end.
         reason: Text for people that names the missing condition; empty after success.
@@ -130,20 +131,20 @@ def _made_plain(result: Measure, task: str) -> Measure:
     """The same measure with values of Python's own types; NumPy's cannot be written to a recording.
 
     Raises:
-        InputError: `reached` or `lost` is neither true nor false, `progress` is no finite number,
-            or `reason` no text.
+        InputError: `reached` or `lost` is neither true nor false, `progress` is not a finite
+            number, or `reason` is not text.
     """
-    first, returned = result.first, "of what `measure` returned"
+    first, returned = result.first, "of the returned Measure"
     if first is not None and not isinstance(first, Measure):
         raise InputError(
-            f"`first` {returned} is no Measure",
+            f"`first` {returned} is not a Measure",
             where=task,
             got=repr(first)[:80],
             expected="a Measure",
         )
     if not isinstance(result.reason, str):
         raise InputError(
-            f"`reason` {returned} is no text",
+            f"`reason` {returned} is not text",
             where=task,
             got=repr(result.reason)[:80],
             expected="text",
@@ -155,8 +156,8 @@ def _made_plain(result: Measure, task: str) -> Measure:
             f"`reached` or `lost` {returned} is neither true nor false",
             where=task,
             got=f"{result.reached!r} and {result.lost!r}"[:80],
-            expected="one truth value each",
-            remedy="`(...).all()` makes one of several",
+            expected="true or false for each",
+            remedy="Combine the values of an array with `(...).all()`",
         ) from None
     try:
         progress = float(result.progress)
@@ -164,11 +165,11 @@ def _made_plain(result: Measure, task: str) -> Measure:
         progress = nan
     if not isfinite(progress):
         raise InputError(
-            f"`progress` {returned} is no finite number",
+            f"`progress` {returned} is not a finite number",
             where=task,
             got=repr(result.progress)[:80],
             expected="0 to 1",
-            remedy="A division by zero gives such a number",
+            remedy="Look for a division by zero",
         )
     return Measure(
         reached,

@@ -19,8 +19,8 @@ from models.objects import Joint, MechanismPart
 from models.scene import TABLE, Scene, finger_sensor, first_bodies, touching_sensor
 
 SUPPORT = 0.6
-"""Least share of an object's weight that a support must carry. An object on one support rests on it
-with its whole weight; an object that leans on two supports divides its weight between them."""
+"""Share of an object's weight that a part of the scene must carry to count as its support. A single
+support carries the whole weight. If an object leans on two parts, they share its weight."""
 
 
 @dataclass(frozen=True)
@@ -235,7 +235,12 @@ class Sensing:
 
 
 def _from_axis(position: Array, axis: Array) -> float:
-    """Distance (m) from a body's origin to its hinge's axis through a position (3,) m."""
+    """Distance (m) from a body's origin to the axis of its hinge.
+
+    Args:
+        position: (3,) m, a point on the axis, in the body's frame.
+        axis: (3,) unit vector along the axis.
+    """
     (x, y, z), (a, b, c) = position.tolist(), axis.tolist()
     return length(np.array([y * c - z * b, z * a - x * c, x * b - y * a]))
 

@@ -1,7 +1,7 @@
-"""Stacking tasks: boxes on the table, with a second control that lifts the hand, or upright.
+"""Stacking tasks: on a touch surface that lies on the table, or on an upright touch surface.
 
-`Stack` and `StackThree` stand on the table. `StackVertical` stands before an upright surface, and
-is played with one hand alone.
+In `Stack` and `StackThree` the touch surface is flat, and a second control lifts the hand. In
+`StackVertical` it is upright, and one hand does everything.
 """
 
 from __future__ import annotations
@@ -27,7 +27,8 @@ from tasks.task import Goal, Measure, Posed, TaskDefaults, place
 NAMES = ("base", "second", "third")
 """Names of the boxes, from below."""
 COLOURS = ((0.86, 0.30, 0.24), (0.93, 0.68, 0.22), (0.30, 0.52, 0.78))
-"""Colours of the boxes, by which the page names them (sandbox/words)."""
+"""Colours of the boxes. The texts of the web page name the boxes by their colours
+(sandbox/words)."""
 
 EDGE = (0.040, 0.060)
 """Range of a box's edge (m)."""
@@ -98,7 +99,8 @@ class Stacking(TaskDefaults):
         return cls(seed, boxes, goals)
 
     def measure(self, sensing: Sensing) -> Measure:
-        """Tests whether the boxes are stacked now; names the lowest missing condition."""
+        """Tests whether the boxes are stacked now. The reason is about the lowest box that is not
+        in place."""
         states = {box.name: sensing.object(box.name) for box in self.objects}
         done, missing = 0, ""
         for lower, upper in pairwise(self.objects):
@@ -121,7 +123,7 @@ class Stacking(TaskDefaults):
     def _missing(
         self, lower: Box, upper: Box, states: dict[str, ObjectState], sensing: Sensing
     ) -> str:
-        """Reason why a box does not stand on the right box below; empty if it does."""
+        """Reason why a box does not stand on the box that belongs below it; empty if it does."""
         name, below = upper.name, lower.name
         if sensing.touching(name, TABLE):
             return Message("stack_on_table", "the {box} box stands on the table", box=name)
@@ -196,11 +198,11 @@ def too_small(name: str, surface: Surface, example_in: tuple[float, float]) -> S
 
 
 SIDE = 0.012
-"""Distance (m) between the face of an unrotated box and the surface's border at the start. It is
-about a fingertip's breadth, so that touches have room beside the box on that side as well."""
+"""Least distance (m) between the face of an unrotated box and the surface's border at the start. It
+is about the width of a fingertip, so a finger has room between box and border."""
 GAP = 0.030
-"""Least distance (m) of two boxes' centres at the start beyond half the sum of their edges, so that
-fingers have room between them."""
+"""Least gap (m) between two boxes at the start, so that fingers have room: the distance of their
+centres minus half the sum of their edges."""
 
 _TRIES = 20_000
 """Number of draws after which a surface is reported as too small."""
@@ -208,20 +210,22 @@ _TRIES = 20_000
 
 @dataclass(frozen=True)
 class Stack(Stacking):
-    """Lift a box, put it down on another one, and let it stand there.
+    """Lift a box, put it down on another box, and let it stand there.
 
-    Scene: two boxes with edges of 40 to 60 mm and masses of 50 to 250 g on a table, friction 0.5
-    against the table and 1 against each other. Touches move the hand over the table; the device's
-    lift control raises it by up to 12 cm.
+    Scene: two cubes with edges of 40 to 60 mm and masses of 50 to 250 g on a table. The friction
+    coefficient is 0.5 between a box and the table, and 1 between the boxes. Touches move the hand
+    over the table, and the device's lift control raises the hand by up to 12 cm.
     Goal: the ghost of the second box on top of the base, wherever the base stands now.
-    Success: the second box stands on the base and touches neither the table nor anything else that
-    bears it, its centre within 0.35 of the smaller edge of the base's centre seen from above; the
-    base stands on the table; both are tilted by less than 3 degrees (a cube is a cube: any of its
-    faces may be below), slower than 1 cm/s and touched by no hand; all for 0.5 s without a break,
-    within 60 s. What bears what is known from contact forces: more than 0.6 of a box's weight.
-    Start: edges, masses, and yaws within 45 degrees of the surface's axes all uniform; centres
-    uniform over the surface less half an edge and 12 mm; all drawn anew until the centres are at
-    least 30 mm farther apart than half the sum of the edges.
+    Success: for 0.5 s without a break, within 60 s, all of these hold: the second box rests on the
+    base and does not touch the table; seen from above, its centre is nearer to that of the base
+    than 0.35 times the smaller edge; the base rests on the table and not on the second box; both
+    boxes are tilted by less than 3 degrees, slower than 1 cm/s and touched by no hand. Any face of
+    a cube may be below. A box rests on a part of the scene that carries more than 0.6 of its
+    weight, measured by contact forces.
+    Start: edges, masses and yaws are uniform, the yaws within 45 degrees of the surface's axes.
+    Centres are uniform, at least half an edge and 12 mm from the surface's border. Edges and
+    centres are redrawn until the distance of the centres is at least 30 mm larger than half the sum
+    of the edges.
     History: version 1.
     """
 
@@ -256,8 +260,9 @@ class Stack(Stacking):
 class StackThree(Stack):
     """Stack three boxes: the second on the base, the third on the second.
 
-    Scene, success and start are those of `stack`, with one box more and a lift of up to 18 cm.
-    Boxes are drawn together with their places, so that large ones are rarer than small ones.
+    Scene, success and start are those of `stack`, with one more box and a lift of up to 18 cm.
+    Edges and places are redrawn together if the boxes do not fit, so large boxes are rarer than
+    small boxes.
     History: version 1.
     """
 
@@ -277,13 +282,14 @@ def _apart(places: Array, edges: Array) -> bool:
 
 
 UPRIGHT_SIDE = 0.020
-"""Distance (m) from a box's face to the surface's border, for stretched fingers beside the box."""
+"""Least distance (m) from a box's face to the surface's border, for stretched fingers beside the
+box."""
 UPRIGHT_GAP = 0.030
-"""Distance (m) between the faces of the two boxes at the start, for fingers between them."""
+"""Least distance (m) between the faces of the two boxes at the start, for fingers between them."""
 HEADROOM = 0.045
-"""Distance (m) by which a surface must be higher than the middle of the upper box on the lower box:
-room for the part below the table, the height at which the box is carried, and the fingers above its
-middle."""
+"""Least height (m) of the surface minus the height of the upper box's middle in the finished stack.
+This is room for the part of the surface below the table's top, for carrying the box above its
+place, and for fingers above its middle."""
 
 _UPRIGHT_TRIES = 4_000
 """Number of draws after which a surface is reported as too small."""
@@ -291,29 +297,26 @@ _UPRIGHT_TRIES = 4_000
 
 @dataclass(frozen=True)
 class StackVertical(Stacking):
-    """Lift a box by dragging it up the screen, put it down on another one, and let go.
+    """Lift a box by dragging it up the screen, put it down on another box, and let go.
 
-    Scene: two boxes with edges of 40 to 60 mm and masses of 50 to 250 g on a table, friction 0.5
-    against the table and 1 against each other. The touch surface stands upright before them, its
-    lower edge 15 mm below the table's top: right on it is right in the world, and up is up, so
-    that one hand does it all. Its plane is such that fingertips close in the plane of the boxes'
-    middles; the hand comes to it from the front.
-    Help along the depth, which the person neither sees nor controls: (1) of a finger that touches,
-    only the ball of its tip is solid. A thumb that holds a box reaches down over the box below, and
-    with the whole of its last link solid it pushes that box away. (2) As everywhere, a hand turns
-    solid only when it is down, its simulated fingertips are where they should be, and none of them
-    is inside a box. (3) A box that nobody could grip any more is put back after half a second: one
-    into which the fingers' plane no longer reaches by 5 mm, and one that sticks out over a side of
-    the surface. Until then boxes move freely along the depth and turn freely out of the plane;
-    nothing guides them.
+    Scene: two cubes with edges of 40 to 60 mm and masses of 50 to 250 g on a table. The friction
+    coefficient is 0.5 between a box and the table, and 1 between the boxes. The touch surface
+    stands upright in front of them, with its lower edge 15 mm below the table's top. Right on the
+    surface is right in the world, and up is up, so one hand is enough. The hand comes from the
+    front. The surface is placed so that its fingertips close in the plane of the boxes' middles.
+    The person neither sees nor controls the depth, so the program helps there: (1) Of a finger that
+    touches, only the ball of the fingertip is solid. A thumb that holds a box reaches down over the
+    box below, and would push that box away if its whole last link were solid. (2) As in other
+    tasks, a hand turns solid only when it is down, its simulated fingertips are at their targets,
+    and none of them is inside a box. (3) A box that fingers can no longer grip is put back after
+    half a second. These are boxes into which the fingers' plane reaches by less than 5 mm, and
+    boxes that stick out over a side of the surface. Until then boxes move freely along the depth
+    and turn freely out of the plane.
     Goal: the ghost of the second box on top of the base, wherever the base stands now.
-    Success: as in `stack`: the second box stands on the base and touches neither the table nor
-    anything else that bears it, its centre within 0.35 of the smaller edge of the base's centre
-    seen from above, depth included; the base stands on the table; both are tilted by less than 3
-    degrees, slower than 1 cm/s and touched by no hand; all for 0.5 s without a break, within 60 s.
-    Start: edges and masses uniform; centres uniform over the surface's width less half the wider
-    edge and 20 mm, drawn anew until there are 30 mm between the boxes; all faces square to the
-    surface.
+    Success: as in `stack`, with the depth included in the distance of the centres.
+    Start: edges and masses are uniform. Centres are uniform over the surface's width, at least half
+    the larger edge and 20 mm from its border, and redrawn until the gap between the boxes is at
+    least 30 mm. All faces are square to the surface.
     History: version 1.
     """
 

@@ -1,6 +1,6 @@
 """Contract of tasks: a scene with goals, drawn from a seed, and a test of whether they are reached.
 
-Some goals are fixed in the world, and others are on top of a moving object. `place` computes their
+Some goals are fixed in the world. Other goals are on top of a moving object; `place` computes their
 current positions. `place_surface` places the touch surface of a task in the world.
 """
 
@@ -24,8 +24,9 @@ if TYPE_CHECKING:
     from tasks.user import UserMaker
 
 _NEAR = 0.030
-"""Distance (m) from its own goal below which an object counts as placed. A goal on top of the
-object then follows the object; before, it is shown above the object's own goal."""
+"""An object that is nearer to its own goal than this distance (m) counts as placed. A goal on top
+of a placed object follows the object. A goal on top of any other object is shown above that
+object's goal."""
 
 
 @dataclass(frozen=True)
@@ -101,7 +102,8 @@ class Measure:
     Attributes:
         reached: All conditions of success hold right now.
         progress: 0 (as at the start, or worse) to 1 (reached).
-        reason: Text for people of the first condition that does not hold; empty when all hold.
+        reason: Text, shown to people, that names the first condition that does not hold; empty if
+            all conditions hold.
         lost: True if the trial has failed for good. It then ends, unless it had succeeded before.
         first: Measure of a condition that has to be held first, for the same hold time. Until then
             it replaces this measure. None if there is no such condition.
@@ -123,8 +125,8 @@ class TaskDefaults(Protocol):
         user: Creates the simulated user; None uses the user of the built-in tasks.
         pressed: True if the objects are pressed from above. Hands then turn solid on their way
             down, rather than once they are down.
-        own_friction: True if the friction of the objects counts against hands and table; see
-            `SceneSpec`.
+        own_friction: True if contacts of an object with hands and table use the friction
+            coefficient of the object; see `SceneSpec`.
         fewest_fingers: Least number of different fingers with which the task can be played.
     """
 
@@ -169,7 +171,8 @@ class Task(TaskDefaults, Protocol):
 
     Attributes:
         name: Name on the command line.
-        version: Version of ranges and conditions; results of two versions cannot be compared.
+        version: Version of the ranges and conditions. Results of different versions cannot be
+            compared.
         seed: Seed of the trial.
         objects: Objects in the scene at their start.
         goals: Goals to be reached.
@@ -220,7 +223,7 @@ _SHARES = np.linspace(0.0, 1.0, 50)
 
 
 def place_surface(surface: Surface, task: type[Task]) -> Surface:
-    """Places a task's surface in the world: flat over the table, or upright before the person.
+    """Places a task's surface in the world: flat over the table, or upright in front of the person.
 
     A flat surface is `touch_height` above the table. An upright surface is `touch_height` in front
     of world y = 0, which is the depth of the objects of an upright task.
@@ -231,7 +234,7 @@ def place_surface(surface: Surface, task: type[Task]) -> Surface:
 
 
 def over_a_side(obj: SceneObject, surface: Surface) -> bool:
-    """True if an object, at its start before an upright surface, projects over a side of it.
+    """True if an object at its start projects over the left or right side of an upright surface.
 
     The object cannot be gripped there, so a session would put it back again and again.
 

@@ -36,15 +36,17 @@ SEEDS = range(10)
 """Seeds with which a task is checked, unless others are given."""
 
 WIDEST = 2.0
-"""Largest radius of an object, in lengths of the surface; a larger object has the wrong unit."""
+"""Largest radius of an object, divided by the longer side of the surface. A larger object probably
+has the wrong unit."""
 
 
 def check_task(
     task: type[Any] | str, seeds: Iterable[int] = SEEDS, surface: Surface | None = None
 ) -> None:
-    """Checks that a task obeys the rules for tasks; for its author, like Gymnasium's `check_env`.
+    """Checks that a task obeys the rules for tasks.
 
-    Every seed is drawn twice, built in MuJoCo, and measured at its start.
+    It is meant for the task's author, like Gymnasium's `check_env` for authors of environments.
+    For every seed, the trial is drawn twice, built in MuJoCo, and measured at its start.
 
     Args:
         task: The class, or its name on the command line: `FILE.py:CLASS`.
@@ -54,9 +56,8 @@ def check_task(
 
     Raises:
         InputError: The first rule that the task breaks: a member is missing or wrong, two draws of
-            a seed differ, a value of an object, goal or ring is not what it has to be, objects
-            overlap or are off the surface, or `measure` fails, returns no `Measure`, or changes the
-            simulation.
+            a seed differ, a value of an object, goal or ring is invalid, objects overlap or are off
+            the surface, or `measure` fails, returns no `Measure`, or changes the simulation.
     """
     if isinstance(task, str):
         kind = find_task(task)
@@ -77,10 +78,10 @@ def check_task(
 
 
 def _check_measure(task: Task, where: str) -> None:
-    """Checks that `measure` measures the start of a trial, and only reads.
+    """Checks that `measure` measures the start of a trial, and only reads the simulation.
 
     Raises:
-        InputError: It fails, returns no `Measure`, or changes the simulation.
+        InputError: `measure` fails, returns no `Measure`, or changes the simulation.
     """
     sides = ("right", "left")[: task.hands]
     scene = build_scene(task, [Hand(name=side) for side in sides])
@@ -107,8 +108,8 @@ def _check_values(task: Task, where: str) -> None:
     """Checks the values of objects, rings and goals.
 
     Raises:
-        InputError: A name is the scene's or a hand's, or a size, mass, place, angle, colour or
-            friction is not what it has to be.
+        InputError: The scene or a hand already uses a name, or a size, mass, place, angle, colour
+            or friction is invalid.
     """
     for obj in task.objects:
         _check_object(obj, where)
@@ -121,14 +122,18 @@ def _check_values(task: Task, where: str) -> None:
     for name in rings:
         if rings.count(name) > 1 or name in names:
             raise InputError(
-                f"the ring {name} needs a name of its own",
+                f"a ring shares its name {name} with another ring or an object",
                 where=where,
                 got=", ".join(names + rings),
+                remedy="Give the ring a different name",
             )
     for goal in task.goals:
         if not isinstance(goal.object, str):
             raise InputError(
-                "a goal names its object by a text", where=where, got=repr(goal.object)[:80]
+                "`object` of a goal is not text",
+                where=where,
+                got=repr(goal.object)[:80],
+                expected="the name of an object",
             )
         whose = f"the goal of {goal.object}"
         _check_numbers(f"the position of {whose}", goal.position, 3, where)
@@ -169,7 +174,9 @@ def _check_object(obj: SceneObject, where: str) -> None:
     name = obj.name
     check_object_name(name, where)
     if name in _names_of_hands():
-        raise InputError("an object cannot be called as a part of a hand", where=where, got=name)
+        raise InputError(
+            "an object cannot have the name of a part of a hand", where=where, got=name
+        )
     _check_numbers(f"the position of {name}", obj.position, 3, where)
     _check_numbers(f"the yaw of {name}", obj.yaw, 0, where)
     if isinstance(obj, MechanismPart):
@@ -198,7 +205,7 @@ def _check_numbers(
     above: float = -np.inf,
     least: float = -np.inf,
 ) -> None:
-    """Checks that a value is a sequence of `count` finite numbers, or a single number if it is
+    """Checks that a value is a sequence of `count` finite numbers, or a single number if `count` is
     0."""
     expected = "a number" if count == 0 else f"{count} numbers"
     if above == 0.0:
@@ -206,7 +213,7 @@ def _check_numbers(
     if least == 0.0:
         expected += ", 0 or more"
     try:
-        # A text of digits would become a number here, and would fail later.
+        # NumPy would convert a text of digits to a number here, and the text would fail later.
         written = np.asarray(value).dtype.kind in "US"
         numbers = np.array(np.nan) if written else np.asarray(value, float)
     except (TypeError, ValueError):
@@ -225,7 +232,7 @@ def _check_repeatable(task: Task, again: Task, where: str) -> None:
     first, second = _drawn(task), _drawn(again)
     changed = [name for name in first if second.get(name) != first[name]]
     if not changed and len(first) == len(second):
-        # All that makes the scene: sizes, friction, shapes and joints, too.
+        # The MJCF of the objects also contains sizes, friction, shapes and joints.
         made, remade = ([tostring(t.body()) for t in draw.objects] for draw in (task, again))
         pairs = zip(task.objects, made, remade, strict=True)
         changed = [obj.name for obj, one, other in pairs if one != other]
@@ -235,7 +242,7 @@ def _check_repeatable(task: Task, again: Task, where: str) -> None:
             where=where,
             got=f"another {', '.join(changed) or 'number of objects or goals'}",
             expected="the same trial from the same seed",
-            remedy="Draw all random numbers from `rng`, not from `random`, a generator or a clock",
+            remedy="Draw all random numbers from `rng`, not from another generator or a clock",
         )
 
 
@@ -262,7 +269,7 @@ def _check_places(task: Task, surface: Surface, where: str) -> None:
     Raises:
         InputError: The centre of an object or goal is off the surface, or two objects overlap.
     """
-    # A fixed body may stand beside the surface, but its moving parts must be within reach.
+    # A fixed body may stand beside the surface, but moving parts must be within reach.
     centres = {
         f"the object {obj.name}": obj.position
         for obj in task.objects

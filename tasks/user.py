@@ -39,18 +39,19 @@ class UserConfiguration:
         end_noise: Standard deviation of a movement's error, as a share of its length.
         tremor: Standard deviation (m per axis) of slow correlated noise of every finger.
         tremor_time: Correlation time (s) of the tremor.
-        noise: Standard deviation (m per axis) of uncorrelated noise of every finger; together with
-            the tremor 1 mm.
-        aim_error: Standard deviation (m per axis) of the first touch's error that all fingers have
-            in common. The screen is not under the fingers, so the user does not see where they will
-            land.
-        finger_error: Standard deviation (m per axis) of a single finger's error at the first touch.
+        noise: Standard deviation (m per axis) of uncorrelated noise of every finger. With the
+            default values, tremor and noise together have a standard deviation of 1 mm.
+        aim_error: Standard deviation (m per axis) of the error of the first touch that is common to
+            all fingers. The screen is not under the fingers, so the user does not see where the
+            fingers will land.
+        finger_error: Standard deviation (m per axis) of the additional error of each finger at the
+            first touch.
         stagger: Time (s) within which the fingers land, and lift, in random order.
-        hand_size: Length of the hand relative to an average adult's, which scales the distances and
-            openings of the fingers. A device sets it to the size of its person's hand.
-        opening: Distance (m per side) by which the hand comes down wider than the object.
-        easy_opening: Opening (m) from thumb to fingers beyond which the hand opens only for an
-            object that requires it.
+        hand_size: Length of the hand divided by that of an average adult. It scales the distances
+            and openings of the fingers. A device sets it to the size of its person's hand.
+        opening: Largest distance (m per side) by which the hand comes down wider than the object.
+        easy_opening: Distance (m) from thumb to fingers up to which the hand opens easily. It opens
+            wider only for an object that requires it.
         squeeze: Distance (m per side) by which the touches close inside the object's faces.
         natural_axis: Most comfortable direction (rad) from thumb to index finger.
         natural_axis_of_row: Most comfortable direction (rad) from the thumb to several fingers

@@ -1,8 +1,8 @@
-"""Harder and easier trials than a task draws: other objects, other friction, a worse touch screen.
+"""Variations, which make trials harder or easier: other sizes, masses and friction, worse touches.
 
-A variation does not belong to a task. The ranges of the task's version stay the same, and a drawn
-trial is changed afterwards. The changes are stored with the result, so that a varied trial is never
-compared with an unvaried trial.
+A variation does not belong to a task. The task draws its trial in the ranges of its version, and
+the variation then changes the trial. The changes are stored with the result, so that a varied trial
+is never compared with an unvaried trial.
 """
 
 from __future__ import annotations
@@ -30,16 +30,16 @@ class Variation:
     Attributes:
         size: Factor on the objects' edges; it does not change their masses or the friction of a
             bolt.
-        mass: Factor on their masses.
+        mass: Factor on the objects' masses.
         resistance: Factor on the springs, damping and friction of a mechanism's joints.
         friction: Factor on every coefficient of sliding friction: table, objects and hands.
-        start: Distance (m) by which the start of what a person is to carry is shifted, in a
-            direction that follows from the seed; see `Task.shifted`.
-        room: Factor on the room that the task leaves between its things, such as the width of a
+        start: Distance (m) by which the starts of the objects that a person carries are shifted.
+            The directions follow from the seed; see `Task.shifted`.
+        room: Factor on the room that the task leaves between its objects, such as the width of a
             gate; see `Task.with_room`.
-        noise: Standard deviation of white noise on each coordinate of every touch in every
-            frame (m).
-        dropped: Times per second that the screen loses a touch for a moment.
+        noise: Standard deviation (m) of white noise on each coordinate of every touch in every
+            frame.
+        dropped: Number of times per second at which the screen briefly loses a touch.
         ghosts: False touches per second.
         latency: Time (s) by which touches are delayed.
 
@@ -96,7 +96,7 @@ RANGES = {
     "ghosts": (0.0, 20.0),
     "latency": (0.0, 2.0),
 }
-"""Least and greatest allowed value of each attribute; values outside are typing errors."""
+"""Least and greatest allowed value of each attribute. Values outside are probably typing errors."""
 
 TOUCHES = ("noise", "dropped", "ghosts", "latency")
 """Attributes that change touches and not the scene."""
@@ -106,14 +106,16 @@ _TRIES = 2_000
 
 
 def vary(task: Task, variation: Variation, surface: Surface) -> Task:
-    """Changes objects and starts of a drawn trial; a neutral variation returns the same object.
+    """Changes the objects of a drawn trial and their starts.
 
-    The session changes friction, which belongs to the whole scene; a device changes touches.
+    Returns the same task if neither objects nor starts change. Friction and touches do not change
+    here: the session changes friction, which belongs to the whole scene, and the devices change
+    touches.
 
     Args:
         task: The drawn trial.
         variation: The changes.
-        surface: The surface as placed in the world; no object starts beside it.
+        surface: The surface as placed in the world. No start is shifted off it.
 
     Raises:
         InputError: The task or one of its objects does not support the change, or its own code
@@ -185,7 +187,7 @@ def _sized(obj: SceneObject, size: float, where: str) -> SceneObject:
             "this object has one size only",
             where=where,
             got=obj.name,
-            remedy="Vary something else, or give its class `scaled(size)`",
+            remedy="Vary something else, or add a method `scaled(size)` to its class",
         )
     return obj.scaled(size)
 
@@ -249,7 +251,10 @@ def _goals_of_parts(
 def _on_its_slide(
     goal: Goal, before: Goal, task: Task, objects: tuple[SceneObject, ...], size: float
 ) -> Goal:
-    """The goal of a first body on its own slide, scaled with the slide; other goals unchanged."""
+    """Scales the goal of a mechanism's first body that moves on a slide, like the slide itself.
+
+    Other goals are returned unchanged.
+    """
     pairs = {old.name: (old, new) for old, new in zip(task.objects, objects, strict=True)}
     old, new = pairs[goal.object]
     if goal.on is not None or not isinstance(old, MechanismPart):
@@ -293,8 +298,8 @@ def _moved(
 ) -> tuple[SceneObject, ...]:
     """All objects, some of them with shifted starts on the surface.
 
-    No shifted object comes nearer to another object or to its goal, nor over a side of an upright
-    surface.
+    No shifted object comes nearer to another object or to its goal. None projects over a side of an
+    upright surface.
 
     Args:
         objects: All objects.

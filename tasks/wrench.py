@@ -25,7 +25,7 @@ NAME = "wrench"
 MASS = (0.060, 0.150)
 """Range of the wrench's mass (kg)."""
 END_BORDER = 0.004
-"""Distance (m) from the surface's border to the nearest place for an end of the wrench."""
+"""Least distance (m) of an end of the wrench from the surface's border."""
 SPEED_TOLERANCE = 0.010
 """Speed (m/s) of the wrench's middle, below which it counts as still."""
 
@@ -37,11 +37,11 @@ _TRIES = 4_000
 class WrenchTask(TaskDefaults, ABC):
     """Bring a wrench onto its translucent twin.
 
-    Tasks differ in the wrench's freedom of movement, its starts and its tolerances.
+    Subclasses differ in the wrench's freedom of movement, its starts and its tolerances.
 
     Attributes:
-        stream: Number of this task's random stream of a seed.
-        border: Distance (m) from the surface's border to the nearest place that is drawn.
+        stream: Number of this task in the key of the random generator.
+        border: Least distance (m) of a drawn place from the surface's border.
         room: Text for error messages that names the objects for which a surface needs room.
         room_in: (2,) inches, size of a surface with enough room.
     """
@@ -164,25 +164,25 @@ DISTANCE = (0.050, 0.100)
 POSITION_TOLERANCE = 0.010
 SLIDE_YAW_TOLERANCE = float(np.deg2rad(8.0))
 TILT_TOLERANCE = float(np.deg2rad(5.0))
-"""Largest errors in position (m), yaw (rad) and tilt (rad) at which the wrench counts as
-arrived."""
+"""Largest errors in position (m), yaw (rad) and tilt (rad) of a wrench at its goal."""
 
 
 @dataclass(frozen=True)
 class WrenchSlide(WrenchTask):
     """Turn and slide a free wrench onto its translucent twin.
 
-    Scene: an open-ended wrench of 12 cm, 60 to 150 g, flat on a table; friction 0.3 between them.
-    Goal: the wrench's ghost, 5 to 10 cm away and turned by 40 to 80 degrees, either way.
-    Success: middle within 1 cm of the goal (horizontally and in height), yaw within 8 degrees, tilt
-    under 5 degrees, supported by the table, slower than 1 cm/s and touched by no hand, all for
-    0.5 s without a break, within 30 s.
-    Start: middles uniform over the surface less a border of 36 mm, so that fingers have room beside
-    the handle; yaw uniform over the full circle, turn uniform over both ranges; redrawn until the
-    distance is in range and both ends of the wrench are 4 mm away from the border, at the start and
-    at the goal.
-    Size, where it is varied (this does not change the version): all edges of the wrench, about the
-    place under its middle. Mass stays. The ends of a larger one may be beyond the border.
+    Scene: an open-ended wrench of 12 cm, 60 to 150 g, lies flat on a table. The friction
+    coefficient between wrench and table is 0.3.
+    Goal: the wrench's ghost, 5 to 10 cm away and turned by 40 to 80 degrees in either direction.
+    Success: for 0.5 s without a break, within 30 s, all of these hold: the middle is within 1 cm of
+    the goal (in three dimensions), the yaw is within 8 degrees, the tilt is under 5 degrees, the
+    wrench touches the table, is slower than 1 cm/s, and no hand touches it.
+    Start: the middles are uniform, at least 36 mm from the surface's border, so that fingers have
+    room beside the handle. The yaw is uniform over the full circle, and the turn is uniform over
+    its range in both directions. Start and goal are redrawn until their distance is in range, and
+    both ends of the wrench are at least 4 mm from the border at both places.
+    Size: a variation of the size scales all edges of the wrench about the point under its middle.
+    The mass does not change. The ends of a larger wrench may be beyond the border.
     History: version 1.
     """
 
@@ -251,11 +251,10 @@ BOLT_TURN = (np.deg2rad(40.0), np.deg2rad(90.0))
 FRICTION = (2.0, 2.5)
 """Range of the dry friction (N m) about the bolt; 18 to 22 N at the handle's end."""
 GRIP = 0.032
-"""Position (m) along the wrench's x axis of a place near the handle's end that must stay within
-reach."""
+"""Position (m) along the wrench's x axis where fingers close, near the handle's end."""
 GRIP_BORDER = 0.034
-"""Distance (m) from the surface's border to the path of that place, so that fingers have room
-beside the handle."""
+"""Least distance (m) of that position from the surface's border during the whole turn, so that
+fingers have room beside the handle."""
 
 BOLT_YAW_TOLERANCE = float(np.deg2rad(5.0))
 """Angle (rad) within which the wrench counts as turned."""
@@ -269,21 +268,24 @@ class WrenchTurn(WrenchTask):
     """Turn a wrench about its bolt onto its translucent twin.
 
     Scene: an open-ended wrench of 12 cm, 60 to 150 g, on a fixed bolt that is being tightened or
-    loosened: dry friction of 2.0 to 2.5 N m, so that it stays wherever it is let go.
-    Nothing stops it at the goal; more than 15 degrees past it the nut is overtightened and the
-    trial fails. Goal: the wrench's ghost, turned by 40 to 90 degrees, either way.
-    Success: yaw within 5 degrees of the goal, the wrench's middle slower than 1 cm/s and touched by
-    no hand, all for 2 s without a break, within 20 s.
-    Start: bolt uniform over the surface less a border of 18 mm, so that it can be seen; yaw uniform
-    over the full circle, turn uniform over both ranges; redrawn until the place of the handle where
-    fingers close stays 34 mm, and the handle's end 4 mm, away from the border all the way.
-    Size, where it is varied (this does not change the version): all edges of the wrench and the
-    width of its bolt, about the bolt, which stays where it is. Mass and friction stay, so that a
-    shorter handle is harder to turn. A longer one ends beyond the border, and is gripped nearer to
-    the bolt. History: version 3. Version 2, never registered, had a hold time of 0.5 s within 30 s
-    and let the nut be turned past the goal: random touches left the wrench at its goal in 4 of 38
-    trials, more than the allowed 5 %. Version 1, never registered either, had a bolt of 0.02 to
-    0.10 N m, which turned at every brush: random touches succeeded in 3 of 25 trials.
+    loosened. The dry friction of 2.0 to 2.5 N m holds the wrench in place when it is let go.
+    Nothing stops the wrench at the goal. If it is turned more than 15 degrees past the goal, the
+    nut is overtightened and the trial fails.
+    Goal: the wrench's ghost, turned by 40 to 90 degrees in either direction.
+    Success: the yaw is within 5 degrees of the goal, the wrench's middle is slower than 1 cm/s, and
+    no hand touches the wrench, all for 2 s without a break, within 20 s.
+    Start: the bolt is uniform, at least 18 mm from the surface's border, so that it can be seen.
+    The yaw is uniform over the full circle, and the turn is uniform over its range in both
+    directions. All are redrawn until, during the whole turn, the part of the handle where fingers
+    close is at least 34 mm from the border, and the handle's end at least 4 mm.
+    Size: a variation of the size scales all edges of the wrench and the width of its bolt. The bolt
+    stays where it is. Mass and friction do not change, so a shorter handle is harder to turn. A
+    longer handle ends beyond the border, and the simulated user grips it nearer to the bolt.
+    History: version 3. Version 2 was never registered. It had a hold time of 0.5 s within 30 s, and
+    the nut could be turned past the goal. Random touches left the wrench at its goal in 4 of 38
+    trials, more than the allowed 5 %. Version 1 was never registered either. Its bolt had a
+    friction of 0.02 to 0.10 N m and turned at the lightest contact, so random touches succeeded in
+    3 of 25 trials.
     """
 
     name: ClassVar[str] = "wrench-turn"
@@ -335,7 +337,13 @@ class WrenchTurn(WrenchTask):
 
 
 def _in_reach(bolt: Array, yaws: Array, size: Array) -> bool:
-    """True if grip and handle's end stay on the surface (in its frame, y down) at these yaws."""
+    """True if grip and handle's end stay far enough from the surface's border at these yaws.
+
+    Args:
+        bolt: (2,) m, position of the bolt in surface coordinates (y down).
+        yaws: (n,) rad, yaws of the wrench in the world.
+        size: (2,) m, size of the surface.
+    """
     ways = np.stack([arithmetic.cos(yaws), -arithmetic.sin(yaws)], axis=1)
     for along, border in ((GRIP, GRIP_BORDER), (HANDLE[1], END_BORDER)):
         places = bolt + (along - JAW) * ways

@@ -1,1 +1,1 @@
-"""Tasks with several free things on the table, and the simulated users who play them."""
+"""Tasks with several free objects on the table, and the simulated users who play them."""

@@ -1,6 +1,7 @@
 """Push a box farther in between two standing books, with the wrist turned.
 
-The simulated user holds the box and slides it along, with a hand that points along the way.
+The simulated user holds the box and slides it along, with a hand that points in the direction of
+movement.
 """
 
 from __future__ import annotations
@@ -26,7 +27,7 @@ from tasks.task import Goal, Measure, TaskDefaults
 from tasks.user import SeenObject, Sight, UserConfiguration, UserMaker
 
 POINTS = pi / 4
-"""Angle (rad) from the direction across a box, thumb to fingers, to the direction in which the hand
+"""Angle (rad) from the line from thumb to fingers, across a box, to the direction in which the hand
 points. The median of eleven simulated people with thumb, index and middle finger on a screen is 42
 degrees."""
 _STEP = 0.030
@@ -34,10 +35,12 @@ _STEP = 0.030
 
 
 class PointingHandling(BoxHandling):
-    """Handling of a box, grasped across the two faces for which the hand points best along the way.
+    """Handling of a box by a hand that points in the direction of movement, as far as possible.
+
+    The box is grasped across the two faces for which the hand's direction is nearest to it.
 
     Attributes:
-        way: Direction (rad) of the way; None until the user has seen it.
+        way: Direction (rad) from start to goal; None until the user has seen both.
     """
 
     way: float | None = None
@@ -45,7 +48,7 @@ class PointingHandling(BoxHandling):
     def grasp(
         self, seen: SeenObject, turn: float, hand: Hand, failed: Grasp | None = None
     ) -> Grasp:
-        """Grasp with a hand that points along the way."""
+        """Grasp with a hand that points in the direction of movement."""
         assert isinstance(seen.shape, Box) and self.way is not None
         half = seen.shape.half_size
         wanted = self.way - POINTS
@@ -121,17 +124,18 @@ _TRIES = 20_000
 class Books(TaskDefaults):
     """Push a box farther in between two standing books, without pushing one away.
 
-    Scene: two paperbacks stand on the table, 10 cm apart; a box of 4 cm, 50 to 150 g, stands 4 cm
-    inside of the gap; friction 0.5 against the table.
+    Scene: two paperbacks stand on the table with a gap of 10 cm. A box of 4 cm, 50 to 150 g, stands
+    4 cm inside of the gap. The friction coefficient against the table is 0.5.
     Goal: the box's ghost, 6 cm farther in.
     Success: the box is at its goal as in `box-to-goal`: centre within 1 cm, yaw within 10 degrees
     of the nearest equivalent, tilt under 5 degrees, on the table, slower than 1 cm/s and touched by
     no hand, all for 0.5 s without a break, within 30 s. The trial is lost once the middle of a book
-    is more than 1 cm from where it stood, as that of a book that falls is.
-    Start: place uniform; the gap leads away from the person and to the left, by 60 to 75 degrees,
-    uniform, so that a right hand has to turn its wrist; redrawn until start and goal are 42 mm from
-    the border and the middles of the books on the surface. The box's faces are at 45 degrees to the
-    way, so that a hand that holds two of them points into the gap.
+    is more than 1 cm from its start, which includes a book that falls.
+    Start: the place is uniform. The gap leads away from the person and is turned to the left by 60
+    to 75 degrees, uniform, so that a right hand has to turn its wrist. All are redrawn until start
+    and goal are at least 42 mm from the border, and the middles of the books are on the surface.
+    The box's faces are at 45 degrees to the direction of the gap, so that a hand that holds two of
+    them points into the gap.
     History: version 1.
     """
 
@@ -194,7 +198,7 @@ class Books(TaskDefaults):
         return cls(seed, (box, *standing), (Goal("box", (*places[1], half), yaw),))
 
     def shifted(self) -> tuple[str, ...]:
-        """The box: the books stay where they are."""
+        """Only the box; the books stay where they are."""
         return ("box",)
 
     def with_room(self, factor: float) -> Books:
@@ -208,7 +212,7 @@ class Books(TaskDefaults):
         return replace(self, objects=(self.objects[0], *books))
 
     def measure(self, sensing: Sensing) -> Measure:
-        """Tests whether the box is at its goal now, and both books stand where they stood."""
+        """Tests whether the box is at its goal now, and no book has been moved."""
         box, goal = sensing.object("box"), self.goals[0]
         moved = max(
             length(sensing.object(book.name).position - np.array(book.position))

@@ -25,19 +25,20 @@ from tasks.task import Goal, Measure, TaskDefaults
 from tasks.user import Sight, UserConfiguration, UserMaker
 
 _SIDE_BY_SIDE = 0.0155
-"""Distance (m) from finger to finger; dice of 12 mm do not slip through between fingers of 14
-mm."""
+"""Distance (m) between the middles of neighbouring fingers. Fingers are 14 mm wide, so dice of 12
+mm do not slip through between them."""
 _CUP = 0.004
-"""Distance (m) by which the outer fingers are ahead of the inner ones, so that dice stay before the
-row."""
+"""Distance (m) by which the outer fingers are ahead of the inner fingers, so that dice stay in
+front of the row."""
 _TIP, _THING = 0.008, 0.0085
-"""Radii (m) that the user assumes for a fingertip and for a die, measured to its corner."""
+"""Radii (m) that the user assumes for a fingertip, and for a die (its half diagonal)."""
 _BEHIND = 0.024
 """Distance (m) behind the last die at which the fingers come down."""
 _WITHIN = 0.006
 """Distance (m) inside the ring's border to which the user sweeps the middles of the dice."""
 _OUT = 0.002
-"""Distance (m) inside the ring's border within which the user still counts a die as outside."""
+"""The user counts a die as outside if its middle is less than this distance (m) inside the ring's
+border."""
 _OBLIQUE = (0.0, -0.5, 0.5, -1.0, 1.0)
 """Angles (rad) between a sweep and the direct way to the middle of the ring."""
 _COMFORT = 0.6
@@ -45,7 +46,7 @@ _COMFORT = 0.6
 _CLOSE = 0.005
 """Largest error (m) of the row's position at which the user begins to sweep."""
 _PATIENCE = 6
-"""Number of looks at the hand before a sweep, after which the user lifts the hand."""
+"""Largest number of looks at the hand before a sweep. After them, the user lifts the hand."""
 
 
 @dataclass(frozen=True)
@@ -115,7 +116,8 @@ class GatherUser(SkilledUser):
             self._wait(0.1, now)
 
     def _best(self, sight: Sight) -> Sweep | None:
-        """The best compromise between many dice swept into the ring and a little turned wrist."""
+        """The sweep with the best compromise between catching many dice and turning the wrist
+        little; None if no die is outside the ring."""
         dice = np.array([seen.position[:2] for seen in sight.objects.values()])
         goals = np.array([goal.position[:2] for goal in sight.goals])
         middle = np.array([_mean(goals[:, 0]), _mean(goals[:, 1])])
@@ -141,7 +143,7 @@ class GatherUser(SkilledUser):
         way = middle - die
         direction = atan2(way[1], way[0]) + oblique
         ahead = np.array([cos(direction), sin(direction)])
-        # The thumb is at the end of the row for which the wrist turns less.
+        # The thumb is at that end of the row which requires less rotation of the wrist.
         natural = self._hand.natural_axis
         axis = min(
             (direction + pi / 2, direction - pi / 2), key=lambda a: abs(wrapped(a - natural))
@@ -192,7 +194,7 @@ APART, OUTSIDE = 0.018, 0.012
 """Least distances (m) between two dice, and of a die from the ring, at the start. No dice touch,
 and all dice have to be moved."""
 SPEED_TOLERANCE = 0.010
-"""m/s."""
+"""Largest speed (m/s) of a die that counts as still."""
 IVORY = (0.93, 0.90, 0.82)
 
 _TRIES, _PLACES = 100, 200
@@ -204,14 +206,14 @@ drawn around each ring."""
 class Gather(TaskDefaults):
     """Sweep twelve dice into a ring on the table, several at a time.
 
-    Scene: twelve dice of 12 mm, 2.1 g each, anywhere on the table around a ring of 4 cm radius
-    that is painted on it; friction 0.5 against the table.
-    Goal: all dice in the ring; translucent ones show that there is room for them.
-    Success: the middle of every die within the ring, every die slower than 1 cm/s and touched by no
-    hand, all for 0.5 s without a break, within 90 s.
-    Start: the ring's middle uniform over the surface less a border of 55 mm; dice one after the
-    other, uniform over the surface less a border of 28 mm, redrawn until they are 18 mm from each
-    other and outside of the ring by 12 mm; yaws uniform.
+    Scene: twelve dice of 12 mm, 2.1 g each, lie on the table around a painted ring of 4 cm radius.
+    The friction coefficient against the table is 0.5.
+    Goal: all dice in the ring. Translucent dice in the ring show that there is room.
+    Success: the middle of every die is within the ring, every die is slower than 1 cm/s, and no
+    hand touches a die, all for 0.5 s without a break, within 90 s.
+    Start: the ring's middle is uniform, at least 55 mm from the surface's border. The middles of
+    the dice are uniform, at least 28 mm from the border, more than 18 mm from each other and more
+    than 12 mm outside of the ring. Yaws are uniform.
     History: version 1.
     """
 
@@ -272,7 +274,7 @@ class Gather(TaskDefaults):
             InputError: Always, with the reason.
         """
         raise InputError(
-            "shifted starts do not make this task harder: the dice start anywhere around the ring",
+            "shifted starts cannot make this task harder: dice already start anywhere on the table",
             where=f"{self.name}, --vary start",
             remedy="Vary something else, such as room",
         )

@@ -44,7 +44,7 @@ _HARD = 0.002
 _BESIDE = 0.045
 """Distance (m) by which a path may pass beyond the start and the end on each axis."""
 _LOSES = 0.001
-"""Clearance (m) that a straight leg may lose against the part of the path it replaces."""
+"""Largest clearance (m) that may be lost when a straight leg replaces a part of the path."""
 _NEAR_TABLE = 0.020
 """Height (m) above the table at which distances are measured: half the height of the objects."""
 
@@ -99,7 +99,9 @@ def lacking_room(
     things: Sequence[SeenObject],
     surface: Surface,
 ) -> float:
-    """Clearance (m) missing to `EASY` at the narrowest point of the best path or at its end.
+    """Difference (m) between `EASY` and the smallest clearance on the best path and at its end.
+
+    It is 0 if the clearance is at least `EASY` everywhere.
 
     Args:
         start, end, footprint, things, surface: See `clear_leg`.
@@ -175,8 +177,8 @@ def _room(places: Array, footprint: Footprint, things: Sequence[SeenObject]) -> 
 
 
 def _off(places: Array, footprint: Footprint, surface: Surface) -> Array:
-    """Distance (n,) m by which fingers would be beyond the screen's border, for a footprint with
-    its middle at places (n, 2) m."""
+    """Distance (n,) m by which fingers would be too near to the screen's border or beyond it, for a
+    footprint with its middle at places (n, 2) m."""
     at = (places[:, None] + footprint.tips).reshape(-1, 2)
     on = surface.to_surface(np.column_stack([at, np.zeros(len(at))]))
     over = np.maximum(SCREEN_EDGE - np.minimum(on, surface.size - on), 0.0).max(axis=1)
@@ -305,8 +307,8 @@ MASS = (0.050, 0.150)
 """Range of the box's mass (kg)."""
 
 PIN_RADIUS, PIN_HEIGHT = 0.00525, 0.0445
-"""Radius and height (m) of a pin: the largest of an AAA battery (LR03 of IEC 60086-2). A battery
-that stands on its end falls when it is tilted by 13 degrees."""
+"""Radius and height (m) of a pin: the largest that IEC 60086-2 allows for an AAA battery (LR03). A
+battery that stands on its end falls when it is tilted by 13 degrees."""
 PIN_MASS = 0.0115
 """Mass (kg) of an alkaline AAA battery (11 to 12 g in makers' data sheets)."""
 COLOURS = ((0.34, 0.71, 0.91), (0.90, 0.62, 0.0))
@@ -339,19 +341,20 @@ _TRIES = 20_000
 class Slalom(TaskDefaults):
     """Bring a box to its goal through two gates of standing pins, without toppling one.
 
-    Scene: a box of 4 cm, 50 to 150 g, and four pins as large and heavy as AAA batteries, standing
-    on their ends, two for each gate; friction 0.5 against the table.
+    Scene: a box of 4 cm, 50 to 150 g, and four pins that stand on their ends, two for each gate.
+    The pins are as large and heavy as AAA batteries. The friction coefficient against the table is
+    0.5.
     Goal: the box's ghost, 10.2 to 11.4 cm away behind both gates, turned by up to 30 degrees. The
-    gates are 100 mm wide, 5 cm apart, and shifted off the straight way by 8 mm, the first to one
-    side and the second to the other.
+    gates are 100 mm wide and 5 cm apart. They are shifted off the straight path by 8 mm, the first
+    gate to one side and the second to the other side.
     Success: every pin stands (tilt under 5 degrees), and the box is at its goal as in
     `box-to-goal`: centre within 1 cm, yaw within 10 degrees of the nearest equivalent, tilt under 5
     degrees, on the table, slower than 1 cm/s and touched by no hand, all for 0.5 s without a break,
-    within 60 s. The trial is lost once a pin is tilted by 30 degrees. A way around the gates is
-    allowed where the surface has room for one.
-    Start: place, direction of the way and distances uniform, redrawn until start and goal are 42 mm
-    from the border and pins 5 mm; yaw uniform within 45 degrees of the surface's axes; turn uniform
-    within 30 degrees; side of the first shift by chance.
+    within 60 s. The trial is lost once a pin is tilted by more than 30 degrees. A path around the
+    gates is allowed if the surface has room for it.
+    Start: place, direction of the path and distances are uniform, redrawn until start and goal are
+    at least 42 mm from the border, and pins at least 5 mm. The yaw is uniform within 45 degrees of
+    the surface's axes, and the turn within 30 degrees. The side of the first shift is random.
     History: version 1.
     """
 
@@ -422,7 +425,7 @@ class Slalom(TaskDefaults):
         return cls(seed, (box, *standing), (Goal("box", (*places[1], half), yaw + turn),))
 
     def shifted(self) -> tuple[str, ...]:
-        """The box: the pins stay where they are."""
+        """Only the box; the pins stay where they are."""
         return ("box",)
 
     def with_room(self, factor: float) -> Slalom:

@@ -1,5 +1,5 @@
-"""Press two or three of five keys at once, each with its own finger. The labels of the fingers
-decide.
+"""Press two or three of five keys at once, each with its own finger. Success depends on correct
+labels of the fingers.
 
 The five sprung keys form a row like those of a piano, with one key for each finger of a hand.
 
@@ -43,12 +43,12 @@ LENGTH = 0.150
 DIP = 0.010
 """Distance (m) by which a key can be pressed down, as on a piano."""
 LIGHTEST, HEAVIEST = 0.5, 0.8
-"""Forces (N) that press a key down from its rest, and that hold it at the bottom. A piano key sinks
-under a weight of about 50 g."""
+"""Forces (N) needed to move a key from rest, and to hold it at the bottom. A piano key sinks under
+a weight of about 50 g."""
 MASS = 0.050
-"""Mass (kg) of a key that a finger moves; its weight is balanced."""
+"""Moving mass (kg) of a key. Its weight is balanced."""
 DAMPING = 0.5
-"""N s/m."""
+"""Damping (N s/m) of a key."""
 TOP = 0.028
 """Height (m) of the keys' tops above the table."""
 
@@ -98,7 +98,8 @@ def key_name(key: int) -> str:
 
 
 AGAIN = 0.003
-"""Error (m per axis) of a hand that is put down again after its first landing was seen; assumed."""
+"""Standard deviation (m per axis) of the error of a hand that is put down again after the user saw
+its first landing; assumed."""
 THUMB_BELOW = 0.034
 """Distance (m) by which a relaxed thumb's tip is nearer to the person than the index fingertip,
 from the layout of the skeleton's relaxed hand (`sandbox.devices.simulated.spreads`)."""
@@ -106,7 +107,8 @@ SPREAD = 0.004
 """Standard deviation (m), over hands, of the position along its key at which a finger lands."""
 
 _OFF = 0.004
-"""Error (m) of the drawn fingertips across the keys above which the user corrects them."""
+"""Error (m) of the drawn fingertips across the keys below which the fingers count as on their
+keys."""
 _PRESSING = 0.75
 """Time (s) for which the user holds an unsuccessful chord before trying again; longer than the hold
 time."""
@@ -125,7 +127,13 @@ class _Doing(Enum):
 
 @dataclass(frozen=True)
 class _Row:
-    """The row of keys as seen: a place (2,) m on each, its direction and that along keys."""
+    """The row of keys as seen.
+
+    Attributes:
+        middles: (5, 2) m, positions of the keys.
+        right: (2,) unit vector from the first key to the last key.
+        along: (2,) unit vector along the keys, away from the person.
+    """
 
     middles: Array
     right: Array
@@ -133,13 +141,14 @@ class _Row:
 
 
 class ChordUser(FingersKnown):
-    """Presses the asked keys, each by its own finger.
+    """Presses the blue keys, each by its own finger.
 
-    After a chord that was not taken though its fingers were on their keys, the user shows the
+    If the task does not accept a chord although the fingers were on their keys, the user shows the
     program the whole hand: all five fingers rest on the keys, and are lifted.
 
     Args:
-        configuration: Settings of the simulated user; the number of fingers is that of the keys.
+        configuration: Settings of the simulated user. Its number of fingers has no effect: there is
+            a finger for every key.
         surface: The tablet.
         seed: Seed of the user's randomness.
     """
@@ -150,7 +159,7 @@ class ChordUser(FingersKnown):
         self._eye = Eye(float(self._rng.uniform(*configuration.reaction)))
         self._fingers = Fingers(replace(configuration, fingers=len(FINGERS)), self._rng)
         self._hand = Hand.draw(configuration, seed)
-        # How far along the keys each finger reaches, seen from the index finger.
+        # How far along the keys each finger reaches, relative to the index finger.
         tips = [y for _, y in self._hand.tips]
         reach = np.array([-THUMB_BELOW * configuration.hand_size, *tips])
         self._reach: Array = reach + self._rng.normal(0.0, SPREAD, len(FINGERS))
@@ -168,11 +177,11 @@ class ChordUser(FingersKnown):
         return self._touching[ids.index(contact)] if contact in ids[: len(self._touching)] else None
 
     def observe(self, sight: Sight) -> None:
-        """Shows the user the screen; the user reacts to it a reaction time later."""
+        """Shows the user the screen; the user responds after the reaction time."""
         self._eye.observe(sight)
 
     def touch(self, now: float) -> TouchFrame:
-        """Touches on the screen at the time now, s."""
+        """Touches on the screen at the time `now` (s)."""
         sight = self._eye.at(now)
         if sight is not None and now >= self._until - 1e-9:
             self._act(sight, now)
@@ -189,7 +198,7 @@ class ChordUser(FingersKnown):
             self._press(sight, now)
 
     def _press(self, sight: Sight, now: float) -> None:
-        """Puts down the asked fingers, or all five to show the hand."""
+        """Puts down the fingers of the blue keys, or all five fingers to show the hand."""
         keys, row = keys_seen(sight)
         asked = {goal.object for goal in sight.goals if goal.shown}
         rests, self._show_hand = self._show_hand, False
@@ -205,18 +214,19 @@ class ChordUser(FingersKnown):
         self._until = now + (_RESTING if rests else 0.0) + self._eye.delay + 0.45
 
     def _hold(self, sight: Sight, now: float) -> None:
-        """Holds a chord that is done, and one that is not for a while."""
+        """Holds a chord: until the end if it is accepted, otherwise for a limited time."""
         if sight.done or now - self._since < self._eye.delay + 0.45 + _PRESSING:
             self._until = now + _LOOK
             return
         _, row = keys_seen(sight)
         across = abs(float((self._seen_off(sight) * row.right).sum()))
-        # Fingers that were on their keys, and the chord was not taken: the hand was not known.
+        # If a chord is not accepted although its fingers were on their keys, their labels were
+        # probably wrong.
         self._show_hand = across < _OFF
         self._lift(sight, now)
 
     def _lift(self, sight: Sight, now: float) -> None:
-        """Lifts the fingers, and learns from where they were seen to land."""
+        """Lifts the fingers, and corrects the next landing by the observed error."""
         error = self._error - self._seen_off(sight)
         self._error = error + self._rng.normal(0.0, AGAIN, 2)
         self._fingers.lift(now)
@@ -224,13 +234,15 @@ class ChordUser(FingersKnown):
         self._until = now + self._eye.delay + 0.3
 
     def _aims(self, row: _Row) -> Array:
-        """Intended places (5, 2) m of the fingers, in the middle of the keys as a group."""
+        """Intended positions (5, 2) m of the fingers. As a group they are centred along the
+        keys."""
         lowest, highest = float(self._reach.min()), float(self._reach.max())
         along = self._reach - 0.5 * (lowest + highest)
         return np.asarray(row.middles + along[:, None] * row.along)
 
     def _seen_off(self, sight: Sight) -> Array:
-        """Mean offset (2,) m of the drawn fingertips from their aims; 0 while they are not seen."""
+        """Mean offset (2,) m of the drawn fingertips from their intended positions; 0 while some
+        are not drawn."""
         ids = self._fingers.ids()[: len(self._touching)]
         if any(i not in sight.tips for i in ids):
             return np.zeros(2)
@@ -240,7 +252,10 @@ class ChordUser(FingersKnown):
 
 
 def keys_seen(sight: Sight) -> tuple[list[str], _Row]:
-    """Names of the keys from the thumb's on, as the person sees them, and their row."""
+    """Names of the keys from left to right as the user sees them, and their row.
+
+    A user sees the thumb's key at the left. Left hands are simulated by a mirror image.
+    """
     seen: dict[str, SeenObject] = {
         name: thing
         for name, thing in sight.objects.items()
@@ -258,7 +273,7 @@ SIZE = (0.92, 1.08)
 YAW = float(np.deg2rad(8.0))
 """Largest turn (rad) of the row relative to the surface."""
 POINT = 0.6
-"""Share of its travel beyond which a key counts as pressed; an electric piano sounds there."""
+"""A key counts as pressed from this share of its travel, at which an electric piano sounds."""
 BORDER = 0.006
 """Least distance (m) of the outermost key from the surface's border."""
 REACH = 0.085
@@ -273,17 +288,18 @@ key at rest, and 1 mm above the bottom of the key's travel."""
 class Chords(TaskDefaults):
     """Press the blue keys, each with its own finger.
 
-    Scene: a row of five sprung keys on the table, 23.5 mm from key to key as a piano's (times 0.92
-    to 1.08), 15 cm long, with a dip of 10 mm; 0.5 N press a key down, 0.8 N hold it at the bottom.
-    Keys are in the order of the hand's fingers, a left hand's thumb at the right. Two or three of
-    them are blue.
+    Scene: a row of five sprung keys on the table, 15 cm long, with a travel of 10 mm. The distance
+    from key to key is that of a piano, 23.5 mm, times 0.92 to 1.08. A key needs a force of 0.5 N to
+    move, and of 0.8 N to stay at the bottom. Keys are in the order of the hand's fingers, with the
+    thumb of a left hand at the right. Two or three keys are blue.
     Goal: the blue keys pressed down, the others up.
-    Success: every blue key is below 6 mm and touched by its own finger alone, the others are not,
-    for 0.5 s without a break, within 20 s. Hands turn solid on their way down, so that a finger
-    that is put down on a key presses it. A hand whose fingers are named wrong presses with the
-    wrong finger, which does not count.
-    Start: two or three keys, evenly, then any that many of the five; middle uniform where the row
-    fits on the surface; yaw uniform within 8 degrees; all keys up.
+    Success: every blue key is pressed down by at least 6 mm and touched by its own finger alone,
+    and the other keys are not down, for 0.5 s without a break, within 20 s. Hands turn solid on
+    their way down, so a finger that is put down on a key presses it. If the fingers are labelled
+    wrong, the hand presses with a wrong finger, which does not count.
+    Start: two or three keys are blue with equal probability, and so is every set of that many keys.
+    The middle is uniform where the row fits on the surface, the yaw is uniform within 8 degrees,
+    and all keys are up.
     History: version 1.
     """
 
@@ -336,7 +352,7 @@ def placed(
     size: float,
     yaw: float,
 ) -> tuple[tuple[SceneObject, ...], tuple[Goal, ...]]:
-    """A row of keys anywhere on a surface, some of them blue, and its goals.
+    """A row of keys at a random place of a surface, some of them blue, and its goals.
 
     Args:
         task: Name of the task, for error messages.
@@ -368,7 +384,7 @@ def placed(
 def pressed(goals: tuple[Goal, ...], sensing: Sensing, first: Measure | None = None) -> Measure:
     """Tests whether the blue keys, and no others, are pressed now, each by its own finger alone.
 
-    With two hands, the finger of either hand counts, and the reason refers to the first hand.
+    With two hands, the own finger of either hand counts. The reason refers to the first hand.
 
     Args:
         goals: Goals of all keys; those of the blue keys are shown.

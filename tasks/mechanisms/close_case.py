@@ -1,8 +1,8 @@
 """Push the two halves of a case together with a hand at each. One hand alone only pushes the case
 away.
 
-One half is pushed over the neck of the other, as in a case for a toothbrush. The simulated user at
-the cap pushes, and the other user holds.
+One half is pushed over the neck of the other half, as in a travel case for a toothbrush. The
+simulated user at the cap pushes, and the other simulated user holds.
 """
 
 from __future__ import annotations
@@ -39,7 +39,8 @@ TRAVEL = 0.020
 """Distance (m) by which the neck of one half goes into the other."""
 
 _ARMATURE = 0.02
-"""Armature (kg) of the slide. A part this light with friction alone would be stiff to simulate."""
+"""Armature (kg) of the slide. Without it, friction on such a light part would make the joint
+numerically stiff."""
 _NECK = 0.002
 """Distance (m) by which the neck is narrower than the case on each side."""
 _BODY, _CAP, _INSIDE = ".90 .92 .94 1", ".20 .55 .78 1", ".70 .73 .77 1"
@@ -76,14 +77,13 @@ SHUT = 0.001
 _HELD = 0.6
 """Distance from the rim at which a half is held, as a share of its length."""
 _STEP, _FARTHER = 0.008, 0.002
-"""Largest distance (m) that the user pushes before the next look, and distance pushed beyond the
-rim."""
+"""Largest distance (m) that the user pushes before the next look, and distance (m) pushed beyond
+the rim."""
 _FIRST = 1.0
-"""Time (s) for which the user waits for the other user to grasp, also after the other half gave
-way."""
+"""Time (s) for which the user waits for the other user to grasp. The user waits as long again after
+the other half has given way."""
 _YIELDS = 0.002
-"""Distance (m) by which the other half moves under a push before the user waits for the other user.
-"""
+"""The other half has given way if a push moved it by more than this distance (m)."""
 _SLIPPED = 0.015
 """Distance (m) by which a half may lag behind the fingers before it counts as slipped."""
 _PATIENCE = 12.0
@@ -109,7 +109,7 @@ class HalfHandling(BoxHandling):
 
 
 class CaseUser(SkilledUser):
-    """Takes the half of a case that is nearer to the middle of their tablet.
+    """A simulated user who takes the half of the case that is nearer to the middle of their tablet.
 
     The two users do not communicate. The pushing user sees whether the other half gives way.
 
@@ -178,7 +178,8 @@ class CaseUser(SkilledUser):
 
 
 def _place(mine: SeenObject, other: SeenObject) -> Array:
-    """Position (2,) m at which a half is held, away from the other half's rim."""
+    """Position (2,) m at which a half is held: from its rim, in the direction away from the other
+    half."""
     assert isinstance(mine.shape, Part)
     low, high = mine.shape.bounds
     away = np.asarray((mine.position - other.position)[:2])
@@ -187,7 +188,7 @@ def _place(mine: SeenObject, other: SeenObject) -> Array:
 
 
 def _as_box(mine: SeenObject, other: SeenObject) -> SeenObject:
-    """A half as a box whose middle is where the half is held, with equal room on either side."""
+    """A half, described as a box whose middle is where the half is held."""
     assert isinstance(mine.shape, Part)
     low, high = mine.shape.bounds
     x, y = _place(mine, other).tolist()
@@ -198,15 +199,15 @@ def _as_box(mine: SeenObject, other: SeenObject) -> SeenObject:
 
 
 GRIP = (1.5, 2.5)
-"""Range of the friction (N) of the cap on the neck, 10 to 16 times that of the case on the
+"""Range of the friction (N) of the cap on the neck: 10 to 16 times the friction of the case on the
 table."""
 YAW = float(np.deg2rad(12.0))
 """Largest angle (rad) between the case and the surface's long axis."""
 HELD = 0.6 * HALF_LENGTH
 """Distance (m) from the rim of a half to the point where it is held."""
 BORDER, SEAM = 0.042, 0.030
-"""Least distances (m) of a point where a half is held from the surface's border, and from the
-middle between the hands, as in `carry-together`."""
+"""Smallest distances (m) of a holding point from the surface's border, and from the middle line
+between the hands. They are those of `carry-together`."""
 
 CLOSED = 0.0015
 """Largest distance (m) between the rims of a closed case."""
@@ -221,16 +222,16 @@ _TRIES = 20_000
 class CloseCase(TaskDefaults):
     """Push the two halves of a case together, with a hand at either half.
 
-    Scene: a travel case for a toothbrush, of two halves of 100 x 28 x 22 mm and 20 g, that lies on
-    the table and is open by 2 cm. The cap slides on the neck of the other half with a friction of
-    1.5 to 2.5 N. Friction of 0.4 counts against table and fingers, so that the whole case slides
-    away under a push of 0.16 N, unless another hand holds it.
-    Goal: the halves' rims together.
-    Success: less than 1.5 mm between the rims, at rest and touched by no hand, for 0.5 s without a
-    break, within 40 s.
-    Start: place uniform, yaw uniform within 12 degrees of the surface's axes, the cap to the right;
-    redrawn until both places where the case is held are 42 mm from the border and 30 mm from the
-    middle between the hands.
+    Scene: a travel case for a toothbrush lies on the table, open by 2 cm. Each of its two halves
+    has 100 x 28 x 22 mm and 20 g. The cap slides on the neck of the other half with a friction of
+    1.5 to 2.5 N. The friction coefficient between case and table, and case and fingers, is 0.4. So
+    a push of 0.16 N moves the whole case, unless another hand holds it.
+    Goal: the rims of the halves together.
+    Success: the gap between the rims is at most 1.5 mm, the case is at rest, and no hand touches
+    it, for 0.5 s without a break, within 40 s.
+    Start: the place is uniform, the yaw is uniform within 12 degrees of the surface's axes, and the
+    cap is at the right. Both are redrawn until both holding points are at least 42 mm from the
+    border and 30 mm from the middle line between the hands.
     History: version 1.
     """
 

@@ -29,14 +29,14 @@ from tasks.user import SeenObject, Sight, UserMaker
 NAME = "dial"
 KNOB = f"{NAME}/knob"
 RADIUS = 0.020
-"""Radius (m) of the knob; a cooker's knob is about 40 mm wide."""
+"""Radius (m) of the knob. The knob of a cooker is about 40 mm wide."""
 SWEEP = radians(300.0)
-"""Range (rad) from end stop to end stop, as of a rotary potentiometer."""
+"""Range (rad) from end stop to end stop, which is common for rotary potentiometers."""
 ARMATURE = 1e-4
-"""Inertia (kg m2) of the shaft. A joint with less inertia and friction would be stiff to
-simulate."""
+"""Inertia (kg m2) of the shaft. With less inertia, dry friction would make the joint numerically
+stiff."""
 MASS = 0.030
-"""kg."""
+"""Mass (kg) of the knob."""
 
 _LOW, _HIGH = 0.005, 0.025
 """Heights (m) of the knob's lower and upper end above the table."""
@@ -133,7 +133,7 @@ class KnobHandling:
         self._width = float(high[0] - low[0])
 
     def missing(self, seen: SeenObject, goal: Goal) -> tuple[Array, float]:
-        """The shorter turn (rad) to the goal, regardless of the end stops; no shift."""
+        """A shift of 0, and the shorter turn (rad) to the goal, regardless of the end stops."""
         return np.zeros(2), wrapped(goal.yaw - seen.yaw)
 
     def grasp(
@@ -183,12 +183,12 @@ def _direction(seen: SeenObject) -> float:
 
 
 TURN = radians(270.0)
-"""Turn (rad) from start to mark in either direction, with 15 degrees to the end stop at both
-ends."""
+"""Turn (rad) from start to mark in either direction. Start and mark are each 15 degrees from an end
+stop."""
 TORQUE = (0.05, 0.15)
 """Range of the knob's dry friction (N m): 2.5 to 7.5 N at its rim."""
 TOLERANCE = radians(5.0)
-"""Largest angle (rad) to the mark at which the knob counts as being there."""
+"""Largest angle (rad) between the pointer and the mark at the goal."""
 SPEED = 0.1
 """Speed (rad/s) below which the knob is at rest."""
 BORDER = 0.050
@@ -199,14 +199,14 @@ BORDER = 0.050
 class Dial(TaskDefaults):
     """Turn the knob along its scale, three quarters of a turn, to the blue mark.
 
-    Scene: a knob of 40 mm diameter and 20 mm height on a plate with a scale, which turns by 300
-    degrees from end stop to end stop with a dry friction of 0.05 to 0.15 N m, as one of a cooker.
-    Goal: its pointer at the blue mark, 270 degrees away, as the scale goes: the other way there is
-    an end stop.
-    Success: the pointer within 5 degrees of the mark, slower than 0.1 rad/s and let go of, for
-    0.5 s without a break, within 40 s.
-    Start: middle uniform at least 5 cm from the surface's border, the plate turned uniformly, the
-    pointer 15 degrees from either end stop.
+    Scene: a knob like that of a cooker, 40 mm in diameter and 20 mm high, on a plate with a scale.
+    It turns by 300 degrees from end stop to end stop, with a dry friction of 0.05 to 0.15 N m.
+    Goal: the pointer of the knob at the blue mark, 270 degrees away along the scale. In the other
+    direction, the end stops block the knob.
+    Success: the pointer is within 5 degrees of the mark, the knob is slower than 0.1 rad/s, and no
+    hand touches it, for 0.5 s without a break, within 40 s.
+    Start: the middle is uniform, at least 5 cm from the surface's border. The yaw of the plate is
+    uniform. The pointer is 15 degrees from one of the end stops, with equal probability.
     History: version 1.
     """
 

@@ -41,8 +41,8 @@ _ROUND = 0.003
 """Radius (m) of the rounded edges at the mouth."""
 _SKIN = 0.0005
 """Thickness (m) of the skin (MuJoCo's margin) around walls and posts. Their cores are set back by
-this thickness, so that faces have their nominal positions. Without skins, cores whose faces meet in
-a corner penetrate each other, and MuJoCo may push along the wrong face's normal."""
+this thickness, so that faces have their nominal positions. Without the skin, the peg penetrates the
+cores where two faces meet in a corner, and MuJoCo may push along the normal of the wrong face."""
 _POST = _ROUND - _SKIN
 """Radius (m) of the cores of the posts that round the edges."""
 _SOLID = f'friction="{FRICTION:g}" margin="{_SKIN:g}"'
@@ -145,7 +145,9 @@ def lie_of(peg: SeenObject, socket: SeenObject, goal: Goal, along: Array) -> Lie
 
 
 class PegHandling:
-    """Handling of a peg, which is held at the part outside the socket and equal after half a turn.
+    """Handling of a peg, which is held at the part that stays outside the socket.
+
+    The peg looks the same after half a turn.
 
     Attributes:
         along: (2,) unit vector into the socket.
@@ -192,12 +194,12 @@ class PegHandling:
         return np.array(seen.position[:2])
 
     def reach(self, seen: SeenObject, grasp: Grasp, turn: float, hand: Hand) -> float:
-        """The whole turn, which is small."""
+        """The whole turn; it is always small."""
         return turn
 
 
 class InsertUser(SkilledUser):
-    """Pushes a peg into its socket in steps, with a look at it after each.
+    """Pushes a peg into its socket in steps, with a look at the peg after each step.
 
     Args:
         configuration: Settings of the simulated user.
@@ -217,7 +219,8 @@ class InsertUser(SkilledUser):
         shape, socket = sight.objects[goal.object].shape, _socket(sight)
         assert isinstance(shape, Box) and isinstance(socket.shape, Part)
         if not length(self._peg.along):
-            # The peg lies before the mouth, which is also true in a mirror image.
+            # The peg lies in front of the mouth, also in the mirror image that left-handed users
+            # see.
             axis = np.array([cos(goal.yaw), sin(goal.yaw)])
             way = np.array(goal.position[:2]) - sight.objects[goal.object].position[:2]
             self._peg.along = axis if float(small_product(way, axis)) > 0.0 else -axis
@@ -225,7 +228,7 @@ class InsertUser(SkilledUser):
         super()._act(sight, now)
 
     def _missing(self, sight: Sight, box: SeenObject) -> tuple[Array, float]:
-        """Remaining shift (2,) m and turn (rad); between the walls only the depth counts."""
+        """Remaining shift (2,) m and turn (rad). Between the walls only the depth is missing."""
         off, turn = super()._missing(sight, box)
         goal = sight.goals[0]
         lie = lie_of(box, _socket(sight), goal, self._peg.along)
@@ -263,7 +266,8 @@ def _half_wrapped(angle: float) -> float:
 
 
 CLEARANCE = 0.002
-"""Width (m) of the socket minus that of the peg; 4, 1 and 0.5 mm are rooms of 2, 0.5 and 0.25."""
+"""Width (m) of the socket minus that of the peg. Variations `room` of 2, 0.5 and 0.25 give 4, 1 and
+0.5 mm."""
 BEFORE = (0.015, 0.035)
 """Range of the distance (m) from the peg's front to the mouth, along the socket, at the start."""
 ASIDE = 0.015
@@ -273,15 +277,17 @@ SKEW = float(np.deg2rad(25.0))
 LEAN = float(np.deg2rad(30.0))
 """Largest angle (rad) between the socket and the screen's long axis."""
 BORDER = 0.042
-"""Least distance (m) of the points where the peg is held from the surface's border, as for the box
-in `box-to-goal`."""
+"""Smallest distance (m) of the peg's holding points from the surface's border. It is that of the
+box in `box-to-goal`."""
 HELD = DEPTH / 2
-"""Distance (m) from the middle of the peg back to the middle of the part outside the socket."""
+"""Distance (m) from the middle of the peg back to the middle of the part outside the socket, where
+the peg is held."""
 
 DEPTH_TOLERANCE = 0.002
 """Largest distance (m) from the bottom at which the peg counts as inserted."""
 ASIDE_TOLERANCE = 0.005
-"""Distances (m) beside and above its goal beyond which the peg is not between the walls."""
+"""A peg that is farther than this distance (m) beside or above its goal is not between the
+walls."""
 TILT_TOLERANCE = float(np.deg2rad(5.0))
 SPEED_TOLERANCE = 0.010
 """Largest tilt (rad) and speed (m/s) of a peg that lies flat and is at rest."""
@@ -294,15 +300,18 @@ _TRIES = 20_000
 class Insert(TaskDefaults):
     """Push the peg into the socket, down to its bottom.
 
-    Scene: a peg as a block of Jenga, 75 x 25 x 15 mm and 18 g, that lies flat, and a socket with
-    walls as high as the peg, 25 mm deep and 2 mm wider than the peg, its mouth rounded by 3 mm.
-    Friction of 0.4 counts everywhere, also between peg and fingers.
-    Goal: the peg's ghost in the socket, its front at the bottom.
-    Success: front within 2 mm of the bottom, between the walls, tilt under 5 degrees, slower than
-    1 cm/s and touched by no hand, all for 0.5 s without a break, within 30 s.
-    Start: the socket opens to the left or to the right, turned by up to 30 degrees; the front of
-    the peg is 15 to 35 mm before its mouth, up to 15 mm off its axis and up to 25 degrees skew to
-    it; redrawn until the places where the peg is held are 42 mm from the border.
+    Scene: a peg lies flat on the table. It has the size of a Jenga block, 75 x 25 x 15 mm, and a
+    mass of 18 g. The socket has walls as high as the peg, is 25 mm deep and 2 mm wider than the
+    peg, and its mouth is rounded by 3 mm. All friction coefficients are 0.4, also between peg and
+    fingers.
+    Goal: the peg's ghost in the socket, with its front at the bottom.
+    Success: for 0.5 s without a break, within 30 s, all of these hold: the front is within 2 mm of
+    the bottom, the peg is between the walls, its tilt is under 5 degrees, it is slower than 1 cm/s,
+    and no hand touches it.
+    Start: the socket opens to the left or to the right, turned by up to 30 degrees. The peg's front
+    would be 15 to 35 mm from the mouth if the peg were parallel to the socket. The peg is up to 15
+    mm off the socket's axis and turned by up to 25 degrees against it. All are redrawn until the
+    holding points of the peg, at the start and at the goal, are at least 42 mm from the border.
     History: version 1.
     """
 
@@ -357,7 +366,7 @@ class Insert(TaskDefaults):
         return cls(seed, (lying, *socket(at, yaw, CLEARANCE).parts), (goal,))
 
     def shifted(self) -> tuple[str, ...]:
-        """The peg: the socket stays where it is."""
+        """Only the peg; the socket stays where it is."""
         return (PEG,)
 
     def with_room(self, factor: float) -> Insert:

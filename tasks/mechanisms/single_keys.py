@@ -2,9 +2,9 @@
 the history of touches shows the label of this finger.
 
 A single touch does not show which finger makes it. The simulated user first rests five fingers, and
-then leaves one of them down. The next touch lands where one of the other fingers was, which shows
-its label. If such a press is not accepted, for example because a finger hangs in the key, the
-pressing finger itself stays down in the next attempt.
+then leaves one of them down. The next touch lands where one of the other fingers was, so the
+program can infer its label. If such a press is not accepted, for example because a finger hangs in
+the key, the pressing finger itself stays down in the next attempt.
 """
 
 from __future__ import annotations
@@ -61,9 +61,9 @@ class _Step(Enum):
 class SingleKeyUser(ChordUser):
     """Presses a key after resting five fingers.
 
-    The user rests five fingers on the keys, lifts all but one, presses the blue key with its own
-    finger, and lifts the finger that had stayed down. If the press is not accepted, the user rests
-    again, and lifts all fingers but that of the blue key.
+    The user rests five fingers on the keys, lifts all but one of the other keys' fingers, presses
+    the blue key with its own finger, and lifts the finger that had stayed down. If the press is not
+    accepted, the user rests all fingers again, and then lifts all except that of the blue key.
 
     Args:
         configuration: Settings of the simulated user.
@@ -118,7 +118,7 @@ class SingleKeyUser(ChordUser):
         self._go(_Step.RESTING, now + self._eye.delay + 0.45 + _RESTING)
 
     def _leave(self, sight: Sight, now: float) -> None:
-        """Lifts all fingers, and corrects the next landing by the observed one."""
+        """Lifts all fingers, and corrects the next landing by the observed error."""
         self._lift(sight, now)
         self._go(_Step.AWAY, self._until)
 
@@ -132,10 +132,11 @@ class SingleKeys(Chords):
 
     Scene: the row of five sprung keys of `chords`; one of them is blue.
     Goal: the blue key pressed down, the others up.
-    Success: first all five keys are down for 0.5 s without a break, by whatever fingers: five have
-    rested. From then on as in `chords`: the blue key is below 6 mm and touched by its own finger
-    alone, the others are not, for 0.5 s without a break; all within 20 s.
-    Start: any of the five keys, evenly; the row as in `chords`.
+    Success: in two steps, within 20 s. First, all five keys are down for 0.5 s without a break,
+    pressed by any fingers. Afterwards, as in `chords`, the blue key is pressed down by at least 6
+    mm and touched by its own finger alone, and the other keys are not down, for 0.5 s without a
+    break.
+    Start: each of the five keys is blue with equal probability. The row is as in `chords`.
     History: version 1.
     """
 

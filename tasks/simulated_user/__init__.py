@@ -1,1 +1,1 @@
-"""Simulated users: they play tasks by touch, and see only what a person would see."""
+"""Simulated users. They play tasks by touch, and see only what a person would see."""

@@ -1,5 +1,5 @@
-"""Simulated user for one end of a tray, who takes the handle on their side and watches the other
-end.
+"""Simulated user who carries one end of a tray: takes the handle on their side, and watches the
+other end.
 
 The two users do not communicate. Each sees on the screen how high the other end of the tray is and
 whether it follows, and does not move far ahead of it.
@@ -26,14 +26,14 @@ from tasks.user import SeenObject, Sight, UserConfiguration
 _AHEAD = 0.020
 """Height (m) by which a user raises their own end above the other end."""
 _UP = 0.6
-"""Share of the way up at which an end counts as lifted, so that the tray may be carried along."""
+"""A tray is carried along only if its ends are above this share of the goal's height."""
 _STEP, _STEP_TURN = 0.025, float(np.deg2rad(8.0))
 """Largest shift (m) and turn (rad) before the user looks at the other end again."""
 _IN_PLACE, _STRAIGHT, _LEVEL = 0.005, float(np.deg2rad(3.0)), 0.004
 """Errors in position (m), turn (rad) and height (m) below which the user leaves an end as it is."""
 _FALLEN, _BEHIND = 0.014, 0.008
-"""Height (m) by which an end may lag behind the rising hand and behind the other end before it
-counts as slipped."""
+"""Heights (m). An end counts as slipped if it lags behind the rising hand by more than the first
+height, and behind the other end by more than the second."""
 _RESTS = 0.004
 """Height (m) above its place on the table below which a handle counts as lying there."""
 _ASIDE = 0.030
@@ -49,7 +49,7 @@ _LOOK = 0.10
 class HandleHandling(BoxHandling):
     """Handling of a tray's handle: grasped across, with the thumb on the more comfortable side."""
 
-    # The handle has to be held even if it is in place.
+    # The handle has to be held even if it is at its goal.
     enough = (0.0, 0.0)
 
     def grasp(
@@ -71,8 +71,8 @@ class Carrier(SkilledUser):
         surface: The user's tablet.
         seed: Seed of the user's randomness.
         reach: Height (m) by which the hand rises over the slider's full travel.
-        home: (2,) m in the world as the user sees it, the middle of their part of the screen. The
-            user takes the handle that is nearer to it.
+        home: (2,) m, the middle of the user's part of the screen, in the world as the user sees it.
+            The user takes the handle that is nearer to `home`. None: the middle of `surface`.
         patient: True waits for the other end; False lifts and carries without waiting.
     """
 

@@ -1,4 +1,4 @@
-"""Grasp planning of the simulated user: places for thumb and fingers on a box or a handle.
+"""Grasp planning of the simulated user: positions of thumb and fingers on a box or a handle.
 
 `roomiest_grasp` chooses a grasp with room for the fingers between neighbours and at the goal.
 """
@@ -20,15 +20,15 @@ from tasks.user import SeenObject
 _TIP_RADIUS = 0.007
 """Radius (m) of a fingertip that the user assumes."""
 _HOLDS = 0.001
-"""Distance (m) by which an inner finger of the row stays behind the outermost fingers once the hand
-has closed. It bends farther until it presses as well."""
+"""Largest distance (m) by which an inner finger of the row is farther from the thumb than the
+outermost fingers once the hand has closed. The inner fingers bend until they press as well."""
 _CLEAR, _CLEAR_OF_HANDLE = 0.005, 0.0086
 """Clearances (m per side) by which a hand has to be wider than a box or a handle, so that no finger
 comes down inside it. A row of fingers beside a handle is seldom quite parallel to it."""
 
 _LEAN = float(np.deg2rad(20.0))
-"""Angle (rad) by which the line from thumb to fingers may deviate from the normal of a box's faces.
-Friction still holds the box, and the wrist has to turn less by this angle."""
+"""Largest angle (rad) between the line from thumb to fingers and the normal of a box's faces. Up to
+it, friction still holds the box. The wrist has to turn less by this angle."""
 _COMFORT = float(np.deg2rad(95.0))
 """Limit (rad from the natural axis) of the wrist's rotation while carrying."""
 _FARTHEST = float(np.deg2rad(100.0))
@@ -37,8 +37,8 @@ _OBLIQUE, _SIDESTEP = float(np.deg2rad(60.0)), 0.025
 """Rotation (rad from the natural axis) beyond which the thumb is shifted along the handle, and the
 largest shift (m). With the shift, the hand rotates less than the handle requires."""
 _COUPLE = 0.018
-"""Distance (m) along a handle from the thumb to a single finger. Two directly opposite fingers
-cannot turn a handle, which would slip about the line between them."""
+"""Distance (m) along a handle from the thumb to a single finger. A handle between a thumb and a
+directly opposite finger would slip about the line between them instead of turning with the hand."""
 
 
 @dataclass(frozen=True)
@@ -85,8 +85,9 @@ class Grasp:
 
         Args:
             centre: (2,) m, the middle of the pinch.
-            gap: Distance (m) of thumb and outermost fingers outside the faces; negative inside,
-                when the hand presses. The inner fingers reach farther, as the row is an arc.
+            gap: Distance (m) of thumb and outermost fingers from the faces; negative for fingers
+                that press, whose positions are inside the object. The inner fingers are farther out
+                because the row is an arc.
             hand: The user's hand.
         """
         along = np.array([cos(self.axis), sin(self.axis)])
@@ -107,8 +108,8 @@ class Grasp:
 def grasp_across(axis: float, width: float, face: float, hand: Hand) -> Grasp:
     """A grasp of a box across two of its faces.
 
-    If the wrist would have to turn, the thumb is not quite opposite the fingers, as far as the
-    faces have room.
+    If the wrist would have to turn, the thumb is shifted along its face as far as there is room, so
+    that the wrist turns less.
 
     Args:
         axis: Direction (rad) across the faces, away from the thumb.
@@ -169,7 +170,7 @@ def choose_handle_grasp(
         start = abs(wrapped(axis - hand.natural_axis))
         made = within_comfort(axis, turn, hand)
         end = abs(wrapped(axis + made - hand.natural_axis))
-        # The rest of the turn needs another grasp, which is worth some discomfort.
+        # The rest of the turn needs another grasp. To avoid it, some discomfort is accepted.
         cost = max(start, end) + 2.0 * (abs(turn) - abs(made))
         if start > _FARTHEST:
             cost += 100.0
@@ -192,9 +193,14 @@ def choose_handle_grasp(
 
 
 def within_comfort(axis: float, turn: float, hand: Hand) -> float:
-    """Part (rad) of a turn that a hand on an axis can make without regrasping.
+    """Part (rad) of a turn that a hand can make without regrasping.
 
     A hand that is already rotated too far may always turn back.
+
+    Args:
+        axis: Current direction (rad) from thumb to fingers.
+        turn: Wanted turn (rad).
+        hand: The user's hand.
     """
     now = wrapped(axis - hand.natural_axis)
     low, high = min(-_COMFORT, now), max(_COMFORT, now)
@@ -209,12 +215,12 @@ def wrapped(angle: float) -> float:
 _ROOM = 0.014
 """Least distance (m) of the middle of a fingertip from a neighbour's face."""
 _CROWDED = 150.0
-"""Additional rotation of the wrist that costs as much as a metre of missing room (rad/m)."""
+"""Rotation of the wrist (rad) that costs as much as one metre of missing room."""
 _AGAIN = 2.0
 """Additional rotation (rad) of the wrist that costs as much as repeating a failed grasp."""
 _LINK = ((0.010, 0.010), (0.018, 0.020))
-"""Distances (m) from a fingertip towards the palm, and upwards, to the rest of the finger, which
-leans over objects on the side of the palm."""
+"""Points of a finger behind its tip: distances (m) from the fingertip towards the palm, and
+upwards. The finger leans over objects on the side of the palm."""
 
 
 @dataclass(frozen=True)
@@ -273,7 +279,7 @@ def roomiest_grasp(
 def _missing_room(
     grasp: Grasp, turn: float, box: SeenObject, hand: Hand, around: Surroundings
 ) -> float:
-    """Missing room (m) beside neighbours and at the border, both at the start and at the goal."""
+    """Missing room (m) beside neighbours at the start, and at the border at start and goal."""
     places = grasp.places(np.asarray(box.position[:2]), grasp.opening(hand), hand)
     short = max(_ROOM - _nearest(places, grasp.axis, float(box.position[2]), around.neighbours), 0)
     short += beyond_border(places, around.surface)

@@ -96,8 +96,8 @@ _TURN_GRIP, _SLIDE_GRIP = 0.032, 0.004
 """Positions (m) of the grip along a wrench of size 1: near the handle's end for the longest lever
 about a bolt, and at the middle of a free wrench."""
 _LEVER = _TURN_GRIP - JAW
-"""Greatest distance (m) from a bolt to the grip. With a grip farther out on a long handle, the path
-would soon leave the screen."""
+"""Distance (m) from a bolt to the grip on a long handle. A grip farther out would soon leave the
+screen."""
 _ROOM = 0.030
 """Least distance (m) from the beginning of a handle to the grip."""
 
@@ -135,7 +135,7 @@ class Handling(Protocol):
 
 
 class BoxHandling:
-    """Handling of a box: grasped in its middle, and equal after every quarter turn."""
+    """Handling of a box. It is grasped in its middle, and looks the same after a quarter turn."""
 
     good = (0.003, float(np.deg2rad(2.5)))
     enough = (0.008, float(np.deg2rad(8.0)))
@@ -158,7 +158,7 @@ class BoxHandling:
         return np.array(seen.position[:2])
 
     def reach(self, seen: SeenObject, grasp: Grasp, turn: float, hand: Hand) -> float:
-        """The whole turn, which is at most an eighth of a full turn."""
+        """The whole turn; it is at most an eighth of a full turn."""
         return turn
 
 

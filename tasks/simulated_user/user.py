@@ -206,7 +206,7 @@ class SkilledUser(FingersKnown):
         self._watch(self._fingers.carry(shift, turn, self._handling.pivot(box), now))
 
     def _leg(self, sight: Sight, box: SeenObject, off: Array, turn: float) -> tuple[Array, float]:
-        """Shift (2,) m and turn, rad, of the next movement: here the whole remaining movement."""
+        """Shift (2,) m and turn (rad) of the next movement: here the whole remaining movement."""
         return off, turn
 
     def _let_go(self, now: float) -> None:
@@ -215,7 +215,7 @@ class SkilledUser(FingersKnown):
         self._wait(self._eye.delay + 0.45, now)
 
     def _missing(self, sight: Sight, box: SeenObject) -> tuple[Array, float]:
-        """Shift (2,) m and turn, rad, that bring the object from its seen pose to its goal."""
+        """Shift (2,) m and turn (rad) that bring the object from its seen pose to its goal."""
         assert self._handling is not None
         return self._handling.missing(box, sight.goals[0])
 
@@ -227,7 +227,7 @@ class SkilledUser(FingersKnown):
         """Offset (2,) m that, added to the fingers, brings the *drawn* hand to the intended place.
 
         A person watches the drawn hand rather than their own fingers, and so corrects any constant
-        error of the reconstruction. The offset is zero without drawn fingertips.
+        error of the reconstruction. The offset is zero if a fingertip is not drawn.
         """
         ids = self._fingers.ids()
         if any(i not in sight.tips for i in ids):
@@ -325,8 +325,8 @@ lower end has no noise."""
 _MISS = 0.03
 """Standard deviation of a movement's error, as a share of the movement's length."""
 _BASE, _RATE = 0.30, 0.8
-"""A movement takes `_BASE` (s) and its length divided by `_RATE` (share of the travel per
-second)."""
+"""A movement takes `_BASE` seconds plus its length divided by `_RATE`. Lengths are shares of the
+slider's travel."""
 _STOP = 0.004
 """Reading, as a share of the slider's travel, below which the slider rests at its lower end."""
 

@@ -22,7 +22,7 @@ from models.surface import METRES_PER_INCH, Surface
 from tasks.user import UserConfiguration
 
 NARROWEST = 0.012
-"""Least distance (m) of two neighbouring touches, which is the width of a fingertip."""
+"""Least distance (m) of two neighbouring touches: the width of a fingertip."""
 
 _APART = ((0.025, 0.029, 0.034), (0.019, 0.023, 0.026), (0.025, 0.031, 0.036))
 """Distances (m) from index to middle, middle to ring and ring to little finger: the 10, 50 and 90
@@ -111,8 +111,8 @@ class Hand:
     def natural_axis(self) -> float:
         """Most comfortable direction (rad) across an object from thumb to fingers.
 
-        With more fingers than thumb and index, the row lies more nearly crosswise before the
-        person.
+        It differs between two fingers and more: a row of several fingers lies nearly crosswise in
+        front of the person.
         """
         c = self.configuration
         return c.natural_axis if c.fingers == 2 else c.natural_axis_of_row
@@ -141,7 +141,7 @@ _MARGIN = 0.001
 """Least distance (m) from the border of the screen at which a finger still touches the screen."""
 
 _WIDTH = NARROWEST + 1e-9
-"""Distance (m) between two fingers of which one pushes the other aside."""
+"""Distance (m) between two fingers after one of them has pushed the other aside."""
 
 
 def minimum_jerk(s: float) -> float:
@@ -213,8 +213,8 @@ class Fingers:
         return self._movement.at(now)
 
     def land(self, places: Array, now: float) -> None:
-        """Puts fingers down at places (n, 2) m, thumb first, one shortly after another; n may be
-        less than the number that the user wants."""
+        """Puts fingers down at places (n, 2) m, thumb first, one shortly after another. n may be
+        less than the configured number of fingers."""
         n = len(places)
         self._movement = _Movement(places, places, now, 1e-9)
         self._down_at = now + self._rng.permutation(np.linspace(0.0, self._c.stagger, n))
@@ -235,8 +235,8 @@ class Fingers:
         """Takes some fingers off, one shortly after another; the others stay.
 
         Args:
-            fingers: Indices into the places of the last landing.
-            now: s.
+            fingers: Indices into the positions of the last landing.
+            now: Current time (s).
         """
         stagger = self._rng.permutation(np.linspace(0.0, self._c.stagger, len(fingers)))
         self._up_at[list(fingers)] = now + stagger
@@ -326,7 +326,8 @@ class Fingers:
         return movement.begin + movement.duration
 
     def _missed(self, start: Array, end: Array) -> Array:
-        """Actual end of a movement, which all fingers miss by the same share of its length."""
+        """Actual end of a movement. All fingers have the same random error; its standard deviation
+        is a share of the movement's length."""
         length = float(np.sqrt(squared_lengths(end - start)).max())
         return end + self._rng.normal(0.0, self._c.end_noise * length, 2)
 

@@ -1,9 +1,10 @@
 """How simulated users see: with a reaction delay, from the front, or from another seat.
 
-Before an upright surface the world is rotated so that the screen lies flat like a table. Right
-stays right, up the screen becomes "away", and out of the screen becomes "up". A user written for
-the table can therefore play there as well, but has to know that gravity pulls down the screen. A
-person does not see depth. Users get the depth, rotated like everything else, but do not use it.
+For an upright surface the world is rotated so that the screen lies flat like a table. Right stays
+right, up the screen becomes "away", and out of the screen becomes "up". A user written for the
+table can therefore play on an upright surface as well, but has to know that gravity pulls down the
+screen. A person does not see depth. Users get the depth, rotated like everything else, but do not
+use it.
 
 A user who is left-handed, or sits at another side of the screen, is simulated by a right-handed
 user at the lower edge, who sees the world mirrored or rotated and whose touches are transformed
@@ -132,8 +133,8 @@ class Seat:
         self._matrix: Array = small_product(
             small_product(surface.rotation, matrix), surface.rotation.T
         )
-        # An object in a mirror image has one of its own axes reversed, so that its rotation remains
-        # a proper rotation.
+        # In a mirror image, one of the object's own axes is reversed as well, so that the rotation
+        # remains a proper rotation.
         flip_own = -1.0 if person.left else 1.0
         self._mirrors = person.left
         self._own = np.diag([flip_own, 1.0, 1.0])
@@ -197,7 +198,7 @@ class Seat:
 
 
 class SeatedUser:
-    """A simulated user on another seat or with the other hand.
+    """A simulated user who sits at another side of the screen, or plays with the left hand.
 
     Args:
         user: A user made for `seat.surface`.

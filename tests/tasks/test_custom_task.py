@@ -189,11 +189,11 @@ TYPED_WRONG: Any = replace
         ),
         (
             lambda cls, rng, surface: ([BOX], [Goal("it", (0, 0, np.nan), 0)]),
-            "the goal of it is not at a place .*expected 3 finite numbers",
+            "the goal of it has no valid position .*expected 3 finite numbers",
         ),
         (
             lambda cls, rng, surface: ([BOX], [Goal("it", (0.05, 0), 0)]),  # type: ignore[arg-type]
-            r"the goal of it is not at a place .*got '\(0.05, 0\), yaw 0', expected 3 finite",
+            r"the goal of it has no valid position .*got '\(0.05, 0\), yaw 0', expected 3 finite",
         ),
         (
             lambda cls, rng, surface: ([BOX], [Goal("it", (x, 0, 0.02), 0) for x in (0.05, -0.05)]),
@@ -220,7 +220,7 @@ TYPED_WRONG: Any = replace
         ),
         (
             lambda cls, rng, surface: ([replace(BOX, position="here")], []),  # type: ignore[arg-type]
-            "the object it is not at a place .*here",
+            "the object it has no valid position .*here",
         ),
         (
             lambda cls, rng, surface: ([replace(BOX, name="world")], []),
@@ -228,11 +228,11 @@ TYPED_WRONG: Any = replace
         ),
         (
             lambda cls, rng, surface: ([replace(BOX, name="right")], []),
-            "cannot be called as a part of a hand",
+            "cannot have the name of a part of a hand",
         ),
         (
             lambda cls, rng, surface: ([replace(BOX, name="left_palm")], []),
-            "cannot be called as a part of a hand",
+            "cannot have the name of a part of a hand",
         ),
         (
             lambda cls, rng, surface: (
@@ -356,7 +356,7 @@ def test_objects_that_just_touch_do_not_overlap() -> None:
         (fails, "ZeroDivisionError: a lab's own bug .*test_custom_task.py:"),
         (lambda cls, rng, surface: ([], []), "different names"),
         (lambda cls, rng, surface: ([BOX], [Goal("that", (0, 0, 0), 0)]), "does not have"),
-        (lambda cls, rng, surface: ([BOX], [Goal("it", (0, 0, np.nan), 0)]), "not at a place"),
+        (lambda cls, rng, surface: ([BOX], [Goal("it", (0, 0, np.nan), 0)]), "no valid position"),
         (lambda cls, rng, surface: ([BOX], [None]), "this is no goal .*'None'"),
         (lambda cls, rng, surface: ([replace(BOX, mass=np.nan)], []), "mass of it is not"),
         (lambda cls, rng, surface: ([replace(BOX, mass=0.0)], []), "cannot be built.*mass"),
@@ -536,15 +536,15 @@ def write(path: Path, body: str) -> Path:
         ("class A(Slide): name = 'a'; hold_time = 'long'", "hold_time is missing or invalid"),
         ("class A(Slide): name = 'a'; table_friction = float('inf')", "table_friction is missing"),
         ("class A(Slide): name = 'a'; time_limit = 0", "time_limit must be above 0"),
-        ("class A(Slide): name = 'a'; hold_time = 500", "longer than its time_limit"),
+        ("class A(Slide): name = 'a'; hold_time = 500", "at most its time_limit"),
         ("class A(Slide): name = 'a'; hands = '2'", "hands are wrong .*expected 1 or 2"),
         ("class A(Slide): name = 'a'; hands = 0", "hands are wrong"),
         ("class A(Slide): name = 'a'; touch_height = -0.01", "touch_height is missing or invalid"),
         ("class A(Slide): name = 'a'; plane = 'ceiling'", "plane is missing or invalid"),
-        ("class A(Slide): name = 'a'; user = 'me'", "user is wrong .*'me'.*a class"),
+        ("class A(Slide): name = 'a'; user = 'me'", "cannot be called .*'me'.*a class"),
         (
             "from tasks.custom_task import CustomTask\nclass A(CustomTask): name = 'a'",
-            "lacks .*measure",
+            "abstract .*measure",
         ),
     ],
 )
@@ -800,13 +800,13 @@ def test_a_ring_that_cannot_be_painted_is_refused(painted: Any, says: str) -> No
 @pytest.mark.parametrize(
     ("values", "says"),
     [
-        ((False, np.nan, ""), "`progress` of what `measure` returned is no finite number"),
-        ((False, np.inf, ""), "no finite number"),
-        ((False, None, ""), "no finite number"),
-        ((False, 0.0, None), "`reason` of what `measure` returned is no text"),
+        ((False, np.nan, ""), "`progress` of the returned Measure is not a finite number"),
+        ((False, np.inf, ""), "not a finite number"),
+        ((False, None, ""), "not a finite number"),
+        ((False, 0.0, None), "`reason` of the returned Measure is not text"),
         ((np.array([True, False]), 0.0, ""), "neither true nor false"),
-        ((False, 0.0, "", False, 5), "`first` of what `measure` returned is no Measure"),
-        ((False, 0.0, "", False, Measure(False, np.nan, "")), "no finite number"),
+        ((False, 0.0, "", False, 5), "`first` of the returned Measure is not a Measure"),
+        ((False, 0.0, "", False, Measure(False, np.nan, "")), "not a finite number"),
     ],
 )
 def test_a_measure_that_no_file_could_keep_is_refused_in_one_line(
