@@ -6,13 +6,13 @@ that become part of a simulation's state are therefore computed here. Small matr
 own routines, whose results are the same for one version of MuJoCo and one architecture. Stacks of
 tiny matrices are computed term by term. Arrays for MuJoCo are float64 and C-contiguous.
 
-Transcendental functions of arrays are the system's libm. NumPy has several versions of these
-functions and chooses one for the processor; their last digits differ. Here they are computed number
-by number, by the libm that MuJoCo calls as well. A hundred numbers cost about 6 us.
+Transcendental functions of arrays call the system's libm for each number, as MuJoCo does. NumPy has
+several versions of these functions and chooses one for the processor; their last digits differ. A
+hundred numbers take about 6 us.
 
 Two machines are compared by digests of numbers that they compute. Version numbers are not enough:
-one version of glibc has several variants of its functions and chooses by the processor. A digest
-therefore covers some thousand values of these functions.
+one version of glibc has several variants of its functions and chooses one for the processor. A
+digest therefore covers some thousand values of these functions.
 """
 
 from __future__ import annotations
@@ -180,10 +180,10 @@ def exp(x: ArrayLike) -> Array:
 def exp_of_many(x: Single) -> Single:
     """Exponentials of many numbers (...) of 0 or less, in single precision.
 
-    It uses only sums and products of single numbers, which every processor rounds alike, and is ten
+    It uses only element-wise sums and products, which every processor rounds alike, and is ten
     times as fast as libm. The relative error is below 3e-7. Below -87 the result is 0.
     """
-    # x = n log 2 + rest; log 2 comes in two parts, of which the first times n is exact.
+    # x = n log 2 + rest. log 2 is split into two parts; n times the first part is exact.
     n = np.rint(x * _LOG2_E)
     rest = x - n * _LOG_2
     rest -= n * _LOG_2_REST
@@ -192,7 +192,7 @@ def exp_of_many(x: Single) -> Single:
         result += coefficient
         result *= rest
     result += _SERIES[-1]
-    # 2 to the power n is its bits: the exponent, shifted by 127 and 23 places.
+    # As a float, 2 to the power n has the bits of n + 127, shifted left by 23 places.
     np.maximum(n, _LEAST_POWER, out=n)
     bits = n.astype(np.int32)
     bits += 127
@@ -245,7 +245,7 @@ def _log(x: float) -> float:
 
 
 _SWEEPS = 60
-"""Most rounds over all pairs of rows; about eight are the rule."""
+"""Largest number of rounds over all pairs of rows; about eight are usually enough."""
 _SMALL = 1e-30
 """Ratio of the largest squared off-diagonal element to the largest squared element, below which a
 matrix counts as diagonal."""
@@ -254,9 +254,9 @@ matrix counts as diagonal."""
 def eigen(S: Array) -> tuple[Array, Array]:
     """Eigenvalues (n,), largest first, and eigenvectors (n, n) in columns, of a symmetric S (n, n).
 
-    The largest component of every eigenvector is positive. Jacobi's method (Golub and Van Loan,
-    Matrix Computations, 8.5): slower than LAPACK, but it takes only sums, products and square roots
-    of single numbers, whose order is fixed here.
+    The largest component of every eigenvector is positive. The method is Jacobi's (Golub and Van
+    Loan, Matrix Computations, 8.5). It is slower than LAPACK, but it uses only sums, products and
+    square roots of single numbers, in a fixed order.
     """
     A = np.array(S, float)
     n = len(A)
@@ -298,7 +298,8 @@ _ASKED = 400
 
 @cache
 def libm_digest() -> str:
-    """Digest of the values of the system's libm, for the functions that MuJoCo and we call."""
+    """Digest of values of the system's libm, for the functions that MuJoCo and this project
+    call."""
     digest = blake2b(digest_size=6)
     for function in (math.sin, math.cos, math.tan, math.atan, math.exp, math.expm1):
         for x in _numbers(function.__name__, 6.0):
@@ -320,8 +321,8 @@ def libm_digest() -> str:
 def arithmetic_digest() -> str:
     """Digest of products, solutions, sums and rotations, by MuJoCo and by NumPy.
 
-    All of it is computed in fixed order and without libm, so it is equal for equal builds of
-    MuJoCo.
+    Everything is computed in fixed order and without libm, so the digest is equal for equal builds
+    of MuJoCo.
     """
     digest = blake2b(digest_size=6)
     A, B = _matrix("A", 15, 48), _matrix("B", 48, 48)

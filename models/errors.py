@@ -145,12 +145,12 @@ class StudyError(InputError):
 
 
 class DifferentPlanError(StudyError):
-    """A session, or an earlier session of a participant, has another plan than the study now
-    has."""
+    """The plan of a session, or of a participant's earlier session, differs from the study's
+    current plan."""
 
 
 class LaterLayoutError(StudyError):
-    """A record or note of a study is of a later version of the program."""
+    """A later version of the program wrote a record or note of a study."""
 
 
 class SceneError(HandSandboxError):

@@ -49,7 +49,7 @@ class Contact:
         probability: Probability of the label, 0 to 1; 1 without a label and for a device's label.
 
     Raises:
-        FrameError: A value is not a number, or cannot be one of a contact.
+        FrameError: A value is not a number, or is impossible for a contact.
     """
 
     id: int
@@ -128,18 +128,18 @@ class Contact:
 class TouchFrame:
     """All contacts of one device at one moment.
 
-    Numbers of NumPy and the like become Python's own, as in a `Contact`.
+    Numbers of NumPy and similar libraries are converted to Python's own types, as in a `Contact`.
 
     Attributes:
         time: Seconds on the device's own monotonic clock.
         contacts: The contacts that are down, in any order; ids are unique.
-        lift: Position of the device's lift control, 0 (down) to 1, or None where it has none.
+        lift: Position of the device's lift control, 0 (down) to 1; None if the device has none.
         cancelled: Ids that the system has cancelled since the last frame. The person did not lift
             these fingers, so the hand must not let go because of them.
         source: Name of the sender, for messages and logs.
 
     Raises:
-        FrameError: A value is not a number, or cannot be one of a frame.
+        FrameError: A value is not a number, or is impossible for a frame.
     """
 
     time: float
@@ -208,15 +208,16 @@ class TrackedFinger:
 
     Attributes:
         id: Constant while the finger is visible; unique among the fingers of one hand.
-        tip: Position of the fingertip (m), as the device reports it; where it models bones, this
-            may be a point within the last one.
+        tip: Position of the fingertip (m), as the device reports it. If the device models bones,
+            the position may be a point within the last bone.
         direction: Unit vector along the finger, as the device reports it.
-        length: m, finger length as the device reports it: the visible length (first Leap software),
-            or the sum of the bones.
-        finger: Thumb 0 .. little 4 where the *device* knows it; None otherwise.
-        joints: m, (knuckle, PIP, DIP, tip), for the thumb (CMC, MCP, IP, tip), where the device
-            models bones; None otherwise. The last is the end of the last bone.
-        extended: True if the device reports the finger as stretched; None where it does not say.
+        length: Finger length (m) as the device reports it: the visible length (first Leap
+            software), or the sum of the bones.
+        finger: Thumb 0 to little 4 if the *device* knows the finger; None otherwise.
+        joints: Positions (m) of knuckle, PIP, DIP and tip, or for the thumb of CMC, MCP, IP and
+            tip. The tip is the end of the last bone. None if the device does not model bones.
+        extended: True if the device reports the finger as stretched, False if as bent; None if it
+            reports neither.
     """
 
     id: int
@@ -246,8 +247,8 @@ class TrackedFinger:
 
     @property
     def end(self) -> Vector:
-        """The finger's end in m: that of its last bone where the device models bones, else the
-        tip."""
+        """Position (m) of the finger's end: the end of its last bone if the device models bones,
+        otherwise `tip`."""
         return self.tip if self.joints is None else self.joints[3]
 
 
@@ -328,9 +329,9 @@ class HandFrame:
 
 
 LANDMARKS = 21
-"""Landmarks of a hand in a picture: the wrist, then four for each finger, thumb to little finger,
-from the palm outwards. A finger's are knuckle, PIP, DIP and tip; the thumb's CMC, MCP, IP and tip.
-The numbering is MediaPipe's."""
+"""Number of landmarks of a hand in a picture: the wrist, then four for each finger, from thumb to
+little finger, each from the palm outwards. Those of a finger are knuckle, PIP, DIP and tip; those
+of the thumb are CMC, MCP, IP and tip. The numbering is MediaPipe's."""
 
 Point = tuple[float, float]
 
@@ -414,7 +415,7 @@ def _finite(vector: Vector, where: str, name: str) -> None:
 def _unit(vector: Vector, where: str, name: str) -> None:
     x, y, z = vector
     if abs(x * x + y * y + z * z - 1.0) < _UNIT:
-        return  # Its length is then nearer to 1 than half of that.
+        return  # The length then differs from 1 by about half of `_UNIT` at most.
     length = math.sqrt(math.fsum(c * c for c in vector))
     if abs(length - 1.0) > _UNIT:
         raise FrameError(

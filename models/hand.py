@@ -1,9 +1,10 @@
-"""Hands in a scene: their contract, and ours as MJCF: a palm and 14 ball joints with 48 servos.
+"""Contract of the hands of a scene, and the built-in hand: a palm, 14 ball joints, 48 servos.
 
 `Hand` is the built-in hand with 48 degrees of freedom, driven by the pose itself. Its joints and
-actuators are in the order of the pose `q`, so that a pose is also the control vector. The servos'
-forces are limited, as those of the motors of the paper's Bullet hand: its maximum motor impulse J
-per step of 1/60 s becomes the force limit J / (1/60 s) for any time step.
+actuators are in the order of the pose `q`, so that a pose is also the control vector. The forces of
+the servos are limited like those of the motors of the paper's Bullet hand. The paper limits the
+impulse of a motor to J per step of 1/60 s. Here this is a force limit of J / (1/60 s) for any time
+step.
 
 Other hands, such as robot hands, have their own MJCF, convert a pose to their own controls, and
 assign their links to fingers. Scene, session, collision gating, sensing and views use only the
@@ -54,11 +55,11 @@ class Link:
 
 
 class Follower(Protocol):
-    """Turns the poses of one movement into controls; it may start from its last result."""
+    """Converts the poses of one movement to controls. It may use the last result as a start."""
 
     @property
     def missed(self) -> frozenset[int]:
-        """Labels of the fingers that touch and whose tips could not reach their places in the last
+        """Labels of those touching fingers whose tips could not reach their places in the last
         pose."""
         ...
 
@@ -67,8 +68,8 @@ class Follower(Protocol):
 
         Args:
             q: The pose.
-            fingers: Labels of the fingers that touch. Where not all fingertips can reach their
-                places in the pose, these take precedence.
+            fingers: Labels of the fingers that touch. If not all fingertips can reach their places
+                in the pose, those of the touching fingers take precedence.
         """
         ...
 
@@ -78,7 +79,8 @@ class SceneHand(Protocol):
 
     @property
     def name(self) -> str:
-        """Prefix of its elements' names in the model: every name begins with it and `_`."""
+        """Prefix of the names of its elements in the model: every name begins with the prefix and
+        `_`."""
         ...
 
     @property
@@ -93,7 +95,7 @@ class SceneHand(Protocol):
 
     @property
     def links(self) -> tuple[Link, ...]:
-        """Links of its fingers, finger by finger, from the palm outwards; two or more each.
+        """Links of its fingers, finger by finger, from the palm outwards; at least two per finger.
 
         A finger that the hand lacks has no links, and never becomes solid.
         """
@@ -125,7 +127,7 @@ class SceneHand(Protocol):
         ...
 
     def controls(self, q: Array) -> Array:
-        """Controls (m,) that make it follow a pose q (48,) in the world; m is constant."""
+        """Controls (m,) that make the hand follow a pose q (48,) in the world; m is constant."""
         ...
 
     def follower(self) -> Follower | None:
@@ -134,8 +136,8 @@ class SceneHand(Protocol):
         ...
 
     def coordinates(self, qpos: Array) -> Array:
-        """Joint positions (..., n) as numbers without quaternions: the palm's place (m) and
-        rotation vector (rad), then a rotation vector or an angle of every joint."""
+        """Joint positions (..., n) of MuJoCo, converted to numbers without quaternions: the palm's
+        place (m) and rotation vector (rad), then a rotation vector or an angle for every joint."""
         ...
 
     def joint_positions(self, q: Array) -> Array:
@@ -175,15 +177,15 @@ ROOT_STIFFNESS, ROOT_TURN_STIFFNESS = 8000.0, 40.0
 """Stiffness (N/m and N m/rad) of the root's servos, at servo stiffness 1."""
 
 CONTACT_HAND, CONTACT_OBJECT, CONTACT_TABLE, CONTACT_HANDS = 1, 2, 4, 8
-"""Collision bits. A hand collides with objects, and with the other hand if hands are solid all
-over. It collides neither with itself nor with the table, since at an upright surface the wrist may
-have to be below the table."""
+"""Collision bits. A hand collides with objects, and with the other hand if whole hands are solid.
+It collides neither with itself nor with the table: at an upright surface, the wrist may have to be
+below the table."""
 
 FLESH_DENSITY = 1100.0
 """Density (kg/m3) of flesh."""
 
 CUFF, SLEEVE = ".93 .94 .95 1", ".16 .20 .27 1"
-"""Colours, red green blue alpha, of cuff and sleeve, where the hand ends at the wrist."""
+"""Colours (red, green, blue, alpha) of the cuff and sleeve at the wrist."""
 
 
 @dataclass(frozen=True)
@@ -194,12 +196,12 @@ class Hand:
         name: Prefix of its bodies, joints and actuators.
         skeleton: Skeleton of either side and any size.
         servo: One of `SERVOS`.
-        impulse: Impulse limit of every servo, N s (or N m s) per 1/60 s.
+        impulse: Impulse limit of every servo, in N s or N m s per 1/60 s.
         stiffness: Factor on the servo stiffnesses of the skeleton and the root.
         finger_armature: Factor on the armature of the finger joints; see `finger_armature()`.
-        solid_end: Length (m) of the colliding part of a last link, measured from the middle of the
-            fingertip, where only fingertips are solid; None makes the whole link collide.
-        solid_palm: The palm can collide as well; otherwise objects pass through it.
+        solid_end: Length (m) of the colliding part of a last link if only fingertips are solid,
+            measured from the middle of the fingertip; None makes the whole link collide.
+        solid_palm: True if the palm can collide; otherwise objects pass through it.
     """
 
     name: str = "right"
@@ -218,13 +220,16 @@ class Hand:
             )
         if not (np.isfinite(self.impulse) and self.impulse > 0):
             raise SceneError(
-                "the impulse limit must be positive", where="--impulse", got=self.impulse
+                "the impulse limit is out of range",
+                where="--impulse",
+                got=self.impulse,
+                expected="a finite number above 0, in N s",
             )
 
     @property
     def force_limit(self) -> float:
-        """Force limit in N (slides) or N m (turns): impulse limit divided by its period of 1/60
-        s."""
+        """Force limit of a servo, in N (slides) or N m (rotations): the impulse limit divided by
+        1/60 s."""
         return self.impulse / IMPULSE_PERIOD
 
     def element_name(self, part: str) -> str:
@@ -304,7 +309,7 @@ def finger_armature(impulse: float) -> float:
 def hand_default() -> Element:
     """The default class that every hand of a scene shares."""
     default = Element("default", {"class": "hand"})
-    # condim 4 adds torsional friction, without which a pinched object spins between two pads.
+    # condim 4 adds torsional friction. Without it, a pinched object spins between two fingertips.
     SubElement(
         default,
         "geom",
@@ -372,8 +377,8 @@ def hand_body(hand: Hand) -> Element:
                 "gravcomp": "1",
             },
         )
-        # The joint's own limit bounds the total angle only, a little outside the legal ranges; a
-        # finger keeps within them because its target is legal and its servo stiff.
+        # The joint's own limit bounds only the total angle, a little outside the legal ranges. A
+        # finger stays within the legal ranges because its target is legal and its servo stiff.
         reach = length(np.maximum(-bone.lower, bone.upper)) + np.deg2rad(10.0)
         SubElement(
             body,
@@ -398,7 +403,7 @@ def hand_body(hand: Hand) -> Element:
             },
         )
         if hand.solid_end is not None and bone is hand.skeleton.last_bones[bone.finger]:
-            # It has no mass and is invisible; it only collides.
+            # The geom of the fingertip has no mass and is invisible; it only collides.
             start = bone.length - min(max(hand.solid_end, 1e-4), bone.length)
             fromto = _text(0, start, 0, 0, bone.length, 0)
             SubElement(
@@ -418,7 +423,8 @@ def hand_body(hand: Hand) -> Element:
 
 
 def hand_actuators(hand: Hand) -> list[Element]:
-    """48 controls in the order of the pose: root position, root rotation vector, ball joints."""
+    """Servos for 48 controls, in the order of the pose: root position, root rotation vector, ball
+    joints."""
     servos = [
         Element(
             "position",
@@ -432,8 +438,7 @@ def hand_actuators(hand: Hand) -> list[Element]:
         )
         for axis in "xyz"
     ]
-    # The root rotates farther than three position servos can hold (they fail beyond about 120
-    # degrees).
+    # The root needs an orientation servo: three position servos fail beyond about 120 degrees.
     servos.append(_orientation(hand, "root", ROOT_TURN_STIFFNESS))
     for bone in hand.skeleton.bones:
         if hand.servo == "orientation":
@@ -525,7 +530,8 @@ def _add_palm_geoms(palm: Element, knuckles: list[NDArray[np.float64]], radius: 
             },
         )
 
-    # Back of the hand: a ray to every knuckle and to every web between two, to avoid grooves.
+    # Back of the hand: a capsule from the wrist to every knuckle, and to every web between two
+    # knuckles, so that there are no grooves.
     rays = [knuckles[1]]
     for inner, outer in pairwise(knuckles[1:]):
         web = (inner + outer) / 2 - np.array([0.0, 0.9 * radius, 0.1 * radius])
@@ -533,7 +539,7 @@ def _add_palm_geoms(palm: Element, knuckles: list[NDArray[np.float64]], radius: 
     for end in rays:
         root = np.array([0.60 * end[0], 0.5 * radius, 0.1 * radius])
         seen(root, end - np.array([0.0, 0.0, 0.12 * radius]), 0.97 * radius)
-    # Its inside: a cushion under the knuckles, the ball of the thumb, the edge of the hand.
+    # Inside of the hand: a cushion under the knuckles, the ball of the thumb, the edge of the hand.
     under = np.array([0.0, -0.7 * radius, -0.95 * radius])
     for end in rays[1::2]:
         root = np.array([0.60 * end[0], 0.9 * radius, -0.75 * radius])
@@ -563,8 +569,8 @@ def _add_palm_geoms(palm: Element, knuckles: list[NDArray[np.float64]], radius: 
             "group": "1",
         },
     )
-    # Wrist, cuff and sleeve. Three of each side by side make them wider than thick; the ends
-    # differ a little in length, since equal ones would flicker where they overlap.
+    # Wrist, cuff and sleeve. Each is made of three geoms side by side, so that it is wider than
+    # thick. Their ends differ a little in length, since overlapping equal ends would flicker.
     for side in (-1.0, 0.0, 1.0):
         place = np.array([0.75 * side * radius, 0.0, -0.45 * radius])
         along = np.array([0.0, radius, 0.0])

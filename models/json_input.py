@@ -157,7 +157,7 @@ def decoded(
         form: A struct, or another type that msgspec decodes.
         error: The class of the error.
         what: Clause of the message for data that do not fit.
-        where: The file; with the line for files with one value per line.
+        where: The file. For files with one value per line, also the line.
         expected: Expected form of the whole, for errors that concern no single field.
         remedy: Next step in the message.
 
@@ -241,7 +241,7 @@ def check_layout(
     expected = f'"kind": "{kind}"' if kind is not None else None
     if twice := _twice(data):
         raise error(
-            "a key stands twice, with different values",
+            "an object contains a key twice, with different values",
             where=where,
             got=twice,
             remedy=f"Two versions were merged. {remedy}" if remedy else "Two versions were merged",
@@ -291,8 +291,8 @@ def decoded_record(
 ) -> dict[str, Any]:
     """Decodes an object with arbitrary fields that this program has written.
 
-    It uses `json` instead of msgspec: a measure of a custom task may be NaN, which `json` writes
-    although JSON does not allow it.
+    It uses `json` instead of msgspec, because a measure of a custom task may be NaN. `json` writes
+    and reads NaN although the JSON standard does not allow it.
 
     Args:
         data: JSON, UTF-8.

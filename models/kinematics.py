@@ -18,7 +18,8 @@ _LEVELS = 3
 
 
 class Placement(NamedTuple):
-    """Positions and rotations of all bones and fingertips, in the frame of the pose's root."""
+    """Positions and rotations of all bones and fingertips, in the frame in which the pose is
+    given."""
 
     joints: Array
     """(..., 14, 3) m, positions of the ball joints."""
@@ -31,10 +32,10 @@ class Placement(NamedTuple):
 class Kinematics:
     """Forward kinematics of one skeleton: `place(q)` for poses (..., 48), m and rad.
 
-    Places are in the frame of the poses: the world's for a pose in the world.
+    Results are in the frame in which the poses are given, such as the world.
 
-    All five fingers are computed side by side, one bone outwards at a time: a pose costs three
-    rounds of small array operations rather than fourteen.
+    All five fingers are computed side by side, bone by bone from the palm outwards. So a pose takes
+    three rounds of small array operations instead of fourteen.
     """
 
     def __init__(self, skeleton: Skeleton) -> None:
@@ -43,8 +44,8 @@ class Kinematics:
         self._anchor = np.zeros((_LEVELS, five, 3))
         self._rest = np.tile(np.eye(3), (_LEVELS, five, 1, 1))
         self._reach = np.zeros((five, 3))
-        # Index of each finger's bone at each level; the padding points one past the last bone,
-        # where `_joint_rotations` keeps a rotation that never turns.
+        # Index of each finger's bone at each level. The padding is the index after the last bone,
+        # for which `_padded` adds an identity rotation.
         self._bone = np.full((_LEVELS, five), len(skeleton.bones))
         for finger in range(five):
             chain = [(i, b) for i, b in enumerate(skeleton.bones) if b.finger == finger]
@@ -78,7 +79,8 @@ class Kinematics:
         return self.place(q).tips
 
     def tips_and_jacobian(self, q: ArrayLike) -> tuple[Array, Array]:
-        """Fingertips (..., 5, 3) and their derivative (..., 5, 3, 48) by the pose (..., 48)."""
+        """Fingertips (..., 5, 3) m of poses (..., 48), and their derivative (..., 5, 3, 48) with
+        respect to the pose."""
         q = np.asarray(q, float)
         batch = q.shape[:-1]
         turn, left = exp_and_left_jacobian(joint_vectors(q))
@@ -90,7 +92,7 @@ class Kinematics:
             position = position + (rotation @ self._anchor[level][..., None])[..., 0]
             before = rotation @ self._rest[level]
             chosen = self._bone[level]
-            # exp(w + d) = exp(J d) exp(w): the turn J d happens in the frame before the joint.
+            # exp(w + d) = exp(J d) exp(w): the rotation J d is in the frame before the joint.
             axes.append(before @ left[..., chosen, :, :])
             rotation = before @ turn[..., chosen, :, :]
             places.append(position)

@@ -1,8 +1,8 @@
 """Custom objects described in MJCF, as text or as a file that any MuJoCo viewer opens.
 
-MuJoCo compiles the description on its own, with its defaults, meshes and includes. The result, one
-rigid body of plain geoms, goes into the scene. So names and settings cannot clash with those of the
-scene, and errors are reported before there is a scene.
+MuJoCo compiles the description separately from the scene, with its defaults, meshes and includes.
+The result, one rigid body of plain geoms, goes into the scene. So names and settings cannot clash
+with those of the scene, and errors are reported before the scene is built.
 """
 
 from __future__ import annotations
@@ -38,13 +38,14 @@ GEOM_KINDS = {
 """MuJoCo's type of a geom -> its name in MJCF, and its number of sizes."""
 
 _PROBE = 1e-3
-"""Radius of the ball with which distances are measured (m); the result is corrected by it."""
+"""Radius (m) of the ball with which distances are measured; results are corrected by it."""
 _FLOOR = 10.0
-"""Depth (m) below the object of the top of the block against which its lowest point is measured."""
+"""Distance (m) from the object's origin down to the top of a block. The height of the object's
+lowest point is measured from this block."""
 _PROBE_NAME, _FLOOR_NAME = "hand sandbox probe", "hand sandbox floor"
-"""Names of the ball and of the block, which no description has; many have a floor of their own."""
+"""Names of the ball and of the block. They are unusual, since many descriptions contain a floor."""
 _BESIDE = 0.005
-"""Distance (m), beyond its own width, by which an object may lie beside its origin."""
+"""The middle of an object may be this far (m), plus the object's width, from its body's origin."""
 _FAR = 100.0
 """Largest distance that is measured (m)."""
 
@@ -59,23 +60,24 @@ _WORLD_NAMES = ("table", "mat", "world")
 class MjcfObject:
     """An object from MJCF: one rigid body, free to move.
 
-    Taken from the description: its one body with all bodies welded to it, their geoms (sphere,
-    capsule, ellipsoid, cylinder, box; mesh, which collides as its convex hull), colours, friction
-    and distribution of mass. Geoms with contype and conaffinity 0 are only visible. The scene
-    decides the softness of contacts and which parts collide. Everything else in the description (a
-    floor, lights) is left out.
+    The scene uses these parts of the description: its one body with all bodies welded to it, their
+    geoms (sphere, capsule, ellipsoid, cylinder, box and mesh), colours, friction and distribution
+    of mass. A mesh collides as its convex hull. Geoms with contype and conaffinity 0 are only
+    visible. The scene decides the softness of contacts and which parts collide. Everything else in
+    the description, such as a floor or lights, is left out.
 
     Attributes:
         name: Name of its body.
         mjcf: A whole description, `<mujoco>...`, or the path of a file, such as
             `Path(__file__).parent / "mug.xml"`; a relative path starts at the current folder.
-        mass: Mass (kg), which replaces the description's total mass; its distribution is kept.
-        position: (3,) m, the body's origin at the start.
-        yaw: Yaw (rad) about the vertical at the start; the place of the body in its description
-            does not matter.
-        symmetry: Rotational symmetry, the number of times that the object looks the same in one
-            full turn about its z axis: 1 for an object with a front, 4 for a square object, 0 for a
-            round object. The simulated user turns the object accordingly.
+        mass: Mass (kg). It replaces the total mass in the description; the distribution is that of
+            the description.
+        position: (3,) m, the body's origin at the start. It replaces the position in the
+            description.
+        yaw: Yaw (rad) about the vertical at the start. It replaces the rotation in the description.
+        symmetry: Rotational symmetry: the number of equivalent angles in one full turn about the z
+            axis. 1 for an object with a front, 4 for a square object, 0 for a round object. The
+            simulated user turns the object to the nearest equivalent angle.
         size: Factor on all lengths of the description.
 
     Raises:
@@ -110,13 +112,14 @@ class MjcfObject:
         yaw: float = 0.0,
         symmetry: int = 1,
     ) -> MjcfObject:
-        """Creates the object standing on the table, upright as described.
+        """Creates the object standing on the table, upright as in its description.
 
         Args:
             name: Name of its body.
             mjcf: Its description.
             mass: Mass (kg).
-            place: (2,) or more, m, position of its origin in the world; the height is computed.
+            place: (2,) or (3,) m, position of its origin in the world. Only x and y are used; the
+                height is computed.
             yaw: Yaw (rad) about the vertical.
             symmetry: See the class.
         """
@@ -150,13 +153,12 @@ class MjcfObject:
         return body
 
     def assets(self) -> list[Element]:
-        """MJCF assets of its meshes, with their points written out."""
+        """MJCF assets of its meshes, which contain the points themselves."""
         return mesh_assets(self._compiled, self._geoms, self.name, self.size)
 
     def clearance(self, points: ArrayLike, position: Array, rotation: Array) -> Array:
-        """Signed distances (n,) m of world points (n, 3) to the object, negative inside.
-
-        Measured by MuJoCo's own collision functions, to the solid geoms only.
+        """Signed distances (n,) m of world points (n, 3) to the object's solid geoms, negative
+        inside. MuJoCo's collision functions measure them.
 
         Args:
             points: World points.
@@ -201,10 +203,10 @@ class MjcfObject:
         return self.size * np.min(corners, axis=0), self.size * np.max(corners, axis=0)
 
     def _check_middle(self) -> None:
-        """Refuses an object in another unit, and an object that lies beside its body's origin,
-        which is its place.
+        """Refuses an object in another unit, and an object that is not at its body's origin.
 
-        Meshes are often drawn somewhere in a room. The origin may be anywhere within the object.
+        The origin is the object's position for tasks and views, and may be anywhere within the
+        object. Meshes are often drawn far from their origin.
         """
         low, high = self.bounds
         middle, half = 0.5 * (low + high), 0.5 * (high - low)
@@ -222,12 +224,13 @@ class MjcfObject:
         if beside.any():
             x, y, z = (f"{v / self.size:.4g}" for v in middle)
             raise InputError(
-                "it lies beside the origin of its body, which is its place",
+                "the object is not at the origin of its body",
                 where=self._where,
                 got=f"its middle at ({1000 * middle[0]:.0f}, {1000 * middle[1]:.0f}) mm",
                 expected="the origin within the object, seen from above",
-                remedy=f'Move it in its description: a mesh by <mesh refpos="{x} {y} {z}"/>, '
-                "before its scale; other geoms by their pos",
+                remedy="Move its geoms in the description: a mesh by "
+                f'<mesh refpos="{x} {y} {z}"/>, which applies before the scale, and other geoms '
+                "by their pos",
             )
 
     @property
@@ -258,7 +261,8 @@ class MjcfObject:
                 "this is not one rigid body that is free to move",
                 where=self._where,
                 got=f"bodies in the world: {count}, joints: {model.njnt}",
-                expected="one body in the world, with a free joint or none, and none within it",
+                expected="one body in the world with a free joint or no joint, and no moving body "
+                "within it",
                 remedy="For bodies on hinges and slides, use Mechanism" if count == 1 else None,
             )
         if not set(model.geom_type[model.geom_bodyid == 1].tolist()) <= set(GEOM_KINDS):
@@ -277,8 +281,8 @@ class MjcfObject:
 
     @cached_property
     def _measuring(self) -> Any:
-        """MuJoCo data for measuring: the body at the origin, the ball anywhere, the block far
-        below."""
+        """MuJoCo's data for measuring: the body at the origin, and the block far below. The ball is
+        moved for each measurement."""
         data = mujoco.MjData(self._compiled)
         data.qpos[:] = (0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0)
         data.mocap_pos[1] = (0.0, 0.0, -2 * _FLOOR)
@@ -309,7 +313,7 @@ def check_object_name(name: str, where: str) -> None:
     """Checks that an object may have a name.
 
     Raises:
-        InputError: The name is no text, is empty, is used by the scene itself, or has a line break.
+        InputError: The name is not text, is empty, has a line break, or is used by the scene.
     """
     if not isinstance(name, str) or not name or name in _WORLD_NAMES or {"\n", "\r"} & set(name):
         raise InputError("an object cannot have this name", where=where, got=name)
@@ -376,14 +380,15 @@ def mesh_assets(model: Any, geoms: list[int], name: str, size: float) -> list[El
             "face": " ".join(map(str, faces.ravel().tolist())),
         }
         if _is_sheet(points, faces):
-            # MuJoCo wants a volume, though the body's inertia is given.
+            # MuJoCo requires a volume otherwise, although the body's inertia is given.
             values["inertia"] = "shell"
         elements.append(Element("mesh", values))
     return elements
 
 
 _LEAST_VOLUME = 1e-14
-"""m3; MuJoCo refuses less than 1e-15, and turned triangles."""
+"""Least volume (m3) of a mesh that is a solid. MuJoCo refuses volumes below 1e-15, and meshes whose
+triangles face inwards."""
 
 
 def _is_sheet(points: Array, faces: NDArray[np.int32]) -> bool:
@@ -404,7 +409,8 @@ def mesh_points(model: Any, mesh: int) -> Array:
 
 
 def drawn_colour(model: Any, geom: int) -> Array:
-    """RGBA (4,) in which MuJoCo draws a geom of a description: its own, before its material's."""
+    """RGBA (4,) in which MuJoCo draws a geom of a description: the geom's own colour, or that of
+    its material if the geom states none."""
     own: Array = model.geom_rgba[geom]
     material = int(model.geom_matid[geom])
     if material < 0 or not np.array_equal(own, _PLAIN_RGBA):
@@ -444,8 +450,8 @@ def geom_element(
     if sizes:
         element.set("size", mjcf_text(size * model.geom_size[geom, :sizes]))
     else:
-        # The compiler shifted the points to their middle, and the geom with them; that is done
-        # once.
+        # The first compilation centred the mesh's points and moved the geom accordingly. The second
+        # compilation does not change them.
         element.set("mesh", f"{mesh_name}_mesh{int(model.geom_dataid[geom])}")
     if solid_geoms(model)[geom]:
         solid = {
@@ -468,16 +474,16 @@ def _is_file(mjcf: str | Path) -> bool:
 
 
 def _folder(mjcf: str | Path) -> Path:
-    """Absolute folder from which relative paths in a description are."""
+    """Absolute folder to which relative paths in a description refer."""
     return (Path.cwd() / mjcf).parent if _is_file(mjcf) else Path.cwd()
 
 
 def read_mjcf(mjcf: str | Path, kind: str) -> Any:
-    """MuJoCo's specification of a description; relative paths in a file are from its folder.
+    """MuJoCo's specification of a description. Relative paths in a file start at its folder.
 
     Args:
         mjcf: A whole description, or the path of a file, relative to the current folder.
-        kind: Name of the class that is made of it, for messages.
+        kind: Name of the class that uses the description, for messages.
 
     Raises:
         InputError: There is no such file.
@@ -497,9 +503,10 @@ def read_mjcf(mjcf: str | Path, kind: str) -> Any:
 
 
 def _without_references(spec: Any) -> Any:
-    """The specification without sensors, pairs and keyframes, none of which a scene takes over.
+    """The specification without sensors, contact pairs and keyframes, which a scene does not use.
 
-    If such an element names a body, MuJoCo does not merge it with the body that it is welded to.
+    If such an element refers to a body, MuJoCo does not merge this body with the body to which it
+    is welded.
     """
     for element in (*spec.sensors, *spec.excludes, *spec.pairs, *spec.keys):
         spec.delete(element)
@@ -507,7 +514,7 @@ def _without_references(spec: Any) -> Any:
 
 
 def described_files(mjcf: str | Path) -> list[Path]:
-    """Files that a description consists of: its own, those that it includes, and its meshes.
+    """Files of a description: the file itself, the files that it includes, and its meshes.
 
     Textures are left out, since objects have none.
 
@@ -520,11 +527,12 @@ def described_files(mjcf: str | Path) -> list[Path]:
 
 
 def _find_files(mjcf: str | Path, folders: list[Path], found: list[Path]) -> None:
-    """Adds a description's files to those that were found; missing files are left out.
+    """Adds the files of a description to `found`; missing files are left out.
 
     Args:
         mjcf: A description.
-        folders: Folders that the names in it may be relative to; those that it names are added.
+        folders: Folders to which file names may be relative. Folders that the description names are
+            added.
         found: Files that were found so far.
     """
     if _is_file(mjcf):
@@ -535,7 +543,7 @@ def _find_files(mjcf: str | Path, folders: list[Path], found: list[Path]) -> Non
     try:
         root = ElementTree.fromstring(file.read_bytes() if _is_file(mjcf) else str(mjcf))
     except (ElementTree.ParseError, LookupError, ValueError):
-        # MuJoCo refuses such a file, with the line, where it is used.
+        # MuJoCo refuses such a file, with its line, when the object is compiled.
         return
     # With `strippath`, MuJoCo uses file names alone, without the folders in front of them.
     bare = False

@@ -64,8 +64,8 @@ class Scalable(Protocol):
     """Contract of an object whose size can be varied."""
 
     def scaled(self, size: float) -> SceneObject:
-        """The object in another size: all lengths times a factor, with the same mass, as at the
-        start."""
+        """The object in another size: all lengths multiplied by a factor, with the same mass, and
+        standing at the same place."""
         ...
 
 
@@ -74,7 +74,8 @@ class Symmetric(Protocol):
     """Contract of an object that looks the same from several sides.
 
     Attributes:
-        symmetry: Number of equivalent angles in one full turn about the vertical; 0: all.
+        symmetry: Number of equivalent angles in one full turn about the vertical; 0 if all angles
+            are equivalent.
     """
 
     @property
@@ -88,7 +89,7 @@ class Joint:
     Attributes:
         kind: `hinge` or `slide`.
         range: Lowest and highest value, rad or m; None without end stops.
-        start: rad or m.
+        start: Position at the start, rad or m.
     """
 
     kind: str
@@ -130,7 +131,7 @@ class MechanismPart(ABC):
     @property
     @abstractmethod
     def yaw(self) -> float:
-        """rad about the vertical, of its x axis at the start."""
+        """Yaw (rad) about the vertical, of its x axis at the start."""
 
     @property
     @abstractmethod
@@ -145,7 +146,7 @@ class MechanismPart(ABC):
     @property
     @abstractmethod
     def together(self) -> tuple[str, ...]:
-        """Names of all parts of its mechanism, which meet only through their joints."""
+        """Names of all parts of its mechanism. They do not collide with each other."""
 
     @property
     @abstractmethod
@@ -159,7 +160,7 @@ class MechanismPart(ABC):
 
     @abstractmethod
     def placed(self, value: float) -> tuple[tuple[float, float, float], float]:
-        """Position (3,) m and yaw, rad, of its body with its joint at a value, rad or m, and all
+        """Position (3,) m and yaw (rad) of its body, with its joint at a value (rad or m) and all
         other joints at their starts.
 
         Raises:
@@ -258,7 +259,7 @@ class Cylinder:
         yaw: Yaw (rad) about the vertical at the start, which is not visible.
         rgb: Colour, 0 to 1.
         friction: Coulomb coefficient; see `SceneSpec.own_friction`.
-        symmetry: Number of equivalent angles in one full turn; 0: all.
+        symmetry: Number of equivalent angles in one full turn; 0, since all are equivalent.
     """
 
     name: str
@@ -328,13 +329,13 @@ class _Piece:
 
 
 THICKNESS = 0.016
-"""Thickness (m) of a wrench of size 1, to which all lengths below also refer."""
+"""Thickness (m) of a wrench. All lengths here are those of a wrench of size 1."""
 HANDLE_WIDTH = 0.022
-"""Width of the handle (m), on which fingers close."""
+"""Width (m) of the handle, on which fingers close."""
 HANDLE = (-0.032, 0.060)
-"""Position (m) along a wrench's x axis, where the handle begins and ends."""
+"""Positions (m) along a wrench's x axis at which the handle begins and ends."""
 JAW = -0.052
-"""Position (m) along a wrench's x axis, the middle of its jaws and of its bolt."""
+"""Position (m) of the middle of jaws and bolt along a wrench's x axis."""
 BOLT_FLAT = 0.0075
 """Half the width across the flats of the bolt's head (m)."""
 BOLT_LIFT = 0.004
@@ -381,7 +382,7 @@ class Wrench:
 
     @property
     def handle(self) -> tuple[float, float]:
-        """Begin and end of the handle, m along its x axis."""
+        """Beginning and end of the handle (m along its x axis)."""
         return self.size * HANDLE[0], self.size * HANDLE[1]
 
     @property
@@ -396,17 +397,17 @@ class Wrench:
 
     @property
     def jaw(self) -> float:
-        """Middle of its jaws, m along its x axis."""
+        """Middle of its jaws (m along its x axis)."""
         return self.size * JAW
 
     def bolt_place(self, middle: ArrayLike, yaw: float) -> tuple[float, float]:
-        """Position (2,) m of its jaws when its middle is at (2,) m and its yaw is given in rad."""
+        """Position (2,) m of its jaws, given its middle (2,) m and its yaw (rad)."""
         return bolt_place(middle, yaw, self.jaw)
 
     def scaled(self, size: float) -> Wrench:
         """The same wrench in another size, with the same mass, friction and place.
 
-        A free wrench keeps the place of its middle, a wrench on a bolt that of the bolt.
+        A free wrench keeps the place of its middle. A wrench on a bolt keeps the place of the bolt.
         """
         x, y, z = self.position
         if self.bolt is not None:
@@ -425,8 +426,8 @@ class Wrench:
         if self.bolt is None:
             SubElement(body, "freejoint", {"name": self.name})
         else:
-            # The armature is that of the bolt's own thread; friction alone would make a joint of
-            # so little inertia stiff to integrate.
+            # The armature represents the bolt's thread. With less inertia, friction would make the
+            # joint numerically stiff.
             SubElement(
                 body,
                 "joint",
@@ -477,7 +478,7 @@ class Wrench:
         _add_visible_part(
             plate, "cylinder", (self.size * 0.012, BOLT_LIFT / 2), BOLT_LIFT / 2, DARK_STEEL
         )
-        # Within the plate's frame, which is turned as the wrench is at the start.
+        # In the plate's frame, which has the wrench's yaw at the start.
         body.set("pos", mjcf_text((-self.jaw, 0.0, self.position[2])))
         body.set("quat", "1 0 0 0")
         jaw, flat = (self.jaw, 0.0, 0.0), self.size * BOLT_FLAT
@@ -513,7 +514,7 @@ class Wrench:
 
 
 def bolt_place(middle: ArrayLike, yaw: float, jaw: float = JAW) -> tuple[float, float]:
-    """Position (2,) m of a wrench's jaws, from its middle (2,) m and yaw rad."""
+    """Position (2,) m of a wrench's jaws, from its middle (2,) m and yaw (rad)."""
     x, y = np.asarray(middle, float)
     return float(x + jaw * cos(yaw)), float(y + jaw * sin(yaw))
 
@@ -545,7 +546,7 @@ def _add_visible_part(
 
 
 def _solid(mass: float, rgb: tuple[float, float, float], friction: float = 1.0) -> dict[str, str]:
-    """Default class of all solid parts of objects, which collide with hands, objects and the
+    """MJCF attributes of a solid part of an object. It collides with hands, objects and the
     table."""
     return {
         "mass": f"{mass:.9g}",

@@ -1,8 +1,8 @@
 """The person at the screen: the hand, its size, and the side of the screen at which they sit.
 
-All models are trained on one right hand of one size at the lower edge of a screen. `PersonFrame`
-serves all other people: it rotates, mirrors and scales touches to those that the trained hand would
-have made, and transforms the pose back.
+All models are trained for a right hand of one size at the lower edge of a screen. `PersonFrame`
+serves all other people: it rotates, mirrors and scales their touches to those that the trained hand
+would have made, and transforms the pose back.
 """
 
 from __future__ import annotations
@@ -22,8 +22,8 @@ from models.surface import Surface
 HANDS = ("right", "left")
 TURNS = (0, 90, 180, 270)
 SIZES = (0.6, 1.6)
-"""Least and greatest length of a hand relative to the trained hand: from a small child's hand to
-more than any adult's. A value outside this range is a typing error."""
+"""Least and greatest length of a hand relative to the trained hand: from the hand of a small child
+to more than that of any adult. A value outside this range is probably a typing error."""
 
 
 @dataclass(frozen=True)
@@ -33,8 +33,8 @@ class Person:
     Attributes:
         hand: One of `HANDS`.
         hand_size: Length of the hand relative to the hand that encoders were trained on.
-        turn: Place of the person round the screen, in degrees counterclockwise: 0 at its lower
-            edge, 90 at its right edge, 180 at its upper edge, 270 at its left edge.
+        turn: Edge of the screen at which the person sits, in degrees counterclockwise: 0 for the
+            lower edge, 90 for the right, 180 for the upper, 270 for the left edge.
     """
 
     hand: str = HANDS[0]
@@ -51,7 +51,7 @@ class Person:
                 "the hand size is out of range",
                 where="--hand-size",
                 got=self.hand_size,
-                expected=f"{SIZES[0]:g} to {SIZES[1]:g} times the trained hand's",
+                expected=f"{SIZES[0]:g} to {SIZES[1]:g} times the length of the trained hand",
                 remedy="`sandbox hand measure` measures it",
             )
         if self.turn not in TURNS:
@@ -68,8 +68,8 @@ class Person:
         return self.hand == "left"
 
     def skeleton(self, trained: Skeleton) -> Skeleton:
-        """Skeleton of this person's hand, derived from the trained one; the trained object itself
-        if equal."""
+        """Skeleton of this person's hand, derived from the trained skeleton. If both are equal, the
+        result is the same object."""
         sized = trained if self.hand_size == 1.0 else trained.scaled(self.hand_size)
         return sized.mirrored() if self.left else sized
 
@@ -78,11 +78,11 @@ class Person:
 class RestSample:
     """Touches and pose of a person's hand at one moment; JSON values only.
 
-    Both are in the 3-D surface frame of the screen's lower edge and in the person's own size; those
-    of a left hand are mirrored to a right hand. `encoders.person.rest_posture` uses them.
+    Both are as seen from the lower edge of the screen and in the person's own size. Those of a left
+    hand are mirrored to a right hand. `encoders.person.rest_posture` uses them.
 
     Attributes:
-        touches: Place (x right, y down) m of each finger, thumb first; None while it is lifted.
+        touches: Position (x right, y down) m of each finger, thumb first; None for a lifted finger.
         pose: The 48 numbers of `models.pose`, m and rad.
     """
 
@@ -96,8 +96,9 @@ RestSamples = tuple[RestSample, ...]
 class PersonFrame:
     """Transforms between a screen and the frame in which every hand is the trained right hand.
 
-    Inwards means: turned by where the person sits, mirrored for a left hand, scaled to the trained
-    hand's size. Both frames are surface frames: origin top left, x right, y down, m.
+    The transform inwards rotates the screen by the person's seat, mirrors it for a left hand, and
+    scales it to the trained hand's size. Both frames are surface frames: origin top left, x right,
+    y down, m.
 
     Args:
         person: The person who touches.
@@ -105,10 +106,10 @@ class PersonFrame:
 
     Attributes:
         person: The person who touches.
-        surface: The screen in the trained hand's frame: turned and scaled with the touches, at the
-            world's origin, so that poses there are poses in its 3-D surface frame.
-        matrix: (2, 2) orthogonal; maps a step on the screen to the same step inside, except for
-            size.
+        surface: The screen in the trained hand's frame, rotated and scaled with the touches. It is
+            at the world's origin, so that world poses are poses in its 3-D surface frame.
+        matrix: (2, 2) orthogonal matrix from differences of positions on the screen to differences
+            in the trained hand's frame, before they are scaled.
     """
 
     def __init__(self, person: Person, surface: Surface) -> None:

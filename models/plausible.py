@@ -1,33 +1,34 @@
-"""Sizes, rates, distances, speeds and angles that hands and touches can have, and the units that
-follow.
+"""Possible sizes, rates, distances, speeds and angles of hands and touches, and the units of a file
+that follow from them.
 
-A file of another program rarely states its units. A reader measures a few quantities of it, such as
-the length of a finger and the time between two frames, and `find_units` finds the units in which
-all of them are possible. The format's usual unit is used if it fits. Any other unit is reported. A
-file that no unit fits, or that several other units fit, is refused. `LiveUnits` does the same for a
-running device, which is never refused.
+A file of another program rarely states its units. A reader measures a few quantities of the file,
+such as the length of a finger and the time between two frames. `find_units` finds the units in
+which all of them are possible. The format's usual unit is used if it fits. Any other unit is
+reported. A file is refused if no unit fits, or if several units other than the usual unit fit.
+`LiveUnits` does the same for a running device, which is never refused.
 
-Bounds of lengths span less than the smallest ratio of two units (1 in = 2.54 cm), bounds of times
-less than 1000, so that at most one unit fits. Their sources:
+The bounds of hand, finger and palm span less than the smallest ratio of two units (1 in = 2.54 cm),
+and bounds of times span less than 1000. So at most one unit fits. Sources of the bounds:
 
     hand      Hands are 165 mm (women, 5th percentile) to 211 mm (men, 95th) long in ANSUR (Gordon
               et al. 1989), and 100 mm at the age of two in Snyder et al. 1977. The largest known
-              hands of adults have 250 mm. Finger and palm are shares of the hand: 0.53 and 0.50
-              in our own skeleton, whose lengths are those of ANSUR's average man.
+              hands of adults have 250 mm. Finger and palm are shares of the hand: 0.53 and 0.50 in
+              the built-in skeleton, whose lengths are those of ANSUR's average man.
     reach     Distance from the palm's centre to the farthest fingertip, from a child's fist to a
               large open hand.
     step      Cameras take a few pictures a second or more, marker systems 1000 at most.
-    distance  A Leap reaches 1 m, a headset its wearer's arm. A wrist is 5 to 15 cm over the surface
-              that its fingers touch.
-    picture   A hand is not much larger than the picture, and at most a quarter of it lies beyond.
+    distance  A Leap sees up to 1 m, a headset as far as its wearer's arm. A wrist is 5 to 15 cm
+              over the surface that its fingers touch.
+    picture   A hand is not much larger than the picture, and at most a quarter of the hand is
+              beyond the picture.
     speed     A hand moves at 20 m/s in a throw and at 3 m/s in a stroke over a surface. Devices
               correct its place by a few centimetres between two frames.
     contact   The contact of a resting fingertip has 5 to 28 mm, that of a palm 25 to 120, that of a
               whole hand somewhat more. The outer edge of a forearm is nine times as long as wide.
     touch     Fingertips side by side are 12 mm apart or more. Screens report at 480 Hz at most. A
               resting hand may cause no report for a second.
-    object    The objects are moved by fingers. A ring and a tray are wider than a hand, and no
-              wider than a table.
+    object    Objects are moved by fingers. The widest of them, such as a ring or a tray, are wider
+              than a hand and no wider than a table.
     angle     A joint of a finger bends by 2 rad at most, that of a thumb by less. Joints of robots'
               hands have ranges of a few degrees to a full turn.
 """
@@ -56,8 +57,8 @@ UNITS: dict[str, dict[str, float]] = {
     "angle": {"rad": 1.0, "deg": 0.017453292519943295},
     "image coordinate": {"px": 1.0, "0..1": 640.0},
 }
-"""Dimension -> its units, each with its size in the first one. Names are unique. 0..1 is a share of
-the picture's width or height, here of the usual width."""
+"""Dimension -> its units, each with its size in the first unit. Names are unique. `0..1` is a share
+of the picture's width or height; its size here is that of the usual width, 640 px."""
 
 
 class Timed(Protocol):
@@ -113,8 +114,8 @@ class Bounds:
 
 
 AT_ONCE = 2.0
-"""Factor by which a size in a single frame may be above or below the bounds of a hand's size, since
-a device may be far off for a moment."""
+"""Factor by which a size in a single frame may exceed the bounds of a hand's size, since a device
+may briefly be far off."""
 HAND = Bounds("the length of the hand", 0.115, 0.286)
 FINGER = Bounds("the longest finger", 0.055, 0.138)
 PALM = Bounds("the distance from wrist to knuckles", 0.050, 0.126)
@@ -151,14 +152,15 @@ _FINGERTIP = 0.035
 """Largest size of a fingertip (m)."""
 
 MARGIN = 0.25
-"""Greatest distance beyond the surface of a touch that is accepted, in lengths of the surface:
-sensors reach a little beyond their edge. Such a touch is moved onto the edge."""
+"""Largest distance of a touch beyond the surface's edge, as a share of the surface's length.
+Sensors reach a little beyond their edge. Touches within this margin are moved onto the edge, and
+others are refused."""
 
 _FIRST = {dimension: next(iter(units)) for dimension, units in UNITS.items()}
 
 
 def unit_size(units: Units, dimension: str) -> float:
-    """Size of the unit of a dimension in the first one of `UNITS`, such as metres."""
+    """Size of the unit of a dimension, in the dimension's first unit in `UNITS`, such as metres."""
     return UNITS[dimension][units[dimension]]
 
 
@@ -166,14 +168,14 @@ def parse_units(text: str, where: str = "--unit") -> dict[str, str]:
     """Units by dimension, from `mm`, `ms` or `mm,ms`; an empty text gives none.
 
     Raises:
-        InputError: A name is unknown, or two are of one dimension.
+        InputError: A name is unknown, or two units are of the same dimension.
     """
     found: dict[str, str] = {}
     for name in filter(None, (part.strip() for part in text.split(","))):
         dimension = next((d for d, units in UNITS.items() if name in units), None)
         if dimension is None or dimension in found:
             raise InputError(
-                "not a unit" if dimension is None else "two units of one kind",
+                "no such unit" if dimension is None else "two units of the same quantity",
                 where=where,
                 got=text,
                 expected=", ".join(n for units in UNITS.values() for n in units),
@@ -197,13 +199,13 @@ def find_units(
         seen: Values of quantities in the file's own units. The median of each is used, so that
             single wrong values do no harm. A quantity without values is unknown.
         declared: Unit of each dimension, as usual for the format or as the file states it.
-        given: Units that a person gave, which are not doubted.
+        given: Units that a person gave. They are not checked.
         where: The file, for the error.
-        report: Receives a sentence about units that are not the declared ones.
+        report: Receives a sentence about each unit that is not the declared unit.
         error: Class of the error.
 
     Raises:
-        InputError: No unit fits, or several do and the declared ones do not.
+        InputError: No units fit, or the declared units do not fit and several others do.
     """
     middles = _middles(seen)
     possible = _possible(middles, declared, given or {})
@@ -219,15 +221,15 @@ def find_units(
 def forget_beyond(seen: dict[Bounds, list[float]]) -> None:
     """Removes `BEYOND` from the quantities if hands are wide enough for pixels.
 
-    In pixels, a model may guess parts of a hand at any distance outside the picture. In shares, the
-    distance beyond the picture distinguishes shares from places that count from -1 to 1.
+    In pixels, a model may guess parts of a hand at any distance outside the picture. In shares of
+    the picture, this distance distinguishes shares (0 to 1) from coordinates of -1 to 1.
     """
     if IN_PICTURE.includes(median(seen.get(IN_PICTURE, [0.0]))):
         seen.pop(BEYOND, None)
 
 
 _MISTAKEN = 0.25
-"""Share of frames whose time may run backwards."""
+"""Largest accepted share of frames whose time runs backwards."""
 
 
 def steps_of(times: Sequence[float]) -> list[float]:
@@ -254,9 +256,9 @@ def _middles(seen: Mapping[Bounds, Values]) -> dict[Bounds, float]:
 def _possible(
     middles: Mapping[Bounds, float], declared: Units, given: Units
 ) -> list[dict[str, str]]:
-    """The units in which all quantities are possible; the declared ones alone where they fit."""
+    """The units in which all quantities are possible; only the declared units if they fit."""
     fixed = {**declared, **{d: u for d, u in given.items() if d in declared}}
-    # Units that a person gave are not doubted.
+    # Units that a person gave are not checked.
     open_ = declared.keys() - given.keys()
     doubted = {b: v for b, v in middles.items() if open_ & dict(b.powers).keys()}
 
@@ -264,7 +266,7 @@ def _possible(
         return all(bounds.includes(v * bounds.scale(units)) for bounds, v in doubted.items())
 
     def counts_frames(units: Units) -> bool:
-        # Frame numbers, one apart, are not times in ms, although 1 ms is the least step.
+        # Numbers that differ by one are frame numbers, not times in ms, although 1 ms is possible.
         changed = STEP in doubted and units["time"] != fixed["time"]
         return changed and doubted[STEP] * STEP.scale(units) == STEP.least
 
@@ -291,16 +293,16 @@ def _refused(
     where: str,
     error: Callable[..., InputError],
 ) -> InputError:
-    """The error of a file without units, or with several."""
+    """The error for a file that fits no units or several units."""
     if possible:
         several = [",".join(u for d, u in units.items() if u != declared[d]) for units in possible]
         return error(
             "several units are possible",
             where=where,
             got=" or ".join(several),
-            remedy=f"--unit {several[0]}, or the one that it is",
+            remedy=f"Give the file's unit, such as --unit {several[0]}",
         )
-    # The quantity that is farthest out names the reason.
+    # The message names the first quantity that does not fit.
     bounds, value = next(
         ((b, v) for b, v in middles.items() if not b.includes(v * b.scale(declared))),
         next(iter(middles.items())),
@@ -312,7 +314,7 @@ def _refused(
         where=where,
         got=f"{value:.3g} {bounds.unit(declared)}",
         expected=f"{limits}, in {names}",
-        remedy="--unit says which unit it is" if value else None,
+        remedy="Give the file's unit with --unit" if value else None,
     )
 
 
@@ -338,8 +340,7 @@ def _assumed(
 
 
 def doubt_degrees(largest: float, report: ReaderReport) -> None:
-    """Reports a file whose angles, in degrees, are too small for a movement but possible as
-    radians.
+    """Reports a file whose angles would be very small as degrees, but possible as radians.
 
     Args:
         largest: Greatest absolute angle of the whole file, degrees.
@@ -353,10 +354,11 @@ def doubt_degrees(largest: float, report: ReaderReport) -> None:
 
 
 def touch_steps(times: Sequence[float], touched: Sequence[bool]) -> list[float]:
-    """Mean time for which a frame with touches was the newest; empty for too few frames.
+    """Mean time (s) from a frame with touches to the next frame, for `TOUCH_STEP`, in a list.
 
-    A device that sends only changes is silent while nothing touches it, and frames may come in
-    bursts. Neither all steps nor their median therefore give its rate.
+    The list is empty if there are too few frames. A device that sends only changes is silent while
+    nothing touches it, and frames may come in bursts. So neither the steps between all frames nor
+    their median give the device's rate.
     """
     steps = [b - a for a, b, on in zip(times, times[1:], touched, strict=False) if on]
     return [math.fsum(steps) / len(steps)] if len(steps) >= FEWEST else []
@@ -365,7 +367,7 @@ def touch_steps(times: Sequence[float], touched: Sequence[bool]) -> list[float]:
 def in_order(rows: Sequence[T], report: ReaderReport) -> list[T]:
     """Rows of a file in the order of their times; rows that break this order are left out.
 
-    Where two rows are in the wrong order, the row after them decides which of the two is wrong.
+    If two rows are in the wrong order, the next row decides which of the two is wrong.
     """
     times = list(map(attrgetter("time"), rows))
     if times == sorted(times):
@@ -384,10 +386,10 @@ def in_order(rows: Sequence[T], report: ReaderReport) -> list[T]:
 
 
 def on_surface(position: float) -> float | None:
-    """A position along a surface whose ends are 0 and 1; a position in the margin is moved onto the
-    edge.
+    """A position along a surface whose ends are 0 and 1. A position in the margin is moved onto
+    the edge.
 
-    None for a position beyond the margin, or not a number.
+    None for NaN and for a position beyond the margin.
     """
     return min(max(position, 0.0), 1.0) if -MARGIN <= position <= 1.0 + MARGIN else None
 
@@ -418,8 +420,9 @@ class ContactSizes:
         """Diameter, and width and height of a contact, in m; None for both if they are impossible.
 
         Args:
-            size: Diameter in m; None, or a number that is not above 0, where it is not measured.
-            extent: Width and height in m, likewise.
+            size: Diameter in m. None, or a number that is not above 0, if it is not measured.
+            extent: Width and height in m. None, or numbers of which one is not above 0, if they are
+                not measured.
         """
         if extent is not None:
             width, height = extent
@@ -457,7 +460,7 @@ class ContactSizes:
 
 
 class TouchIds:
-    """Detects a device that gives its touches new ids all the time, which identify nothing.
+    """Detects a device that gives touches new ids in most frames, so that ids identify nothing.
 
     Args:
         report: Receives the doubt.
@@ -492,14 +495,14 @@ class TouchIds:
 
 
 _JUDGED = 200
-"""Pairs of frames with touches by which ids are judged."""
+"""Number of pairs of frames with touches that are examined."""
 
 IMPOSSIBLE_SIZE = "sizes that no finger or hand has"
 
 _SAME = 0.2
 """Distance, as a share of a hand's size, within which points of two hands are those of one hand."""
 _SOME = 4
-"""Interval of the points that are compared first."""
+"""Every n-th point is compared first; this is n."""
 ON_ANOTHER = "hands that lie on another one"
 
 
@@ -512,7 +515,8 @@ def lie_on(one: Sequence[Sequence[float]], other: Sequence[Sequence[float]], siz
         size: Length of a hand in this unit.
     """
     most = len(one) * _SAME * size
-    # Two hands are mostly so far apart that some of their points exceed the limit for all points.
+    # Two hands are usually so far apart that a few of their points already exceed the limit for the
+    # sum of all points.
     return (
         len(one) == len(other)
         and math.fsum(map(distance, one[::_SOME], other[::_SOME])) < most
@@ -521,29 +525,29 @@ def lie_on(one: Sequence[Sequence[float]], other: Sequence[Sequence[float]], siz
 
 
 _BENT = 0.5
-"""Sine of the angle by which fingers are bent enough to show the palm's side."""
+"""Sine of the least bend of fingers that shows on which side the palm is."""
 _CLEAR = 0.3
-"""Least volume spanned by three directions of length 1 from which a side follows."""
+"""Least volume spanned by three unit vectors (across, along and closing) that shows the side."""
 _ENOUGH, _MORE = 8, 4
 """Least number of frames that contradict a side, and least ratio of their number to that of the
 frames that agree."""
 _BEGINNING, _EVERY = 32, 16
 """Number of frames that are examined first, and interval of the frames examined after them."""
 _SETTLED = 48
-"""Number of frames with bent fingers of a hand, after which no more frames are examined."""
+"""Number of frames with bent fingers that are examined for each side."""
 
 
 def bent_side(fingers: Sequence[Sequence[Vector]]) -> str:
-    """The side of a hand by the way in which its fingers are bent, which is towards the palm.
+    """The side of a hand, inferred from the bend of its fingers, which is towards the palm.
 
     Args:
-        fingers: Knuckle, PIP, DIP and tip of two or more fingers without the thumb, from the index
-            finger's side on; right-handed coordinates.
+        fingers: Knuckle, PIP, DIP and tip, in right-handed coordinates, of two or more fingers. The
+            fingers are in order from the index finger's side, without the thumb.
 
     Returns:
         `right` or `left`; empty for fingers that are nearly straight.
     """
-    # Term by term, as a camera's pictures come often.
+    # Plain floats are faster than arrays; a camera sends many pictures.
     a, b, c = _between(fingers[-1][0], fingers[0][0])
     d = e = f = g = h = i = lengths = 0.0
     for knuckle, pip, _, tip in fingers:
@@ -567,7 +571,7 @@ def _between(a: Vector, b: Vector) -> Vector:
 
 
 class SideDoubt:
-    """Compares the names of hands with the way in which their fingers are bent."""
+    """Compares the sides that a device reports for hands with the bend of their fingers."""
 
     def __init__(self) -> None:
         self._frames = 0
@@ -579,13 +583,13 @@ class SideDoubt:
 
     @property
     def sentence(self) -> str:
-        """The doubt as a sentence for the person; empty without a doubt."""
+        """The doubt as a sentence for people; empty if there is no doubt."""
         for side, against in self._contradicted.items():
             if against >= _ENOUGH and against > _MORE * self._agreed.get(side, 0):
                 other = "left" if side == "right" else "right"
                 return (
-                    f"by the way its fingers bend, the {side} hand is a {other} hand: its name is "
-                    "wrong, or its places are those of a mirror"
+                    f"by the way its fingers bend, the {side} hand is a {other} hand: the reported "
+                    "side is wrong, or the positions are mirrored"
                 )
         return ""
 
@@ -598,9 +602,9 @@ class SideDoubt:
         """Examines a hand in frames spread over a recording.
 
         Args:
-            side: Its name.
-            fingers: (T, n, 4, 3), points of n fingers as for `bent_side`, NaN where a point was not
-                seen.
+            side: The reported side.
+            fingers: (T, n, 4, 3), points of n fingers as for `bent_side`, NaN for points that were
+                not seen.
         """
         whole = np.flatnonzero(np.isfinite(fingers).all(axis=(1, 2, 3)))
         if not len(whole):
@@ -618,8 +622,8 @@ class SideDoubt:
         """Examines a hand in one frame.
 
         Args:
-            side: Name of the hand; None for a device that does not name it.
-            fingers: As for `bent_side`; fewer than two have no effect.
+            side: The reported side; None if the device reports none.
+            fingers: As for `bent_side`. Fewer than two fingers have no effect.
         """
         if not side or side in self._settled or len(fingers) < 2:
             return
@@ -630,7 +634,7 @@ class SideDoubt:
         counts[side] = counts.get(side, 0) + 1
         agreed = self._agreed.get(side, 0)
         left = _SETTLED - agreed - self._contradicted.get(side, 0)
-        # The frames left cannot outweigh those that agree, or enough frames were examined.
+        # Enough frames were examined, or the remaining frames cannot outweigh those that agree.
         if left <= 0 or self._contradicted.get(side, 0) + left <= _MORE * agreed:
             self._settled.add(side)
 
@@ -647,11 +651,11 @@ _CORRECTION = 0.05
 class HandJumps:
     """Finds hands that jump farther than a hand can move, in a recording or while a device runs.
 
-    A hand that stays at the place to which it jumped is right there: it jumps in one frame only. A
-    hand that was not in the frame before may be anywhere.
+    If a hand stays at the place to which it jumped, only the first frame there counts as a jump. A
+    hand that was not in the previous frame may appear anywhere.
 
     Attributes:
-        frozen: Longest time for which a hand did not move in any digit (s).
+        frozen: Longest time (s) for which the position of a hand did not change in any digit.
     """
 
     def __init__(self) -> None:
@@ -662,8 +666,8 @@ class HandJumps:
         """Forgets the places of hands, for a change of clock or unit."""
         # Time since which each hand has been in the same place.
         self._since: dict[Hashable, float] = {}
-        # Time and place of each hand when it last did not jump, and of its jump in the previous
-        # frame; for hands in the previous frame.
+        # For hands of the previous frame: time and place of the last frame without a jump, and time
+        # and place of a jump in the previous frame.
         self._known: dict[Hashable, tuple[float, Vector]] = {}
         self._jumped: dict[Hashable, tuple[float, Vector]] = {}
 
@@ -693,7 +697,7 @@ class HandJumps:
 
     @property
     def doubt(self) -> str:
-        """Sentence about a hand that stands still; empty if none did for long."""
+        """Sentence about a hand that does not move at all; empty if no hand did so for long."""
         if self.frozen < _FROZEN:
             return ""
         return (
@@ -702,14 +706,15 @@ class HandJumps:
 
 
 def find_jumps(time: Array, places: Array) -> Mask:
-    """Booleans (T, M): points of a recording that jump as hands do for `HandJumps`.
+    """Booleans (T, M), true for points of a recording that jump, by the rule of `HandJumps`.
 
     Args:
         time: (T,) s, increasing.
-        places: (T, M, 3) m, NaN where a point was not seen.
+        places: (T, M, 3) m, NaN for points that were not seen.
     """
     moved = np.sqrt((np.diff(places, axis=0) ** 2).sum(axis=2))
-    # Few recordings have a jump; the test of all steps at once is quick. It compares with NaN.
+    # Few recordings have a jump, and this test of all steps at once is fast. Comparisons with NaN
+    # are false.
     far: Mask = moved > (SPEED.most * np.diff(time) + _CORRECTION)[:, None]
     jumped = np.zeros(places.shape[:2], bool)
     points = np.flatnonzero(far.any(axis=0)).tolist()
@@ -731,16 +736,15 @@ def _moves(before: tuple[float, Vector], now: tuple[float, Vector]) -> bool:
 
 @dataclass
 class LiveUnits:
-    """Units of a device that is running, by its first frames; it is never refused.
+    """Finds the units of a running device by its first frames. The device is never refused.
 
     Args:
-        declared: Unit of each dimension that the device should send.
+        declared: Unit of each dimension that the device is expected to send.
         wanted: Number of frames that are measured before units are decided.
 
     Attributes:
         units: The units that are assumed.
-        notice: Assumed units or impossible quantities, for the person; empty while all is as
-            declared.
+        notice: Text about assumed units or impossible quantities; empty if the declared units fit.
     """
 
     declared: Units
@@ -755,11 +759,11 @@ class LiveUnits:
 
     @property
     def decided(self) -> bool:
-        """True once enough frames were measured; `look` has no more effect then."""
+        """True once enough frames were measured. From then on, `look` has no effect."""
         return self._frames >= self.wanted
 
     def look(self, seen: Mapping[Bounds, float]) -> None:
-        """Takes the quantities of a frame, in the device's own units; a frame without a hand has no
+        """Adds the quantities of a frame, in the device's own units. A frame without a hand has no
         effect."""
         if self.decided or not seen.keys() & {FINGER, PALM, REACH}:
             return

@@ -1,9 +1,9 @@
 """Loads tasks, devices, encoders and measures by name: built-in ones, and those of other people.
 
-A `PluginKind` is one kind of plug-in. Its registry contains the built-in plug-ins. Those of other
-people come from entry points of installed packages, from Python files and from modules. A plug-in
-is imported when it is named, and not before. An error in somebody else's code becomes one line with
-its file and line number.
+A `PluginKind` is one kind of plug-in. Its registry contains the built-in plug-ins. External
+plug-ins come from entry points of installed packages, from Python files and from modules. A plug-in
+is imported only when its name is used. An error in the code of an external plug-in becomes one line
+with its file and line number.
 """
 
 from __future__ import annotations
@@ -136,12 +136,12 @@ class PluginKind(Generic[T]):
 
     Attributes:
         noun: Name of the kind, such as "task".
-        group: Group of the entry points; the name of an entry point is that of its plug-in.
+        group: Group of the entry points. The name of an entry point is the name of its plug-in.
         error: Class of the errors.
         registry: The built-in plug-ins; their names take precedence over those of packages.
         defines: True for a class of this kind. A file that defines a single such class can be named
             without the class; with None, the class must be named.
-        takes_argument: A name or a place may be followed by `:ARGUMENT`.
+        takes_argument: True if a name or a place may be followed by `:ARGUMENT`.
         article: "a" or "an".
         verb: Participle in the error for a plug-in that cannot be used: "loaded" or "opened".
     """
@@ -172,7 +172,7 @@ class PluginKind(Generic[T]):
         if name in self.registry:
             return Plugin(self.registry[name], name, argument)
         place = self.place_in(text)
-        # `NAME:ARGUMENT` of a package and `MODULE:CLASS` look alike: the package goes first.
+        # `NAME:ARGUMENT` of a package and `MODULE:CLASS` look alike. The package takes precedence.
         if place is not None and (place.in_file or not self.takes_argument):
             return self.load(place)
         offered = self.from_package(name)
@@ -208,7 +208,8 @@ class PluginKind(Generic[T]):
         """Loads the plug-in that a package offers under a name; None if no package offers it.
 
         Raises:
-            InputError: Of this kind: two packages offer it, or loading it fails.
+            InputError: Two packages offer it, or loading it fails. The class of the error is
+                `error`.
         """
         entries = self.offered().get(name, [])
         if not entries:
@@ -227,12 +228,12 @@ class PluginKind(Generic[T]):
             return Plugin(entry.load(), where)
 
     def load(self, place: Place) -> Plugin:
-        """Loads the plug-in at a place; for a file without a class, the only plug-in that it
-        defines.
+        """Loads the plug-in at a place. If the place is a file alone, loads the only plug-in that
+        the file defines.
 
         Raises:
-            InputError: Of this kind: the file or the module does not exist, fails, or has nothing
-                of this name.
+            InputError: The file or the module does not exist, fails, or has nothing of this name.
+                The class of the error is `error`.
         """
         module = self._module_of(place)
         names = self._names_in(module)
@@ -241,7 +242,7 @@ class PluginKind(Generic[T]):
         if member is None:
             if len(names) != 1:
                 raise self.error(
-                    f"unclear which {self.noun} of the file is meant",
+                    f"the file does not define exactly one {self.noun}",
                     where=place.source,
                     got=listed,
                     expected=f"one {self.noun}, or {Path(place.source).name}:CLASS",
@@ -261,25 +262,27 @@ class PluginKind(Generic[T]):
         return Plugin(value, str(place), place.argument or "")
 
     def member_at(self, text: str) -> str:
-        """Name that a plug-in has in its file, which has been loaded from `FILE.py[:CLASS]`.
+        """Name of the variable of a plug-in in its file.
 
-        It may differ from the name of the class itself, for example where a function made the
-        class.
+        It may differ from the name of the class itself, for example if a function made the class.
+
+        Args:
+            text: The place `FILE.py[:CLASS]` from which the plug-in was loaded.
         """
         place = place_in(text)
         assert place is not None and place.file is not None
         return place.member or self._names_in(load_file(place.file))[0]
 
     def package_of(self, value: type, name: str = "") -> dict[str, str]:
-        """Origin of a class at the top of its module, as headers record it.
+        """Origin of a class at the top of its module, as headers of recordings contain it.
 
         Args:
             value: The class.
-            name: Name under which it was found, perhaps of a package.
+            name: Name under which the class was found, such as that of an entry point.
 
         Returns:
-            `entry_point` as `module:Class`, with `package` and `version` where an installed package
-            offers it.
+            `entry_point` (`module:Class`), and `package` and `version` if an installed package
+            offers the class.
         """
         place, offered = f"{value.__module__}:{value.__qualname__}", self.offered()
         entries = offered.get(name) or [
@@ -291,11 +294,11 @@ class PluginKind(Generic[T]):
 
     @contextmanager
     def guarded(self, where: str, problem: str = "") -> Iterator[None]:
-        """Converts any error of somebody else's code to an error of this kind, in one line.
+        """Converts any error of external code to an error of class `error`, in one line.
 
         Args:
-            where: Place of that code.
-            problem: The problem; without it, that it cannot be loaded.
+            where: Place of the external code.
+            problem: The problem; by default that the plug-in cannot be loaded.
         """
         try:
             yield
@@ -310,8 +313,8 @@ class PluginKind(Generic[T]):
     def _at_the_top(self) -> str:
         """Next step for a person who named a file without a plug-in of this kind."""
         return (
-            f"Define the {self.noun} as a class at the top of the file; one that is imported or "
-            "made by a function there is named as FILE.py:NAME"
+            f"Define the {self.noun} as a class at the top of the file. A class that the file "
+            "imports, or makes by a function, is named as FILE.py:NAME"
         )
 
     def _names_in(self, module: ModuleType) -> list[str]:
@@ -330,7 +333,7 @@ class PluginKind(Generic[T]):
             with self.guarded(str(place)):
                 return importlib.import_module(place.source)
         with self.guarded(place.source):
-            # This check may fail too: a folder on the path may belong to another user.
+            # This check may raise, too: a folder on the path may belong to another user.
             if not path.is_file():
                 raise self.error(
                     "no such file",
@@ -356,14 +359,14 @@ def package(entry: EntryPoint) -> str:
 
 
 def failure(error: BaseException) -> str:
-    """One line about an error in somebody else's code: the error, with its file and line."""
+    """One line about an error in external code: the error, with its file and line."""
     trace = traceback.extract_tb(error.__traceback__)
     text = f"{type(error).__name__}: {' '.join(str(error).split())[:300]}"
     # Lines of Python's import machinery, and of code that Python makes, do not help the reader.
     theirs = [step for step in trace if not step.filename.startswith("<")]
     if isinstance(error, SyntaxError | ImportError) or not theirs:
         return text
-    # Where other people's code called ours wrongly, the useful line is in their code.
+    # If external code called this program wrongly, the useful line is in the external code.
     last = ([step for step in theirs if not _is_ours(step.filename)] or theirs)[-1]
     return f"{text} ({last.filename}:{last.lineno})"
 
@@ -395,9 +398,9 @@ def _importing_from(folder: Path) -> Iterator[set[str]]:
 
     Yields a set. At the end it contains the names of the folder's modules that were imported.
 
-    Files of two folders may each have a neighbour of the same name; each file gets its own. Python
-    writes no bytecode meanwhile. It would use old bytecode for a file that was changed within one
-    second and has the same size, and would then run other code than the code that is recorded."""
+    If two folders have modules of the same name, a file gets the module of its own folder. Python
+    writes no bytecode meanwhile. If a file was changed within one second and its size is the same,
+    Python would use the old bytecode, and so run other code than a recording stores."""
     for name, owner in list(_neighbours.items()):
         top = folder / name.partition(".")[0]
         if owner != folder and (_holds(folder, name) or top.is_dir()):
@@ -428,7 +431,7 @@ def _holds(folder: Path, name: str) -> bool:
 
 
 def _is_in_plain_folder(folder: Path, name: str) -> bool:
-    """True if an imported module is of a folder in a folder that has no `__init__.py`."""
+    """True if an imported module is in a package inside a folder that has no `__init__.py`."""
     both = name.partition(".")[0], name
     top, own = (getattr(sys.modules.get(module), "__dict__", {}) for module in both)
     places = [own["__file__"]] if own.get("__file__") else own.get("__path__", ())
@@ -447,8 +450,8 @@ def files_of(file: Path) -> list[Path]:
 
 
 def _taking_part(file: Path, imported: set[str]) -> tuple[Path, ...]:
-    """Files of the modules beside a file that it imports, even if another file imported them
-    first."""
+    """Files of the modules that a file imports from its own folder, including those that another
+    file imported first."""
     folder = file.parent
     names, looked = set(imported), set[str]()
     waiting = [*_names_imported(file, ""), *imported]
@@ -466,7 +469,7 @@ def _taking_part(file: Path, imported: set[str]) -> tuple[Path, ...]:
 
 
 def _names_imported(file: Path, package: str) -> set[str]:
-    """Names of modules that the import statements of a file may mean, wherever they are in it.
+    """Names of modules to which the import statements anywhere in a file may refer.
 
     Args:
         file: A Python file.
@@ -496,7 +499,8 @@ def load_file(path: Path) -> ModuleType:
     Args:
         path: Absolute path of a Python file.
     """
-    # A unique name, so that it hides no other module; dataclasses look up their module by name.
+    # The name is unique, so that it hides no other module. The module is registered under it
+    # because dataclasses look up their module by name.
     name = f"{path.stem}_{blake2b(str(path).encode(), digest_size=4).hexdigest()}"
     _FILES[name] = path
     spec = importlib.util.spec_from_file_location(name, path)
@@ -514,7 +518,8 @@ def load_file(path: Path) -> ModuleType:
 
 
 def loaded_from(module: str) -> Path | None:
-    """The file of a module that cannot be imported by name: a loaded file, or a script."""
+    """The file of a module that cannot be imported by name: a loaded file, or a script. None for
+    any other module."""
     if module == "__main__":
         script = sys.modules[module].__dict__.get("__file__")
         return Path(script).resolve() if script else None
@@ -522,7 +527,7 @@ def loaded_from(module: str) -> Path | None:
 
 
 def place_of(source: Mapping[str, Any]) -> str:
-    """`FILE.py:CLASS` or `MODULE:CLASS`, of a class that a header records.
+    """`FILE.py:CLASS` or `MODULE:CLASS`, the place of a class that the header of a recording names.
 
     Args:
         source: `file` and `member`, or `entry_point`, perhaps with `package` and `version`.
@@ -533,7 +538,11 @@ def place_of(source: Mapping[str, Any]) -> str:
 
 
 def how_to_get(source: Mapping[str, Any]) -> str:
-    """Next step for a person without that class: the package to install, or the file to provide."""
+    """Next step for a person who lacks a class: the package to install, or the file to provide.
+
+    Args:
+        source: See `place_of`.
+    """
     if source.get("package"):
         return f"Install it: pip install '{source['package']}=={source.get('version')}'"
     if source.get("file"):

@@ -1,6 +1,6 @@
-"""What a reader of somebody's file left out, what it mended and what it assumed.
+"""Report of a file reader: parts that it left out or mended, and its assumptions.
 
-A reader returns its report with its result, and a command that reads the file prints it in one
+A reader returns its report with its result. A command that reads a file prints the report in one
 line.
 """
 
@@ -11,7 +11,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 SIDE_MENDED = "hands that were named for the other side"
-"""Reason of hands whose side was mistaken for a moment."""
+"""Reason for mended hands: the device briefly reported the wrong side."""
 
 
 @dataclass
@@ -54,7 +54,7 @@ class ReaderReport:
             self.assume(sentence)
 
     def __bool__(self) -> bool:
-        """True if anything was left out or assumed."""
+        """True if anything was left out, mended or assumed."""
         return bool(self.line())
 
     @property
@@ -67,7 +67,7 @@ class ReaderReport:
         return ReaderReport(self.left_out.copy(), list(self.assumed), self.mended.copy())
 
     def line(self) -> str:
-        """Everything in one line; empty if nothing was left out or assumed."""
+        """The whole report in one line; empty if nothing was left out, mended or assumed."""
         parts = []
         for word, counts in (("left out", self.left_out), ("mended", self.mended)):
             listed = ", ".join(f"{count} {reason}" for reason, count in counts.most_common())

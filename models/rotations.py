@@ -90,11 +90,12 @@ def log_of_axes(x: Vector, y: Vector, z: Vector) -> Vector:
 
 
 def matrix_to_quaternion(R: ArrayLike) -> Array:
-    """Unit quaternions (..., 4), w >= 0, of rotation matrices; accurate at any angle."""
+    """Unit quaternions (..., 4), w >= 0, of rotation matrices (..., 3, 3); accurate at any
+    angle."""
     R = np.asarray(R, float)
     m = R.reshape(-1, 3, 3)
-    # The symmetric matrix whose diagonal holds 4 w^2, 4 x^2, 4 y^2, 4 z^2; its row with the
-    # largest diagonal is the quaternion times a number that is not small.
+    # The symmetric matrix whose diagonal contains 4 w^2, 4 x^2, 4 y^2, 4 z^2. Its row with the
+    # largest diagonal element is the quaternion times a number that is not small.
     s = np.empty((len(m), 4, 4))
     d = m[:, [0, 1, 2], [0, 1, 2]]
     s[:, 0, 0] = 1 + d[:, 0] + d[:, 1] + d[:, 2]
@@ -115,7 +116,7 @@ def matrix_to_quaternion(R: ArrayLike) -> Array:
 
 
 def quaternion_log(q: ArrayLike) -> Array:
-    """Rotation vectors (..., 3) of unit quaternions (..., 4) in w, x, y, z; the shorter way."""
+    """Rotation vectors (..., 3), angle in [0, pi], of unit quaternions (..., 4) w, x, y, z."""
     q = np.asarray(q, float)
     q = q * np.where(q[..., :1] < 0, -1.0, 1.0)
     v = q[..., 1:]
@@ -146,8 +147,10 @@ def geodesic_angle(a: ArrayLike, b: ArrayLike) -> Array:
 
 
 def unwrap_near(w: ArrayLike, reference: ArrayLike) -> Array:
-    """The rotation vector (..., 3) nearest to reference among those of the same rotation, w + 2 pi
-    k axis."""
+    """The rotation vector (..., 3) nearest to `reference` among those of the same rotation as w.
+
+    These are w + 2 pi k axis for whole numbers k.
+    """
     w, reference = np.asarray(w, float), np.asarray(reference, float)
     t = np.sqrt(squared_lengths(w))[..., None]
     axis = np.where(t < _SMALL, 0.0, w / np.where(t < _SMALL, 1.0, t))
@@ -167,7 +170,8 @@ def turned_about_normal(w: ArrayLike, turn: float) -> tuple[float, float, float]
     c, s = cos(0.5 * turn), sin(0.5 * turn)
     a, x, y, z = c * a - s * z, c * x - s * y, c * y + s * x, c * z + s * a
     n = sqrt(x * x + y * y + z * z)
-    # The shorter way; atan2 of a negative cosine would go the longer one.
+    # The sign selects the rotation by at most pi; for a negative cosine, atan2 alone would give the
+    # longer rotation.
     sign = -1.0 if a < 0 else 1.0
     scale = sign * (2.0 * atan2(n, sign * a) / n if n > _SMALL else 2.0)
     return scale * x, scale * y, scale * z

@@ -31,7 +31,7 @@ TABLE_PRIORITY = 1
 class PaintedRing:
     """A ring that is painted on the table: visible, without collisions.
 
-    Nothing but rings can be painted: no lines and no texts.
+    Lines, texts and other shapes cannot be painted.
 
     Attributes:
         name: Name of its geom.
@@ -50,7 +50,7 @@ class PaintedRing:
     inside: tuple[float, float, float] = (0.16, 0.36, 0.32)
 
     def geoms(self) -> list[Element]:
-        """MJCF of a disc and a smaller one upon it, children of the world."""
+        """MJCF of a disc with a smaller disc on top, children of the world."""
         discs = (
             ("", self.radius + self.width, 0.0004, self.rgb),
             ("_inside", self.radius, 0.0006, self.inside),
@@ -81,11 +81,11 @@ class SceneSpec:
         objects: Objects on the table.
         table_friction: Coulomb coefficient between the table and the objects on it.
         timestep: Physics time step (s); a control period is a whole number of steps.
-        hands_collide: True if two hands collide with each other, where they are solid.
+        hands_collide: True if the solid parts of two hands collide with each other.
         painted: Rings painted on the table.
         own_friction: True if the friction of an object applies to its contacts with hands and the
-            table. Otherwise the table's friction applies on the table, and between an object and a
-            hand the larger of both.
+            table. Otherwise, contacts with the table use the table's friction, and contacts of an
+            object with a hand use the larger of their coefficients.
     """
 
     hands: tuple[SceneHand, ...]
@@ -127,9 +127,9 @@ class Scene:
     """A compiled scene, with the indices of its parts in MuJoCo's arrays.
 
     Attributes:
-        spec: The description that it was compiled from.
+        spec: The description from which the scene was compiled.
         xml: The whole scene as MJCF text.
-        model: The compiled model; belongs to one session, which switches collisions of geoms.
+        model: The compiled model. It belongs to one session, which switches collisions of geoms.
         substeps: Physics steps in one control period.
         joints: Hinges and slides of mechanisms by the part's name, each with its index in `qpos`.
     """
@@ -137,7 +137,7 @@ class Scene:
     def __init__(self, spec: SceneSpec) -> None:
         self.spec = spec
         substeps = CONTROL_PERIOD / spec.timestep if spec.timestep > 0 else 0.0
-        # More than a million steps, or less than one, are a typing error.
+        # Less than one step, or more than a million, are probably a typing error.
         if not (0.5 < substeps < 1e6 and np.isclose(substeps, round(substeps))):
             raise SceneError(
                 "the control period is not a whole number of physics steps",
@@ -185,8 +185,8 @@ class Scene:
         Args:
             hand: Index into `spec.hands`.
             fingers: Labels whose distal link is solid; empty makes the hand a ghost.
-            whole: Makes every bone solid instead (an ablation: the rest of the hand only gets in
-                the way, since people do not see where it is).
+            whole: Makes every bone solid instead. This is meant for comparisons: people do not see
+                where the rest of the hand is, so it only gets in their way.
             links: Number of solid links per finger, from its tip inwards.
         """
         geoms, ends = self._geoms[hand].values(), self._ends[hand]
@@ -199,11 +199,11 @@ class Scene:
         self.set_solid_geoms(hand, solid)
 
     def set_solid_geoms(self, hand: int, solid: Collection[int]) -> None:
-        """Chooses the parts of a hand that collide, of those that `parts` lists.
+        """Chooses the geoms of a hand that collide.
 
         Args:
             hand: Index into `spec.hands`.
-            solid: Indices of geoms; the others are ghosts.
+            solid: Indices of geoms, from those in `parts`. The other geoms do not collide.
         """
         mine, others = self._bits[hand]
         for geom in self.parts(hand):
@@ -221,8 +221,8 @@ class Scene:
         return [int(g) for g in np.flatnonzero(of_palm & (self.model.geom_contype > 0))]
 
     def _let_hands_collide(self) -> None:
-        """Lets two hands collide with each other, and neither with itself: the second hand has an
-        additional bit in contype that only the first hand has in conaffinity."""
+        """Lets two hands collide with each other, but neither with itself: the second hand has an
+        additional bit in contype, and only the first hand has this bit in conaffinity."""
         self._bits = [(CONTACT_HAND, CONTACT_HANDS), (CONTACT_HAND | CONTACT_HANDS, 0)]
         model = self.model
         for hand, (mine, others) in enumerate(self._bits):
@@ -246,14 +246,14 @@ class Scene:
         return nearest
 
     def object_radius(self, name: str) -> float:
-        """Distance in m from an object's origin to its farthest point, at most."""
+        """Upper bound of the distance (m) from an object's origin to its farthest point."""
         model = self.model
         geoms = np.flatnonzero(model.geom_bodyid == self.object_bodies[name])
         ends = np.sqrt(squared_lengths(model.geom_pos[geoms])) + model.geom_rbound[geoms]
         return float(np.max(ends, initial=0.0))
 
     def object_width(self, name: str) -> float:
-        """Diameter in m of a ball around an object, wherever its origin is, at most."""
+        """Upper bound of the diameter (m) of a ball around an object, wherever its origin is."""
         model = self.model
         geoms = np.flatnonzero(model.geom_bodyid == self.object_bodies[name])
         places, reach = model.geom_pos[geoms], model.geom_rbound[geoms][:, None]
@@ -305,7 +305,7 @@ def scene_xml(spec: SceneSpec) -> str:
             "jacobian": "sparse",
         },
     )
-    # An automatic reset would be silent; the simulation stops with an error instead.
+    # MuJoCo's automatic reset would be silent. Without it, the session stops with an error.
     SubElement(option, "flag", {"autoreset": "disable"})
     _add_visual_settings(root)
     defaults = SubElement(root, "default")
@@ -367,16 +367,18 @@ def scene_xml(spec: SceneSpec) -> str:
 
 
 def _with_own_friction(body: Element) -> Element:
-    """The same body, whose friction takes precedence over that of hands and table. For two geoms,
-    MuJoCo uses the friction of the geom with the higher priority; at equal priorities, the larger
-    friction."""
+    """Gives the friction of a body precedence over that of hands and table; returns the body.
+
+    For two geoms, MuJoCo uses the friction of the geom with the higher priority, or the larger
+    friction if priorities are equal.
+    """
     for geom in body.iter("geom"):
         geom.set("priority", str(TABLE_PRIORITY + 1))
     return body
 
 
 def _keep_apart(root: Element, spec: SceneSpec) -> None:
-    """No contacts between parts of one mechanism."""
+    """Excludes contacts between parts of one mechanism."""
     pairs = {
         pair
         for obj in spec.objects

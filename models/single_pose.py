@@ -1,8 +1,8 @@
 """Forward kinematics of one pose at a time, for the loop that reconstructs at every control step.
 
-MuJoCo places the bones and differentiates fingertips and joints, so the result depends on MuJoCo's
-version and on the system's libm, and on nothing else. NumPy only adds and multiplies single
-numbers, which every processor rounds alike. Results agree with those of `Kinematics` to rounding.
+MuJoCo places the bones and differentiates fingertips and joints. So the result depends only on
+MuJoCo's version and the system's libm: NumPy adds and multiplies element by element, which every
+processor rounds alike. Results agree with those of `Kinematics` up to rounding.
 Captures and training use `Kinematics`, so their digests do not depend on this module.
 """
 
@@ -22,14 +22,14 @@ from models.rotations import matrix_to_quaternion
 from models.skeleton import Skeleton
 
 _TINY = 1e-24
-"""rad2, added to squared angles. It avoids 0/0 in the closed forms and does not change results: the
-terms that lose digits by cancellation are multiplied by the square of the same small vector."""
+"""rad2, added to squared angles to avoid 0/0 in the closed forms. It does not change results: terms
+that lose digits by cancellation are multiplied by the square of the same small vector."""
 
 _FIRST_BONE = 2
 """Index of the first bone's body, after the world's and the root's."""
 
 _TERMS = np.array([[9, 5, 7], [8, 9, 3], [4, 6, 9]])
-"""Where the entries of a I - b skew(w) stand in a rotation's numbers c w, b w, -b w and a."""
+"""Index of each element of a I - b skew(w) in the ten numbers of a rotation: c w, b w, -b w, a."""
 
 
 class SinglePose:
@@ -52,7 +52,8 @@ class SinglePose:
         self._sites = [int(f) for f in fingers]
         self._site_xpos = data.site_xpos
         self._chosen = None if self._sites == list(range(len(FINGERS))) else np.array(self._sites)
-        # MuJoCo's derivative by turns in the bones' own frames, three rows a fingertip.
+        # MuJoCo's derivative with respect to rotations in the bones' own frames, three rows per
+        # fingertip.
         self._raw = np.zeros((3 * len(self._sites), POSE_SIZE))
         self._rows = [(self._raw[3 * i : 3 * i + 3], site) for i, site in enumerate(self._sites)]
         # Rotation vectors w, and the vector parts w sin(t/2) / t of MuJoCo's quaternions. Rotations
@@ -73,7 +74,7 @@ class SinglePose:
         row, column = rotations.strides
         self._blocks = as_strided(rotations, (3, 3, turns), (row, column, 3 * (row + column)))
         self._outer, self._rest = np.empty((2, 3, 3, turns))
-        # Parts of the arrays above, made once: each costs as much as a product.
+        # Views of the arrays above, created once: creating a view takes as long as a product.
         self._w, self._v = self._factor
         self._vectors = self._w.T
         self._x, self._y, self._z = np.moveaxis(self._products, 1, 0)
@@ -98,30 +99,37 @@ class SinglePose:
         return tips
 
     def tips_and_jacobian(self, q: Array) -> tuple[Array, Array]:
-        """Fingertips (k, 3) and their derivative (k, 3, 48) by the pose (48,)."""
+        """Fingertips (k, 3) m of a pose (48,), and their derivative (k, 3, 48) with respect to the
+        pose."""
         tips = self.tips(q)
         return tips, self.jacobian(q)
 
     def jacobian(self, q: Array) -> Array:
-        """Derivative (k, 3, 48) of the fingertips by the pose (48,) that was placed last."""
+        """Derivative (k, 3, 48) of the fingertips with respect to the pose.
+
+        Args:
+            q: (48,), the pose that was placed last.
+        """
         mujoco.mj_comPos(self._model, self._data)
         for rows, site in self._rows:
             mujoco.mj_jacSite(self._model, self._data, rows, None, site)
         self._set_right_jacobians(q)
-        # exp(w + d) = exp(w) exp(R d), R the right Jacobian: R d is a turn in the bone's own frame.
+        # exp(w + d) = exp(w) exp(R d) with the right Jacobian R. The rotation R d is in the bone's
+        # own frame.
         jacobian = np.empty(self._raw.shape)
         mujoco.mju_mulMatMat(jacobian, self._raw, self._right)
         return jacobian.reshape(-1, 3, POSE_SIZE)
 
     def joint_positions(self) -> Array:
-        """Joint positions (63,) of the pose that was placed last, three slides and 15 quaternions;
-        as MuJoCo's `qpos` of `models.hand.Hand`."""
+        """Joint positions (63,) of the pose that was placed last: three slides and 15 quaternions,
+        as in MuJoCo's `qpos` of `models.hand.Hand`."""
         return self._qpos.copy()
 
     def by_pose(self, by_turns: Array) -> Array:
-        """Derivatives (n, 48) by the pose, from those by turns in the bones' own frames.
+        """Converts derivatives with respect to rotations in the bones' own frames to derivatives
+        with respect to the pose, both (n, 48).
 
-        The pose is that of the last `jacobian`.
+        The pose is that of the last call of `jacobian`.
         """
         by_pose = np.empty(by_turns.shape)
         mujoco.mju_mulMatMat(by_pose, by_turns, self._right)
@@ -135,9 +143,9 @@ class SinglePose:
     def joints_and_jacobian(self, q: Array) -> tuple[Array, Array]:
         """Joints and then fingertips (14 + k, 3) m, and their derivative (14 + k, 3, 48).
 
-        Unlike elsewhere, the derivative by the root's rotation is by a turn in the root's own
-        frame: exp(w) becomes exp(w) exp(d). A hand that faces the camera has a rotation vector near
-        pi; with this derivative it is no special case.
+        Unlike in the other methods, the derivative with respect to the root's rotation is for a
+        rotation d in the root's own frame: exp(w) becomes exp(w) exp(d). A hand that faces the
+        camera has a rotation vector near pi. It needs no special treatment with this derivative.
         """
         tips = self.tips(q)
         mujoco.mj_comPos(self._model, self._data)
@@ -155,7 +163,7 @@ class SinglePose:
         return points, turned.reshape(-1, 3, POSE_SIZE)
 
     def _place(self, q: Array) -> None:
-        """Places all bones, if they are not in this pose already."""
+        """Places all bones, unless they are already in this pose."""
         pose = q.tobytes()
         if pose == self._placed:
             return
@@ -201,10 +209,11 @@ class SinglePose:
 
 
 def tips_and_jacobians(hand: SinglePose, q: Array) -> tuple[Array, Array]:
-    """Fingertips (n, k, 3) in m and their derivative (n, k, 3, 48) by the poses (n, 48).
+    """Fingertips (n, k, 3) m of poses (n, 48), and their derivative (n, k, 3, 48) with respect to
+    the poses.
 
-    Every pose is computed by itself, so that a trial has the same result alone and side by side
-    with others.
+    Every pose is computed separately, so that the result of a trial does not depend on trials that
+    run side by side with it.
     """
     if len(q) == 1:
         tips, jacobian = hand.tips_and_jacobian(q[0])
@@ -214,10 +223,10 @@ def tips_and_jacobians(hand: SinglePose, q: Array) -> tuple[Array, Array]:
 
 
 def _compiled(skeleton: Skeleton) -> mujoco.MjModel:
-    """A tree of bodies without mass or shape of their own: the root, then the bones in their order,
-    with a site at every fingertip.
+    """MuJoCo's model of a skeleton: bodies without shapes, and a site at every fingertip.
 
-    Each body's coordinates are those of the pose: the root moves freely, a bone turns as a ball.
+    The bodies are the root, which moves freely, and then the bones in the skeleton's order, each on
+    a ball joint.
     """
     key = tuple(
         (b.name, b.finger, tuple(b.anchor), tuple(np.ravel(b.rest).tolist()), b.length)
@@ -255,6 +264,6 @@ def _compiled_bones(
 
 
 def _weigh(body: mujoco.MjsBody) -> None:
-    """Gives a moving body the mass that MuJoCo demands; places do not depend on it."""
+    """Gives a moving body the mass that MuJoCo requires; positions do not depend on it."""
     body.explicitinertial = True
     body.mass, body.inertia = 1.0, (1.0, 1.0, 1.0)

@@ -2,12 +2,12 @@
 
 Hand frame of a right hand: origin at the wrist, y along the fingers, z out of the back of the hand,
 x towards the little finger, so that the thumb is at -x. Each bone's own frame has y along the bone
-and z dorsal (the nail's side); flexion is a negative turn about x. A zero ball joint is the middle
-of its range of flexion, so that every legal pose stays below 65 degrees from the origin of its
-rotation vector, where rotation vectors behave like plain vectors.
+and z dorsal (the nail's side); flexion is a negative rotation about x. A ball joint is zero in the
+middle of its range of flexion. So no component of a legal rotation vector exceeds 65 degrees, and
+rotation vectors behave like plain vectors in this range.
 
-Sizes are those of an average adult hand, as measured for the simulation notes of this project. The
-thumb has a carpometacarpal and a metacarpophalangeal joint; its interphalangeal joint is fixed.
+Sizes are those of an average adult hand. The thumb has a carpometacarpal and a metacarpophalangeal
+joint; its interphalangeal joint is fixed.
 """
 
 from __future__ import annotations
@@ -142,7 +142,8 @@ def _degrees(*values: float) -> Array:
 
 
 def _facing(along: ArrayLike, pad: ArrayLike) -> Array:
-    """Frame with y along a direction and -z (the pad) as near as possible to another."""
+    """Frame (3, 3) with y along one direction (3,), and -z, the direction of the finger's pad, as
+    near as possible to another direction (3,)."""
     y = np.asarray(along, float)
     y = y / length(y)
     pad = np.asarray(pad, float)

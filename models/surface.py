@@ -1,10 +1,11 @@
 """The touch surface: its size and its place in the world.
 
 Contacts are given in the 2-D surface frame: origin top left, x right, y down, metres.
-Poses need a third axis. The 3-D surface frame keeps the origin and x, turns y *up* the surface and
-z out of it, towards the hand: right-handed, and the identity rotation is a hand lying flat on a
-table in front of the person. With y down and z into the table, that most common hand would sit at
-a rotation of pi, just where a rotation vector is not continuous, and no encoder could learn it.
+Poses need a third axis. The 3-D surface frame has the same origin and x axis; its y axis points
+*up* the surface, and its z axis out of the surface, towards the hand. It is right-handed. At the
+identity rotation, a hand lies flat on a table in front of the person. With y down and z into the
+table, this most common pose would have a rotation of pi. Rotation vectors are not continuous there,
+so an encoder could not learn such poses.
 """
 
 from __future__ import annotations
@@ -31,7 +32,8 @@ PRESETS: dict[str, tuple[float, float]] = {
     "ipad-13": (10.32, 7.74),
     "ipad-mini": (7.06, 4.65),
 }
-"""Landscape size of the touch area by name, inches. ipad2: 1024 x 768 at 132 ppi, the paper's."""
+"""Name of a device -> landscape size of its touch area, inches. `ipad2` (1024 x 768 at 132 ppi) is
+the device of the paper."""
 
 SCALES = (0.05, 20.0)
 """Range of a surface's scale, from a watch to a wall."""
@@ -45,7 +47,7 @@ _TO_INCHES = {"in": 1.0, "mm": 1.0 / 25.4, "cm": 1.0 / 2.54}
 
 @dataclass(frozen=True)
 class Surface:
-    """A touch rectangle in the world; the mapping is absolute and, but for `scale`, 1:1.
+    """A touch rectangle in the world. The mapping is absolute, and 1:1 except for `scale`.
 
     Attributes:
         width_in: Width, inches.
@@ -53,8 +55,8 @@ class Surface:
         origin: World position of the top left corner, metres.
         rotation: (3, 3) world from surface: the world directions of the 3-D surface axes.
         calibrated: False if the size is a guess, which views and logs then report.
-        scale: Length on the screen divided by the same length on the surface: 1 at true size, less
-            on a phone, where the whole table is smaller than a hand.
+        scale: Length on the screen divided by the same length on the surface: 1 at true size. It is
+            less on a phone, which shows the whole table smaller than a hand.
     """
 
     width_in: float = PRESETS["ipad2"][0]
@@ -68,12 +70,17 @@ class Surface:
         for name, value in (("width", self.width_in), ("height", self.height_in)):
             if not (np.isfinite(value) and 0.5 <= value <= 200.0):
                 raise InputError(
-                    f"the surface's {name} is out of range", got=value, expected="0.5 to 200 inches"
+                    f"the {name} of the touch surface is out of range",
+                    got=f"{value:g} inches",
+                    expected="0.5 to 200 inches",
+                    remedy="Check the size and its unit, for example 7.76x5.82in or 197x148mm",
                 )
         low, high = SCALES
         if not low <= self.scale <= high:
             raise InputError(
-                "the surface's scale is out of range", got=self.scale, expected=f"{low} to {high}"
+                "the scale of the touch surface is out of range",
+                got=self.scale,
+                expected=f"{low:g} to {high:g}, the length on the screen per length on the table",
             )
 
     @property
@@ -129,10 +136,11 @@ class Surface:
         return stacked_applied(self.rotation, local) + self.corner
 
     def pose_to_world(self, q: ArrayLike) -> NDArray[np.float64]:
-        """Poses (..., 48) in the world, of poses in the 3-D surface frame."""
+        """Converts poses (..., 48) from the 3-D surface frame to world coordinates."""
         moved = np.array(q, float)
         if self.aligned:
-            # Exact to the bit: multiplying by an identity matrix would round.
+            # If the axes are the world's, the rotation is left as it is. Converting it by log(exp)
+            # would round it.
             moved[..., ROOT_POSITION] += self.corner
         else:
             moved[..., ROOT_POSITION] = (

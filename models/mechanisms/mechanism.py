@@ -49,6 +49,7 @@ degrees by mistake."""
 _ROUNDING = 1e-9
 """Distance (m or rad) beyond a joint's range that still counts as within it."""
 _DEGREES = 'Angles in MJCF are degrees unless it says <compiler angle="radian"/>; a start is in rad'
+"""Next step for a hinge that starts outside of its range."""
 _FIXED_BITS = (CONTACT_OBJECT, CONTACT_HAND | CONTACT_OBJECT)
 _FREE_BITS = (CONTACT_OBJECT | CONTACT_TABLE, CONTACT_HAND | CONTACT_OBJECT | CONTACT_TABLE)
 """MuJoCo's contype and conaffinity of parts of fixed and of free mechanisms. Parts of a fixed
@@ -60,14 +61,14 @@ class Mechanism:
     """Bodies from MJCF that are joined by hinges and slides: a first body, which stands in the
     world, and the bodies that it carries.
 
-    The description gives bodies, geoms, masses and friction as for a `MjcfObject`, the margins of
-    geoms (skins around them), and for every joint its axis, position, range, stiffness, springref,
-    damping, frictionloss, armature and ref. The first body is fixed in place unless it has a free
-    joint, a hinge or a slide. Parts of one mechanism do not collide with each other, and parts of a
-    fixed mechanism do not collide with the table.
+    A scene uses these parts of the description: bodies, geoms, masses and friction as for a
+    `MjcfObject`; the margins of geoms (skins around them); and the axis, position, range,
+    stiffness, springref, damping, frictionloss, armature and ref of every joint. The first body is
+    fixed in place unless it has a free joint, a hinge or a slide. Parts of one mechanism do not
+    collide with each other, and parts of a fixed mechanism do not collide with the table.
 
     Attributes:
-        name: Name of the first body. Another body is called NAME/BODY.
+        name: Name of the first body. Any other body is called NAME/BODY.
         mjcf: A whole description, `<mujoco>...`, or the path of a file, such as
             `Path(__file__).parent / "desk.xml"`. A relative path starts at the current folder.
         position: (3,) m, origin of the first body.
@@ -167,11 +168,11 @@ class Mechanism:
         raise InputError(
             "a mechanism is not an object itself, its parts are",
             where=described_in(self.mjcf, self.name),
-            remedy="Of a mechanism called desk, return *desk.parts among the objects",
+            remedy="For a mechanism `desk`, return *desk.parts among the objects",
         )
 
     def scaled(self, size: float) -> Mechanism:
-        """The same mechanism with all lengths multiplied by a factor, on the same place."""
+        """The same mechanism with all lengths multiplied by a factor, at the same place."""
         slides = {
             self._described(part.number)
             for part in self.parts
@@ -212,7 +213,7 @@ class Part(MechanismPart):
 
     @property
     def mass(self) -> float:
-        """kg."""
+        """Mass (kg) of the body."""
         return self.mechanism.mass * float(self._model.body_mass[self._body])
 
     @cached_property

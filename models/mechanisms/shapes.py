@@ -1,4 +1,7 @@
-"""Signed distances and reaches of MJCF's basic shapes, each in the shape's own frame."""
+"""Signed distances and reaches of MJCF's basic shapes, each in the shape's own frame.
+
+The reach of a shape along a direction is the largest coordinate of its points in this direction.
+"""
 
 from __future__ import annotations
 

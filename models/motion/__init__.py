@@ -1,2 +1,2 @@
-"""Hand motion in files: readers and writers of BVH, ASF/AMC, C3D, glTF, Vicon, marker and pose
-tables."""
+"""Readers and writers of hand motion in files: BVH, ASF/AMC, C3D, glTF, Vicon, and tables of
+markers and poses."""

@@ -2,8 +2,8 @@
 
 Formats differ in the frames of joints. BVH and ASF define no joint frames: at zero rotation every
 joint has the frame of the file. Each writer therefore chooses a *zero pose*, with the fingers
-straight and side by side and the thumb at its reference pose. The whole hand is turned so that the
-first axis of the Euler order is the flexion axis and the last one points out of the back of the
+straight and side by side and the thumb at its reference pose. The whole hand is rotated so that the
+first axis of the Euler order is the flexion axis, and its last axis points out of the back of the
 hand (`zero_frame`). Angles are then anatomical, and far from the poles of their order.
 """
 
@@ -30,12 +30,12 @@ WRIST = "wrist"
 Y_UP = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, -1.0, 0.0]])
 """Rotation file from world for a file with y up: x right, y up, z towards the person."""
 Z_UP = np.eye(3)
-"""Rotation file from world for a file with z up: x right, y away from the person, z up, which are
-the world's axes."""
+"""Rotation file from world for a file with z up. Its axes are the world's: x right, y away from the
+person, z up."""
 
 ORDERS = ("XYZ", "XZY", "YXZ", "YZX", "ZXY", "ZYX")
-"""Euler orders: the three rotations apply from left to right, each about the axis that the earlier
-ones have rotated (intrinsic rotations)."""
+"""Euler orders. The three rotations apply from left to right, each about an axis that the earlier
+rotations have rotated (intrinsic rotations)."""
 
 CHUNK = 512
 """Keys per batch; larger batches need more memory and are hardly faster."""
@@ -46,7 +46,7 @@ class Keys(NamedTuple):
 
     Attributes:
         root: (n, 3) m, the wrist.
-        turns: (n, 15, 3, 3) rotations: world from palm first, then parent from joint for each bone.
+        turns: (n, 15, 3, 3) rotations: first world from palm, then parent from joint for each bone.
     """
 
     root: Array
@@ -103,7 +103,8 @@ class Armature:
 
     @cached_property
     def ends(self) -> Array:
-        """Fingertip (15, 3) m in each last joint's frame; NaN rows for joints with a child."""
+        """Fingertips (15, 3) m, each in the frame of its finger's last joint. The rows of all other
+        joints are NaN."""
         out = np.full((len(self.names), 3), np.nan)
         for j, bone in enumerate(self.skeleton.bones, start=1):
             if not self.children[j]:
@@ -147,7 +148,7 @@ class Armature:
         base = zero_frame(order)
         out = np.tile(base, (len(self.names), 1, 1))
         # The thumb is rotated so far from the palm that its angles would pass the poles of the
-        # order. Relative to its reference pose, no rotation within its limits exceeds 65 degrees.
+        # Euler order. Relative to its reference pose, its angles stay within 65 degrees.
         for j, bone in enumerate(self.skeleton.bones, start=1):
             if bone.finger == 0:
                 out[j] = out[self.parents[j]] @ bone.rest
@@ -177,12 +178,12 @@ def zero_frame(order: str) -> Array:
     """Rotation (3, 3) file from hand in the zero pose of an Euler order.
 
     The first letter names the file's axis for flexion (the hand's x), the last letter the axis out
-    of the back of the hand (z), and the middle letter the axis along the fingers (y) or against
-    them. With `ZXY` the hand lies flat, palm down, with its fingers along +x.
+    of the back of the hand (z), and the middle letter the axis along the fingers (y), in either
+    direction. With `ZXY` the hand lies flat, palm down, with its fingers along +x.
 
-    Orders that begin with Y swap the last two: the last letter names the fingers' axis, and the
-    middle letter the axis out of the back. Y is up in the files that have an Euler order, so a flat
-    hand would otherwise be at the pole of such an order.
+    For orders that begin with Y, the last letter names the fingers' axis, and the middle letter the
+    axis out of the back of the hand. Y is up in files that have an Euler order. Without this swap,
+    a flat hand would be at the pole of the order.
 
     Raises:
         MotionError: The order is not in `ORDERS`.

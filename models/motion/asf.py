@@ -1,4 +1,4 @@
-"""Acclaim skeletons (.asf) and their motion (.amc), as the CMU motion capture database has them.
+"""Acclaim skeletons (.asf) and their motion (.amc), as in the CMU motion capture database.
 
 A bone lies along `direction` for `length` and begins at its parent's end. All directions are given
 in the frame of the whole skeleton at rest. `axis` rotates a bone's own frame into that frame. The
@@ -23,14 +23,14 @@ from models.plausible import doubt_degrees
 from models.reader_report import ReaderReport
 
 INCH = 0.0254
-"""Inch (m). A file's lengths, divided by its `length` unit, are interpreted as inches, as is usual
-for CMU files, although no publication confirms it."""
+"""Inch (m). Lengths in a file, divided by its `length` unit, are read as inches. This is usual for
+CMU's files, although no publication confirms it."""
 
 CMU_RATE = 120.0
 """Rate (Hz) of CMU's files."""
 
 RATE_REMARK = "#!keys a second:"
-"""Prefix of the rate in the comment that our own files contain."""
+"""Prefix of the rate in the comment that this program writes into its files."""
 
 RATE_KEY = ":SAMPLES-PER-SECOND"
 """Key of the rate in files of some exporters."""
@@ -49,7 +49,7 @@ class _Bone:
 
 @dataclass(frozen=True)
 class AcclaimSkeleton:
-    """A skeleton at rest, parents before children; the first bone is the root, of no length.
+    """A skeleton at rest, parents before children. The first bone is the root, which has no length.
 
     Attributes:
         bones: Name, end (3,) m in the rest frame, own frame (3, 3), degrees of freedom in order.
@@ -83,19 +83,32 @@ def read_asf(path: Path, unit: float | None = None) -> AcclaimSkeleton:
     for name in ("units", "root", "bonedata", "hierarchy"):
         if name not in sections:
             raise MotionError(
-                "this is not a whole ASF file", where=str(path), expected=f"a section :{name}"
+                "this is not a complete ASF file",
+                where=str(path),
+                got="the sections " + ", ".join(f":{found}" for found in sections),
+                expected=f"a section :{name}",
             )
     units = {words[0]: words[1:] for _, words in sections["units"]}
     length = numbers(units.get("length", ["1"]), 1, f"{path}, :units length")[0]
     if length <= 0:
-        raise MotionError("not a unit of length", where=f"{path}, :units length", got=length)
+        raise MotionError(
+            "the unit of length is out of range",
+            where=f"{path}, :units length",
+            got=length,
+            expected="a number above 0",
+        )
     degrees = (units.get("angle") or ["deg"])[0].lower().startswith("deg")
     unit = INCH / length if unit is None else unit
     root, origin = _root(path, sections["root"], degrees, unit)
     bones = {root.name: root}
     for bone in _bones(path, sections["bonedata"], degrees, unit):
         if bone.name in bones:
-            raise MotionError("two bones share a name", where=str(path), got=bone.name)
+            raise MotionError(
+                "two bones share a name",
+                where=str(path),
+                got=bone.name,
+                expected="a different name for each bone",
+            )
         bones[bone.name] = bone
     order = _ordered(path, sections["hierarchy"], bones)
     place = {name: i for i, (name, _) in enumerate(order)}
@@ -163,9 +176,16 @@ def read_amc(path: Path, skeleton: AcclaimSkeleton, rate: float | None = None) -
                 "this line is neither a frame's number nor a bone of the skeleton",
                 where=where,
                 got=line.strip()[:40],
+                expected="one of " + ", ".join(wanted)[:60],
+                remedy="Use the .asf file that belongs to this motion",
             )
         elif words[0] in frames[-1]:
-            raise MotionError("a bone occurs twice in a frame", where=where, got=words[0])
+            raise MotionError(
+                "a bone occurs twice in a frame",
+                where=where,
+                got=words[0],
+                expected="each bone once, or the number of the next frame",
+            )
         else:
             frames[-1][words[0]] = numbers(words[1:], wanted[words[0]], where)
     if not frames:
@@ -213,7 +233,7 @@ def _motion(
                 largest = max(largest, float(np.abs(column).max()))
         stacked = np.stack(angles, axis=-1) if angles else np.zeros((frames, 0))
         turn = rotations_of_angles(stacked, axes, fixed=True)
-        # At rest, all bones share one frame, so that a child needs no rest rotation of its own.
+        # At rest, all bones have the same frame, so there is no rotation from parent to child.
         rotations[:, j] = bone.frame @ turn @ bone.frame.T
     if degrees:
         doubt_degrees(largest, report)
@@ -224,7 +244,8 @@ def _motion(
 
 
 def _sections(path: Path, report: ReaderReport) -> dict[str, list[tuple[str, list[str]]]]:
-    """Lines of every section by its name, each line as its place in the file and its words."""
+    """Lines of every section by the section's name. A line is its place in the file, for messages,
+    and its words."""
     sections: dict[str, list[tuple[str, list[str]]]] = {}
     current: list[tuple[str, list[str]]] = []
     for n, line in enumerate(read_lines(path, "an ASF file", report), start=1):
@@ -244,7 +265,12 @@ def _root(
     entries = {words[0].lower(): (where, words[1:]) for where, words in lines}
     for key in ("order", "axis", "position", "orientation"):
         if key not in entries:
-            raise MotionError("the root is incomplete", where=str(path), expected=key)
+            raise MotionError(
+                "the section :root is incomplete",
+                where=str(path),
+                got=", ".join(entries)[:60],
+                expected=f"a line {key}",
+            )
     angles = numbers(entries["orientation"][1], 3, entries["orientation"][0])
     frame = _frame(angles, entries["axis"][1], degrees, entries["axis"][0])
     origin = unit * np.array(numbers(entries["position"][1], 3, entries["position"][0]))
@@ -266,12 +292,19 @@ def _bones(
             entries = None
         elif entries is None:
             raise MotionError(
-                "this line does not belong to a bone", where=where, got=" ".join(words)[:40]
+                "this line does not belong to a bone",
+                where=where,
+                got=" ".join(words)[:40],
+                expected="a line begin before it",
             )
         else:
             entries.setdefault(key, (where, words[1:]))
     if entries is not None or not bones:
-        raise MotionError("the bones are cut short", where=str(path), expected="begin .. end")
+        raise MotionError(
+            "the section :bonedata has no bone, or ends inside a bone",
+            where=str(path),
+            expected="begin .. end for each bone",
+        )
     return bones
 
 
@@ -280,11 +313,22 @@ def _bone(
 ) -> _Bone:
     for key in ("name", "direction", "length", "axis"):
         if key not in entries or not entries[key][1]:
-            raise MotionError("a bone is incomplete", where=where, expected=key)
+            name = " ".join(entries["name"][1])[:40] if "name" in entries else "a bone"
+            raise MotionError(
+                "a bone is incomplete",
+                where=where,
+                got=f"{name} with {', '.join(entries)}"[:80],
+                expected=f"also a line {key}",
+            )
     direction = np.array(numbers(entries["direction"][1], 3, entries["direction"][0]))
     size = float(np.linalg.norm(direction))
     if size < 1e-6:
-        raise MotionError("a bone has no direction", where=entries["direction"][0])
+        raise MotionError(
+            "a bone has no direction",
+            where=entries["direction"][0],
+            got=" ".join(entries["direction"][1])[:40],
+            expected="three numbers that are not all 0",
+        )
     length = numbers(entries["length"][1], 1, entries["length"][0])[0]
     place, words = entries["axis"]
     frame = _frame(numbers(words[:3], 3, place), words[3:], degrees, place)
@@ -328,12 +372,17 @@ def _ordered(
                     "the hierarchy is broken",
                     where=where,
                     got=f"{child} under {words[0]}"[:60],
-                    expected="each bone once, under one that is placed already",
+                    expected="each bone once, under the root or a bone of an earlier line",
                 )
             order.append((child, words[0]))
             placed.add(child)
     if missing := sorted(set(bones) - placed):
-        raise MotionError("bones without a parent", where=str(path), got=", ".join(missing)[:60])
+        raise MotionError(
+            "some bones have no parent",
+            where=f"{path}, :hierarchy",
+            got=", ".join(missing)[:60],
+            expected="every bone under the root or another bone",
+        )
     return order
 
 
@@ -351,7 +400,7 @@ def _check_whole(frames: list[dict[str, list[float]]], wanted: dict[str, int], w
 ORDER = "ZYX"
 CENTIMETRES = 100.0
 LENGTH = 2.54
-"""Unit of length of the file: numbers divided by it are inches."""
+"""Value of `length` in written files: lengths in cm divided by this value are inches."""
 
 
 class AmcWriter(MotionWriter):

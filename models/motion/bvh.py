@@ -27,7 +27,7 @@ CENTIMETRE = 0.01
 """Centimetre (m), the most common unit of length."""
 
 _BRACE = re.compile(r"(?<![^\s{}])[{}]|[{}](?=[{}]*(?!\S))")
-"""A brace at the beginning or the end of a word; a name may have one inside."""
+"""A brace at the beginning or the end of a word. A brace inside a word is part of a name."""
 
 _LONGEST_NAME = 20
 """Largest number of words in a name; a file with more words before a brace is refused."""
@@ -55,8 +55,8 @@ class _Hierarchy:
 def read_bvh(path: Path, unit: float = CENTIMETRE) -> Motion:
     """Reads a BVH file.
 
-    The format consists of words: a brace may follow a name, and a frame may take several lines.
-    Rows beyond the stated number of frames are read, and reported.
+    Line breaks have no meaning in the hierarchy, so a brace may follow a name on its line. A frame
+    may take several lines. Frames beyond the stated number are read, and reported.
 
     Args:
         path: The file.
@@ -89,7 +89,7 @@ def _read_rows(
     """
     rows = [(n, line.split()) for n, line in enumerate(lines, start=before + 1) if line.strip()]
     if rows and all(len(words) != channels for _, words in rows):
-        # No line is a whole frame: frames take several lines.
+        # No line is a complete frame, so frames take several lines.
         every = [word for _, words in rows for word in words]
         if len(every) == count * channels:
             return np.array(numbers(every, len(every), str(path))).reshape(count, channels)
@@ -157,7 +157,7 @@ def _read_hierarchy(path: Path, lines: list[str]) -> tuple[_Hierarchy, int]:
 
 
 class _Words:
-    """The words of a hierarchy, one after the other; a brace is a word of its own."""
+    """The words of a hierarchy, one after the other. Braces are separate words."""
 
     def __init__(self, path: Path, lines: list[str]) -> None:
         self._path, self._lines = path, lines
@@ -225,7 +225,7 @@ def _check(joint: _Joint | None, where: str) -> None:
 def _read_head(path: Path, lines: list[str], at: int) -> tuple[int, float, int]:
     """Number of frames, seconds per frame, and the index of the first frame's line.
 
-    Both numbers may be in one line.
+    The first two may be in one line of the file.
     """
     values: list[float] = []
     rest = ""

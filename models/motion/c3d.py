@@ -1,9 +1,9 @@
 """Writes points as C3D, the exchange format of biomechanics, key by key.
 
-Millimetres, z up (`X_SCREEN` +X, `Y_SCREEN` +Z), single precision, Intel byte order; no analog
-channels. Blocks have 512 bytes: a header, the parameters, then four numbers for each point of each
-frame. The number of frames is in three places and is filled in at the end. A number above 65,535 is
-only in `TRIAL:ACTUAL_END_FIELD`, as later users of the format agreed.
+Files have millimetres, z up (`X_SCREEN` +X, `Y_SCREEN` +Z), single precision, Intel byte order, and
+no analog channels. Blocks have 512 bytes: a header, the parameters, then four numbers for each
+point of each frame. The number of frames is in three places and is filled in at the end. A number
+above 65,535 fits only into `TRIAL:ACTUAL_END_FIELD`, a later extension of the format.
 """
 
 from __future__ import annotations
@@ -22,9 +22,9 @@ MILLIMETRES = 1000.0
 INTEL = 84
 """Code of the byte order (Intel)."""
 FLOATING = -1.0
-"""A negative scale means floating point numbers; its size is then not used as a factor."""
+"""Scale of the file. A negative scale means floating point numbers, which are not scaled."""
 MOST = 65_535
-"""Frames that fit into 16 bits."""
+"""Largest number of frames that fits into 16 bits."""
 
 CHAR, INTEGER, REAL = -1, 2, 4
 """Types of parameters."""
@@ -54,7 +54,7 @@ class C3dWriter(MotionWriter):
     def write(self, *hands: Keys) -> None:
         """Appends keys of all hands at the same moments."""
         places = self._points.place(hands)
-        # The fourth number, the residual and the cameras that saw the point, stays 0.
+        # The fourth number, which codes the residual and the cameras that saw the point, stays 0.
         values = np.zeros((*places.shape[:2], 4), "<f4")
         values[..., :3] = MILLIMETRES * places
         self._outputs[0].write(values.tobytes())
@@ -64,8 +64,8 @@ class C3dWriter(MotionWriter):
         """Fills in the number of frames, and pads the last block."""
         out = self._outputs[0]
         if self.frames <= MOST:
-            # If the count does not fit, ezc3d reads to the end of the file and takes a padded block
-            # for frames.
+            # If the count does not fit into 16 bits, ezc3d reads frames up to the end of the file.
+            # It would also read the padding as frames.
             out.write(bytes(-out.file.tell() % BLOCK))
         capped = struct.pack("<H", min(self.frames, MOST))
         out.put(2 * 4, capped)

@@ -1,8 +1,8 @@
-"""Euler angles without jumps: each triple is the equivalent one nearest to the previous triple.
+"""Euler angles without jumps: of all equivalent triples, the one nearest to the previous triple.
 
-R = R_a(alpha) R_b(beta) R_c(gamma), axes a, b, c all different. A rotation has two families of
-triples, (alpha, beta, gamma) and (alpha + pi, pi - beta, gamma + pi), each up to whole turns. At
-the poles, beta = +-pi/2, only alpha +- gamma is determined: gamma then keeps its previous value.
+R = R_a(alpha) R_b(beta) R_c(gamma), with different axes a, b and c. A rotation has two families of
+triples, (alpha, beta, gamma) and (alpha + pi, pi - beta, gamma + pi), each up to full turns. At the
+poles, beta = +-pi/2, only alpha +- gamma is determined; gamma then keeps its previous value.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ POLE = 1e-7
 """Cosine of the middle angle below which the outer two angles cannot be distinguished."""
 
 ZONE = np.deg2rad(75.0)
-"""Middle angle beyond which a joint may change from one family to the other (rad)."""
+"""Middle angle (rad) beyond which a joint may change from one family to the other."""
 
 TURN = 2.0 * np.pi
 
@@ -31,11 +31,11 @@ def angles_of(rotations: Array, order: str) -> Array:
     first = np.arctan2(-sign * rotations[..., b, c], rotations[..., c, c])
     pole = cosine < POLE
     if np.any(pole):
-        # With gamma = 0 the rest of the matrix is a turn about the first axis.
+        # With gamma = 0, the rest of the matrix is a rotation about the first axis.
         alone = np.arctan2(sign * rotations[..., c, b], rotations[..., b, b])
         first = np.where(pole, alone, first)
-    # Near a pole, rounding errors in the matrix change the first angle much. The last angle is
-    # computed after the first rotation is undone, and so compensates for them.
+    # Near a pole, rounding errors in the matrix change the first angle strongly. The last angle is
+    # computed after undoing the first rotation, and so compensates for these errors.
     sine_a, cosine_a = sign * np.sin(first), np.cos(first)
     last = np.arctan2(
         sign * (cosine_a * rotations[..., b, a] + sine_a * rotations[..., c, a]),
@@ -86,8 +86,8 @@ class ContinuousEuler:
         return out
 
     def _frame_by_frame(self, raw: Array, before: Array) -> Array:
-        """Angles of joints that come near a pole: at each moment the family nearer to the last is
-        chosen."""
+        """Angles of joints that come near a pole. At each moment, the family that is nearer to the
+        previous angles is chosen."""
         other = _second_family(raw)
         poles = np.abs(np.cos(raw[..., 1])) < POLE
         near = np.abs(raw[..., 1]) >= ZONE
@@ -103,8 +103,8 @@ class ContinuousEuler:
         return out
 
     def _at_pole(self, raw: Array, before: Array) -> Array:
-        """Angles at a pole: the last angle keeps its previous value, since only the sum or
-        difference of the outer two is known."""
+        """Angles at a pole. Only the sum or the difference of the first and the last angle is
+        known, so the last angle keeps its previous value."""
         a, b, _ = ("XYZ".index(letter) for letter in self.order)
         parity = 1.0 if (b - a) % 3 == 1 else -1.0
         share = np.sign(raw[..., 1]) * parity
@@ -113,7 +113,7 @@ class ContinuousEuler:
 
 
 def _nearest(angles: Array, before: Array) -> Array:
-    """The same angles, shifted by whole turns to be nearest to the previous angles."""
+    """The same angles, shifted by full turns to be nearest to the previous angles."""
     return np.asarray(angles + TURN * np.round((before - angles) / TURN))
 
 
@@ -123,8 +123,7 @@ def _second_family(angles: Array) -> Array:
 
 
 def _unwrapped(raw: Array, before: Array) -> Array:
-    """Angles (n, J, 3) in the family of the previous angles (J, 3), without jumps by whole
-    turns."""
+    """Angles (n, J, 3) in the family of the previous angles (J, 3), without jumps by full turns."""
     second = np.cos(before[..., 1]) < 0
     chosen = np.where(second[..., None], _second_family(raw), raw)
     return np.asarray(np.unwrap(np.concatenate([before[None], chosen]), axis=0)[1:])

@@ -1,9 +1,10 @@
 """Writes skinned hands in motion as one binary glTF 2.0 file (.glb), key by key.
 
-Metres, up is +y. Joints are nested nodes, each in its own frame; a rotated node above the wrist
-turns our z axis up into glTF's y. Keys are linear: a quaternion for every joint, and the wrist's
-position. In the file, the description precedes the numbers, and the numbers of one joint are
-contiguous. Every channel is therefore collected in a temporary file of its own until the end.
+Lengths are metres, and +y is up. Joints are nested nodes, each in its own frame; a node above the
+wrist rotates the world's z axis (up) to glTF's y axis. Keys are interpolated linearly: a quaternion
+for every joint, and the wrist's position. In the file, the description precedes the numbers, and
+the numbers of one joint are contiguous. Every channel is therefore collected in its own temporary
+file until the end.
 """
 
 from __future__ import annotations
@@ -25,7 +26,7 @@ from models.skin.skin import Skin, frames
 from models.skin.skinned_glb import FLOAT, GlbArrays, inverse_binds, material, primitive
 
 UP = [-float(np.sqrt(0.5)), 0.0, 0.0, float(np.sqrt(0.5))]
-"""Quaternion x, y, z, w of the node that turns our z axis up into glTF's y."""
+"""Quaternion x, y, z, w of the node that rotates the world's z axis to glTF's y axis."""
 
 
 class GltfWriter(MotionWriter):
@@ -36,7 +37,7 @@ class GltfWriter(MotionWriter):
         armatures: The hands.
         rate: Rate (Hz) of the keys.
         names: Names of the hands; by default their sides. In a file of several hands they also
-            precede the names of the joints: programs that animate by name need each name once.
+            precede the names of the joints, since programs that animate by name need unique names.
     """
 
     def __init__(

@@ -1,7 +1,7 @@
 """Labelled 3-D markers over time, as Qualisys Track Manager exports them to text.
 
-A header of `KEY<TAB>value` lines, then one line per frame. Where the recorder lost a marker, the
-three numbers are empty, `nan` or all zero. Some systems write decimal commas.
+A file has a header of `KEY<TAB>value` lines, then one line per frame. The three numbers of a marker
+that was not seen are empty, `nan` or all zero. Some systems write decimal commas.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ class MarkerTracks:
     Attributes:
         names: Unique names of the markers.
         time: (T,) s, increasing.
-        places: (T, M, 3) m, positions in the recorder's frame, NaN where a marker was not seen.
+        places: (T, M, 3) m, positions in the recorder's frame; NaN for a marker that was not seen.
         report: Parts of the file that the reader left out or assumed.
     """
 
@@ -51,14 +51,14 @@ def read_markers(path: Path, unit: float = MILLIMETRE) -> MarkerTracks:
         unit: Unit of length of the file (m).
 
     Raises:
-        MotionError: The file is not such a file, is cut short, or contains a number that is not
-            finite.
+        MotionError: The file is not a Qualisys TSV file, is cut short, or contains a number that is
+            not finite.
     """
     report = ReaderReport()
     lines = read_lines(path, "a Qualisys TSV file", report)
     head: dict[str, list[str]] = {}
     at = 0
-    # Keys are capitals; the table begins at the first line without a key.
+    # Keys are in capitals. The table begins at the first line without a key.
     while at < len(lines):
         key, *values = lines[at].rstrip("\t").split("\t")
         if not key or key != key.upper() or key[0].isdigit() or key[0] in "-+.":
@@ -69,15 +69,20 @@ def read_markers(path: Path, unit: float = MILLIMETRE) -> MarkerTracks:
     frames = _count(path, head, "NO_OF_FRAMES")
     rate = numbers([_point(w) for w in head.get("FREQUENCY", [])], 1, f"{path}, FREQUENCY")[0]
     if rate <= 0:
-        raise MotionError("not a frame rate", where=f"{path}, FREQUENCY", got=rate)
-    # A line of column titles may follow, and also columns Frame and Time.
+        raise MotionError(
+            "not a frame rate",
+            where=f"{path}, FREQUENCY",
+            got=rate,
+            expected="a positive number of Hz",
+        )
+    # A line of column titles may follow; the first columns may be Frame and Time.
     titles = lines[at].split("\t") if at < len(lines) else []
     lead = 0
     if titles and titles[0].strip() and not _is_number(titles[0]):
         lead = sum(title.strip() in ("Frame", "Time") for title in titles[:2])
         at += 1
     width = lead + 3 * len(names)
-    # A line consists of tabs alone if no marker was seen.
+    # A frame in which no marker was seen is a line of tabs.
     rows = [
         (n, line)
         for n, line in enumerate(lines[at:], start=at + 1)
@@ -142,7 +147,9 @@ def _names(path: Path, head: dict[str, list[str]]) -> tuple[str, ...]:
 def _count(path: Path, head: dict[str, list[str]], key: str) -> int:
     value = numbers(head.get(key, []), 1, f"{path}, {key}")[0]
     if value < 1 or value != int(value):
-        raise MotionError("not a count", where=f"{path}, {key}", got=value)
+        raise MotionError(
+            "not a count", where=f"{path}, {key}", got=value, expected="a whole number above 0"
+        )
     return int(value)
 
 

@@ -20,7 +20,7 @@ class PlacedJoints(NamedTuple):
     rotations: Array
     """(T, J, 3, 3), the frame attached to each joint."""
     ends: Array
-    """(T, J, 3) m, ends of the bones that have one; NaN elsewhere."""
+    """(T, J, 3) m, ends of the joints' bones; NaN for joints whose bone has no end."""
 
 
 @dataclass(frozen=True)
@@ -34,8 +34,8 @@ class Motion:
         rotations: (T, J, 3, 3), parent from joint.
         ends: (J, 3) m, end of a joint's bone in the joint's frame; NaN for joints without an end.
         frame_time: Duration of one frame (s).
-        numbers: (T,) number of each frame from 0, increasing, if the recorder left frames out; None
-            if it left out none.
+        numbers: (T,) number of each frame from 0, increasing, if the recorder may have left frames
+            out; None for consecutive frames.
         report: Parts of the file that the reader left out or assumed.
     """
 
@@ -89,7 +89,8 @@ def rotations_of_angles(angles: Array, axes: str, *, fixed: bool) -> Array:
     Args:
         angles: Angles in the order of the axes.
         axes: Letters x, y and z.
-        fixed: True rotates about fixed axes (ASF), False about axes that rotate along (BVH).
+        fixed: True rotates about fixed axes (ASF). False rotates about axes that earlier rotations
+            have rotated (BVH).
     """
     out = np.broadcast_to(np.eye(3), (*angles.shape[:-1], 3, 3))
     for i, axis in enumerate(axes):

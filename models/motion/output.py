@@ -1,4 +1,4 @@
-"""Base classes of motion writers, whose files appear complete or not at all."""
+"""Base classes of motion writers. Their files appear complete or not at all."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from models.errors import MotionError
 from models.motion.armature import Keys
 
 NUMBER = "%.6f"
-"""Decimals in text formats with cm and degrees: the rounding error is below 1e-7 m at a
+"""Format of numbers in text formats with cm and degrees. The rounding error is below 1e-7 m at a
 fingertip."""
 
 
@@ -34,7 +34,8 @@ class AtomicFile:
     def __init__(self, path: Path) -> None:
         self.path = path
         try:
-            # A link stays a link. Programs that write the same file use different temporary names.
+            # If the path is a link, its target is replaced, and not the link. Programs that write
+            # the same file use different temporary names.
             self._target = path.resolve()
             self._part = self._target.with_name(f"{path.name}.{token_hex(4)}.part")
             self.file: BinaryIO = self._part.open("x+b")
@@ -56,7 +57,7 @@ class AtomicFile:
         """Overwrites bytes from an offset on.
 
         Raises:
-            MotionError: The disk is too full for the bytes appended before.
+            MotionError: The disk is full.
         """
         try:
             end = self.file.tell()
@@ -93,9 +94,9 @@ class AtomicFile:
 
 
 class MotionWriter(ABC):
-    """Base class of writers that take keys as they come.
+    """Base class of writers to which keys are given batch by batch.
 
-    Used as a context manager: its files appear when the block ends without an error.
+    A writer is a context manager. Its files appear when the block ends without an error.
 
     Attributes:
         frames: Number of frames written so far.
@@ -118,7 +119,7 @@ class MotionWriter(ABC):
 
     @abstractmethod
     def write(self, *hands: Keys) -> None:
-        """Appends the same moments of every hand."""
+        """Appends keys of every hand, all at the same moments."""
 
     def finish(self) -> None:  # noqa: B027 - it need not be written
         """Fills in values that are known only at the end; most formats need none."""

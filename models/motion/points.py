@@ -1,4 +1,4 @@
-"""Named points of moving hands, fingertips and joints, and CSV tables of them."""
+"""Named points of moving hands (fingertips and joints), and CSV tables of these points."""
 
 from __future__ import annotations
 
@@ -21,8 +21,8 @@ class HandPoints:
 
     Attributes:
         armatures: The hands.
-        names: Names of the hands, used as prefixes where there are two.
-        joints: True adds wrist and joints; otherwise fingertips alone.
+        names: Names of the hands, used as prefixes if there are two hands.
+        joints: True adds wrist and joints to the fingertips.
         fingers: Labels of the selected fingers.
     """
 
@@ -63,7 +63,7 @@ class HandPoints:
 
 
 DECIMALS = 9
-"""Decimals: nanometres and nanoseconds."""
+"""Number of decimals; the last decimal is a nanometre or a nanosecond."""
 
 
 class PointsCsvWriter(MotionWriter):

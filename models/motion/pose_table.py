@@ -1,10 +1,10 @@
 """Poses as a CSV table: `time`, then 48 columns, one line per pose.
 
 Columns are named `root_x`, `root_y`, `root_z` (m), `root_rx`, `root_ry`, `root_rz`, and `JOINT_rx`,
-`JOINT_ry`, `JOINT_rz` (rad, rotation vectors) with the joints of the skeleton, `index_mcp` for
-example; or `q0` to `q47` in the order of the pose. Columns may come in any order. Poses are in the
-3-D surface frame: origin at the top left corner, x right, y up the surface, z out of it. Cells are
-separated by commas, semicolons or tabs.
+`JOINT_ry`, `JOINT_rz` (rotation vectors, rad), where JOINT is a joint of the skeleton, such as
+`index_mcp`. Alternatively, they are named `q0` to `q47` in the order of the pose. Columns may be in
+any order. Poses are in the 3-D surface frame: origin at the top left corner, x right, y up the
+surface, z out of it. Cells are separated by commas, semicolons or tabs.
 """
 
 from __future__ import annotations
@@ -43,7 +43,7 @@ def read_pose_table(path: Path, report: ReaderReport) -> tuple[Array, Array]:
         for n, line in enumerate(read_lines(path, "a table of poses", report), start=1)
         if line.strip() and not line.lstrip().startswith("#")
     ]
-    # Spreadsheets write other separators, quotes, and commas in numbers where those are usual.
+    # Depending on the language, spreadsheets write other separators, quotes, and decimal commas.
     separator = max(",;\t", key=lines[0][1].count) if lines else ","
     rows = [(n, [cell.strip().strip('"') for cell in line.split(separator)]) for n, line in lines]
     if separator != ",":
@@ -53,7 +53,7 @@ def read_pose_table(path: Path, report: ReaderReport) -> tuple[Array, Array]:
     wanted = ("time", *(numbered if "q0" in head else COLUMNS))
     if missing := [name for name in wanted if head.count(name) != 1]:
         raise MotionError(
-            "this is not a whole table of poses",
+            "this is not a complete table of poses",
             where=str(path),
             got="without " + ", ".join(missing)[:80],
             expected="a first line with time and q0 .. q47, or " + ", ".join(COLUMNS[:9]) + ", ..",

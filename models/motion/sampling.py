@@ -1,7 +1,7 @@
 """Resamples poses at uneven times to keys at an even rate.
 
-Between two poses the wrist moves straight and joints turn evenly (slerp). Poses are added in
-batches, and only the last pose is kept.
+Between two poses the wrist moves on a straight line, and joints rotate at a constant speed (slerp).
+Poses are added in batches, and only the last pose is stored.
 """
 
 from __future__ import annotations
@@ -17,8 +17,8 @@ from models.motion.output import checked_rate
 from models.rotations import quaternion_to_matrix
 
 MOST = 250_000
-"""Largest number of keys between two poses, 70 minutes at 60 Hz. If a clock leaps by days, the keys
-would exceed any memory."""
+"""Largest number of keys between two poses: 70 minutes at 60 Hz. If a clock jumped by days, the
+keys would exceed any memory."""
 
 SLACK = 1e-6
 """Share of a period by which a key may lie after the last pose, because of rounded clocks."""
@@ -30,7 +30,8 @@ class Poses(NamedTuple):
     Attributes:
         time: (n,) s, increasing.
         root: (n, H, 3) m, wrists in the world.
-        turns: (n, H, 15, 4) unit quaternions w, x, y, z: palm in the world, bones relative to rest.
+        turns: (n, H, 15, 4) unit quaternions w, x, y, z: the palm's in the world, the bones'
+            relative to rest.
     """
 
     time: Array
@@ -39,7 +40,7 @@ class Poses(NamedTuple):
 
 
 class Sampler:
-    """Turns poses into keys.
+    """Converts poses to keys.
 
     Args:
         armatures: The hands.
@@ -53,8 +54,10 @@ class Sampler:
         self._next = 0
 
     def add(self, poses: Poses) -> tuple[Keys, ...] | None:
-        """Adds poses; returns the keys of every hand up to the last of them, or None if there are
-        none.
+        """Adds poses.
+
+        Returns:
+            The new keys of every hand up to the last pose; None if there is no new key.
 
         Raises:
             MotionError: The time of the poses does not increase, or pauses for too long.
@@ -86,7 +89,7 @@ class Sampler:
             "the motion pauses for too long, or its clock was set",
             got=f"{longest:.0f} s without a pose, {after:.2f} s after the first",
             expected=f"at most {MOST / self._rate:.0f} s at {self._rate:g} keys a second",
-            remedy="Cut the recording in two there",
+            remedy="Cut the recording in two at this pause",
         )
 
     def _between(self, time: Array, poses: Poses, at: Array) -> tuple[Keys, ...]:
@@ -105,8 +108,8 @@ class Sampler:
 
 
 def slerp(a: Array, b: Array, share: Array) -> Array:
-    """Spherical interpolation of unit quaternions (..., 4), the shorter way from a (share 0) to b
-    (1)."""
+    """Spherical interpolation of unit quaternions (..., 4) from a (share 0) to b (share 1), by the
+    smaller rotation."""
     cosine = np.sum(a * b, axis=-1, keepdims=True)
     b = np.where(cosine < 0, -b, b)
     # The tangent of half the angle is accurate for small angles.

@@ -1,4 +1,4 @@
-"""Reads whole text files from outside, or refuses them with one clear error."""
+"""Reads whole text files of other programs, or refuses them with one clear error."""
 
 from __future__ import annotations
 
@@ -13,9 +13,10 @@ from models.errors import MotionError
 from models.reader_report import ReaderReport
 
 LARGEST = 512 * 2**20
-"""Largest size in bytes: a day of motion capture is smaller, a decompression bomb is larger."""
+"""Largest size in bytes. A day of motion capture is smaller, a decompression bomb is larger."""
 MOST = 1e15
-"""Greatest length or angle in any unit; squares and sines of larger numbers are not finite."""
+"""Largest length or angle in any unit. Sines of larger angles have no correct digits, and squares
+of much larger lengths overflow."""
 
 
 def read_lines(path: Path, what: str, report: ReaderReport) -> list[str]:
@@ -43,13 +44,15 @@ def read_lines(path: Path, what: str, report: ReaderReport) -> list[str]:
     except (EOFError, zlib.error, gzip.BadGzipFile) as error:
         raise MotionError("the packed file is damaged", where=where, got=str(error)) from None
     except OSError as error:
-        raise MotionError("it cannot be read", where=where, got=error.strerror) from None
+        raise MotionError("the file cannot be read", where=where, got=error.strerror) from None
     if len(data) > LARGEST:
-        raise MotionError("the file is too large", where=where, expected=f"{LARGEST:,} bytes")
+        raise MotionError(
+            "the file is too large", where=where, expected=f"at most {LARGEST:,} bytes"
+        )
     if not data.strip():
         raise MotionError("the file is empty", where=where, expected=what)
     if data[:2] in (b"\xff\xfe", b"\xfe\xff"):
-        # UTF-16, which spreadsheets and editors call Unicode.
+        # Spreadsheets and editors call UTF-16 "Unicode".
         data = data.decode("utf-16", errors="replace").encode()
     if b"\0" in data:
         raise MotionError("this is not text", where=where, expected=what)
@@ -59,8 +62,8 @@ def read_lines(path: Path, what: str, report: ReaderReport) -> list[str]:
 
 def decoded(data: bytes, report: ReaderReport) -> str:
     """The text of a file; reports its encoding if it is not UTF-8."""
-    # Latin-1 comes last, since all bytes are letters in it. It has no letters at 0x80 to 0x9F,
-    # where most characters of Shift-JIS begin.
+    # Latin-1 is tried last, since it can decode any bytes. It has no letters at 0x80 to 0x9F, where
+    # most characters of Shift-JIS begin.
     encodings = ["utf-8-sig", "latin-1"]
     if any(0x80 <= byte < 0xA0 for byte in set(data)):
         encodings.insert(1, "cp932")
@@ -96,7 +99,7 @@ def numbers(tokens: Sequence[str], count: int, where: str) -> list[float]:
             )
         if abs(value) > MOST:
             raise MotionError(
-                "this is too large a number",
+                "the number is too large",
                 where=where,
                 got=token[:40],
                 expected=f"up to {MOST:g}",

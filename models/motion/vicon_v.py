@@ -1,10 +1,10 @@
-"""Vicon V files (.v), read and written: binary motion of a skeleton.
+"""Reader and writer of Vicon V files (.v): binary motion of a skeleton.
 
 After "V#" and a version come sections. A section has a header of 32 bytes with its length and name,
-then records that begin with their length; an empty record ends it. A header of zeros ends the
-sections. Records of numbers follow, one per frame. Numbers are little endian, in millimetres and
-radians, with z up. A segment has a rotation vector `<a-X>` .. `<a-Z>` and, if it moves freely, a
-position `<t-X>` .. `<t-Z>`.
+then records that begin with their length. An empty record ends the section. A header of zeros ends
+the sections. Records of numbers follow, one per frame. Numbers are little endian, in millimetres
+and radians, with z up. A segment has a rotation vector `<a-X>` .. `<a-Z>` and, if it moves freely,
+a position `<t-X>` .. `<t-Z>`.
 
 Only parts of Vicon's own description (issue 2 of 2001) were readable. The rest follows a reader
 that was written for real files (readV.m of ComedyLab).
@@ -34,7 +34,7 @@ SECTION = struct.Struct("<I28s")
 RECORD = struct.Struct("<HHI")
 """Head of a record: length of the rest, group, frame."""
 TYPES = {3: "<i2", 4: "<i4", 5: "<f4", 6: "<f8"}
-"""Sizes of the number types; any other type is a byte."""
+"""Code of a number type -> NumPy's type. Any other code means a byte."""
 
 _LABEL = re.compile(
     r"(?:(?P<subject>[^:]*):)?(?P<segment>.+?)\s*<(?P<kind>[atAT])-(?P<axis>[XYZ])>"
@@ -69,12 +69,14 @@ def read_v(path: Path) -> ViconMotion:
     """
     try:
         if path.stat().st_size > LARGEST:
-            raise MotionError("the file is too large", where=str(path), expected=f"{LARGEST:,}")
+            raise MotionError(
+                "the file is too large", where=str(path), expected=f"at most {LARGEST:,} bytes"
+            )
         data = path.read_bytes()
     except FileNotFoundError:
         raise MotionError("no such file", where=str(path)) from None
     except OSError as error:
-        raise MotionError("it cannot be read", where=str(path), got=error.strerror) from None
+        raise MotionError("the file cannot be read", where=str(path), got=error.strerror) from None
     if data[:2] != MAGIC:
         raise MotionError("this is not a V file", where=str(path), expected="a file that begins V#")
     try:
@@ -90,7 +92,7 @@ def read_v(path: Path) -> ViconMotion:
 def motion_of(
     path: Path, skeleton: ViconSkeleton, motion: ViconMotion, unit: float = MILLIMETRE
 ) -> Motion:
-    """The motion of a skeleton; its markers become joints that never turn.
+    """The motion of a skeleton. Its markers become joints that do not rotate.
 
     Args:
         path: Path of the motion, for messages.
@@ -121,7 +123,7 @@ def motion_of(
         columns[key] = i
     if not columns:
         raise MotionError(
-            "it moves none of the skeleton's segments",
+            "the file moves none of the skeleton's segments",
             where=str(path),
             got=", ".join(motion.labels[:4]),
             expected=f"{skeleton.names[0]} <a-X>",
@@ -199,7 +201,7 @@ def _group(data: bytes, at: int, report: ReaderReport) -> _Group:
     dtype = TYPES.get(kind, "<i1")
     if not (0 < rate < 1e6) or np.dtype(dtype).itemsize != width or not labels:
         raise ValueError
-    # All labels have one encoding, chosen in the same way as in the skeleton's file.
+    # All labels have the same encoding, which is detected as in the skeleton's file.
     text = decoded(b"\n".join(labels), report)
     return _Group(number, dtype, rate, tuple(text.split("\n")))
 
@@ -283,7 +285,7 @@ class VWriter(MotionWriter):
         self.frames += count
 
     def _continuous(self, vectors: Array) -> Array:
-        """Rotation vectors without jumps by whole turns; only those of the wrist could jump."""
+        """Rotation vectors without jumps by full turns. Only those of the wrist could jump."""
         last = vectors[0, 0] if self._last is None else self._last
         chain = np.concatenate([last[None], vectors[:, 0]])
         jumps = np.abs(np.diff(chain, axis=0)).max(axis=1) > np.pi / 2

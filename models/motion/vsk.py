@@ -1,8 +1,9 @@
-"""Vicon skeletons (.vsk), read and written: nested segments, their joints, and markers on them.
+"""Reader and writer of Vicon skeletons (.vsk): nested segments with their joints and markers.
 
-XML, millimetres, radians. A segment's `POSITION` and `ORIENTATION` (a rotation vector) are those of
-its joint in the parent segment; a number may be replaced by the name of a parameter, with a sign.
-The format is not published: this reader follows a genuine file and the reader of the DART library.
+A file is XML, in millimetres and radians. A segment's `POSITION` and `ORIENTATION` (a rotation
+vector) are those of its joint in the parent segment. The name of a parameter, with or without a
+minus sign, may replace a number. The format is not published: this reader follows a genuine file
+and the reader of the DART library.
 """
 
 from __future__ import annotations
@@ -35,7 +36,7 @@ JOINTS = {
 """Kinds of joints, and their degrees of freedom."""
 
 DEEPEST = 100
-"""Deepest nesting of segments; a file with more is treated as damaged."""
+"""Deepest nesting of segments. A file with deeper nesting is treated as damaged."""
 
 
 @dataclass
@@ -124,10 +125,17 @@ class _Reader:
         name = element.get("NAME", "")
         where = f"{self._path}, segment {name}"[:120]
         if not name or name in self.skeleton.names:
-            raise MotionError("a segment needs a name of its own", where=str(self._path), got=name)
+            raise MotionError(
+                "a segment has no name, or the name of another segment",
+                where=str(self._path),
+                got=name,
+                expected="a different name for each segment",
+            )
         if depth > DEEPEST:
             raise MotionError(
-                "segments are nested too deeply", where=where, expected=f"{DEEPEST} deep"
+                "segments are nested too deeply",
+                where=where,
+                expected=f"at most {DEEPEST} levels",
             )
         kinds = [child.tag for child in element if child.tag.startswith("Joint")]
         if len(kinds) != 1 or kinds[0] not in JOINTS:
@@ -151,12 +159,17 @@ class _Reader:
         name, segment = element.get("NAME", ""), element.get("SEGMENT", "")
         where = f"{self._path}, marker {name}"[:120]
         if segment not in self.skeleton.names:
-            raise MotionError("a marker is not on any segment", where=where, got=segment[:40])
+            raise MotionError(
+                "a marker is not on any segment",
+                where=where,
+                got=segment[:40],
+                expected="one of " + ", ".join(self.skeleton.names)[:80],
+            )
         place = self._unit * self._vector(element, "POSITION", where)
         self.skeleton.markers[name] = (self.skeleton.names.index(segment), place)
 
     def _vector(self, element: ElementTree.Element, key: str, where: str) -> Array:
-        """Three numbers (3,) of an attribute, given as numbers or as names of parameters."""
+        """Three numbers (3,) of an attribute; each is a number or the name of a parameter."""
         words = element.get(key, "0 0 0").split()
         return np.array(numbers([self._number(word) for word in words], 3, f"{where}, {key}"))
 

@@ -1,1 +1,1 @@
-"""Hands of robots in the place of ours: their models, mappings, and retargeting."""
+"""Robot hands in place of the built-in hand: their models, mappings, and retargeting."""

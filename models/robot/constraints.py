@@ -1,8 +1,9 @@
-"""Constraints of a robot's model: joints that follow others, and parts that a scene leaves out.
+"""Constraints of a robot's model: joints that follow other joints, and parts that a scene leaves
+out.
 
-A scene contains a new description of the hand, made from the compiled model. Couplings become
-polynomials that the retargeting follows. All other differences are found by a comparison of both
-compiled models, field by field, and named.
+A scene contains a new description of the hand, made from the compiled model. Couplings of joints
+become polynomials that the retargeting follows. All other differences are found by comparing both
+compiled models field by field, and are reported.
 """
 
 from __future__ import annotations
@@ -25,7 +26,8 @@ Law = tuple[float, ...]
 first."""
 
 NARROW = 0.01
-"""Width of a tendon's range below which its two joints are coupled (m or rad)."""
+"""Two joints on a tendon count as coupled if the tendon's range is narrower than this width (m or
+rad)."""
 
 _EQUAL = mujoco.mjtEq
 _FIELDS = {
@@ -50,20 +52,20 @@ _FIELDS = {
         "dof_frictionloss": "friction of joints",
     },
 }
-"""Fields of a compiled model that are compared, with their names for people: all fields that
-determine the places and movements of a hand's parts. Contacts and shapes are the same for every
-robot's hand in a scene."""
+"""Fields of a compiled model that are compared, with their names in messages. These are all fields
+that determine the places and movements of a hand's parts. Contacts and shapes are not compared,
+since a scene sets them equally for all robot hands."""
 _TRIES = 4
-"""Poses at which couplings are compared."""
+"""Number of random poses at which couplings are compared."""
 _NAMES = 4
-"""Most names in a text."""
+"""Largest number of names in a text."""
 _SAME = 1e-6
-"""Largest difference by rounding (m, rad, kg and so on), relative for numbers above 1."""
+"""Relative and absolute tolerance of a comparison (m, rad, kg and so on)."""
 
 
 def coupling_laws(robot: RobotModel) -> Iterator[tuple[str, str, Law]]:
-    """Pairs of joints that an equality or a narrow tendon couples: follower, followed joint,
-    polynomial."""
+    """Yields the pairs of joints that an equality or a narrow tendon couples: names of follower and
+    followed joint, and the follower's polynomial in the angle of the followed joint."""
     model = robot.model
     for e in range(model.neq):
         if _couples(model, e):
@@ -82,8 +84,8 @@ def coupling_laws(robot: RobotModel) -> Iterator[tuple[str, str, Law]]:
 
 
 def not_followed(hand: RobotHand) -> list[str]:
-    """Parts of the robot's model that a hand in a scene lacks or has in another form: one text per
-    kind."""
+    """Parts of the robot's model that the hand in a scene lacks, or that differ there: one text for
+    each kind of part."""
     found: dict[str, list[str]] = {}
     robot = hand.robot
     for kind, name in (
@@ -101,7 +103,8 @@ def not_followed(hand: RobotHand) -> list[str]:
 
 
 def _constraints(hand: RobotHand) -> Iterator[tuple[str, str]]:
-    """Equalities and tendons that have no part in the hand: kind and name."""
+    """Yields kind and name of the equalities and tendons that have no effect on the hand in a
+    scene."""
     robot, coupled = hand.robot, hand.mapping.coupled
     model, bodies = robot.model, set(robot.bodies)
     for e in range(model.neq):
@@ -164,7 +167,7 @@ def _is_followed(hand: RobotHand, equality: int) -> bool:
 
 
 def _actuators(robot: RobotModel) -> Iterator[tuple[str, str]]:
-    """Actuators whose limits are not those of joints: kind and name."""
+    """Yields kind and name of the actuators whose limits cannot become limits of joints."""
     model = robot.model
     known = (
         int(mujoco.mjtTrn.mjTRN_JOINT),
@@ -214,7 +217,7 @@ def _differences(hand: RobotHand) -> Iterator[tuple[str, str]]:
 
 
 def _couples(model: Any, equality: int) -> bool:
-    """True for an equality of two joints that is switched on."""
+    """True for an active equality between two joints."""
     return bool(
         int(model.eq_type[equality]) == int(_EQUAL.mjEQ_JOINT)
         and model.eq_obj2id[equality] >= 0

@@ -1,4 +1,4 @@
-"""Mapping of a robot's hand to a person's hand, as a small TOML file.
+"""Mapping between a robot hand and a person's hand, as a small TOML file.
 
     model = "my_hand.xml"
     side = "right"
@@ -13,8 +13,8 @@
     ff_dip = ["ff_pip", 1.0]
     mf_dip = ["mf_pip", [0.3, 0.9, 0.1]]
 
-A coupled joint follows another one: by the ratio of their angles, or by a polynomial in the other
-joint's angle, rad, whose coefficients begin with the constant one.
+A coupled joint follows another joint: by the ratio of their angles, or by a polynomial in the other
+joint's angle (rad). The polynomial's constant coefficient comes first.
 
 `sandbox devices robot fit` writes such a file.
 """
@@ -43,43 +43,46 @@ REMEDIES = {
     "gymnasium_robotics": "pip install 'hand-sandbox[robots]'",
     "robosuite": "pip install --no-deps robosuite==1.5.2",
 }
-"""Package -> command that installs it. For robosuite, the files of its models are enough; its other
-dependencies require NumPy before 2."""
+"""Package -> command that installs it. Only the model files of robosuite are needed. It is
+installed without its dependencies, which require NumPy before 2."""
 MENAGERIE = "mujoco_menagerie"
-"""Models by Google DeepMind: a repository, which the package robot_descriptions loads into a folder
-of its own, and a package, which loads a model when it is first used."""
+"""Models by Google DeepMind. They are available as a repository, which the package
+robot_descriptions clones into its cache folder, and as a package, which downloads a model when it
+is first used."""
 
 
 URDF = ".urdf"
 MODEL_SUFFIXES = (".xml", URDF)
-"""Suffixes of the kinds of models that MuJoCo reads."""
+"""Suffixes of the model files that MuJoCo reads."""
 
 LEAST_FINGERS = 3
-"""Least number of fingers of a hand, thumb included: with fewer, left and right look alike."""
+"""Least number of fingers of a hand, thumb included. With fewer fingers, left and right hands look
+alike."""
 
 
 @dataclass(frozen=True)
 class RobotMapping:
-    """Content of a mapping file; frames, lengths in m.
+    """Content of a mapping file.
 
     Attributes:
         model: MJCF file of the robot: a path relative to the mapping file, or `package:path` for a
             file inside an installed package or in mujoco_menagerie.
         side: `right` or `left`.
         palm: Name of the body that carries all fingers.
-        tips: Names of the sites or bodies at the middle of the fingertips, thumb first: n of them,
+        tips: Names of the sites or bodies at the middle of the n fingertips, thumb first; n is
             three to five. A hand with four fingertips lacks the little finger, a hand with three
             also the ring finger.
-        radii: (n,) m of the fingertips.
-        scales: (n,) length of each finger relative to that of a person's.
+        radii: (n,) m, radii of the fingertips.
+        scales: (n,) length of each finger relative to that of a person's finger.
         offset: (3,) m, origin of the robot's palm in the frame of a person's hand of trained size.
         turn: (4,) quaternion (w, x, y, z): a person's hand from the robot's palm.
-        coupled: Joints that follow others: name -> name of the followed joint, and the ratio of
-            angles, or the coefficients of a polynomial in the followed joint's angle, rad, from the
-            constant one on.
-        places: (n,) of (3,) m, the middle of the fingertips in the frames of the bodies that `tips`
-            names; empty where `tips` are sites, or bodies that begin there.
-        file: The file that it was read from.
+        coupled: Joints that follow other joints: name -> name of the followed joint, and either the
+            ratio of the angles or the coefficients of a polynomial in the followed joint's angle
+            (rad), the constant coefficient first.
+        places: n positions (3,) m, the middle of each fingertip in the frame of the body that
+            `tips` names. Empty if `tips` are sites, or bodies with their origins at the middle of
+            the fingertips.
+        file: The file from which the mapping was read.
     """
 
     model: str
@@ -106,10 +109,10 @@ class RobotMapping:
                 )
         if len(self.places) not in (0, len(self.tips)):
             raise InputError(
-                "a hand needs as many places of tips as tips, or none",
+                "`places` has another number of entries than `tips`",
                 where=self.file or "mapping",
                 got=len(self.places),
-                expected=str(len(self.tips)),
+                expected=f"{len(self.tips)}, or none",
             )
         for what, some in (
             ("offset", self.offset),
@@ -129,7 +132,7 @@ class RobotMapping:
         laws = {joint: coefficients(law) for joint, (_, law) in self.coupled.items()}
         if still := [joint for joint, law in laws.items() if not any(law[1:])]:
             raise InputError(
-                "a joint with ratio 0 follows no other",
+                "a coupled joint does not depend on the other joint",
                 where=f"{self.file or 'mapping'}, [coupled]",
                 got=", ".join(still),
                 remedy="Leave it out of [coupled]",
@@ -186,7 +189,8 @@ class RobotMapping:
 
 
 def coefficients(law: float | tuple[float, ...]) -> tuple[float, ...]:
-    """Coefficients of a coupling's polynomial, from the constant one on; a ratio has two."""
+    """Coefficients of a coupling's polynomial, the constant coefficient first. A ratio gives two
+    coefficients."""
     return law if isinstance(law, tuple) else (0.0, law)
 
 
@@ -198,15 +202,15 @@ def check_tips(tips: Sequence[str], where: str) -> None:
     """
     if not LEAST_FINGERS <= len(tips) <= len(FINGERS):
         raise InputError(
-            "a hand needs three to five fingertips: the thumb's, then those of index, middle, ring "
-            "and little finger, as far as it has them",
+            "a hand needs three to five fingertips: that of the thumb, then those of index, "
+            "middle, ring and little finger, as far as the hand has them",
             where=where,
             got=len(tips),
             expected=f"{LEAST_FINGERS} to {len(FINGERS)}",
         )
     if twice := [tip for tip in dict.fromkeys(tips) if tips.count(tip) > 1]:
         raise InputError(
-            "every finger needs a fingertip of its own",
+            "two fingers have the same fingertip",
             where=where,
             got=", ".join(twice) + " twice",
         )
@@ -217,7 +221,7 @@ def located(model: str, folder: Path) -> Path:
 
     Args:
         model: Its path, or `package:path` for a file inside an installed package.
-        folder: Folder that paths start from.
+        folder: Folder to which the path is relative.
 
     Raises:
         InputError: The package is not installed, or there is no such file.
@@ -240,24 +244,26 @@ def located(model: str, folder: Path) -> Path:
             )
         path = Path(next(iter(spec.submodule_search_locations))) / inside
     if not path.is_file():
-        raise InputError("this robot's model is not there", where="--robot", got=str(path))
+        raise InputError(
+            "the file of this robot's model does not exist", where="--robot", got=str(path)
+        )
     return path
 
 
 def menagerie() -> Path:
-    """Folder of mujoco_menagerie, where the package robot_descriptions puts it."""
+    """Folder of mujoco_menagerie, in which the package robot_descriptions stores it."""
     cache = os.environ.get("ROBOT_DESCRIPTIONS_CACHE") or "~/.cache/robot_descriptions"
     return Path(cache).expanduser() / MENAGERIE
 
 
 def _in_menagerie(inside: str) -> Path:
-    """A file of mujoco_menagerie: of a clone, or of the package."""
+    """Path of a file of mujoco_menagerie, from a clone or from the package."""
     path = menagerie() / inside
     if path.is_file():
         return path
     if find_spec(MENAGERIE) is None:
         raise InputError(
-            "mujoco_menagerie with this hand's model is not there",
+            "mujoco_menagerie, which contains this hand's model, is not installed",
             where="--robot",
             got=str(path),
             remedy="pip install mujoco-menagerie, or git clone --depth 1 "
@@ -269,7 +275,7 @@ def _in_menagerie(inside: str) -> Path:
         return Path(package.get(robot).path()) / file
     except package.MenagerieError as error:
         raise InputError(
-            "mujoco_menagerie cannot give this hand's model", where="--robot", got=str(error)
+            "mujoco_menagerie cannot provide this hand's model", where="--robot", got=str(error)
         ) from None
 
 
@@ -294,7 +300,7 @@ def load_mapping(path: Path) -> RobotMapping:
 
 
 def digest(*parts: bytes) -> str:
-    """Digest of a hand, of the bytes of its parts."""
+    """Digest of a hand, computed from the bytes of its parts."""
     whole = hashlib.blake2b(digest_size=16)
     for part in parts:
         whole.update(len(part).to_bytes(8, "little") + part)
@@ -314,12 +320,12 @@ def _numbers(values: tuple[float, ...]) -> str:
 
 
 ROBOTS = ("shadow", "adroit", "inspire", "allegro", "leap")
-"""Hands that are known by name. The first two are in the package gymnasium-robotics, the extra
-`robots`: the Shadow Dexterous Hand, and Adroit, which is a Shadow Hand on an arm with other limits.
-The Inspire Hand is in the package robosuite, whose dependencies clash with ours, so no extra
-includes it. The Allegro Hand and the LEAP Hand, which have no little finger, are in
-mujoco_menagerie: in a clone at the place of the package robot_descriptions, or in the package
-mujoco-menagerie."""
+"""Hands that are known by name. The package gymnasium-robotics (extra `robots`) contains the Shadow
+Dexterous Hand, and Adroit, which is a Shadow Hand on an arm with other joint limits. The package
+robosuite contains the Inspire Hand; its dependencies conflict with those of this program, so no
+extra includes it. mujoco_menagerie contains the Allegro Hand and the LEAP Hand, which have no
+little finger. It is read from a clone in the folder of the package robot_descriptions, or from the
+package mujoco-menagerie."""
 
 
 def find_robot(name: str) -> RobotMapping:
@@ -343,7 +349,7 @@ def find_robot(name: str) -> RobotMapping:
     mapping = path.with_suffix(".toml")
     if not mapping.is_file():
         raise InputError(
-            "this model has no mapping to a person's hand beside it",
+            "this model has no mapping file beside it",
             where="--robot",
             got=name,
             expected=str(mapping),

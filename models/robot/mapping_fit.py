@@ -1,9 +1,10 @@
-"""Fit of a mapping between a robot's hand and a person's, from the robot's model and tips' names.
+"""Fits a mapping between a robot hand and a person's hand.
 
-The hand's side is the side on which the fingers of a person's hand span a similar volume. The
-robot's palm is laid over the person's by the places of knuckles and fingertips. Then it is moved to
-the place where the robot's fingers meet the person's fingertips in many poses with joints near the
-middle of their ranges.
+The input is the robot's model and the names of its fingertips. The robot hand is a right or a left
+hand, depending on which hand of a person has a more similar signed volume (`volume`). First, the
+robot's palm is laid over the person's palm, so that knuckles and fingertips are near each other.
+Then it is moved to the place at which the robot's fingers reach the person's fingertips best, in
+many poses with joints near the middle of their ranges.
 """
 
 from __future__ import annotations
@@ -33,15 +34,15 @@ from models.single_pose import SinglePose
 from models.skeleton import ADULT, Skeleton
 
 SLICE = 0.006
-"""Length of the part of a link that counts as its end (m)."""
+"""Length (m) of the part of a link that counts as its end."""
 
 
 class TipEnd(NamedTuple):
     """The round end of a link.
 
     Attributes:
-        place: (3,) m, its middle in the frame of the link's body.
-        radius: Half of its least width (m).
+        place: (3,) m, the middle of the end, in the frame of the link's body.
+        radius: Half of the least width (m) of the end.
     """
 
     place: tuple[float, float, float]
@@ -49,7 +50,7 @@ class TipEnd(NamedTuple):
 
 
 def tip_ends(model: Any, bodies: Iterable[str]) -> list[TipEnd]:
-    """Ends of links, as far from the origins of their bodies as their meshes go.
+    """Ends of links, at the points of their meshes that are farthest from the bodies' origins.
 
     Args:
         model: MuJoCo's model of the robot.
@@ -66,13 +67,13 @@ def _end(model: Any, name: str) -> TipEnd:
     points = _points(model, body) if body >= 0 else np.zeros((0, 3))
     if not len(points):
         raise InputError(
-            "this robot has no body of this name with a mesh, whose end would be a fingertip",
+            "this robot has no body of this name with a mesh",
             where="--tips",
             got=name,
             remedy="Name sites at the fingertips, and leave --ends out",
         )
     far = points[np.argmax(np.sum(points * points, axis=1))]
-    # The end may be cut off askew: its direction is that of all points near it.
+    # The end may be cut off at an angle. Its direction is therefore that of all points near it.
     along = np.mean(_last(points, far), axis=0)
     along /= np.sqrt(np.sum(along * along))
     last = _last(points, along)
@@ -86,7 +87,7 @@ def _end(model: Any, name: str) -> TipEnd:
 
 
 def _last(points: Array, along: Array) -> Array:
-    """Points within the last part of a link in a direction."""
+    """Points of a link within `SLICE` of its end in a direction (3,)."""
     height = points @ (along / np.sqrt(np.sum(along * along)))
     return points[height > height.max() - SLICE]
 
@@ -105,21 +106,25 @@ def _points(model: Any, body: int) -> Array:
 
 
 STRAIGHT, BENT = 0.1, 0.7
-"""Shares of the range of flexion."""
+"""Shares of the range of flexion at which fingers count as straight and as bent."""
 NEARER = 0.03
-"""A thumb's tip lies on one side of the fingers if its distances to the outer fingers' tips differ
-by more than this share."""
+"""The thumb is beside one of the outer fingers if its distances to the tips of both differ by more
+than this share."""
 LEAST_WAY = 1e-6
-"""Length (m) below which a vector has no direction."""
+"""Length (m) below which a vector has no usable direction."""
 
 
 def volume(knuckles: Array, straight: Array, bent: Array) -> float:
-    """Volume with its sign, -1 to 1; NaN for fingers that do not bend, for example without ranges.
+    """Signed volume, -1 to 1, of unit vectors across the fingers, along them, and in the direction
+    in which they close.
+
+    It is NaN for fingers that do not bend, for example because their joints have no ranges. Left
+    and right hands have opposite signs.
 
     Args:
         knuckles: (n, 3) m, beginnings of the fingers, from the index finger on.
-        straight: (n, 3) m, their tips when they are straight.
-        bent: (n, 3) m, their tips when they are bent.
+        straight: (n, 3) m, tips of the straight fingers.
+        bent: (n, 3) m, tips of the bent fingers.
     """
     across = knuckles[0] - knuckles[-1]
     along = np.mean(straight - knuckles, axis=0)
@@ -132,16 +137,16 @@ def volume(knuckles: Array, straight: Array, bent: Array) -> float:
 
 
 def robot_volume(robot: RobotModel) -> float:
-    """The volume of a robot's hand."""
+    """The signed volume (see `volume`) of a robot's hand."""
     knuckles, straight = robot.bent(STRAIGHT)
     return volume(knuckles[1:], straight[1:], robot.bent(BENT)[1][1:])
 
 
 def order_of(robot: RobotModel) -> list[int]:
-    """The numbers of the fingers without the thumb, 1 to n - 1, as they lie in the hand.
+    """The numbers of the fingers without the thumb, 1 to n - 1, in their order across the palm.
 
-    The first is the finger beside the thumb. If the thumb is about as far from both outer fingers,
-    the first is the outer finger with the smaller number.
+    The first is the finger beside the thumb. If the thumb is about equally far from both outer
+    fingers, the first is the outer finger with the smaller number.
     """
     knuckles, tips = robot.bent(STRAIGHT)
     fingers = range(1, len(knuckles))
@@ -156,7 +161,12 @@ def order_of(robot: RobotModel) -> list[int]:
 
 
 def person_volume(person: Skeleton, fingers: int = len(FINGERS)) -> float:
-    """The volume of a person's hand, of its first fingers; the count includes the thumb."""
+    """The signed volume (see `volume`) of a person's hand.
+
+    Args:
+        person: The hand.
+        fingers: Number of fingers that count, including the thumb, from the thumb on.
+    """
     knuckles = np.array([person.bones[bone].anchor for bone in person.first_bone])
     straight, bent = (SinglePose(person).tips(flexed(person, share)) for share in (STRAIGHT, BENT))
     own = slice(1, fingers)
@@ -181,30 +191,31 @@ _GEOM = mujoco.mjtGeom
 RADIUS = 0.008
 """Radius (m) of a fingertip whose shape has no radius."""
 POSES, SPREAD = 16, 0.35
-"""Number of poses of the fit, and their distance from the middle of each joint's range, as a share
-of half the range."""
+"""Number of poses of the fit, and the largest distance of their joints from the middle of the
+range, as a share of half the range."""
 ROUNDS = 5
-"""Number of rounds. In each round, the hand follows all poses, and the palm is moved to the mean of
-its places."""
+"""Number of rounds. In each round, the robot hand follows all poses, and the palm of the mapping is
+moved to the mean of its places."""
 READY = 1e-2, 1e-1
-"""Variances (m2, rad2) of the palm's movement while its pose is fitted."""
+"""Variances (m2, rad2) of the palm's movement while its place is fitted."""
 HELD = 1e-9, 1e-8
 """Variances (m2, rad2) of the palm's movement while errors are measured; the palm is then fixed."""
 LEAST_SIZE, GREATEST_SIZE = 0.2, 5.0
-"""Lengths of fingers that a robot's hand can have, relative to a person's."""
+"""Least and greatest possible length of a robot's fingers, relative to those of a person."""
 UNITS = {"millimetres": 1e-3, "centimetres": 1e-2, "inches": 0.0254}
-"""Units (m) in which models are drawn by mistake."""
+"""Units (m) that models use by mistake in place of metres."""
 _BENT = (0.1, 0.4, 0.7)
 """Shares of the range of flexion at which hands are laid over each other."""
 _MOST_LINKS = 3
-"""Largest number of links that count for a finger's length; a link before them is within the
+"""Largest number of links in a finger's length, from the fingertip. Links before them belong to the
 palm."""
 
 
 def _check_order(robot: RobotModel, tips: Sequence[str]) -> None:
-    """Checks that fingertips are given from the finger beside the thumb on.
+    """Checks that the fingertips are those of the thumb and then, in order, of the fingers beside
+    it.
 
-    In another order, the hand would count as a hand of the other side.
+    In the opposite order, a right hand would count as a left hand.
 
     Raises:
         InputError: The fingertips are given in another order.
@@ -215,7 +226,7 @@ def _check_order(robot: RobotModel, tips: Sequence[str]) -> None:
             "the fingertips are in another order than the fingers",
             where="--tips",
             got=",".join(tips),
-            expected="the thumb, and then from the finger beside it on",
+            expected="the thumb, then the other fingers from the one beside the thumb on",
             remedy=f"--tips {','.join(order)}, or --hand right or left for this order",
         )
 
@@ -228,13 +239,13 @@ class MappingFit:
         mapping: The mapping.
         errors: (poses, n) m, distance of each fingertip from the person's fingertip, with a fixed
             palm.
-        shape: Root mean square distance (m) of knuckles and fingertips of both hands, laid over
-            each other and bent alike.
+        shape: Root mean square distance (m) between knuckles and fingertips of the robot's and the
+            person's hand, laid over each other and equally bent.
         mirrored: The same distance (m) for the person's other hand.
-        side: Difference between the volumes of both hands (`models.robot.mapping_fit`); NaN without
-            ranges of joints.
+        side: Difference between the signed volumes of the robot's and the person's hand (`volume`);
+            NaN if the joints have no ranges.
         other_side: The same difference for the person's other hand.
-        not_followed: Parts of the model that the hand in a scene lacks or has in another form.
+        not_followed: Parts of the model that the hand in a scene lacks, or that differ there.
     """
 
     mapping: RobotMapping
@@ -261,9 +272,10 @@ def fit_mapping(
         tips: Names of the sites or bodies at the middle of the n fingertips, thumb first. A hand
             with four fingertips lacks the little finger, a hand with three also the ring finger.
         palm: Name of the body that carries all fingers; empty finds it.
-        model: The model's place to be written into the mapping; empty uses the file's name.
-        ends: True if `tips` are the bodies of last links, whose meshes end with the fingertips.
-        hand: `right` or `left`; empty finds the side, which needs the ranges of joints.
+        model: Place of the model to be written into the mapping; empty uses the file's name.
+        ends: True if `tips` are the bodies of the last links, and the ends of their meshes are the
+            fingertips.
+        hand: `right` or `left`; empty finds the side, for which the joints need ranges.
 
     Raises:
         InputError: The model cannot be used.
@@ -315,11 +327,11 @@ def fit_mapping(
 
 
 class _Laid(NamedTuple):
-    """A robot's palm laid over a person's.
+    """A robot's palm laid over a person's palm.
 
     Attributes:
         turn: (4,) quaternion, person from robot.
-        offset: (3,) m, origin of the robot's palm in the person's.
+        offset: (3,) m, origin of the robot's palm in the frame of the person's hand.
         error: Root mean square distance of knuckles and fingertips (m).
     """
 
@@ -329,7 +341,11 @@ class _Laid(NamedTuple):
 
 
 def _moved(mapping: RobotMapping, person: Skeleton) -> tuple[RobotMapping, Array]:
-    """The mapping with its palm at the best place, and errors (poses, n) m with a fixed palm."""
+    """Moves the palm of a mapping to the best place.
+
+    Returns:
+        The changed mapping, and its errors (poses, n) m with a fixed palm.
+    """
     poses = _poses(person)
     for _ in range(ROUNDS):
         follow = _retargeter(mapping, person, READY)
@@ -339,7 +355,7 @@ def _moved(mapping: RobotMapping, person: Skeleton) -> tuple[RobotMapping, Array
             qpos = follow.follow(q)
             places.append(qpos[:3])
             turns.append(qpos[3:7])
-        # The scales move the palm away from the fingertips; the offset is the remaining distance.
+        # The scales move the palm away from the fingertips. The offset is the rest of the distance.
         scales = np.array(mapping.scales)[:, None]
         tips = [SinglePose(person).tips(q)[: len(scales)] for q in poses]
         rest = [p - np.mean((1.0 - scales) * t, axis=0) for p, t in zip(places, tips, strict=True)]
@@ -360,7 +376,8 @@ def _retargeter(mapping: RobotMapping, person: Skeleton, palm: tuple[float, floa
 
 
 def _poses(person: Skeleton) -> list[Array]:
-    """Poses (48,) of a hand at the origin: the middle one, and others around it."""
+    """Poses (48,) of a hand at the origin: the zero pose, and random poses around the middle of the
+    joints' ranges."""
     rng = np.random.default_rng(0)
     middle, half = 0.5 * (person.lower + person.upper), 0.5 * (person.upper - person.lower)
     out = []
@@ -373,12 +390,13 @@ def _poses(person: Skeleton) -> list[Array]:
 
 
 def _laid_over(robot: RobotModel, person: Skeleton) -> _Laid:
-    """The robot's hand laid over the person's, by knuckles and fingertips of bent hands."""
+    """Lays the robot's hand over the person's hand, so that knuckles and fingertips of equally bent
+    hands are near each other (least squares)."""
     fingers = len(robot.tips)
     knuckles = np.array([person.bones[i].anchor for i in person.first_bone])[:fingers]
     theirs, own = [], []
     for share in _BENT:
-        # The joints of thumbs differ between hands, so only the place where a thumb begins is used.
+        # The joints of thumbs differ between hands, so only the beginning of the thumb is used.
         bases, tips = robot.bent(share)
         theirs += [knuckles, SinglePose(person).tips(flexed(person, share))[1:fingers]]
         own += [bases, tips[1:]]
@@ -393,7 +411,7 @@ def _laid_over(robot: RobotModel, person: Skeleton) -> _Laid:
 
 
 def _carrier(path: Path, tips: Sequence[str]) -> str:
-    """Name of the last body that is above all fingertips."""
+    """Name of the last body in the tree that carries all fingertips."""
     model, _ = compiled(path)
     above: list[int] | None = None
     for name in tips:
@@ -420,19 +438,23 @@ def _carrier(path: Path, tips: Sequence[str]) -> str:
     carrier = above[0] if above else 0
     if carrier == 0 and _whole_hands(model):
         raise InputError(
-            "these fingertips are not on one hand", where="--tips", got=", ".join(tips)
+            "these fingertips are not all on the same hand",
+            where="--tips",
+            got=", ".join(tips),
+            remedy="Name the fingertips of one hand",
         )
     return str(model.body(carrier).name)
 
 
 def _whole_hands(model: Any) -> bool:
-    """True if the world has bodies that branch again: then it carries hands and is not a palm."""
+    """True if a body other than the world carries several bodies. Such bodies are palms, so the
+    world is not the palm."""
     parents = [int(model.body_parentid[b]) for b in range(1, model.nbody)]
     return any(parents.count(b) > 1 for b in range(1, model.nbody))
 
 
 def _check_size(robot: RobotModel, person: Skeleton) -> None:
-    """Refuses a hand many times as large or small as a person's: its unit is not the metre."""
+    """Refuses a hand many times larger or smaller than a person's, whose unit is not the metre."""
     sizes = _scales(robot, person)
     size = float(np.median(sizes))
     if LEAST_SIZE < size < GREATEST_SIZE:
@@ -441,7 +463,7 @@ def _check_size(robot: RobotModel, person: Skeleton) -> None:
     raise InputError(
         "the fingers of this hand have lengths that no hand has",
         where=str(robot.path),
-        got=f"{size:.3g} times those of a person's",
+        got=f"{size:.3g} times the lengths of a person's fingers",
         expected=f"{LEAST_SIZE:g} to {GREATEST_SIZE:g} times",
         remedy=f"Is the model in {' or '.join(units)}? MuJoCo's unit is the metre"
         if units
@@ -450,7 +472,7 @@ def _check_size(robot: RobotModel, person: Skeleton) -> None:
 
 
 def _coupled(robot: RobotModel) -> dict[str, tuple[str, float | tuple[float, ...]]]:
-    """Joints that equalities or narrow tendons couple to others, with polynomials."""
+    """Joints that equalities or narrow tendons couple to other joints, as in a mapping."""
     model, names = robot.model, set(robot.joint_names())
     driven = {
         model.joint(int(model.actuator_trnid[a, 0])).name
@@ -471,13 +493,13 @@ def _coupled(robot: RobotModel) -> dict[str, tuple[str, float | tuple[float, ...
 
 
 def _rounded(joint: str, law: Law) -> tuple[str, float | Law]:
-    """A coupling in the form of a mapping: a ratio where the polynomial is one."""
+    """A coupling in the form of a mapping: a ratio if the polynomial is only a ratio."""
     return joint, law[1] if not law[0] and not any(law[2:]) else law
 
 
 def _free_joint(name: str, coupled: Mapping[str, tuple[str, Law]]) -> tuple[str, Law]:
-    """The free joint at the end of a joint's chain of couplings, and the polynomial in its
-    angle."""
+    """The free joint at the end of a joint's chain of couplings, and the joint's polynomial in the
+    angle of the free joint."""
     joint, law = coupled[name]
     while joint in coupled:
         joint, step = coupled[joint]
@@ -487,7 +509,7 @@ def _free_joint(name: str, coupled: Mapping[str, tuple[str, Law]]) -> tuple[str,
 
 
 def _radii(robot: RobotModel) -> tuple[float, ...]:
-    """Radii (m) of the rounded shapes at the fingertips."""
+    """Radii (m) of the capsules and spheres at the fingertips."""
     model, round_ = robot.model, [int(_GEOM.mjGEOM_CAPSULE), int(_GEOM.mjGEOM_SPHERE)]
     out = []
     for body, _ in robot.tips:
@@ -498,7 +520,7 @@ def _radii(robot: RobotModel) -> tuple[float, ...]:
 
 
 def _scales(robot: RobotModel, person: Skeleton) -> tuple[float, ...]:
-    """Length of each finger, relative to the person's."""
+    """Length of each finger, relative to the person's finger."""
     out = []
     for finger in range(len(robot.tips)):
         theirs = sum(bone.length for bone in person.bones if bone.finger == finger)

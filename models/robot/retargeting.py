@@ -1,12 +1,12 @@
 """Retargeting: a robot's hand takes the pose of a person's hand, fingertip to fingertip.
 
 Each step solves a damped least-squares problem: fingertips go to their places, joints stay within
-their ranges and near the middle of them, and the palm stays near its place. This place is that of
-the person's palm, with the distance to every fingertip multiplied by the finger's scale. Fingers
-that touch weigh more than fingers in the air.
+their ranges and near the middle of them, and the palm stays near its place. This place is computed
+from that of the person's palm, by multiplying its distance to every fingertip by the finger's
+scale. Fingers that touch weigh more than fingers in the air.
 
-MuJoCo places and differentiates the fingertips, and all products are in fixed order, so the result
-depends on MuJoCo's version and the system's libm alone.
+MuJoCo places and differentiates the fingertips, and all products are in fixed order. So the result
+depends only on MuJoCo's version and the system's libm.
 """
 
 from __future__ import annotations
@@ -41,13 +41,13 @@ ROOT_PLACE = 7
 """Number of coordinates of the palm's place in `qpos`."""
 
 PALM_MOVES, PALM_TURNS = 2e-4, 5e-3
-"""Variances (m2, rad2) of the palm's movement, relative to 1 rad2 of a finger's joint. A fingertip
-is moved by its finger; the palm moves only where the finger cannot reach."""
+"""Variances (m2, rad2) of the palm's movement, relative to 1 rad2 of a finger's joint. Fingers move
+their fingertips; the palm moves only if a finger cannot reach its place."""
 TOUCHING, IN_THE_AIR = 2e-6, 2e-4
 """Damping (m2) of fingertips that touch, and of other fingertips."""
 HOMING = 0.15
-"""Share of the way to the middle of a joint's range, or to the palm's place, that is gone in a step
-as far as the fingertips allow."""
+"""In a step, each joint covers this share of the way to the middle of its range, and the palm this
+share of the way to its place, as far as the fingertips allow."""
 LONGEST_STEP = 0.35
 """Largest change of a joint in a step (rad or m), within which the derivative is accurate."""
 STEPS, FIRST_STEPS = 6, 60
@@ -55,31 +55,33 @@ STEPS, FIRST_STEPS = 6, 60
 CLOSE = 5e-5
 """Distance (m) of touching fingertips from their places below which no more steps are needed."""
 REACHED = 0.005
-"""Distance (m) from its touch within which a fingertip counts as having reached it."""
+"""A fingertip counts as having reached its touch within this distance (m)."""
 _GRID = 2000
-"""Parts into which a joint's range is divided to find where a curve is within another range."""
+"""Number of parts into which a joint's range is divided, to find the part in which its follower is
+within the follower's range."""
 _ROUNDING = 1e-6
-"""Angle (rad) by which a follower may leave its range: models round their numbers."""
+"""Angle (rad) by which a follower may leave its range, since models contain rounded numbers."""
 _PASSES = 3
-"""Number of times that joints at their limits are left out and the step is solved again."""
+"""Largest number of times that a step is solved, each time without the joints that are at their
+limits."""
 
 
 class Retargeter:
     """Follows poses of one person's hand with a robot's hand.
 
-    It starts from its last result, so it serves one movement at a time.
+    Each pose starts from the last result, so an object serves one movement at a time.
 
     Args:
         model: MuJoCo's model of the robot's hand alone: a palm on three slides and a ball joint,
-            hinges, and sites at the fingertips, with their fingers' names: of n fingers, thumb
-            first.
+            j further joints, and a site at the tip of each of the n fingers, with the finger's
+            name.
         skeleton: The person's hand.
         scales: (n,) length of each finger relative to that of the person.
         offset: (3,) m, origin of the robot's palm in the frame of the person's hand.
         turn: (4,) quaternion, person's hand from robot's palm.
-        followers: Joints that follow others: (n,) number of the followed joint, or the joint's own;
-            and n polynomials in the followed joint's angle, each by its coefficients from the
-            constant one on.
+        followers: For each of the j joints, the number of the joint that it follows, or its own
+            number; and the coefficients of a polynomial in the followed joint's angle, the constant
+            coefficient first.
         palm: Variances (m2, rad2) of the palm's movement from its place.
 
     Attributes:
@@ -102,21 +104,21 @@ class Retargeter:
         count = model.nv
         self._master, laws = followers
         self._ratio = np.array([law[1] for law in laws])
-        # Joints whose polynomial is more than a ratio.
+        # Followers whose polynomial is not just a ratio.
         self._curved = [
             (joint, int(self._master[joint]), law)
             for joint, law in enumerate(laws)
             if law[0] or any(law[2:])
         ]
         low, high = model.jnt_range[4:].T.copy()
-        # The range of a followed joint is limited so that its followers stay within theirs.
+        # The range of a followed joint is limited so that its followers stay within their ranges.
         for joint, (master, law) in enumerate(zip(self._master, laws, strict=True)):
             if master != joint:
                 ends = _within(law, (low[joint], high[joint]), (low[master], high[master]))
                 low[master], high[master] = max(low[master], ends[0]), min(high[master], ends[1])
         self._low, self._high = low, high
         self._middle = 0.5 * (low + high)
-        # Matrix from free joints to all joints, since followers move along.
+        # Matrix from movements of free joints to those of all joints, including followers.
         self._free = np.array([m == j for j, m in enumerate(self._master)])
         self._spread = np.zeros((count, count))
         self._spread[:ROOT, :ROOT] = np.eye(ROOT)
@@ -137,7 +139,7 @@ class Retargeter:
 
     @property
     def missed(self) -> frozenset[int]:
-        """Labels of the fingers that touch and did not reach their places, or that this hand
+        """Labels of the touching fingers that did not reach their places, or that this hand
         lacks."""
         off = (f for f in self._touching if self.off[f] > REACHED)
         return frozenset(off) | self._lacking
@@ -147,7 +149,7 @@ class Retargeter:
         self._last = None
 
     def follow(self, q: Array, fingers: Collection[int] = range(len(FINGERS))) -> Array:
-        """Joint positions (7 + n,) of the robot's hand for a pose (48,) of the person's.
+        """Joint positions (7 + j,) of the robot's hand for a pose (48,) of the person's hand.
 
         Args:
             q: The pose.
@@ -167,7 +169,8 @@ class Retargeter:
             qpos[:3], qpos[3:ROOT_PLACE] = place, turn
             steps = FIRST_STEPS
         else:
-            # The palm moves with the person's and keeps its distance from its place.
+            # The palm moves with the person's palm. Its distance from its own place does not
+            # change.
             before, before_turn, now = self._last[:3], self._last[3:7], self._last[7:]
             away = np.empty(4)
             back = before_turn * np.array([1.0, -1.0, -1.0, -1.0])
@@ -188,7 +191,7 @@ class Retargeter:
         return max(self.off[finger] for finger in fingers)
 
     def _palm(self, q: Array, targets: Array) -> tuple[Array, Array]:
-        """Place (3,) m and quaternion (4,) to which the robot's palm is drawn."""
+        """Place (3,) m and quaternion (4,) near which the robot's palm should stay."""
         rotation = exp(q[ROOT_ROTATION])
         palm = q[ROOT_POSITION] + stacked_applied(rotation, self._offset)
         wanted = targets + self._scales[:, None] * (palm - targets)
@@ -246,8 +249,8 @@ class Retargeter:
         data.qpos[ROOT_PLACE:] = self._all(new)
 
     def _all(self, angles: Array) -> Array:
-        """Angles (n,) of all joints; those of followers are computed from the joints that they
-        follow."""
+        """Angles (j,) of all joints. Angles of followers are computed from those of the joints that
+        they follow."""
         out = angles[self._master] * self._ratio
         for joint, master, law in self._curved:
             out[joint] = _polynomial(law, float(angles[master]))
@@ -255,7 +258,7 @@ class Retargeter:
 
 
 def _polynomial(law: Sequence[float], x: float) -> float:
-    """Value of a polynomial by its coefficients, from the constant one on."""
+    """Value of a polynomial, given its coefficients, the constant coefficient first."""
     value = 0.0
     for c in reversed(law):
         value = value * x + c
@@ -271,7 +274,7 @@ def _within(
 ) -> tuple[float, float]:
     """Range of a joint in which its follower is within the follower's own range.
 
-    If the curve leaves the range and comes back, the result is the longest part.
+    If there are several such ranges, the result is the longest of them.
 
     Args:
         law: The follower's polynomial.
@@ -293,7 +296,7 @@ def _within(
             start = i + 1
     if best[1] < best[0]:
         raise InputError(
-            "a coupled joint is outside of its range wherever the joint is that it follows",
+            "a coupled joint is outside of its range at all angles of the joint that it follows",
             where="[coupled]",
             got=str(list(law)),
         )

@@ -1,4 +1,4 @@
-"""A robot's hand in a scene, in the place of ours."""
+"""A robot's hand in a scene, in place of the built-in hand."""
 
 from __future__ import annotations
 
@@ -33,8 +33,8 @@ from models.single_pose import SinglePose
 from models.skeleton import ADULT, Skeleton
 
 STIFFNESS = 4.0
-"""Stiffness (N m/rad) of the servo of a finger's joint, at servo stiffness 1: our fingers have 1.5
-to 8."""
+"""Stiffness (N m/rad) of the servo of a finger's joint, at servo stiffness 1. The fingers of the
+built-in hand have 1.5 to 8."""
 CLASS = "robot"
 """MJCF default class of robots' hands."""
 
@@ -43,20 +43,21 @@ CLASS = "robot"
 class RobotHand:
     """A robot's hand that follows a person's; implements `models.hand.SceneHand`.
 
-    Its palm moves freely, carried by servos like our hand's, which stand for the arm. A finger's
-    servos are limited to the robot's own torque, where its model contains one. Collisions use a
-    capsule for every link, from joint to joint, and from the last joint to the fingertip. The
-    robot's own shapes are only visible.
+    Its palm moves freely, carried by servos like those of the built-in hand, which represent the
+    arm. The servos of the fingers are limited to the robot's own torques if its model contains
+    them. Collisions use a capsule for every link, from joint to joint, and from the last joint to
+    the fingertip. The robot's own shapes are only visible.
 
     Attributes:
         name: Prefix of its elements' names.
-        mapping: The robot, and how it stands for a person's hand.
-        person: The person's hand, whose poses it follows.
-        size: Length of the person's hand relative to the trained one.
-        impulse: Impulse limit of every servo, N s (N m s) per 1/60 s.
+        mapping: The robot, and its mapping to a person's hand.
+        person: The person's hand, whose poses the robot's hand follows.
+        size: Length of the person's hand relative to the trained hand.
+        impulse: Impulse limit of every servo, in N s or N m s per 1/60 s.
         stiffness: Factor on the stiffness of all servos.
-        solid_end: Length (m) of the part of a last link that collides, measured from the tip, where
-            only fingertips are solid; None makes the whole link collide.
+        solid_end: Length (m) of the colliding part of a last link if only fingertips are solid,
+            measured from the fingertip; None makes the whole link collide.
+        skeleton: None, so that views show the robot's own shapes.
     """
 
     name: str
@@ -90,7 +91,7 @@ class RobotHand:
 
     @cached_property
     def links(self) -> tuple[Link, ...]:
-        """Links of its fingers, each with a body of its own that has y along the link."""
+        """Links of its fingers. Each has its own body, with y along the link."""
         out: list[Link] = []
         for finger, label in enumerate(FINGERS[: len(self.mapping.tips)]):
             own = [link for link in self.robot.links if link.finger == finger]
@@ -107,7 +108,7 @@ class RobotHand:
         return tuple(out)
 
     def defaults(self) -> Element:
-        """The default class of robots' hands: contacts as those of our hand."""
+        """The default class of robots' hands: contacts like those of the built-in hand."""
         default = Element("default", {"class": CLASS})
         SubElement(
             default,
@@ -202,11 +203,11 @@ class RobotHand:
         return RobotFollower(self.retargeter())
 
     def coordinates(self, qpos: Array) -> Array:
-        """Joint positions (..., 7 + n) as numbers (..., 6 + n), which are controls."""
+        """Joint positions (..., 7 + n), converted to numbers (..., 6 + n) as in the controls."""
         return _controls(qpos)
 
     def joint_positions(self, q: Array) -> Array:
-        """Joint positions (7 + n,) at a pose (48,), retargeted without an earlier pose."""
+        """Joint positions (7 + n,) at a pose (48,), which do not depend on earlier poses."""
         self._still.reset()
         return self._still.follow(q)
 
@@ -280,7 +281,7 @@ class RobotHand:
         return mujoco.MjModel.from_xml_string(tostring(root, encoding="unicode"))
 
     def _forces(self, limit: float) -> list[float]:
-        """Torque limits (N m) of the joints' servos: those of the robot, but at most ours."""
+        """Torque limits (N m) of the joints' servos: those of the robot, but at most `limit`."""
         names, own = self.robot.joint_names(), self.robot.force_limits()
         for joint, (other, _) in self.mapping.coupled.items():
             # A tendon pulls both joints.
@@ -322,7 +323,7 @@ class RobotFollower:
 
     @property
     def missed(self) -> frozenset[int]:
-        """Labels of the fingers that touch and that the robot could not bring to their places."""
+        """Labels of the touching fingers that the robot could not bring to their places."""
         return self._retargeter.missed
 
 

@@ -1,7 +1,7 @@
 """A robot's hand as MuJoCo compiles it, cut off at its palm.
 
-MuJoCo compiles the whole description on its own, with its defaults, meshes and includes. The bodies
-below the palm go into our scene as plain MJCF, so neither names nor settings can clash.
+MuJoCo compiles the whole description separately, with its defaults, meshes and includes. The bodies
+below the palm go into the scene as plain MJCF, so neither names nor settings can clash.
 """
 
 from __future__ import annotations
@@ -48,10 +48,10 @@ WORLD_PALM_MASS, WORLD_PALM_INERTIA = 0.3, 3e-4
 """Mass (kg) and inertia (kg m2) of a palm that is part of the world, similar to those of a person's
 palm."""
 _FINITE = ("body_pos", "body_quat", "body_ipos", "body_inertia", "jnt_pos", "jnt_axis", "jnt_range")
-"""Numeric fields that determine the places of fingers."""
+"""Numeric fields of MuJoCo's model that determine the places of fingers."""
 DEGREES = UNITS["angle"]["deg"]
 RADIANS = 1.0 / DEGREES
-"""Factors that correct angles that were taken for radians, or for degrees."""
+"""Factors that correct degrees that were read as radians, and radians that were read as degrees."""
 MESHES = (".obj", ".stl", ".msh")
 """Suffixes of the meshes that MuJoCo reads."""
 _BALANCED = "inertias that no body can have, made equal about all axes"
@@ -66,7 +66,7 @@ class RobotLink:
     Attributes:
         finger: Label of its finger.
         body: Number of its body in the robot's own model.
-        end: (3,) m, its end in the frame of its body, which begins at its joint.
+        end: (3,) m, its end in the frame of its body, whose origin is at the link's joint.
     """
 
     finger: int
@@ -79,16 +79,15 @@ class RobotModel:
 
     Args:
         path: Its MJCF or URDF file.
-        palm: Name of the body that carries all fingers; `world` where the palm is a part of the
-            world.
+        palm: Name of the body that carries all fingers; `world` if the palm is a part of the world.
         tips: Names of the sites or bodies at the middle of the fingertips, thumb first.
-        places: (3,) m each, the middle of the fingertips in the frames of these bodies; without
-            places, the bodies' origins are used.
+        places: (3,) m each, the middle of the fingertips in the frames of these bodies; if empty,
+            the bodies' origins.
 
     Attributes:
         path: Its MJCF file.
         model: MuJoCo's model of the whole description.
-        mended: Repairs of the description: kinds of faults and names of bodies.
+        mended: Repaired or omitted parts of the description, and warnings: kinds and names.
         joints: Numbers of the hinges and slides below the palm, in MuJoCo's order.
         links: Links with a length of their own, finger by finger, from the palm outwards.
 
@@ -126,18 +125,19 @@ class RobotModel:
         for field in _FINITE:
             if not np.isfinite(getattr(model, field)).all():
                 raise InputError(
-                    "a number of this robot's model is none",
+                    "a number of this robot's model is not finite",
                     where=self._where,
                     got=f"nan or inf in {field}",
                 )
         self._check_ranges()
-        # MuJoCo treats such a joint as one without limits.
+        # MuJoCo treats a joint with such a range as a joint without limits.
         empty = [j for j in self.joints if model.jnt_range[j, 0] > model.jnt_range[j, 1]]
         if empty:
             raise InputError(
-                "a joint of this robot's hand has a range from a greater to a smaller number",
+                "a range of a joint of this robot's hand begins with its higher value",
                 where=self._where,
                 got=", ".join(model.joint(j).name for j in empty)[:400],
+                expected="the lower value first",
             )
         self.tips = [
             self._tip(name, place)
@@ -146,7 +146,7 @@ class RobotModel:
         self.links = tuple(link for finger in range(len(self.tips)) for link in self._links(finger))
 
     def _check_ranges(self) -> None:
-        """Refuses ranges of hinges that are degrees taken for radians, or the other way round."""
+        """Refuses ranges of hinges if degrees were read as radians, or radians as degrees."""
         model = self.model
         hinges = [j for j in self.joints if model.jnt_limited[j] and model.jnt_type[j] == _HINGE]
         if not hinges:
@@ -158,7 +158,7 @@ class RobotModel:
         raise InputError(
             "the joints of this hand have ranges that no finger has",
             where=self._where,
-            got=f"{width:.3g} rad in the middle",
+            got=f"{width:.3g} rad as the median",
             expected=f"{RANGE.least:g} to {RANGE.most:g} rad",
             remedy=f"Are they written in {'radians' if units[0] > 1 else 'degrees'}? The model's "
             "compiler says which unit angles have; those of a URDF are radians"
@@ -171,7 +171,7 @@ class RobotModel:
         return [self.model.joint(j).name for j in self.joints]
 
     def scene_names(self) -> list[str]:
-        """Names of the joints below the palm in a scene, without the name of the hand."""
+        """Names, in a scene, of the joints below the palm, without the prefix of the hand."""
         return [_own(self.model.joint(j).name) or f"joint{j}" for j in self.joints]
 
     def limits(self) -> Array:
@@ -181,7 +181,7 @@ class RobotModel:
         return np.where(limited, model.jnt_range[self.joints], [[-np.pi, np.pi]])
 
     def force_limits(self) -> Array:
-        """(n,) N m, greatest torque of the actuators of every joint, in its stronger direction.
+        """Greatest torque (n,) N m of the actuators of every joint, in its stronger direction.
 
         Actuators of fixed tendons count for all joints of the tendon. The torque of joints without
         a limit is infinite.
@@ -197,7 +197,7 @@ class RobotModel:
         return np.array([min(actuators.get(j, np.inf), own[j]) for j in self.joints])
 
     def _actuator_force(self, actuator: int) -> float:
-        """Greatest force of an actuator, before its gear; infinite where the model has no limit."""
+        """Greatest force of an actuator, before its gear; infinite if the model has no limit."""
         model = self.model
         limits = [np.inf]
         if model.actuator_forcelimited[actuator]:
@@ -213,7 +213,10 @@ class RobotModel:
         return min(limits)
 
     def _arms(self, actuator: int) -> list[tuple[int, float]]:
-        """Joints that an actuator moves, each with its torque per force; empty for others."""
+        """Joints that an actuator moves, each with its torque per force of the actuator.
+
+        Empty for actuators that move neither a joint nor a fixed tendon.
+        """
         model = self.model
         kind, target = int(model.actuator_trntype[actuator]), int(model.actuator_trnid[actuator, 0])
         gear = float(model.actuator_gear[actuator, 0])
@@ -224,7 +227,7 @@ class RobotModel:
         return []
 
     def fixed_tendon(self, tendon: int) -> list[tuple[int, float]]:
-        """Joints of a fixed tendon with their coefficients; empty for a tendon in space."""
+        """Joints of a fixed tendon with their coefficients; empty for a spatial tendon."""
         model = self.model
         start, count = int(model.tendon_adr[tendon]), int(model.tendon_num[tendon])
         part = slice(start, start + count)
@@ -237,8 +240,8 @@ class RobotModel:
         """Beginnings of the fingers, and fingertips, (n, 3) m each in the palm's frame.
 
         Args:
-            share: Share of the range by which joints are bent that bend one way only; other joints
-                are in the middle of their ranges.
+            share: Share of its range by which a joint is bent if it bends in one direction only.
+                Other joints are in the middle of their ranges.
         """
         model, data = self.model, mujoco.MjData(self.model)
         low, high = self.limits().T
@@ -263,7 +266,7 @@ class RobotModel:
         return total(length(np.array(link.end)) for link in own[-most:])
 
     def fill(self, parent: Element, body: int, prefix: str) -> dict[int, Element]:
-        """Adds a body's contents, and the bodies below it, to an element of MJCF.
+        """Adds the contents of a body, and the bodies below it, to an element of MJCF.
 
         Args:
             parent: Element of the body.
@@ -271,7 +274,7 @@ class RobotModel:
             prefix: Beginning of all names.
 
         Returns:
-            The elements by the number of their body.
+            Number of a body -> its element.
         """
         model, elements = self.model, {body: parent}
         for joint in range(model.njnt):
@@ -310,7 +313,7 @@ class RobotModel:
         return elements
 
     def assets(self, prefix: str) -> list[Element]:
-        """MJCF assets of its meshes, with their points written out."""
+        """MJCF assets of its meshes, which contain the points themselves."""
         model, out = self.model, []
         seen = [g for body in self.bodies for g in self._seen(body)]
         for mesh in sorted({int(model.geom_dataid[g]) for g in seen} - {-1}):
@@ -366,7 +369,7 @@ class RobotModel:
         return np.asarray(values)[self.model.jnt_dofadr[self.joints]]
 
     def scene_body(self, body: int) -> str:
-        """Name of a body in a scene, without the name of the hand."""
+        """Name of a body in a scene, without the prefix of the hand."""
         return _own(self.model.body(body).name) or f"body{body}"
 
     def _below(self, body: int) -> bool:
@@ -393,8 +396,7 @@ class RobotModel:
 
         Args:
             name: Name of a site or body.
-            inside: Position (m) of the fingertip in the frame of that body; of no meaning for a
-                site.
+            inside: Position (m) of the fingertip in the frame of that body; ignored for a site.
         """
         model = self.model
         site = int(mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_SITE, name))
@@ -416,7 +418,7 @@ class RobotModel:
         return body, (float(place[0]), float(place[1]), float(place[2]))
 
     def _links(self, finger: int) -> list[RobotLink]:
-        """Links of a finger that have a length, from the palm outwards: two or more."""
+        """Links of a finger that have a length, from the palm outwards: at least two."""
         model, (body, end) = self.model, self.tips[finger]
         links: list[RobotLink] = []
         while body != self.palm:
@@ -434,12 +436,13 @@ class RobotModel:
             raise InputError(
                 f"the {FINGERS[finger]} of a robot's hand must have two links or more",
                 where=self._where,
-                got=len(links),
+                got=f"{len(links)} links longer than {1000 * LEAST_LINK:g} mm",
             )
         return links
 
     def _seen(self, body: int) -> list[int]:
-        """Geoms that show a body: those of the visible groups, or all geoms if none is visible."""
+        """Geoms that show a body: those of the visible groups, or all geoms if no geom is in a
+        visible group."""
         model = self.model
         own = [g for g in range(model.ngeom) if int(model.geom_bodyid[g]) == body]
         own = [g for g in own if int(model.geom_type[g]) in _TYPES]
@@ -447,8 +450,8 @@ class RobotModel:
         return list({self._shape(g): g for g in reversed(own)}.values())[::-1]
 
     def _shape(self, geom: int) -> tuple[object, ...]:
-        """Key of a geom's look without its colour: some models contain each shape twice, to be
-        visible and to collide."""
+        """Key of a geom's shape and place. Some models contain each shape twice: once to be
+        visible, and once to collide."""
         model, mesh = self.model, int(self.model.geom_dataid[geom])
         arrays = [model.geom_pos[geom], model.geom_quat[geom], model.geom_size[geom]]
         if int(model.geom_type[geom]) == int(_GEOM.mjGEOM_MESH):
@@ -503,7 +506,7 @@ class RobotModel:
 
 
 LEAST_ARMATURE = 2e-4
-"""Armature below which a servo on links of a few grams is unstable (kg m2)."""
+"""Least armature (kg m2) of a joint. With less, a servo on links of a few grams is unstable."""
 
 
 def of_mapping(mapping: RobotMapping) -> RobotModel:
@@ -525,11 +528,12 @@ def _of_file(
 
 
 def compiled(path: Path) -> tuple[Any, tuple[tuple[str, str], ...]]:
-    """MuJoCo's model of a file, and its repaired or omitted parts: kinds and names.
+    """MuJoCo's model of a file, and its repaired or omitted parts and warnings: kinds and names.
 
-    A URDF that MuJoCo refuses is read again. Shapes whose files MuJoCo cannot read are left out
-    where the link's inertia is given, and physically impossible inertias are corrected. In MJCF,
-    the author can set these options.
+    A URDF that MuJoCo refuses is read again with repairs. If MuJoCo cannot read the file of a
+    shape, the shape is left out, provided that the inertia of its link is given. Physically
+    impossible inertias are corrected. MJCF is not repaired, since its author can set such options
+    in the file.
 
     Raises:
         InputError: The file is of another kind, or MuJoCo cannot compile it.
@@ -537,7 +541,7 @@ def compiled(path: Path) -> tuple[Any, tuple[tuple[str, str], ...]]:
     if path.suffix.lower() not in MODEL_SUFFIXES:
         # MuJoCo would print a warning of its own in addition to its error.
         raise InputError(
-            "this is no model of a robot",
+            "this is not a model of a robot",
             where=str(path),
             expected="an MJCF file (.xml) or a URDF (.urdf)",
         )
@@ -556,7 +560,7 @@ def compiled(path: Path) -> tuple[Any, tuple[tuple[str, str], ...]]:
             "MuJoCo cannot read this robot",
             where=str(path),
             got=" ".join(str(error).split())[:300],
-            remedy="Open it in MuJoCo's viewer (python -m mujoco.viewer) to see what it says",
+            remedy="Open it in MuJoCo's viewer (python -m mujoco.viewer) to see the whole error",
         ) from None
     mended += [("warnings of MuJoCo", " ".join(text.split())) for text in dict.fromkeys(warnings)]
     return model, tuple(mended)
@@ -564,7 +568,7 @@ def compiled(path: Path) -> tuple[Any, tuple[tuple[str, str], ...]]:
 
 @contextmanager
 def _warnings() -> Iterator[list[str]]:
-    """The warnings that MuJoCo would print."""
+    """Collects the warnings that MuJoCo would print; yields the list of them."""
     found: list[str] = []
     before = mujoco.get_mju_user_warning()
     mujoco.set_mju_user_warning(found.append)
@@ -577,14 +581,18 @@ def _warnings() -> Iterator[list[str]]:
 def _spec(path: Path) -> Any:
     spec = mujoco.MjSpec.from_file(str(path))
     if path.suffix.lower() == URDF:
-        # Without this option, MuJoCo merges fixed links, such as palms and fingertips, into others.
+        # By default, MuJoCo merges the fixed links of a URDF, such as palms and fingertips, with
+        # their parents.
         spec.compiler.fusestatic = False
     return spec
 
 
 def _without_unreadable_shapes(spec: Any) -> list[tuple[str, str]]:
-    """Leaves out meshes of a URDF whose files MuJoCo cannot read; returns the kind and the links'
-    names."""
+    """Leaves out meshes of a URDF whose files MuJoCo cannot read.
+
+    Returns:
+        Pairs of the kind of repair and the name of a link.
+    """
     folder = Path(spec.modelfiledir) / spec.meshdir
     unreadable = {
         mesh.name
@@ -602,7 +610,11 @@ def _without_unreadable_shapes(spec: Any) -> list[tuple[str, str]]:
 
 
 def _with_possible_inertias(spec: Any) -> list[tuple[str, str]]:
-    """Lets MuJoCo correct inertias that break A + B >= C; returns the kind and the links' names."""
+    """Lets MuJoCo correct inertias that break A + B >= C.
+
+    Returns:
+        Pairs of the kind of repair and the name of a link.
+    """
     spec.compiler.balanceinertia = True
     found = []
     for body in spec.bodies:
@@ -625,7 +637,8 @@ def link_turn(end: tuple[float, float, float]) -> Array:
 
 
 def _own(name: str) -> str:
-    """Name in a scene for a part of a robot whose own name the scene already uses."""
+    """Name, in a scene, of a part of a robot. It differs from the part's own name if the scene
+    already uses that name."""
     return f"own_{name}" if _OURS.fullmatch(name) else name
 
 

@@ -1,1 +1,1 @@
-"""Mesh of the hand's skin: posing, colours, and export as glTF."""
+"""The mesh of the hand's skin: posing, colours, and export as glTF."""

@@ -27,7 +27,7 @@ Colour = tuple[float, float, float]
 PALE: Colour = (0.910, 0.735, 0.630)
 WARM: Colour = (0.880, 0.560, 0.470)
 SHADE: Colour = (0.62, 0.42, 0.36)
-"""Colours of skin, of skin where blood shows through, and the factor on either in a deep crease."""
+"""Colour of skin, colour of skin where blood shows through, and factor on both in a deep crease."""
 NAIL: Colour = (0.93, 0.71, 0.65)
 CUFF: Colour = (0.93, 0.94, 0.95)
 SLEEVE: Colour = (0.16, 0.20, 0.27)
@@ -37,7 +37,7 @@ def tone_colours(tone: Array) -> Array:
     """Colours (..., 3) of skin tones (..., 2): warmth and brightness, 0 to 1."""
     pale, warm, shade = (np.array(c) for c in (PALE, WARM, SHADE))
     lit = pale + (warm - pale) * tone[..., :1]
-    # A shadow on skin is reddish, not grey, since light comes out of flesh red.
+    # A shadow on skin is reddish, since light that has passed through flesh is red.
     return np.asarray(lit * (1.0 - (1.0 - tone[..., 1:]) * (1.0 - shade)))
 
 
@@ -50,7 +50,8 @@ BONES = 15
 """Number of bones: palm and 14 phalanges."""
 SKIN_FILE = "data/skin.npz"
 FULL = 255
-"""Sum of the integer weights of a vertex, so that weights sum to exactly one in every format."""
+"""Sum of the integer weights of a vertex. With integers, weights sum to exactly one in every
+format."""
 
 
 @dataclass(frozen=True)
@@ -71,10 +72,11 @@ class Skin:
         skeleton: The bones that move it.
         rest: (n, 3) m, vertices at the zero pose.
         triangles: (m, 3) vertices, counterclockwise seen from outside.
-        bones: (n, 4) bones that move a vertex: 0 the palm, then the skeleton's in its order.
-        weights: (n, 4) weights of these bones, integers that sum to 255, the greatest first.
-        tone: (n, 2) 0 to 1: warmth and brightness of the skin there; on a nail, closeness to its
-            free edge, and 1.
+        bones: (n, 4) bones that move each vertex: 0 is the palm, then the skeleton's bones in their
+            order.
+        weights: (n, 4) weights of these bones, integers that sum to 255, the largest first.
+        tone: (n, 2) numbers from 0 to 1: warmth and brightness of the skin at each vertex. On a
+            nail, the first number is the closeness to its free edge, and the second is 1.
         parts: The parts in the order of the vertices.
     """
 
@@ -104,7 +106,7 @@ class Skin:
         if skeleton is self.skeleton:
             return self
         same = skeleton.side == self.skeleton.side
-        # Stretched on the skin's own side, since mirrored bones have mirrored frames.
+        # The skin is stretched before it is mirrored, since mirrored bones have mirrored frames.
         target = skeleton if same else skeleton.mirrored()
         places, turns = frames(target, np.zeros(POSE_SIZE))
         here, rotation = frames(self.skeleton, np.zeros(POSE_SIZE))
@@ -130,8 +132,8 @@ class Skin:
         """Vertices (..., n, 3) m for given positions and rotations of the bones.
 
         Args:
-            positions: (..., 15, 3) m, the palm's origin and the ball joints, in any one frame.
-            rotations: (..., 15, 3, 3) of palm and bones in it.
+            positions: (..., 15, 3) m, the palm's origin and the ball joints, in any frame.
+            rotations: (..., 15, 3, 3) of palm and bones, in the same frame.
         """
         blended = self._blended(positions, rotations)
         return np.einsum("...nij,nj->...ni", blended[..., :3], self.rest) + blended[..., 3]
@@ -147,7 +149,7 @@ class Skin:
         return frames(self.skeleton, np.zeros(POSE_SIZE))
 
     def at(self, q: ArrayLike) -> Array:
-        """Vertices (..., n, 3) m at poses (..., 48), in the frame of the pose's root."""
+        """Vertices (..., n, 3) m at poses (..., 48), in the frame in which the poses are given."""
         return self.posed(*frames(self.skeleton, q))
 
 
@@ -201,7 +203,7 @@ def normals_of(vertices: Array, triangles: NDArray[np.int64]) -> Array:
 
 
 def _stretch(old: Skeleton, new: Skeleton) -> Array:
-    """Stretch factors (15, 3) across, along and through the palm and each bone."""
+    """Stretch factors (15, 3) of the palm and each bone: in width, length and thickness."""
     knuckles = [np.array([s.bones[i].anchor for i in s.first_bone[1:]]) for s in (old, new)]
     wide = np.ptp(knuckles[1][:, 0]) / np.ptp(knuckles[0][:, 0])
     long = knuckles[1][:, 1].mean() / knuckles[0][:, 1].mean()

@@ -2,10 +2,10 @@
 
     python -m models.skin.skinned_glb hand.glb
 
-Metres. Up is +y, as in glTF: a node above the hand rotates our z axis into it. All joints are
-direct children of that node and are placed at the zero pose, so that a program that knows the
-bodies' poses can set them one by one. Weights are normalised bytes and colours linear, as the
-standard requires.
+Lengths are metres. Up is +y, as glTF requires: a node above the hand rotates the hand's z axis to
+it. All joints are direct children of this node and are placed at the zero pose. So a program that
+knows the poses of the bodies can set the joints one by one. Weights are normalised bytes and
+colours are linear, as the standard requires.
 """
 
 from __future__ import annotations
@@ -48,7 +48,7 @@ MATERIALS: dict[str, tuple[Colour, float]] = {
     "cuff": (CUFF, 0.90),
     "sleeve": (SLEEVE, 0.95),
 }
-"""sRGB colour and roughness of each kind of part; skin has a colour at each vertex instead."""
+"""Kind of a part -> its sRGB colour and roughness. The colour of skin is stored at each vertex."""
 
 
 def glb(skin: Skin, name: str = "hand") -> bytes:
@@ -124,7 +124,7 @@ def material(part: str) -> dict[str, Any]:
 
 
 def inverse_binds(places: Array, turns: Array) -> Array:
-    """Matrices (15, 16) from the mesh to each joint, column by column."""
+    """Matrices (15, 16) from the mesh to each joint, each stored column by column."""
     matrices = np.tile(np.eye(4), (len(places), 1, 1))
     matrices[:, :3, :3] = np.swapaxes(turns, 1, 2)
     matrices[:, :3, 3] = -np.einsum("bji,bj->bi", turns, places)
@@ -170,11 +170,13 @@ class GlbArrays:
         return len(self._accessors) - 1
 
     def append(self, count: int, component: int, kind: str, **bounds: list[float]) -> int:
-        """Adds an accessor to `count` values that the caller appends to the buffer; returns its
-        number.
+        """Adds an accessor of `count` values that the caller writes after the buffer.
 
-        The values must follow the arrays in the order of these calls, each a multiple of 4 bytes
-        long.
+        The values must follow the arrays in the order of these calls. The length of each must be a
+        multiple of 4 bytes.
+
+        Returns:
+            The number of the accessor.
         """
         size = count * COMPONENTS[kind] * np.dtype(TYPES[component]).itemsize
         view = {"buffer": 0, "byteOffset": len(self.bytes) + self._behind, "byteLength": size}
@@ -192,7 +194,8 @@ class GlbArrays:
         return len(self._accessors) - 1
 
     def head(self, document: dict[str, Any]) -> bytes:
-        """The bytes before the buffer: header, description, and the head of the buffer's chunk."""
+        """The bytes in front of the buffer: header, description, and the head of the buffer's
+        chunk."""
         size = len(self.bytes) + self._behind
         document |= {
             "accessors": self._accessors,

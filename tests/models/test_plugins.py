@@ -47,8 +47,12 @@ def test_a_place_is_a_file_or_a_module_with_a_class_and_an_argument(
     ("body", "member", "says"),
     [
         ("1/0", "", "this lamp cannot be lit.*ZeroDivisionError"),
-        ("class A: pass\nclass B: pass", "", "unclear which lamp.*A, B.*one lamp, or lab.py:CLASS"),
-        ("x = 1", "", "unclear which lamp.*no lamp"),
+        (
+            "class A: pass\nclass B: pass",
+            "",
+            "not define exactly one lamp.*A, B.*one lamp, or lab.py:CLASS",
+        ),
+        ("x = 1", "", "not define exactly one lamp.*no lamp"),
         ("class A: pass", ":C", "nothing of this name.*'C'.*expected A"),
         ("def __getattr__(name): raise OSError(name)", ":C", "cannot be lit.*OSError: C"),
     ],

@@ -262,7 +262,7 @@ def test_fingertips_of_two_hands_in_one_scene_are_refused(tmp_path: Path) -> Non
     arm = text[start:end]
     second = arm.replace('name="', 'name="second_')
     path.write_text(text.replace(arm, arm + second), encoding="utf-8")
-    with pytest.raises(InputError, match="not on one hand"):
+    with pytest.raises(InputError, match="not all on the same hand"):
         fit_mapping(path, (*TIPS[:4], "second_little_tip"))
 
 
@@ -304,7 +304,7 @@ def test_a_file_of_another_kind_is_refused_in_one_line(
 ) -> None:
     path = tmp_path / "hand.txt"
     path.write_text("no model", encoding="utf-8")
-    with pytest.raises(InputError, match=r"no model of a robot.*\.urdf"):
+    with pytest.raises(InputError, match=r"not a model of a robot.*\.urdf"):
         fitted(path)
     assert capfd.readouterr().err == ""
 
@@ -448,7 +448,7 @@ def test_ranges_that_are_degrees_taken_for_radians_or_the_other_way_round_are_re
     path = urdf_hand(tmp_path)
     text = path.read_text(encoding="utf-8").replace('upper="1.5"', 'upper="86"')
     path.write_text(text, encoding="utf-8")
-    with pytest.raises(InputError, match=r"got '86 rad in the middle'.*written in degrees"):
+    with pytest.raises(InputError, match=r"got '86 rad as the median'.*written in degrees"):
         fitted(path)
     path = edited(
         tmp_path,
@@ -462,5 +462,5 @@ def test_a_number_that_is_none_is_named(tmp_path: Path) -> None:
     path = urdf_hand(tmp_path)
     text = path.read_text(encoding="utf-8").replace('xyz="0 .028 0"', 'xyz="0 nan 0"')
     path.write_text(text, encoding="utf-8")
-    with pytest.raises(InputError, match=r"a number of this robot's model is none.*body_pos"):
+    with pytest.raises(InputError, match=r"a number of this robot's model is not finite.*body_pos"):
         fitted(path)

@@ -229,7 +229,7 @@ def test_hands_of_mujoco_menagerie_come_from_its_package_where_there_is_no_clone
     package.__dict__.update(get=Robot, MenagerieError=LookupError)
     monkeypatch.setitem(sys.modules, "mujoco_menagerie", package)
     assert find_robot("allegro").path == model
-    with pytest.raises(InputError, match=r"cannot give this hand's model.*no network"):
+    with pytest.raises(InputError, match=r"cannot provide this hand's model.*no network"):
         _ = find_robot("leap").path
 
 
@@ -276,11 +276,11 @@ def bad_mappings() -> dict[str, tuple[str, str, str]]:
         "no such side": ('side = "right"', 'side = "upper"', "no such side"),
         "not TOML": ("tips = [", "tips = ", "not a mapping"),
         "a word for a number": ("scales = [", 'scales = ["long", ', "not a mapping"),
-        "no model": ("right_hinges.xml", "wrong_hinges.xml", "is not there"),
+        "no model": ("right_hinges.xml", "wrong_hinges.xml", "does not exist"),
         "too few places": (
             "radii = [",
             "places = [[0, 0, 0]]\nradii = [",
-            "as many places of tips",
+            "`places` has another number",
         ),
         "a package that is not there": (
             "right_hinges.xml",
@@ -300,7 +300,7 @@ def bad_mappings() -> dict[str, tuple[str, str, str]]:
         "a ratio of 0": (
             "turn = [",
             'coupled.ring_dip = ["ring_pip", 0.0]\nturn = [',
-            "a joint with ratio 0 follows no other .got 'ring_dip'",
+            "a coupled joint does not depend on the other joint .got 'ring_dip'",
         ),
         "a radius too many": ("radii = [", "radii = [0.01, ", "as many radii as tips"),
     }
@@ -346,7 +346,7 @@ def test_models_that_are_no_hands_are_refused(tmp_path: Path) -> None:
             fit_mapping(path, wrong)
     whole = hinge_hand(tmp_path).read_text(encoding="utf-8")
     path.write_text(whole.replace('range="0 90"', 'range="90 0"', 1))
-    with pytest.raises(InputError, match=r"greater to a smaller number .got 'thumb_mcp'"):
+    with pytest.raises(InputError, match=r"begins with its higher value .got 'thumb_mcp'"):
         fit_mapping(path, TIPS)
     for name in TIPS:
         whole = whole.replace(f'<site name="{name}"', "<site")
