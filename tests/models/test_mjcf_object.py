@@ -324,7 +324,7 @@ def test_an_object_beside_the_origin_of_its_body_is_refused_with_its_offset(
     x: float, y: float
 ) -> None:
     away = mjcf(f'<geom type="box" size=".02 .03 .01" pos="{x:.6f} {y:.6f} 0"/>')
-    with pytest.raises(InputError, match="beside the origin") as error:
+    with pytest.raises(InputError, match="not at the origin") as error:
         MjcfObject("thing", away, 0.1)
     assert f"{1000 * x:.0f}" in str(error.value)
 
