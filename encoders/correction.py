@@ -37,8 +37,8 @@ the compression of the flesh, as in the captures."""
 _JOINT_OFFSET = JOINTS.start
 
 _ACTIVE_SET_ROUNDS = 10
-"""Most rounds of fixing joints at the ends of their ranges and releasing them; usually two or
-three."""
+"""Largest number of rounds of fixing joints at the ends of their ranges and releasing them; two or
+three usually suffice."""
 _EXACT = 1e-10
 """Variance (rad2) of the measurement that fixes a joint."""
 _SLACK = 1e-6
@@ -54,9 +54,9 @@ class Corrected(NamedTuple):
 
 
 class _Seen:
-    """Touching fingertips at a pose, and their Jacobian, which is computed once it is needed.
+    """Touching fingertips at a pose, and their Jacobian, which is computed on first use.
 
-    The kinematics must not place another pose before that.
+    Until then, the kinematics must not place another pose.
 
     Args:
         kinematics: Kinematics of the touching fingers.
@@ -77,7 +77,7 @@ class _Seen:
         return self._jacobian
 
     def shifted(self, q: Array) -> _Seen:
-        """The same at a pose (48,) that differs only in the root's position."""
+        """The fingertips at a pose (48,) that differs only in the root's position."""
         return _Seen(self.kinematics, q, self.tips + (q[:3] - self.q[:3]), self.jacobian())
 
 
@@ -90,8 +90,9 @@ class CorrectionSettings:
         tolerance: Largest tip error (m) at which the steps stop.
         settled: Largest change (rad and m) in a step after which the posture counts as converged.
         iterations: Largest number of steps; five fingers far from the guess need five.
-        floor_position: Smallest trusted error of the encoder in a position (m).
-        floor_angle: rad, smallest trusted error of the encoder in an angle.
+        floor_position: Standard deviation (m) that is added to the encoder's errors of the root's
+            position, as a variance.
+        floor_angle: Standard deviation (rad) that is added likewise to its errors of angles.
     """
 
     tip_sigma: float = 0.0003
@@ -118,14 +119,14 @@ class FingertipCorrection:
         settings: CorrectionSettings | None = None,
     ) -> None:
         self._skeleton = skeleton
-        # One for every set of fingers that has touched, in the order of its contacts.
+        # Kinematics by the fingers that touch, in the order of their contacts.
         self._kinematics: dict[tuple[int, ...], SinglePose] = {}
         self.settings = settings or CorrectionSettings()
         floor = np.full(48, self.settings.floor_angle**2)
         floor[:3] = self.settings.floor_position**2
         self._covariance = np.asarray(covariance, float) + np.diag(floor)
         self._lower, self._upper = skeleton.lower, skeleton.upper
-        # Of the measurements, for every number of touches.
+        # Covariance of the measurements, by number of touches.
         self._noise = [self.settings.tip_sigma**2 * np.eye(3 * k) for k in range(len(FINGERS) + 1)]
         self._last: _Seen | None = None
 
@@ -137,7 +138,7 @@ class FingertipCorrection:
         start: ArrayLike | None = None,
         settled: float | None = None,
     ) -> Corrected:
-        """The most likely pose, given a guess, whose tips are at their targets.
+        """The pose that is most likely, given a guess, among those with tips at their targets.
 
         A joint that reaches the end of its range is fixed there, as a further exact measurement,
         and the other joints compensate.
@@ -190,8 +191,8 @@ class FingertipCorrection:
     def _carried(self, kinematics: SinglePose, q: Array) -> _Seen:
         """Touching fingertips and their Jacobian at the pose with which a frame begins.
 
-        It is mostly the last frame's result, shifted with the touches. Such a shift moves all tips
-        alike and does not change the Jacobian.
+        This pose is mostly the last frame's result, shifted with the touches. Such a shift moves
+        all tips alike and does not change the Jacobian.
         """
         last = self._last
         if (
@@ -214,11 +215,12 @@ class FingertipCorrection:
         released if it would move back into its range.
 
         Args:
-            guess: (48,) legal guess.
-            r: (3 k,) m, from the guess's fingertips to their targets as seen from the pose now.
-            J: (3 k, 48) derivative of the fingertips at the pose now.
-            near: (42,) rad, the pose's joints, of which those at an end probably stay there; None
-                where that is not to be expected.
+            guess: (48,) guess with all joints in their ranges.
+            r: (3 k,) m, from the guess's fingertips to their targets, linearised at the current
+                pose.
+            J: (3 k, 48) derivative of the fingertips at the current pose.
+            near: (42,) rad, joints of the current pose; those at the end of their range start as
+                fixed. None: no joint starts as fixed.
         """
         C, lower, upper = self._covariance, self._lower, self._upper
         k = len(J)
@@ -242,7 +244,7 @@ class FingertipCorrection:
                 # Exact measurements of fixed joints are added to the measurements of the tips.
                 A = np.concatenate([JC, C.take(rows, 0)])
                 S = np.empty((len(A), len(A)))
-                # The lower triangle is enough.
+                # Only the lower triangle is read.
                 S[:k, :k] = free
                 S[k:] = A[:, rows].T
                 S.reshape(-1)[k * (len(A) + 1) :: len(A) + 1] += _EXACT

@@ -7,8 +7,8 @@ Shapes and units, for T frames:
 - `Q` (T, 48), relative poses: position of the root in metres relative to the leftmost contact, then
   the root's rotation vector and those of 14 ball joints in radians (`models.pose`).
 
-Built-in encoders are in `encoders.regression`, by name in `encoders.regression.encoder_registry`.
-docs/write-an-encoder.md explains how to write another one.
+Built-in encoders are in `encoders.regression`; `encoders.regression.registry` lists them by name.
+docs/write-an-encoder.md explains how to write another encoder.
 """
 
 from __future__ import annotations
@@ -74,10 +74,10 @@ class Encoder(Protocol):
         Args:
             arrays: Result of `arrays`.
             U: (T, 15) training frames in single precision; a model's file contains them.
-            Q: (T, 48) their relative poses, likewise.
+            Q: (T, 48) their relative poses, also in single precision.
 
         Raises:
-            EncoderError: The arrays do not belong to such an encoder.
+            EncoderError: The arrays do not fit an encoder with these options.
         """
         return self.fit(U, Q)
 

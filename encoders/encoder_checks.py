@@ -29,7 +29,8 @@ from encoders.regression.training import check_repeatable, predicted, train_enco
 from models.errors import EncoderError
 
 EVERY = 40
-"""Step between the frames of the built-in capture that are learned: all takes in a short time."""
+"""Step between the frames of the built-in capture from which the checks train. Every take is
+covered, in a short time."""
 
 _TRIED = 100
 """Number of frames whose poses are predicted."""
@@ -80,5 +81,5 @@ def _check_history(encoder: Encoder, model: TrainedModel, name: str) -> None:
         raise EncoderError(
             "a prediction depends on earlier predictions",
             where=f"{name}.predict",
-            expected="equal poses of equal contact vectors, to the bit: sessions replay",
+            expected="bit-identical poses for equal contact vectors, so that sessions replay",
         )

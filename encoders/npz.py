@@ -48,7 +48,7 @@ def write_npz(path: Path, header: Mapping[str, Any], arrays: Mapping[str, NDArra
     """
     text = json.dumps(dict(header), sort_keys=True, allow_nan=False)
     everything: dict[str, Any] = {"header": np.frombuffer(text.encode(), np.uint8), **arrays}
-    # A symbolic link is not replaced, but the file to which it points.
+    # The file to which a symbolic link points is replaced, not the link.
     target = path.resolve()
     if target.exists() and not target.is_file():
         with target.open("wb") as file:
@@ -81,7 +81,8 @@ def read_npz(
             size = sum(m.file_size for m in archive.infolist())  # any order: whole numbers
             if size > LARGEST:
                 what_is_wrong = "the file is too large"
-                raise error(what_is_wrong, where=where, got=size, expected=f"{LARGEST} bytes")
+                expected = f"at most {LARGEST} bytes unpacked"
+                raise error(what_is_wrong, where=where, got=size, expected=expected)
             # Check the checksums first; numpy would parse damaged text otherwise.
             bad = archive.testzip()
         if bad is not None:
@@ -102,5 +103,11 @@ def read_npz(
             remedy=remedy,
         ) from damage
     if not isinstance(header, dict):
-        raise error("the header is damaged", where=where, got=type(header).__name__)
+        raise error(
+            "the header is damaged",
+            where=where,
+            got=type(header).__name__,
+            expected="a JSON object",
+            remedy=remedy,
+        )
     return header, arrays

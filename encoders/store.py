@@ -28,7 +28,8 @@ def save_capture(capture: Capture, path: Path | str, dtype: type[np.floating] = 
     Args:
         capture: Frames of contacts and poses.
         path: The file; an existing file is replaced.
-        dtype: Precision of positions and poses; float32 halves the file and keeps 0.01 micrometre.
+        dtype: Precision of positions and poses. float32 halves the file; positions are then
+            accurate to 0.01 micrometre.
     """
     arrays = {
         "time": capture.time,
@@ -53,7 +54,7 @@ def check_order(capture: Capture) -> None:
         raise CaptureError(
             "a take is not in one piece",
             where="trial",
-            expected="all frames of a take one after the other, and a number for every take",
+            expected="all frames of a take one after the other, and a different number per take",
         )
     back = np.flatnonzero((np.diff(capture.time) <= 0.0) & ~next_take)
     if len(back):
@@ -62,7 +63,7 @@ def check_order(capture: Capture) -> None:
             "the time does not increase within a take",
             where=f"time, frame {at} of take {capture.trial[at]}",
             got=f"{capture.time[at]:g} s after {capture.time[at - 1]:g} s",
-            remedy="Sort its frames by time, and give what follows a restarted clock another take",
+            remedy="Sort the frames of each take by time. If a clock restarted, begin a new take",
         )
     ids = np.sort(capture.ids, axis=1)
     twice = np.flatnonzero(((ids[:, 1:] == ids[:, :-1]) & (ids[:, 1:] >= 0)).any(axis=1))
@@ -71,15 +72,16 @@ def check_order(capture: Capture) -> None:
             "two fingers of a frame share an id",
             where=f"ids, frame {int(twice[0])}",
             got=capture.ids[twice[0]].tolist(),
-            expected="an id of its own for every contact",
+            expected="a different id for every contact",
         )
 
 
 def check_units(capture: Capture) -> None:
-    """Checks that positions are in metres and rotations in radians, by plausible sizes of a hand.
+    """Checks that positions are in metres and rotations in radians, by what a hand can reach.
 
     Raises:
-        CaptureError: A median or a rotation is implausibly large.
+        CaptureError: The median distance between wrist and touches, or the rotation of a joint, is
+            implausibly large.
     """
     apart = capture.q[:, None, :2] * [1.0, -1.0] - capture.xy
     far = float(np.sqrt(np.median(squared_lengths(apart[capture.down]))))
@@ -89,7 +91,7 @@ def check_units(capture: Capture) -> None:
             where="xy, q",
             got=f"{far:.3g} m",
             expected=f"up to {FARTHEST:g} m",
-            remedy="Both are in metres, on one surface: x right and y down in xy, up in q",
+            remedy="Give xy and q in metres, from the same origin; y points down in xy and up in q",
         )
     most = float(np.abs(capture.q[:, JOINTS]).max())
     if most > 2 * np.pi:

@@ -18,9 +18,9 @@ _LARGEST_LENGTH = 4.0
 
 
 def trial_folds(trial: NDArray[np.int64], folds: int = FOLDS) -> NDArray[np.int64]:
-    """Fold (T,) of every frame; frames of one trial share a fold, folds are about equally large.
+    """Fold (T,) of every frame. Frames of one trial share a fold; folds are about equally large.
 
-    Random frames would leak, since neighbouring frames are nearly equal.
+    Folds of random frames would make the test too easy, since neighbouring frames are nearly equal.
 
     Raises:
         EncoderError: There is only one trial.

@@ -10,7 +10,7 @@ from models.pose import JOINTS, POSE_SIZE, ROOT_ROTATION
 from models.rotations import quaternion_exp, quaternion_log
 
 LONGEST = 0.5
-"""Largest length (m or rad) of a step in any direction."""
+"""Largest change (m or rad) of any component of a pose in one step."""
 _ROUNDS = 4
 """Largest number of rounds in which joints are fixed at the ends of their ranges."""
 _AT_END = 1e-9
@@ -18,7 +18,9 @@ _AT_END = 1e-9
 
 
 def bounded_step(q: Array, square: Array, down: Array, lower: Array, upper: Array) -> Array:
-    """The Gauss-Newton step (48,), in which joints that would leave their range are fixed.
+    """The Gauss-Newton step (48,) of a pose.
+
+    A joint at the end of its range is fixed if the step would move it further out.
 
     Args:
         q: (48,) pose.
@@ -49,7 +51,7 @@ def stepped(q: Array, step: Array, lower: Array, upper: Array) -> Array:
 
 
 def _solved(square: Array, down: Array, held: Mask) -> Array:
-    """The step (48,) that solves the equations, 0 for fixed components."""
+    """The step (48,) that solves the equations; its fixed components are 0."""
     S, r = square.copy(), -down
     if held.any():
         S[held] = 0.0

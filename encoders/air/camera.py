@@ -3,10 +3,10 @@
 Camera frame: origin in the lens, x right and y down in the picture, z away from the camera. With no
 tilt and no roll, the camera looks at the person horizontally from across the table: its x is the
 world's -x, its y the world's -z and its z the world's -y. Tilt turns it down about its x axis: at
-90 degrees it looks straight down on the table, with the far side below in its picture. Roll turns
-the picture about the line of sight: a camera over the table that was put up from the person's side
-has tilt 90 and roll 180. Pan turns the camera about the vertical: at 90 degrees it stands at the
-person's left hand and looks to the right.
+90 degrees it looks straight down on the table, and the far side of the table is at the bottom of
+the picture. Roll turns the picture about the line of sight: with tilt 90 and roll 180, the far side
+is at the top. Pan turns the camera about the vertical: at 90 degrees it stands at the person's left
+hand and looks to the right.
 """
 
 from __future__ import annotations
@@ -90,14 +90,14 @@ class Camera:
         return 0.5 * width / tan(radians(0.5 * self.view))
 
     def rays(self, image: Array, size: tuple[int, int]) -> Array:
-        """(n, 2) x/z and y/z in the camera's frame of points (n, 2) in pixels."""
+        """Converts points (n, 2) in pixels to rays (n, 2): x/z and y/z in the camera's frame."""
         centre = np.array([0.5 * size[0], 0.5 * size[1]])
         rays: Array = (image - centre) / self.focal_length(size[0])
         return rays
 
     def pixels(self, points: Array, size: tuple[int, int]) -> Array:
-        """Positions (n, 2) in pixels of points (n, 3) m in the camera's frame, all in front of the
-        camera."""
+        """Converts points (n, 3) m in the camera's frame, all in front of the camera, to positions
+        (n, 2) in pixels."""
         centre = np.array([0.5 * size[0], 0.5 * size[1]])
         pixels: Array = centre + self.focal_length(size[0]) * points[:, :2] / points[:, 2:]
         return pixels

@@ -1,7 +1,8 @@
-"""A controller as a hand: its grip is the palm, its trigger closes a pinch of three fingers.
+"""A controller represented as a hand: its grip places the palm, and its trigger closes a pinch of
+thumb, index and middle finger.
 
-Controllers do not sense fingers, so the hand around a controller is ours: pinching points of an
-average hand, open or closed according to the trigger.
+Controllers do not sense fingers. The points of the hand are therefore those of an average hand
+between an open and a closed pinch, according to the trigger.
 """
 
 from __future__ import annotations
@@ -21,26 +22,26 @@ from models.skeleton import ADULT
 _CENTRE = np.array([-0.038, 0.047, -0.055]) + PALM_CENTRE
 """Point (3,) m in the hand's frame, at which the tips meet."""
 _AXIS = radians(52.0)
-"""Direction (rad from x, in the palm's plane) from the thumb's tip to the fingertips, which the
-resting thumb of `models.skeleton` faces."""
+"""Direction (rad from x, in the palm's plane) from the thumb's tip to the fingertips. The resting
+thumb of `models.skeleton` faces in this direction."""
 _PITCH = 0.019
 """Distance (m) between the tips of index and middle finger."""
 _OPEN, _CLOSED = 0.085, 0.010
-"""Distance (m) between the centres of the tips of thumb and fingers."""
+"""Distance (m) between the centre of the thumb's tip and the middle between the fingertips."""
 _BENT = JointFitSettings(free=25.0, steps=40)
-"""Settings that hold joints near the middle of their ranges where the tips do not determine
-them."""
+"""Settings of the fit. Joints that the tips do not determine stay near the middle of their
+ranges."""
 _GRIP = {
     "right": np.array([[0.0, 0.0, 1.0], [0.0, -1.0, 0.0], [1.0, 0.0, 0.0]]),
     "left": np.array([[0.0, 0.0, -1.0], [0.0, -1.0, 0.0], [1.0, 0.0, 0.0]]),
 }
-"""Axes of a grip from those of a hand that is represented as a right hand. WebXR's grip: x out of
-the back of a right hand and into the back of a left hand, -z towards the thumb of a closed hand, so
-that the fingers of an open hand point along -y."""
+"""Matrix from the frame of a right hand to the frame of a grip; the matrix of a left grip also
+mirrors. WebXR's grip: x points out of the back of a right hand and into the back of a left hand, -z
+towards the thumb of a closed hand. The fingers of an open hand then point along -y."""
 
 
 def controller_points(side: str, trigger: float, position: Array, quaternion: Array) -> Array:
-    """(20, 3) m, points of the hand around a controller, in the frame of its pose.
+    """(20, 3) m, points of the hand around a controller, in the frame in which its grip is given.
 
     Args:
         side: `right` or `left`.
@@ -57,7 +58,7 @@ def controller_points(side: str, trigger: float, position: Array, quaternion: Ar
 
 @cache
 def _pinching(gap: float) -> Array:
-    """The pose (48,) of a pinching hand with a gap in m, its root at rest."""
+    """The pose (48,) of a hand that pinches with a gap (m) between thumb and fingers."""
     points = JointPoints(ADULT).points(np.zeros(POSE_SIZE))
     wanted = np.full(points.shape, np.nan)
     wanted[list(PALM)] = points[list(PALM)]

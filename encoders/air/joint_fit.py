@@ -1,10 +1,10 @@
 """Fits the pose of a hand of known size to the joints that a headset reports.
 
-The palm is laid on the wrist and the four knuckles, and every bone is rotated into the direction of
-its two joints. A few Gauss-Newton steps then move the points of our hand to the reported points:
-the tips nearly exactly, the others as far as possible with our bones, which have other lengths.
-Joints stay in their ranges. Angles that do not follow from positions, such as the twist of a
-stretched finger, stay in the middle of their ranges.
+The palm is laid on the reported wrist and knuckles, and every bone is rotated into the direction
+between the reported joints at its ends. A few Gauss-Newton steps then move the points of our hand
+to the reported points. Tips are met nearly exactly. Other points are met only approximately, since
+our bones differ in length from the person's. Joints stay in their ranges. Angles that do not follow
+from positions, such as the twist of a stretched finger, stay in the middle of their ranges.
 
 Each frame is solved separately, so a replay may begin anywhere.
 """
@@ -40,11 +40,11 @@ WRIST, THUMB, KNUCKLES, TIPS = 0, 1, (3, 6, 9, 12), 15
 """Indices in the list of points: the wrist, the thumb's first joint, the fingers' first joints, and
 the first of the five tips."""
 PALM = (WRIST, *KNUCKLES)
-"""Points whose distances do not depend on the fingers' postures."""
+"""Points whose distances from each other do not depend on the fingers' postures."""
 COUNT = TIPS + len(FINGERS)
 SPREAD = np.array([0.012, 0.010, 0.006, *(0.004, 0.003, 0.003) * 4, *(0.001,) * 5])
-"""Standard deviations (20,) m of the points. Tips must be at the person's tips, since they hold
-objects. The wrist and the thumb's root have another place in a device's hand than in ours."""
+"""Standard deviations (20,) m of the points. The tips have the smallest, since tips hold objects.
+The wrist and the thumb's root lie elsewhere in a device's hand than in ours."""
 
 _JOINTS: dict[int, tuple[int | None, ...]] = {0: (THUMB, THUMB + 1, None)}
 _JOINTS |= {label: (k, k + 1, k + 2) for label, k in enumerate(KNUCKLES, start=1)}
@@ -71,8 +71,8 @@ class JointPoints:
     def points_and_jacobian(self, q: Array) -> tuple[Array, Array]:
         """Points (20, 3), and their derivative (20, 3, 48).
 
-        The derivative by the root's rotation is that of `SinglePose.joints_and_jacobian`; the
-        derivative by its position is along the world's axes.
+        Derivatives with respect to the root's rotation follow the convention of
+        `SinglePose.joints_and_jacobian`. Those with respect to its position use the world's axes.
         """
         points, jacobian = self._pose.joints_and_jacobian(q)
         whole = np.concatenate([q[None, ROOT_POSITION], points])
@@ -98,13 +98,13 @@ def seen_size(hand: TrackedHand, skeleton: Skeleton) -> float | None:
     """Length of a reported hand relative to a skeleton: the median of the ratios of its fingers'
     bones.
 
-    None if no finger has its joints.
+    The thumb is not used. None if the joints of no other finger are reported.
     """
     lengths = {f: [b.length for b in skeleton.bones if b.finger == f] for f in range(len(FINGERS))}
     ratios = []
     for finger in hand.fingers:
         if finger.finger and finger.joints is not None:
-            # On some devices the last bone ends at the skin, on others within the tip.
+            # The last bone is left out: it ends at the skin or within the tip, by device.
             bones = list(pairwise(finger.joints))[:-1]
             own = lengths[finger.finger][:-1]
             ratios += [distance(a, b) / ours for (a, b), ours in zip(bones, own, strict=True)]
@@ -117,8 +117,8 @@ class JointFitSettings:
     """Weights of the fit, and its largest number of steps.
 
     Attributes:
-        twist: Standard deviation of a finger's first bone about its axis (degrees).
-        play: Standard deviation of twist and sideways play of its other joints (degrees).
+        twist: Standard deviation of the twist of a finger's first bone (degrees).
+        play: Standard deviation of twist and sideways play of a finger's other joints (degrees).
         thumb: Standard deviation of the thumb's joints about their middle (degrees).
         free: Standard deviation of angles that the joints' positions determine well (degrees).
         steps: Largest number of Gauss-Newton steps.
@@ -159,11 +159,11 @@ class JointFit:
         self._prior = _prior(skeleton, s)
 
     def fit(self, seen: Array) -> JointsFitted | None:
-        """Fits a hand; None if it has no palm: the wrist and three knuckles are needed.
+        """Fits a hand; None without the wrist and at least three knuckles.
 
         Args:
-            seen: (20, 3) m, points of a right hand, NaN where a point is missing
-                (`joint_points.seen_points`).
+            seen: (20, 3) m, points of a right hand from `seen_points`, NaN where a point is
+                missing.
         """
         there: Mask = np.isfinite(squared_lengths(seen))
         palm = there[list(PALM)]
@@ -190,7 +190,8 @@ class JointFit:
         return JointsFitted(q, error)
 
     def _laid(self, palm: Array, there: Mask) -> Array:
-        """The pose (48,) at rest whose palm lies on the reported palm (5, 3), by its knuckles."""
+        """The rest pose (48,), rotated and moved so that its knuckles lie on those of the reported
+        palm (5, 3)."""
         q = np.zeros(POSE_SIZE)
         own = self._palm[there]
         q[ROOT_ROTATION] = turn_between(own, palm[there])
@@ -200,7 +201,10 @@ class JointFit:
         return q
 
     def _turn_bones(self, q: Array, seen: Array, there: Mask) -> None:
-        """Turns every bone into the direction of its joints, by the shortest way, in place."""
+        """Turns every bone into the direction of its reported joints, by the smallest rotation.
+
+        Changes `q`.
+        """
         frame, finger = exp(q[ROOT_ROTATION]), -1
         for i, bone in enumerate(self._skeleton.bones):
             if bone.finger != finger:
@@ -222,7 +226,7 @@ _STILL = 1e-5
 
 
 def _shortest(along: Array) -> Array:
-    """The rotation vector (3,) without twist that turns y into a direction (3,)."""
+    """The smallest rotation (3,), as a rotation vector, that turns y into a direction (3,)."""
     x, y, z = along.tolist()
     across = length(np.array([x, z]))
     if across == 0.0:

@@ -1,8 +1,7 @@
-"""A headset's joints as a source of poses: a reconstructor of one hand from one frame after
-another.
+"""Reconstructs one hand from the joints that a headset reports, frame by frame.
 
-It has the interface of all reconstructors (`encoders.reconstruction.reconstructor`). A frame is
-solved once, when it comes.
+The interface is that of all reconstructors (`encoders.reconstruction.reconstructor`). Each frame is
+solved once, on arrival.
 """
 
 from __future__ import annotations
@@ -34,7 +33,7 @@ class JointReconstructor(AirReconstructor):
     Args:
         side: `right` or `left`.
         size: Length of the hand relative to the average one.
-        settings: Settings with which the commanded pose follows.
+        settings: How the commanded pose follows the solved poses.
         fit: Weights of the fit.
         surface: Workspace of a task; None is the default tablet.
 
@@ -75,7 +74,7 @@ class JointReconstructor(AirReconstructor):
         reported."""
         left = self.side == "left"
         points = seen_points(hand)
-        # A left hand is mirrored before and after the code for right hands.
+        # The fit is for right hands: a left hand's points are mirrored, and its pose mirrored back.
         fit = self._fit.fit(points * _MIRROR if left else points)
         if fit is None:
             self.counts["hands without a palm"] += 1

@@ -1,11 +1,11 @@
 """Fits the pose of a hand of known size to its landmarks in a picture.
 
-The engine locates each joint well in the picture, and poorly in depth: its bones change their
-lengths from picture to picture. Here bones keep their lengths, joints stay in their ranges, and
-each last joint follows its middle joint. The fitted pose is the one whose points appear at the
-landmarks. A single picture leaves some angles open (a finger may point a little towards the camera
-or away from it). They follow from the engine's guess of depth, from usual postures, and from the
-previous picture.
+The engine that finds the landmarks locates each joint well in the picture, and poorly in depth: the
+distances between its joints change from picture to picture. In the fit, bones have fixed lengths,
+joints stay in their ranges, and the last joint of each finger follows the middle joint. The points
+of the fitted pose appear at the landmarks. A single picture leaves some angles open: a finger may
+point a little towards the camera or away from it. These angles follow from the engine's guess of
+depth, from usual postures, and from the previous picture.
 
 The fit is one least-squares problem of 48 unknowns, solved by a few Gauss-Newton steps from the
 previous pose. Landmarks that fit badly count less (Cauchy's weights). Joints stay in their ranges:
@@ -43,7 +43,7 @@ from models.skeleton import Skeleton
 WRIST = 0
 KNUCKLES = (5, 9, 13, 17)
 PALM = (WRIST, *KNUCKLES)
-"""Landmarks whose distances do not depend on the fingers' postures."""
+"""Landmarks whose distances from each other do not depend on the fingers' postures."""
 OF_POINTS = (WRIST, 1, 2, *(k + i for k in KNUCKLES for i in range(3)), 4, 8, 12, 16, 20)
 """Landmark of each point of `HandPoints`: wrist, 14 joints, 5 tips."""
 
@@ -80,8 +80,9 @@ class HandPoints:
     def points_and_jacobian(self, q: Array) -> tuple[Array, Array]:
         """Points (20, 3), and their derivative (20, 3, 48).
 
-        The derivative by the root's rotation is that of `SinglePose.joints_and_jacobian`; the
-        derivative by its position is along the axes of the pose's frame.
+        Derivatives with respect to the root's rotation follow the convention of
+        `SinglePose.joints_and_jacobian`. Those with respect to its position use the axes of the
+        frame of `q`.
         """
         points, jacobian = self._pose.joints_and_jacobian(q)
         whole = np.concatenate([q[None, ROOT_POSITION], points])
@@ -104,7 +105,8 @@ def first_guess(palm: Array, rays: Array, world: Array) -> Array:
     Args:
         palm: (5, 3) m, the palm's points in the hand's own frame.
         rays: (21, 2) x/z and y/z of the landmarks in the picture.
-        world: (21, 3) landmarks in space in the camera's axes; only their turn is used.
+        world: (21, 3) landmarks in space along the camera's axes; only the orientation of the palm
+            is used.
     """
     q = np.zeros(POSE_SIZE)
     q[ROOT_ROTATION] = turn_between(palm, world[_PALM])
@@ -135,8 +137,10 @@ def turn_between(a: Array, b: Array) -> Array:
 
 
 def place_of(points: Array, rays: Array) -> Array:
-    """The translation (3,) m after which points (n, 3) m best appear along rays (n, 2). The
-    equations x + tx = u (z + tz) are linear in the translation."""
+    """The translation (3,) m after which points (n, 3) m lie most nearly on rays (n, 2).
+
+    The equations x + tx = u (z + tz) are linear in the translation.
+    """
     n = len(points)
     rows = np.zeros((2 * n, 3))
     rows[:n, 0] = rows[n:, 1] = 1.0
@@ -172,8 +176,8 @@ class FitSettings:
 
     Attributes:
         picture: Spread of a landmark in the picture (m, at the hand's distance).
-        loose: Spread of the landmarks of the wrist and of the thumb's root (m), which the engine
-            places differently in the hand than our skeleton.
+        loose: Spread of the landmarks of the wrist and of the thumb's root (m). The engine places
+            both differently in the hand than our skeleton does.
         depth: Spread of the engine's depth of a landmark relative to the hand's middle (m).
         outlier: Factor on `picture` beyond which a landmark begins to count less.
         twist, aside: Spread of a finger's first bone about its axis and sideways (degrees).
@@ -184,15 +188,15 @@ class FitSettings:
             (degrees).
         thumb_bend: Spread of the flexion of the thumb's joints (degrees), once the rest of the hand
             is fitted and fixed. A pinch bends them to the ends of their ranges. With so much
-            freedom in the first fit, the thumb would turn the palm, since its landmarks are poor.
-        follow: Spread of the last joint's flexion about that given by the middle joint's
+            freedom in the first fit, the poor landmarks of the thumb would turn the palm.
+        follow: Spread of the last joint's flexion about the flexion that `coupling` gives
             (degrees).
         neighbour: Spread of the difference between the flexions of neighbouring fingers (degrees).
-        coupling: Flexion of the last joint, divided by that of the middle joint.
-        linear, toward, angular: Spreads of speeds between two pictures: the wrist's across and
-            along the camera's axis (m/s), and the rotations' of wrist and joints (rad/s).
-        steps, first_steps: Gauss-Newton steps for a picture after another picture, and for a first
-            picture.
+        coupling: Flexion of the last joint as a linear function of that of the middle joint.
+        linear, toward, angular: Spreads of speeds between two pictures: of the wrist across the
+            camera's axis and along it (m/s), and of the rotations of wrist and joints (rad/s).
+        steps, first_steps: Gauss-Newton steps that start from the previous pose, and that start
+            from the first guess.
         thumb_steps: Additional steps for the thumb.
         doubt: Error (m) of a picture beyond which the fit is repeated from the first guess, and the
             better result is used.
@@ -274,7 +278,7 @@ class LandmarkFit:
         Args:
             rays: (21, 2) x/z and y/z of the landmarks in the camera's frame.
             world: (21, 3) m, the engine's guess in space, in the camera's axes.
-            dt: Time (s) since the previous picture; without meaning for the first picture.
+            dt: Time (s) since the previous picture; not used for the first picture.
         """
         s = self.settings
         depth = self._depth(rays, world)
@@ -380,8 +384,8 @@ class LandmarkFit:
 _LEAST_TIME = 0.001
 """Least time between two pictures (s)."""
 _BETTER = 0.8
-"""Largest ratio of errors at which a restarted fit is better than the fit from the previous
-picture."""
+"""A restarted fit replaces the fit from the previous picture if its error is less than this share
+of the other error."""
 _LEAST_PALM, _SCALES = 0.01, (0.5, 2.0)
 """Least size (m) of the engine's palm, and limits of the factor on its size."""
 _NEAREST = 0.03
@@ -394,7 +398,7 @@ _CENTRED = 1e-9
 
 
 def _prior(skeleton: Skeleton, s: FitSettings) -> tuple[Array, Array]:
-    """Prior of the joints: precision (42, 42) in 1/rad2, and the most usual pose (42,)."""
+    """Prior of the joints: precision (42, 42) in 1/rad2, and the most likely joints (42,) rad."""
     count = 3 * len(skeleton.bones)
     rows: list[Array] = []
     wanted: list[float] = []
@@ -414,7 +418,7 @@ def _prior(skeleton: Skeleton, s: FitSettings) -> tuple[Array, Array]:
         if thumb:
             add({x: 1.0}, 0.0, s.thumb)
         elif i - first[bone.finger] < len(s.usual):
-            # Flexion is the rest's flexion minus the rotation about x.
+            # Flexion is the flexion at rest minus the rotation about x.
             bent = s.usual[i - first[bone.finger]] * _DEGREE
             add({x: 1.0}, _flexion(skeleton, i) - bent, s.bend)
         add({y: 1.0}, 0.0, s.thumb if thumb and knuckle else s.twist if knuckle else s.play)

@@ -1,7 +1,8 @@
-"""Landmarks as a source of poses: a reconstructor of one hand from one picture after another.
+"""Reconstructs one hand from a camera's landmarks, picture by picture.
 
-It has the interface of all reconstructors (`encoders.reconstruction.reconstructor`). A picture is
-solved once, on arrival. Between two pictures, the commanded pose goes on towards the last result.
+The interface is that of all reconstructors (`encoders.reconstruction.reconstructor`). Each picture
+is solved once, on arrival. Between two pictures, the commanded pose goes on towards the last
+result.
 """
 
 from __future__ import annotations
@@ -35,14 +36,16 @@ class LandmarkReconstructor(AirReconstructor):
     Args:
         camera: The camera.
         side: `right` or `left`.
-        size: Length of the hand relative to the average one; its distance follows from it.
-        following: Settings with which the commanded pose follows.
+        size: Length of the hand relative to the average one. The hand's distance from the camera
+            follows from this length.
+        following: How the commanded pose follows the solved poses.
         fit: Weights of the fit.
         surface: Workspace of a task; None is the default tablet.
 
     Attributes:
         empty: The frame that is used before the device's first frame.
-        counts: Number of pictures without this hand, and with more hands of its side, by reason.
+        counts: Number of pictures without this hand, of additional hands of its side, and of hands
+            whose reported side was corrected, by reason.
     """
 
     empty = LandmarkFrame(0.0)
@@ -81,7 +84,7 @@ class LandmarkReconstructor(AirReconstructor):
         return self._followed(dt)
 
     def _solve(self, frame: LandmarkFrame) -> None:
-        """Solves a new picture; without the hand in the picture there is no goal."""
+        """Solves a new picture; the goal is None if the hand is not in the picture."""
         hand = self._choose(frame)
         if hand is None:
             self._goal = None
@@ -93,18 +96,19 @@ class LandmarkReconstructor(AirReconstructor):
         rays = self.camera.rays(np.array(hand.image), frame.size)
         world = np.array(hand.world)
         if self.side == "left":
-            # A left hand is mirrored before and after the code for right hands.
+            # The fit is for right hands: a left hand's landmarks are mirrored, and its pose back.
             rays, world = rays * [-1.0, 1.0], world * [-1.0, 1.0, 1.0]
         pose, self._error = self._fit.fit(rays, world, dt)
         self._goal = self._in_world(mirrored(pose) if self.side == "left" else pose)
         self._image_middle = np.array(hand.image).mean(axis=0)
 
     def _choose(self, frame: LandmarkFrame) -> SeenHand | None:
-        """This reconstructor's hand among the hands of a picture; None if it is not there.
+        """This reconstructor's hand among the hands of a picture; None if there is none.
 
-        Of several hands, it is the nearest to the last place of the hand, or without a recent place
-        the most certain hand. A hand of the other side is accepted at this hand's recent place, if
-        no hand of its own side is there: the engine mistakes sides for moments.
+        Among several hands of its side, the hand nearest to its recent place is chosen, or without
+        a recent place the hand with the highest score. A hand of the other side is accepted at the
+        recent place if no hand of this side is there, since the engine sometimes mistakes the side
+        for a moment.
         """
         own = [h for h in frame.hands if h.side == self.side]
         if len(own) > 1:
@@ -127,18 +131,18 @@ class LandmarkReconstructor(AirReconstructor):
         return before and self._image_middle is not None
 
     def _is_near(self, hand: SeenHand) -> bool:
-        """True if a hand overlaps the last place of this hand."""
+        """True if a hand in a picture overlaps the last place of the reconstructor's hand."""
         palm = np.array(hand.image)
         return self._off(hand) < float(np.abs(palm - palm.mean(axis=0)).max())
 
     def _off(self, hand: SeenHand) -> float:
-        """Distance (pixels) from the last place of the hand, along the axis with the larger
-        difference."""
+        """Distance (pixels) of a hand from the last place of the reconstructor's hand, along the
+        axis with the larger difference."""
         assert self._image_middle is not None
         return float(np.abs(np.array(hand.image).mean(axis=0) - self._image_middle).max())
 
     def _in_world(self, pose: Array) -> Array:
-        """A pose (48,) of the camera's frame in the world."""
+        """Converts a pose (48,) from the camera's frame to the world."""
         q, axes = pose.copy(), self.camera.axes
         q[ROOT_POSITION] = self.camera.unseen(pose[None, ROOT_POSITION])[0]
         q[ROOT_ROTATION] = log(small_product(axes.T, exp(pose[ROOT_ROTATION])))

@@ -55,7 +55,9 @@ def assemble(
     """
     if not tracks:
         raise CaptureError(
-            "no contact is left", remedy=f"Dropped: {_dropped_text(report)}. Check clock and frame"
+            "no contact is left",
+            remedy=f"Dropped: {_dropped_text(report)}. Check the clocks' offset and the frame of "
+            "the surface",
         )
     begin = min(one.track.start for one in tracks)
     end = max(one.track.end for one in tracks)
@@ -168,9 +170,9 @@ def capture_from_touches(
     tracks = valid_contacts(log, rules, report)
     if sync == "tap":
         clock_offset = offset_by_taps(tracks, joints)
-        trial = (
-            ConversionReport()
-        )  # contacts refused at the first offset may be accepted at the refined one
+        # Contacts that are refused at the first offset may be accepted at the refined offset, so
+        # these refusals are not reported.
+        trial = ConversionReport()
         labelled = label_contacts(tracks, joints, clock_offset.offset, rules, trial)
         clock_offset = refined_by_motion(clock_offset, labelled, joints, rules)
     else:
@@ -213,7 +215,7 @@ def capture_from_poses(
         meta: Metadata of the capture.
 
     Raises:
-        CaptureError: No finger comes near the surface, or two fingers never do so together.
+        CaptureError: No finger comes near the surface, or never two fingers at the same time.
     """
     if not 0 < threshold < 0.05:
         raise CaptureError(

@@ -75,7 +75,9 @@ def distances(
     offset: float,
     rules: ConversionRules,
 ) -> tuple[Array, NDArray[np.bool_]]:
-    """Distances (m, 5) m from a contact to every fingertip, and booleans (m,): True where known.
+    """Distances (m, 5) m from a contact to every fingertip at times (m,) s.
+
+    Also returns booleans (m,): True where the pose is known.
 
     The height of a fingertip above its resting height adds to its distance.
     """

@@ -93,7 +93,7 @@ def read_mapping(path: Path | None) -> Mapping:
     """Reads a mapping file, TOML or JSON.
 
     Raises:
-        InputError: The file cannot be read, or has other content.
+        InputError: The file cannot be read, or its content is not a mapping.
     """
     if path is None:
         return Mapping()
@@ -296,9 +296,10 @@ _SHOWING = (("mcp",), ("pip", "dip"), ("dip", "pip"), ("tip",))
 
 
 def _side_doubt(side: str, points: dict[str, Array], sites: dict[str, Site]) -> str:
-    """Sentence about a doubt that the hand has the given side.
+    """Sentence that states why the hand may not be of the given side.
 
-    Empty without a doubt, and if the points do not show how at least two fingers bend.
+    The sentence is empty if there is no doubt, or if the points do not show how at least two
+    fingers bend.
     """
     named = {site.name: name for name, site in sites.items()}
     fingers = []

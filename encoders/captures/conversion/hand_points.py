@@ -23,17 +23,18 @@ from models.rotations import exp, exp_and_left_jacobian, log, skew
 from models.skeleton import Skeleton
 
 ACCURACY = 0.0015
-"""Accuracy (m) of an observed point, which sets the weight of the pull of joints to mid-range."""
+"""Accuracy (m) of an observed point. It weighs the points against the pull of joints to
+mid-range."""
 
 _ROUNDS, _STEPS = 25, 2
-"""Rounds that alternate between estimating size and places and estimating poses, and Gauss-Newton
-steps in each round."""
+"""Number of rounds, and of Gauss-Newton steps in each round. A round first estimates the poses of
+the key frames, then the size of the hand and the places of the points on their bones."""
 
 _FINAL_STEPS = 8
-"""Gauss-Newton steps from the nearest key frame."""
+"""Number of Gauss-Newton steps of a frame, starting from the pose of the nearest key frame."""
 
 _KEYS = 150
-"""Number of key frames, from which size and places are estimated."""
+"""Number of key frames. The hand's size and the places of the points are estimated from them."""
 
 _CHUNK = 500
 """Number of frames solved at once, limited by memory."""
@@ -42,7 +43,8 @@ _LONGEST_STEP = 0.4
 """Largest rotation (rad) of a joint in one Gauss-Newton step."""
 
 _TRUST = 0.005
-"""Accuracy (m) of a point's mean position on its bone, which counts as one observation."""
+"""Accuracy (m) of a point's position on its bone, averaged over all frames. The average counts as
+one observation."""
 
 _SIZES = (0.6, 1.5)
 """Least and greatest size of a hand relative to the skeleton's."""
@@ -57,7 +59,7 @@ class FittedHand:
         scale: Size of this skeleton relative to the given one.
         surprise: (M,) distances of the points from their expected places on their bones, in
             standard deviations.
-        q: (T, 48) poses in the frame of the points; NaN where the hand could not be seen.
+        q: (T, 48) poses in the frame of the points; NaN in frames with too few points.
         residual: (T, M) m, distance between observed and modelled points; NaN where a point was
             not seen.
     """
@@ -92,7 +94,9 @@ def fit_skeleton(
         raise CaptureError(
             "the hand is never seen whole",
             where="points",
+            got=f"none of {len(points)} frames",
             expected="three points of the palm and one of every finger in a frame",
+            remedy="Check the mapping for missing points, or record the whole hand",
         )
     keys = frames[np.unique(np.linspace(0, len(frames) - 1, _KEYS).round().astype(int))]
     model = _Model(sites, skeleton)
@@ -106,8 +110,8 @@ def fit_skeleton(
     if not _SIZES[0] < model.scale < _SIZES[1]:
         raise CaptureError(
             "the hand has an impossible size",
-            got=f"{model.scale:.2f} of an adult's",
-            expected=f"{_SIZES[0]} to {_SIZES[1]}",
+            got=f"{model.scale:.2f} times the size of an adult hand",
+            expected=f"{_SIZES[0]} to {_SIZES[1]} times",
             remedy="Check the unit of length, the side and the mapping",
         )
     out = np.full((len(points), POSE_SIZE), np.nan)
@@ -176,11 +180,12 @@ class _Model:
         return origin + (rotation @ self.places[:, :, None])[..., 0]
 
     def start(self, points: Array) -> Array:
-        """Poses (n, 48) with joints in mid-range whose points are nearest to the observed ones."""
+        """Poses (n, 48) with joints in mid-range and the roots of `placed_root`."""
         return self.placed_root(np.tile(self._middle, (len(points), 1)), points)
 
     def placed_root(self, q: Array, points: Array) -> Array:
-        """The poses with their roots moved to bring the points nearest to the observed ones."""
+        """Poses with the joints of `q` (n, 48) and the roots that bring the modelled points nearest
+        to the observed points (n, M, 3) m."""
         q = q.copy()
         q[:, :6] = 0.0
         ours = self.place(q)
@@ -213,7 +218,7 @@ class _Model:
         return q
 
     def adapt(self, q: Array, points: Array) -> None:
-        """Estimates size and places on the bones for given poses."""
+        """Estimates the hand's size and the places of the points on their bones, given poses."""
         origin, rotation, _, _ = self._frames(q)
         seen = np.asarray(np.isfinite(points).all(axis=2))
         root = q[:, None, ROOT_POSITION]
@@ -235,7 +240,7 @@ class _Model:
         self._moved = self._shrink[:, None] * mean
 
     def _frames(self, q: Array) -> tuple[Array, Array, Array, Array]:
-        """Origins (n, M, 3) and rotations (n, M, 3, 3) of the points' bones, then positions of all
+        """Origins (n, M, 3) and rotations (n, M, 3, 3) of each point's bone, then positions of all
         joints and rotations of all bones."""
         placement = self.kinematics.place(q)
         palm = exp(q[:, ROOT_ROTATION])[:, None]
@@ -250,7 +255,8 @@ class _Model:
         )
 
     def _off_and_jacobian(self, q: Array, points: Array) -> tuple[Array, Array]:
-        """Errors (n, 3 M) m of the points, and their derivative (n, 3 M, 48); 0 if not seen."""
+        """Offsets (n, 3 M) m from modelled to observed points, and the derivative (n, 3 M, 48) of
+        the modelled points; both are 0 for a point that is not seen."""
         origin, rotation, joints, bones = self._frames(q)
         placed = origin + (rotation @ self.places[:, :, None])[..., 0]
         n, m = placed.shape[:2]
@@ -258,7 +264,8 @@ class _Model:
         J[..., ROOT_POSITION] = np.eye(3)
         _, left = exp_and_left_jacobian(q[:, ROOT_ROTATION])
         J[..., ROOT_ROTATION] = -skew(placed - q[:, None, ROOT_POSITION]) @ left[:, None]
-        # exp(w + d) = exp(w) exp(R d), R the left Jacobian at -w: the turn R d is in the bone.
+        # exp(w + d) = exp(w) exp(R d) to first order in d, where R is the left Jacobian at -w. The
+        # rotation R d is in the bone's frame.
         _, right = exp_and_left_jacobian(-joint_vectors(q))
         axes = bones @ right
         for j in range(joints.shape[1]):
@@ -279,8 +286,8 @@ def _parents(skeleton: Skeleton) -> list[int]:
 
 
 _KEPT = 2e-6
-"""Time (s) by which a touch ends after its last pose, so that this pose lies within the touch.
-Times are rounded to half of it."""
+"""Time (s) from the last pose of a touch to the end of the touch, so that this pose lies within the
+touch. It is twice the tolerance with which `assemble` compares times."""
 
 ON_SURFACE = 0.006
 """Height (m) of a touching fingertip's centre: its radius minus the compression of the flesh."""
@@ -290,7 +297,8 @@ POOR_FIT = 0.010
 dropped."""
 
 SURPRISE = 3.0
-"""Standard deviations from its expected place beyond which a point does not belong to the hand."""
+"""Largest distance of a point from its expected place, in standard deviations. A greater distance
+is an error of the mapping or of the side."""
 
 LETS_GO = 1.5
 """Height at which a touch ends, divided by the height at which it begins. The difference stops
@@ -357,7 +365,7 @@ def joints_from_points(
         raise CaptureError(
             "the skeleton does not fit the points",
             got=f"{1000 * float(np.median(rms[whole])):.0f} mm apart",
-            expected=f"{1000 * POOR_FIT:g} mm",
+            expected=f"at most {1000 * POOR_FIT:g} mm",
             remedy="Check the mapping, the side (--side) and the unit",
         )
     used = squares[fits]
@@ -376,8 +384,8 @@ def joints_from_points(
 def _middle(palm: Array) -> Array:
     """Mean (T, 3) of points of the palm (T, n, 3); NaN in frames that lack a point.
 
-    If every frame lacks a point, as when one is missing in a whole recording, the mean of the
-    points that are seen in a frame is returned.
+    If every frame lacks a point, for example because a marker was lost, each frame has the mean of
+    the points that it shows.
     """
     middle: Array = palm.mean(axis=1)
     if not np.isnan(middle).any(axis=1).all():

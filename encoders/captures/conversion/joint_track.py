@@ -63,7 +63,8 @@ class JointTrack:
     def at(self, times: Array, gap: float) -> tuple[Array, NDArray[np.bool_]]:
         """Interpolates poses (m, 48) at times (m,) s.
 
-        Also returns booleans (m,): True unless a time lies in a gap longer than `gap` (s).
+        Also returns booleans (m,): True where the pose is known. It is unknown outside the track,
+        and between two poses that are farther apart than `gap` (s) and 1.5 periods.
         """
         before, share, known = self._between(times, gap)
         a, b = self.q[before], self.q[before + 1].copy()
@@ -82,7 +83,7 @@ class JointTrack:
         return a + share[:, None, None] * (b - a), known
 
     def tip_at(self, finger: int, times: Array, gap: float) -> tuple[Array, NDArray[np.bool_]]:
-        """Interpolates one fingertip, as it was measured, at times (m,) s.
+        """Interpolates one fingertip at times (m,) s.
 
         Returns:
             Positions (m, 3) m, and booleans (m,): True where they are known.
@@ -97,7 +98,7 @@ class JointTrack:
         before = np.clip(after - 1, 0, len(self.time) - 2)
         span = self.time[before + 1] - self.time[before]
         share = (times - self.time[before]) / span
-        slack = 1e-6 / span  # clocks round
+        slack = 1e-6 / span  # tolerance for rounded times
         met = (np.abs(share) <= slack) | (np.abs(share - 1) <= slack)
         bridged = (share > 0) & (share < 1) & (span <= max(gap, 1.5 * self.period))
         known = met | bridged

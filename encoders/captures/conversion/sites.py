@@ -112,16 +112,16 @@ def _mixamo(side: str) -> dict[str, str]:
 def recognised(names: Sequence[str], side: str, skeleton: Skeleton) -> dict[str, str]:
     """Recognises common names of points.
 
-    Recognised are the names of `sites_of`, those of Qualisys glove recordings (such as
-    `index_middle` and `hand_top`) and those of Mixamo rigs (such as `RightHandIndex1`), each with
-    or without a prefix before a colon. In a Mixamo rig, `RightHandIndex3 end` is the end of the
-    bone of joint `RightHandIndex3`, and `RightHandIndex4` is a joint at the tip.
+    The known names are those of `sites_of`, of Qualisys glove recordings (such as `index_middle`
+    and `hand_top`) and of Mixamo rigs (such as `RightHandIndex1`), each with or without a prefix
+    that ends with a colon. In a Mixamo rig, `RightHandIndex3 end` is the end of the bone of joint
+    `RightHandIndex3`, and `RightHandIndex4` is a joint at the tip.
 
     Returns:
         Name in the recording -> name of a site.
 
     Raises:
-        CaptureError: None of the three sets of names fits.
+        CaptureError: No set of names gives three points on the palm and one on every finger.
     """
     own = {name: name for name in sites_of(skeleton)}
     own |= {f"{f}_dip end": f"{f}_tip" for f in FINGERS} | {"thumb_mcp end": "thumb_tip"}

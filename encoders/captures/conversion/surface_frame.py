@@ -1,4 +1,4 @@
-"""Frame of the touch surface in a recorder's frame, from its corners or from fingertips.
+"""Finds the touch surface in a recorder's frame, from the surface's corners or from fingertips.
 
 Fingertips cannot pass through a surface. A surface on which fingertips rested repeatedly is
 therefore a plane with many fingertip positions on it and hardly any beyond it.
@@ -58,7 +58,7 @@ def frame_from_corners(
     corners = np.array([top_left, top_right, bottom_left], float)
     if corners.shape != (3, 3) or not np.isfinite(corners).all():
         raise CaptureError(
-            "invalid corners", where="surface", expected="three times three finite numbers"
+            "invalid corners", where="surface", expected="three corners of three finite numbers"
         )
     right, up = corners[1] - corners[0], corners[0] - corners[2]
     out = np.cross(right, up)
@@ -103,7 +103,7 @@ def frame_from_fingertips(tips: Array, palm: Array, tolerance: float = ON_PLANE)
             "no plane fits the resting fingertips",
             where="surface",
             got=f"{share:.0f} % of their positions on the best plane",
-            expected=f"{100 * TOUCHING:g} %, spread out, and hardly any beyond it",
+            expected=f"at least {100 * TOUCHING:g} %, spread out, and hardly any beyond the plane",
             remedy="Give the surface's corners in the --mapping file",
         )
     z = plane[1]

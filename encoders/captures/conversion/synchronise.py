@@ -53,7 +53,7 @@ class ClockOffset:
         offset: The clock offset (s).
         precision: Standard error (s) of the offset.
         agreeing: Number of touch-downs that have a landing.
-        taps: Number of touch-downs that could have a landing, because poses are known there.
+        taps: Number of touch-downs within the time of the poses, which can have a landing.
     """
 
     offset: float
@@ -100,7 +100,8 @@ def offset_by_taps(
             "the taps do not determine the offset of the clocks",
             where="--sync tap",
             got=f"{len(pairs)} of {possible} touch-downs agree, and {rival} at another offset",
-            expected=f"{100 * NEEDED:g} % of them, and no other with {100 * RIVAL:g} % as many",
+            expected=f"at least {100 * NEEDED:g} % of the touch-downs, and no other offset with "
+            f"{100 * RIVAL:g} % as many",
             remedy="Tap unevenly, a few times, or give --sync clock --offset S",
         )
     spread = float(np.median(np.abs(pairs - coarse)) * 1.4826 / np.sqrt(len(pairs)))
@@ -113,7 +114,7 @@ def refined_by_motion(
     """Refines an offset to the one at which touches and their fingertips move alike.
 
     The mean displacement of each contact from its fingertip is subtracted, so that only movement
-    counts. The given offset is returned if the fingers hardly move.
+    counts. The given offset is returned if the movement gives no more precise offset.
     """
     offsets = coarse.offset + np.arange(-_FINE, _FINE + _STEP / 2, _STEP)
     error = np.zeros(len(offsets))

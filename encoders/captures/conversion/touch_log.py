@@ -17,7 +17,8 @@ from models.arithmetic import Array
 from models.errors import CaptureError
 
 LEAP = 2.0
-"""A frame more than this (s) ahead of the next frame has a wrong time, as some frames of a Leap."""
+"""A frame has a wrong time if its time is more than this (s) after the times of both its
+neighbours; some frames of a Leap have such times."""
 
 _STILL = 1e-4
 """Movement (m) below which a contact rests."""
@@ -25,8 +26,8 @@ _STILL = 1e-4
 
 @dataclass(frozen=True)
 class TouchLog:
-    """F frames of a touch device with R contacts in total; every frame contains all contacts that
-    are down.
+    """F frames of a touch device, with R rows. A row is one contact in one frame; every frame
+    contains all contacts that are down.
 
     Attributes:
         time: (F,) s on the device's clock, in the order of arrival.
@@ -56,7 +57,11 @@ class TouchLog:
         if (np.diff(self.frame) < 0).any() or not (
             self.frame[0] >= 0 and self.frame[-1] < len(self.time)
         ):
-            raise CaptureError("some rows do not belong to any frame", where="touches")
+            raise CaptureError(
+                "some rows do not belong to any frame",
+                where="touches",
+                expected="ascending indices of frames",
+            )
 
 
 @dataclass(frozen=True)
@@ -126,8 +131,8 @@ def valid_contacts(
 def _period(time: Array, rules: ConversionRules) -> float:
     """Period (s) between frames of an active device.
 
-    Frames without time stamps have their arrival times, and several frames may arrive at once. With
-    the period as the least time difference, movements between such frames have a finite speed.
+    Frames without time stamps have their arrival times, and several frames may arrive at once. The
+    period is used as the least time between two frames, so that speeds stay finite.
     """
     steps = np.diff(time)
     steps = steps[steps < rules.gap]
@@ -135,7 +140,8 @@ def _period(time: Array, rules: ConversionRules) -> float:
 
 
 def _lives(log: TouchLog, good: NDArray[np.bool_]) -> list[tuple[ContactTrack, bool]]:
-    """Contacts, cut where a frame lacks them, each with a boolean: True if its end was recorded."""
+    """Contacts, each with a boolean: True if its end was recorded. An id that is absent from a
+    frame is a new contact when it returns."""
     order = np.flatnonzero(good)
     number = np.full(len(log.time), -1)
     number[order] = np.arange(len(order))
