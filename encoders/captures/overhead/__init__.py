@@ -1,12 +1,10 @@
-"""A camera over a touch surface labels touches. Each touch gets the finger whose tip is nearest to
-it in the picture, or no label where two fingers are about as near.
+"""Labels touches with a camera over the touch surface. Each touch gets the finger whose pad is
+nearest to it in the picture, or no label if two fingers are about equally near.
 
-    picture_track         landmarks of one hand over time
-    tablet_plane          map from picture to surface, from the surface's corners or from touches
-    lifts                 common clock of touches and pictures, from taps
-    names                 belief over the fingers of all contacts, from picture to picture
-    live_names            the same while a person touches
-    camera_place          camera's place and field of view, from the surface in its picture
+    picture_track         landmarks of one hand over time, and the offset of their clock
+    tablet_plane          map from picture to surface, and the camera's place and field of view
+    names                 probabilities of the fingers of all contacts, from picture to picture
+    naming                labels of the contacts of a recording
     capture_from_camera   conversion of touches and pictures to a capture
     simulated             pictures of a simulated person, with the truth
 """

@@ -2,7 +2,8 @@
 
 1. Lifts of the hand, which make the palm larger in the picture, give a rough offset of the clocks.
 2. The surface is located in the picture from its corners, or from the touches themselves.
-3. Every contact gets the finger whose pad is nearest, or no label if two fingers are about as near.
+3. Every contact gets the finger whose pad is nearest, or no label if two pads are about equally
+   near.
 4. The clocks' offset is refined to the one at which touches move like their fingers. Steps 2 and 3
    are then repeated.
 5. Poses are fitted to the landmarks (`encoders.air`). The hand has the size at which touching
@@ -69,7 +70,7 @@ better result."""
 
 @dataclass(frozen=True)
 class NamedTouches:
-    """Contacts of a recording with the fingers that the camera assigned to them.
+    """Contacts of a recording, labelled from the camera's pictures.
 
     Attributes:
         contacts: All valid contacts with their fingers, in order of touch-down.
@@ -108,7 +109,7 @@ def name_touches(
     Args:
         log: The touches; x of a left hand is already mirrored.
         frames: The camera's pictures.
-        time: (F,) s, times of the pictures, on the touches' clock up to latencies.
+        time: (F,) s, times of the pictures. They differ from the touches' clock only by latencies.
         side: `right` or `left`.
         rules: Rules for dropping contacts.
         report: Receives the counts of dropped contacts.
@@ -159,12 +160,13 @@ def capture_from_camera(
     Args:
         log: The touches; x of a left hand is already mirrored.
         frames: The camera's pictures.
-        time: (F,) s, times of the pictures, on the touches' clock up to latencies.
+        time: (F,) s, times of the pictures. They differ from the touches' clock only by latencies.
         side: `right` or `left`.
         rules: Rules for dropping contacts and frames.
         report: Receives the counts of dropped contacts and frames, and estimated values.
         meta: Metadata of the capture.
-        camera: The camera's field of view; None derives it from the corners, or takes the default.
+        camera: The camera, of which only the field of view is used. None derives the field of view
+            from the corners, or takes the default.
         corners: The surface located by its corners; None locates it by the touches.
         offset: Pictures' clock minus touches' clock (s), if known; None estimates it.
 
@@ -189,13 +191,13 @@ def capture_from_camera(
 
 
 def _flat_track(pictures: PictureTrack, plane: TabletPlane) -> HandTrack:
-    """Track of the finger pads on the surface; its poses are zero."""
+    """Track of the finger pads on the surface. Its poses are zero, since only the pads are used."""
     seen = _pads(pictures, plane)
     return HandTrack(pictures.time, np.zeros((len(seen), 48)), ADULT, seen)
 
 
 def _pads(pictures: PictureTrack, plane: TabletPlane) -> Array:
-    """Positions (J, 5, 3) m at which fingers would touch, y up the surface."""
+    """Positions (J, 5, 3) m of the finger pads, as if all of them touched; y up the surface."""
     pads = plane.pads(pictures.image[:, TIPS], pictures.image[:, LAST_JOINTS])
     seen = np.full((*pads.shape[:2], 3), PAD_HEIGHT)
     seen[..., :2] = pads * [1.0, -1.0]
@@ -205,7 +207,7 @@ def _pads(pictures: PictureTrack, plane: TabletPlane) -> Array:
 def _posed(
     named: NamedTouches, place: CameraPlace, size: float, rows: NDArray[np.intp]
 ) -> HandTrack:
-    """Poses fitted to some pictures, in the surface frame, with the pads observed in them."""
+    """Poses fitted to the pictures `rows`, in the surface frame, and the pads in these pictures."""
     pictures = named.pictures
     skeleton = _skeleton(size)
     fit = LandmarkFit(skeleton)
@@ -258,7 +260,7 @@ def _hand_size(named: NamedTouches, place: CameraPlace) -> float:
 
 
 def _away(place: CameraPlace, point: Array) -> float:
-    """Distance (m) of a point from the lens along the line of sight."""
+    """Distance (m) of a point in the surface frame from the lens, along the camera's z axis."""
     return float(place.seen(point)[2])
 
 

@@ -1,9 +1,10 @@
 """Belief over the fingers of all contacts on the surface, updated from sample to sample.
 
 A state assigns different fingers to the contacts that are down; there are at most 120 states. Every
-sample has the distance of each contact from each fingertip, which makes states more or less likely.
-A contact that lands takes any free finger with equal probability. A contact that lifts is summed
-out. The probability of a contact's finger is the sum over all states with this finger.
+sample has the distance of each contact from each finger's pad. These distances make states more or
+less likely. A contact that lands takes any free finger with equal probability. A contact that lifts
+is summed out. The probability that a finger makes a contact is the sum over all states that assign
+this finger to the contact.
 
 The forward pass labels contacts while a person touches. The forward and backward passes together
 label them from the whole recording. Sums are taken in log space and in fixed order.
@@ -21,7 +22,7 @@ from models.arithmetic import Array
 from models.frames import FINGERS
 
 MOST = len(FINGERS)
-"""Most contacts labelled at a time; further contacts get no label."""
+"""Largest number of contacts that are labelled at a time; further contacts get no label."""
 
 
 @dataclass(frozen=True)
@@ -30,11 +31,11 @@ class NamingRules:
 
     Attributes:
         spread: Standard deviation (m) of a touch about the pad of its finger in the picture.
-        tail: Degrees of freedom of Student's t-distribution; the lower, the less weight a far
-            contact has.
-        look: Time (s) of samples that counts as one independent sample, since errors of the camera
-            persist from picture to picture.
-        least: Least probability of a label; below it a contact has no label.
+        tail: Degrees of freedom of Student's t-distribution. With fewer degrees of freedom, large
+            distances have less weight.
+        look: Time (s) in which all samples together count as one independent sample, since errors
+            of the camera persist from picture to picture.
+        least: Least probability at which a contact gets a label.
         reach: Largest median distance (m) of a contact from its finger's pad.
     """
 
@@ -45,7 +46,7 @@ class NamingRules:
     reach: float = 0.02
 
     def evidence(self, off: Array) -> Array:
-        """Log likelihoods (n, 5) of distances (n, 5) m, up to a constant; 0 where a row has NaN."""
+        """Log likelihoods (n, 5) of distances (n, 5) m, up to a constant; 0 in rows with NaN."""
         told = -0.5 * (self.tail + 2.0) * np.log1p((off / self.spread) ** 2 / self.tail)
         return np.where(np.isfinite(off).all(axis=-1, keepdims=True), told, 0.0)
 
@@ -164,7 +165,15 @@ def _updated(
 ) -> _Belief:
     """The belief after a sample.
 
-    The first sample of a contact counts as a whole independent sample, later ones as their share.
+    The first sample of a contact counts as one independent sample. A later sample counts as the
+    share of `rules.look` that it represents.
+
+    Args:
+        now: The belief before the sample, with the same contacts.
+        off: Contact number -> distances (5,) m from the fingers' pads.
+        rules: Rules that turn a sample into evidence.
+        seconds: Time (s) that the sample represents.
+        known: Contacts that had a sample before.
     """
     if not now.contacts:
         return now

@@ -22,7 +22,7 @@ LOOK = 1.0 / 30.0
 
 @dataclass(frozen=True)
 class NamedContact:
-    """A contact with the finger that the camera assigned to it.
+    """A contact, labelled from the camera's pictures.
 
     Attributes:
         track: The contact.
@@ -49,7 +49,14 @@ class NamedContact:
 def moments_of(
     tracks: Sequence[ContactTrack], pictures: PictureTrack, offset: float, gap: float
 ) -> list[Moment]:
-    """Pairs of hand landmarks and touches at the times of the pictures."""
+    """Hand landmarks and touches of the same moments, at the times of the pictures.
+
+    Args:
+        tracks: Contacts.
+        pictures: Landmarks of the hand in the pictures.
+        offset: Pictures' clock minus touches' clock (s).
+        gap: Longest time (s) between two samples of a contact that is interpolated.
+    """
     moments = []
     for row, time in enumerate((pictures.time - offset).tolist()):
         down = [t for t in tracks if t.start <= time < t.end][:MOST]
@@ -133,7 +140,7 @@ def _pads(
 
 
 def _times(tracks: Sequence[ContactTrack]) -> list[float]:
-    """Sample times (s): a regular grid, and the starts of contacts shorter than its step."""
+    """Sample times (s): a grid with the step `LOOK`, and the starts of shorter contacts."""
     if not tracks:
         return []
     begin, end = min(t.start for t in tracks), max(t.end for t in tracks)

@@ -52,7 +52,8 @@ class PictureTrack:
         """Interpolates values (J, ...) of the pictures at times (m,) s.
 
         Returns:
-            Values (m, ...), and booleans (m,): True where no gap of the pictures is too long.
+            Values (m, ...), and booleans (m,): True within the track, where the two nearest
+            pictures are at most `LONGEST_GAP` apart.
         """
         after = np.searchsorted(self.time, times, side="right")
         before = np.clip(after - 1, 0, len(self.time) - 2)
@@ -70,7 +71,7 @@ def picture_track(
 
     Args:
         frames: All pictures.
-        time: (F,) s, times of the pictures, on the clock that the track is to have.
+        time: (F,) s, times of the pictures, on the clock of the returned track.
         side: `right` or `left`.
 
     Returns:
@@ -108,8 +109,13 @@ def picture_track(
 def _chosen(
     frame: LandmarkFrame, side: str, before: tuple[float, Array] | None, now: float
 ) -> SeenHand | None:
-    """The hand with the given side, or the only hand in the picture if it is where the followed
-    hand just was. Seen from above, the engine mistakes the side of a hand for short times."""
+    """The hand with the given side in a picture; None if there is none.
+
+    Among several hands of this side, the hand nearest to the recent place of the followed hand is
+    chosen, or without a recent place the hand with the highest score. Without a hand of this side,
+    the only hand in the picture is accepted at the recent place: from above, the engine sometimes
+    mistakes the side of a hand for a short time.
+    """
     own = [h for h in frame.hands if h.side == side]
     if before is not None and now - before[0] <= _LONGEST_FOLLOWED:
         place = before[1]
@@ -144,10 +150,10 @@ def offset_by_lifts(
 ) -> ClockOffset:
     """Estimates the pictures' clock minus the touches' clock, from taps and lifts.
 
-    A picture from above does not show when a fingertip lands. But a lifted hand comes nearer to the
-    camera, and its palm becomes larger in the picture, while no touch is down. The offset at which
-    both signals correlate best is the difference of the clocks, to some hundredths of a second. The
-    motion of touches and fingers refines it later.
+    A picture from above does not show when a fingertip lands. But while no touch is down, the hand
+    is lifted and nearer to the camera, and its palm is larger in the picture. The offset at which
+    the palm's size and the absence of touches correlate best is the difference of the clocks, to
+    some hundredths of a second. `refined_by_motion` makes it more precise.
 
     Args:
         tracks: Contacts.
@@ -175,7 +181,7 @@ def offset_by_lifts(
             where="touches and pictures",
             got=f"an agreement of {peak:.2f} at {offsets[best]:.2f} s, and {max(rival, 0.0):.2f} "
             "at another offset",
-            expected=f"{_LEAST:g}, and no other with {100 * _RIVAL:g} % of it",
+            expected=f"at least {_LEAST:g}, and no other offset with {100 * _RIVAL:g} % of it",
             remedy="Tap unevenly with all five fingers, lifting the hand by some centimetres",
         )
     downs = len({round(t.start, 1) for t in tracks})

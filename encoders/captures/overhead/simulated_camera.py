@@ -34,9 +34,9 @@ class OverheadConfiguration:
         noise: Standard deviation (px) of a landmark's varying error.
         lasts: Time constant (s) of the varying error.
         latency: Delay (s) from exposure to the picture's time stamp; it cannot be measured.
-        works: Constant part (s) of the time in which the page finds the hand.
+        works: Constant part (s) of the time that the page takes to find the hand.
         jitter: Mean (s) of the random, exponentially distributed part of that time.
-        zero: Time (s) on the page's clock at time zero of the host's clock.
+        zero: Time (s) that the page's clock shows when the host's clock shows 0.
     """
 
     camera: Camera = field(
@@ -101,7 +101,7 @@ def simulate_overhead(
         points[3] = 0.5 * (points[2] + points[4])
         world = points + surface.corner
         if left:
-            # The session's left hand is the mirror image about the surface's middle.
+            # The session stores a left hand as a right hand, mirrored about the surface's middle.
             world = world * [-1.0, 1.0, 1.0]
         seen = c.camera.seen(world)
         error = keep * error + sqrt(1.0 - keep * keep) * rng.normal(0.0, c.noise, error.shape)
@@ -126,7 +126,8 @@ def simulate_overhead(
 
 
 def _seen(side: str, image: Array, points: Array, camera: Camera) -> SeenHand:
-    """The hand as an engine reports it, rotated in space as if it were in the picture's middle."""
+    """The hand as an engine reports it. The landmarks in space are rotated as if the hand were in
+    the middle of the picture."""
     x, y = camera.rays(image, SIZE).mean(axis=0).tolist()
     across = max(hypot(x, y), 1e-9)
     axis = atan(across) / across * np.array([-y, x, 0.0])

@@ -1,13 +1,14 @@
 """Homography from a camera's picture to the touch surface, and the camera's position.
 
 A camera without distortion maps a plane to its picture by a homography, which has eight parameters.
-Four corners of the surface in the picture determine it. So do the touches. When five touches are
-down, only one assignment to the five fingertips in the picture is close to a rotation with a scale.
-From this start, two steps alternate: all touches are paired with fingertips, and the homography is
-fitted to the pairs.
+The four corners of the surface in the picture determine the homography. Touches determine it, too:
+when five touches are down, only one assignment to the five fingertips in the picture is close to a
+rotation with a scale. From this start, two steps alternate: all touches are paired with fingertips,
+and the homography is fitted to the pairs.
 
-A finger touches with its pad, which lies between the tip and the last joint in the picture. Its
-position, as a share of the last bone, is fitted together with the homography.
+A finger touches with its pad, which lies between the tip and the last joint in the picture. The
+pad's position, as a share of the way from the tip to the joint, is fitted together with the
+homography.
 
 The homography of a plane of known size also gives the camera's position and its field of view.
 """
@@ -28,11 +29,11 @@ from models.errors import CaptureError, InputError
 from models.frames import FINGERS
 
 MOST_MISS = 0.012
-"""Largest median distance (m) of touches from their fingers' pads: half the distance of
+"""Largest median distance (m) of touches from their fingers' pads: half the distance between
 neighbouring fingers."""
 MIRRORED = 0.6
-"""A picture counts as mirrored if its mirror image brings the median distance between touches and
-fingers below this share."""
+"""A picture counts as mirrored if the median distance between touches and fingers in its mirror
+image is less than this share of that in the picture."""
 
 _SHARES = tuple(np.linspace(-0.2, 0.8, 11).tolist())
 _FIRST_SHARE = 0.3
@@ -161,8 +162,9 @@ def plane_of_touches(moments: Sequence[Moment], start: TabletPlane | None = None
 
     Args:
         moments: Pairs of hand landmarks and touches.
-        start: The surface located by its corners. Then only a shift of some mm and the pads' share
-            are fitted, since the tips in the picture lie above the glass. None fits everything.
+        start: The surface located by its corners. Only a shift of some mm and the pads' share are
+            then fitted. The shift is needed because fingertips lie above the glass. None fits the
+            whole homography and the pads' share.
 
     Raises:
         CaptureError: Touches and fingers do not match, or there are too few.
@@ -172,7 +174,7 @@ def plane_of_touches(moments: Sequence[Moment], start: TabletPlane | None = None
         raise CaptureError(
             "too few touches to find the surface in the picture",
             got=f"{len(used)} moments with a hand in the picture and two fingers down",
-            expected=f"{_LEAST_LOOKS}, some of them with all five fingers",
+            expected=f"at least {_LEAST_LOOKS}, some of them with all five fingers",
             remedy="Touch all over the surface, with several fingers at a time",
         )
     if start is not None:
@@ -229,8 +231,10 @@ def _first(moments: list[Moment]) -> TabletPlane:
 
 
 def _similarity(moment: Moment, mirrored: bool) -> Array:
-    """Rotation, scale and shift (3, 3) that bring fingers nearest to the touches, over all
-    assignments of fingers to touches."""
+    """Rotation, scale and shift, as a homography (3, 3), that bring fingers nearest to the touches.
+
+    All assignments of fingers to touches are tried.
+    """
     count = len(moment.touches)
     orders = np.array(list(permutations(range(len(FINGERS)), count)))
     pads = moment.pads(_FIRST_SHARE) * ([-1.0, 1.0] if mirrored else [1.0, 1.0])
@@ -321,15 +325,21 @@ def _affine(here: Array, there: Array, weight: Array) -> Array:
 
 
 def mirrored_plane(plane: TabletPlane, width: int) -> TabletPlane:
-    """The plane of the mirrored picture of a width (px), with the surface's x negated."""
+    """Converts a plane to the mirrored picture, with the surface's x negated.
+
+    Args:
+        plane: The plane in the picture.
+        width: Width of the picture in px.
+    """
     picture = np.array([[-1.0, 0.0, float(width)], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]])
     matrix = np.diag([-1.0, 1.0, 1.0]) @ plane.matrix @ picture
     return replace(plane, matrix=matrix / matrix[2, 2])
 
 
 LEAST_LEAN = 0.05
-"""Least change of scale over the picture, relative to the scale, at which a plane determines the
-field of view. A plane seen straight from the front looks the same through any lens."""
+"""Least change of scale from the middle to the edge of the picture, relative to the scale, at which
+a plane determines the field of view. Seen from straight above, a plane looks the same through any
+lens."""
 
 
 @dataclass(frozen=True)
@@ -338,7 +348,7 @@ class CameraPlace:
 
     Attributes:
         camera: Field of view; the position stored in it is not used.
-        rotation: (3, 3) camera from surface.
+        rotation: (3, 3) rotation from the surface frame to the camera's frame.
         shift: (3,) m, the surface's origin in the camera's frame.
     """
 
@@ -366,7 +376,7 @@ def place_of_camera(matrix: Array, size: tuple[int, int], camera: Camera) -> Cam
     Args:
         matrix: (3, 3) from pixels to m on the surface, x right and y down.
         size: Width and height of the picture in px.
-        camera: Field of view of the camera.
+        camera: The camera, of which only the field of view is used.
 
     Raises:
         CaptureError: The homography shows the surface from below.
@@ -391,9 +401,10 @@ def place_of_camera(matrix: Array, size: tuple[int, int], camera: Camera) -> Cam
 def field_of_view(matrix: Array, size: tuple[int, int]) -> float | None:
     """Field of view (degrees) across the width of the picture, from the homography of a plane.
 
-    None if the plane is seen nearly straight from the front, since any lens then gives the same
-    picture. The two axes of the plane are perpendicular and equally long in space, which gives two
-    equations for one unknown (Zhang, A flexible new technique for camera calibration, 2000).
+    The two axes of the plane are perpendicular and equally long in space. These facts give two
+    equations for one unknown (Zhang, A flexible new technique for camera calibration, 2000). The
+    result is None if the plane is seen from nearly straight above, since the picture is then the
+    same for any lens, and if the solution is not a plausible field of view.
 
     Args:
         matrix: (3, 3) homography from pixels to m on the plane.

@@ -1,12 +1,12 @@
 """Converts touches and frames of a 3-D device to a capture, in five steps.
 
 1. The hand, held open at the beginning, is measured (PAALM's calibration).
-2. Every frame becomes a pose and named fingertips, in the device's frame.
-3. The plane on which fingertips rest gives heights. Touch-downs and landings give the clocks'
-  offset.
-4. Touches and fingertips of the same moments give the device's pose, alternating with the labels of
-  touches and the offset at which touches move like their fingertips.
-5. Poses are transformed to the surface, and corrected so that touching fingertips meet their
+2. Every frame becomes a pose and labelled fingertips, in the device's frame.
+3. The plane on which fingertips rest gives heights. Touch-downs and landings of fingertips give the
+  offset of the clocks.
+4. Three estimates alternate: the labels of touches, the offset at which touches move like their
+  fingertips, and the device's pose from touches and fingertips of the same moments.
+5. Poses are transformed to the surface frame, and corrected so that touching fingertips meet their
   touches.
 """
 
@@ -35,19 +35,20 @@ from models.frames import FINGERS, HandFrame
 from models.pose import JOINTS, POSE_SIZE, ROOT_POSITION, ROOT_ROTATION
 
 ONE_CLOCK = 0.5
-"""Largest difference of the latencies of two devices recorded with one clock (s)."""
+"""Largest difference (s) between the latencies of two devices that are recorded with one clock."""
 
 Correct = Literal["unseen", "all", "none"]
 
 _ROUNDS = 3
 _SAMPLES = 1500
-"""Number of touches for the first guess; more take longer without a better result."""
+"""Number of samples of touches for the first guess; more samples take longer without a better
+result."""
 _NEAR_PLANE = 0.012
 """Distance (m) from the plane of resting fingertips within which a finger may touch."""
 
 POSE_ERROR = (0.004, np.deg2rad(2.0), np.deg2rad(8.0))
 """Standard deviations of a pose by PAALM: position (m), rotation and joints (rad). See
-docs/paalm.md. Parts that the touches do not determine remain as in PAALM's pose."""
+docs/paalm.md. The correction leaves parts of the pose that the touches do not determine."""
 
 
 def capture_from_hands(
@@ -73,10 +74,11 @@ def capture_from_hands(
         rules: Rules for dropping contacts and frames.
         report: Receives the counts of dropped contacts and frames, and estimated values.
         meta: Metadata of the capture.
-        one_clock: True if both times are on one clock, up to latencies.
+        one_clock: True if touches and frames have times of the same clock, apart from latencies.
         offset: The frames' clock minus the touches' clock (s), if known; None estimates it from
             taps.
-        correct: Selection of the touching fingertips that are corrected to their touches.
+        correct: Which touching fingertips are corrected to their touches: `unseen`, those that the
+            device does not see; `all`; or `none`.
 
     Raises:
         CaptureError: The recordings do not match; the error gives the reason.
@@ -107,7 +109,8 @@ def capture_from_hands(
             remedy="Check --side and --surface",
         )
     _note(report, clock, place, share, offset is None)
-    # PAALM only guesses the place of an unseen finger; the touch is more accurate.
+    # Without reported bones, a finger may be unseen, and PAALM only guesses its place. The touch is
+    # then more accurate, so no frame is dropped because of the distance between both.
     near = rules if calibration.bones is not None else replace(rules, reach=np.inf)
     capture = assemble(labelled, here, clock.offset, near, report, meta)
     capture = whole_frames(capture, tracks, labelled, report)
@@ -133,7 +136,8 @@ def _overlap(
 
 
 def _plane(track: HandTrack) -> DevicePose:
-    """A frame whose z is the height above the plane on which fingertips rest."""
+    """Pose of the device in a frame whose z is the height above the plane on which fingertips
+    rest."""
     shown = np.isfinite(track.seen[..., 0]).any(axis=1)
     try:
         frame = frame_from_fingertips(track.seen[shown], track.q[shown, ROOT_POSITION])
@@ -192,15 +196,14 @@ def corrected(
 ) -> Capture:
     """Corrects poses so that touching fingertips are at their touches.
 
-    With `unseen`, only fingertips that the device does not see are corrected.
-
     Args:
         capture: The capture.
         track: The hand, in the frame of the surface.
         offset: The hand's clock minus the touches' clock (s).
         rules: `gap`.
-        which: Selection of touching fingertips.
-        error: Standard deviation of a pose in position, rotation and joints (m, rad, rad).
+        which: Which touching fingertips are corrected: `unseen`, those that the device does not
+            see, while seen fingertips stay where they were seen; or `all`.
+        error: Standard deviations of a pose in position (m), rotation and joints (rad).
     """
     tips, _ = track.seen_at(capture.time + offset, rules.gap)
     unseen = np.isnan(tips[..., 0])
@@ -234,8 +237,9 @@ def _note(
 
 
 BESIDE = 0.015
-"""Distance (m) from a touch within which a visible fingertip labels it. It is more than half of the
-least distance of neighbouring fingers, but a visible neighbour is nearer to its own touch."""
+"""Distance (m) from a touch within which a visible fingertip labels the touch. It is more than half
+of the least distance between neighbouring fingers; but a visible neighbour is nearer to its own
+touch."""
 
 _VOTES = 3
 """Number of moments at which a fingertip must be seen beside a touch to label it."""
@@ -250,9 +254,10 @@ def label_by_fingertips(
 ) -> list[LabelledTrack]:
     """Labels contacts; contacts that cannot be labelled are counted and left out.
 
-    A fingertip seen beside the touch labels it. But the first Leap software loses bent fingers, and
-    PAALM's guess of their place is wrong. A touch of such a finger gets the nearest guessed finger
-    among those that are neither seen elsewhere nor used by another touch.
+    A fingertip that is seen beside a touch labels the touch. But the first Leap software loses bent
+    fingers, and PAALM then guesses their places. A touch without a seen fingertip gets the finger
+    with the nearest guessed tip, among the fingers that are neither seen elsewhere nor used by
+    another touch.
 
     Args:
         tracks: Contacts.
@@ -300,7 +305,10 @@ def label_by_fingertips(
 def _distances(
     one: ContactTrack, track: HandTrack, offset: float, rules: ConversionRules, held: bool
 ) -> Array:
-    """Distances (m, 5) m from a contact to fingertips; infinite where unknown or not seen."""
+    """Distances (m, 5) m from a contact to fingertips; infinite where unknown.
+
+    `held`: True also uses the fingertips that PAALM guesses, False only those that were seen.
+    """
     times = sample_times(one, rules.rate)
     look = track.tips_at if held else track.seen_at
     tips, known = look(times + offset, rules.gap)
@@ -311,12 +319,12 @@ def _distances(
 
 
 def _least(off: Array) -> float:
-    """Median distance (m) of the nearest fingertip; infinite for a contact without a fingertip."""
+    """Median distance (m) from a contact to the nearest fingertip; infinite if none is known."""
     return float(np.median(off.min(axis=1))) if len(off) else np.inf
 
 
 def _taken(tracks: list[ContactTrack], number: int, labelled: dict[int, LabelledTrack]) -> set[int]:
-    """Fingers of contacts that are down at some time during this contact."""
+    """Fingers of labelled contacts that are down at the same time as contact `number`."""
     own = tracks[number]
     return {
         other.finger

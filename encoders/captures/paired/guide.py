@@ -1,9 +1,9 @@
 """Instructions for a person during a paired capture, with progress.
 
-The guide first requests the open hand, which PAALM must measure; then three taps, which synchronise
-the clocks; then every set of two to five fingers, since a missing set cannot be reconstructed
-later. A touch device does not report which fingers touch. The guide counts the touches and relies
-on the person for the labels.
+The guide first requests the open hand, for PAALM's calibration. It then requests three taps, which
+synchronise the clocks. It then requests every set of two to five fingers, since a set that is
+missing in the capture cannot be reconstructed later. A touch device does not report which fingers
+touch, so the guide checks only the number of touches.
 """
 
 from __future__ import annotations
@@ -22,21 +22,24 @@ DOING = "move, open and close, pinch, turn"
 SETS: tuple[tuple[int, ...], ...] = tuple(
     chosen for size in range(5, 1, -1) for chosen in combinations(range(len(FINGERS)), size)
 )
-"""The 26 finger sets. Sets with many fingers come first, since they locate the device best."""
+"""The 26 finger sets. Sets with many fingers come first, since they determine the device's pose
+best."""
 
 PICTURES = 20
-"""Number of pictures with the hand before the taps. A hand seen by a camera is not measured."""
+"""Number of pictures with the hand that are needed before the taps. A camera's pictures, unlike a
+Leap's frames, are not used to measure the open hand."""
 
 ROUNDS = 2
 """Number of takes of every set. With a single take, a set could not be held out for testing."""
 
 _MOST_STEP = 0.1
-"""Largest time (s) that one frame adds, so that a paused device adds hardly any."""
+"""Largest time (s) that one frame adds to the time of a set, so that a pause of the device adds
+hardly any."""
 
 
 @dataclass(frozen=True)
 class GuideStep:
-    """The current instruction, and the share of it that is done, 0 to 1."""
+    """The current instruction, and how much of it is done, 0 to 1."""
 
     text: str
     share: float
@@ -105,7 +108,7 @@ class Guide:
             return
         whole = [h for h in frame.hands if is_whole(h, self._side)]
         if any(f.joints for h in whole for f in h.fingers):
-            # Five fingers that are not held open could not be measured after the session.
+            # The hand must be held open, or PAALM could not measure it after the session.
             found = self._search.add(frame) is not None
             self._open = self._wanted if found else min(self._search.seen, self._wanted - 1)
         elif whole:

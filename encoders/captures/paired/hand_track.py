@@ -25,7 +25,8 @@ from models.rotations import exp, log, unwrapped
 from models.skeleton import ADULT, Bone, Skeleton
 
 SMOOTHING = 0.02
-"""Standard deviation of the filter over poses (s). It is symmetric in time and adds no delay."""
+"""Standard deviation (s) of the smoothing filter. The filter is symmetric in time and adds no
+delay."""
 
 LONGEST_GAP = 0.1
 """Time (s) without the hand after which a new piece of the track begins."""
@@ -47,21 +48,25 @@ class HandTrack(JointTrack):
         return np.where(np.isnan(self.seen), self.kinematics.tips(self.q), self.seen)
 
     def seen_at(self, times: Array, gap: float) -> tuple[Array, NDArray[np.bool_]]:
-        """Seen fingertips (m, 5, 3) at times, NaN where not seen; and a mask of the times with
-        frames."""
+        """Seen fingertips (m, 5, 3) m at times (m,) s, NaN where not seen.
+
+        Also returns booleans (m,): True where there are frames.
+        """
         before, share, known = self._between(times, gap)
         a, b = self.seen[before], self.seen[before + 1]
         return a + share[:, None, None] * (b - a), known
 
     def tip_at(self, finger: int, times: Array, gap: float) -> tuple[Array, NDArray[np.bool_]]:
-        """Interpolates one fingertip (m, 3) as the device saw it, with a mask of the times at which
-        it did."""
+        """Interpolates one fingertip (m, 3) m as the device saw it, at times (m,) s.
+
+        Also returns booleans (m,): True where the device saw it.
+        """
         tips, known = self.seen_at(times, gap)
         known = known & np.isfinite(tips[:, finger]).all(axis=1)
         return np.where(known[:, None], tips[:, finger], 0.0), known
 
     def placed(self, at: DevicePose) -> HandTrack:
-        """The track in another frame."""
+        """Transforms the track to another frame, in which the device has the pose `at`."""
         q = self.q.copy()
         q[:, ROOT_POSITION] = at.points(q[:, ROOT_POSITION])
         q[:, ROOT_ROTATION] = log(at.rotation @ exp(q[:, ROOT_ROTATION]))
@@ -77,7 +82,7 @@ def hand_track(
 
     Args:
         frames: All frames of the recording.
-        time: (F,) s, times of the frames on the clock of the result.
+        time: (F,) s, times of the frames, on the clock of the returned track.
         calibration: Calibration of the hand.
 
     Returns:
@@ -116,11 +121,11 @@ def hand_track(
 
 
 def skeleton_of(calibration: HandCalibration) -> tuple[Skeleton, Array]:
-    """The person's skeleton as reported by the device, and its palm's centre (3,) m.
+    """The person's skeleton, from what the device reports, and the centre (3,) m of its palm.
 
-    With reported bones, every bone has its reported length. Otherwise, all bones are scaled from
-    the average. Knuckles are always scaled from the average, since a device's definition of the
-    palm's centre is unknown.
+    If the device reports bones, every bone has its reported length. Otherwise, all bones are those
+    of the average hand, scaled. Positions of knuckles are always scaled from the average hand,
+    since a device's definition of the palm's centre is unknown.
     """
     average = np.array(bone_lengths())
     if calibration.bones is not None:
@@ -159,7 +164,7 @@ def _tips(hands: Sequence[TrackedHand], ids: dict[str, int | None], left: bool) 
 
 
 def _smooth(time: Array, q: Array) -> Array:
-    """Smooths the device's noise out of the poses, piece by piece between gaps."""
+    """Smooths poses (J, 48), separately between gaps."""
     out = q.copy()
     cuts = np.flatnonzero(np.diff(time) > LONGEST_GAP) + 1
     for piece in np.split(np.arange(len(time)), cuts):

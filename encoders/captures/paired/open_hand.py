@@ -1,4 +1,4 @@
-"""The open hand at the beginning of a recording, which PAALM measures."""
+"""Measures the hand that is held open at the beginning of a recording, by PAALM's calibration."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from models.errors import EncoderError
 from models.frames import FINGERS, HandFrame, TrackedHand
 
 OPEN_FRAMES = 200
-"""Frames of the open hand at the beginning; the paper's 1000 lasted 10 s."""
+"""Number of frames of the open hand; the paper used 1000 frames, which lasted 10 s."""
 
 _EVERY = 20
 """Number of frames between two checks for an open hand."""
@@ -22,7 +22,12 @@ def open_hand(frames: Sequence[HandFrame], side: str, wanted: int = OPEN_FRAMES)
     """Measures the hand that is held open at the beginning of a recording.
 
     A device that reports joints also sends frames without a hand. If there are too many such frames
-    at first, or if the hand is not open at once, the first moment with an open hand counts.
+    at first, or if the hand is opened later, the first frames with an open hand are used.
+
+    Args:
+        frames: All frames of the recording.
+        side: `right` or `left`.
+        wanted: Number of frames with all five fingers that are needed to measure a hand.
 
     Raises:
         EncoderError: The hand is not held open; the error gives the reason.
@@ -40,14 +45,15 @@ def open_hand(frames: Sequence[HandFrame], side: str, wanted: int = OPEN_FRAMES)
 
 
 class OpenHandSearch:
-    """Searches for the first moment in which a hand with known joints is held open.
+    """Searches for the first frames in which a hand with known joints is held open.
 
     Args:
         side: `right` or `left`.
-        wanted: Number of frames with five fingers that measure a hand.
+        wanted: Number of frames with all five fingers that are needed to measure a hand.
 
     Attributes:
-        seen: Number of such frames in the current moment, at most `wanted`.
+        seen: Number of such frames among the latest 2 `wanted` frames, at most `wanted`. It is
+            updated every 20 frames.
         refused: Reason why the last hand that was checked is not open; empty before the first
             check.
     """
@@ -57,11 +63,11 @@ class OpenHandSearch:
         self.refused = ""
         self._side: Any = side
         self._wanted, self._until_look = wanted, 0
-        # Five fingers must be seen in half of the frames.
+        # All five fingers must be seen in half of these frames.
         self._frames: deque[HandFrame] = deque(maxlen=2 * wanted)
 
     def add(self, frame: HandFrame) -> HandCalibration | None:
-        """Processes a frame; returns the measured hand once it is open."""
+        """Processes a frame; returns the measured hand once it is held open, until then None."""
         if not self._frames and not self._whole(frame):
             return None
         self._frames.append(frame)

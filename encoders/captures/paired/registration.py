@@ -1,9 +1,9 @@
 """Registration: pose of a 3-D device in the surface frame, from touching fingertips.
 
-A touching fingertip is at its touch, half a fingertip above the surface. Enough fingertips, not on
-one line, determine rotation and translation of the device's frame. Labels of touches are not needed
-at first: the plane on which fingertips rest gives heights, and one of the rotations about its
-normal brings fingertips to the touches.
+The centre of a touching fingertip is above its touch, at a known height. Enough fingertips, not on
+one line, determine rotation and translation of the device's frame. The first estimate needs no
+labels of touches: the plane on which fingertips rest gives heights, and of all rotations about the
+plane's normal, the estimate is the one that brings fingertips nearest to touches.
 """
 
 from __future__ import annotations
@@ -18,16 +18,17 @@ from models.arithmetic import Array
 from models.errors import CaptureError
 
 TURNS = 36
-"""Number of rotations about the normal that are tried; the nearest of them differs from the true
-rotation by at most 5 degrees."""
+"""Number of rotations about the normal from which the search starts. The best start differs from
+the true rotation by at most 5 degrees."""
 
 MOST_MISS = 0.012
-"""Largest median distance between touch and fingertip of one hand (m); half the distance of two
+"""Largest median distance (m) between touches and their fingertips: half the distance between
 neighbouring fingers."""
 
 _ROUNDS = 15
 _KEPT = 0.7
-"""Share of the nearest pairs that are used; the others include fingers that are about to land."""
+"""Share of the pairs that are used, the nearest first. The remaining pairs include fingers that are
+about to land."""
 
 
 @dataclass(frozen=True)
@@ -35,9 +36,9 @@ class DevicePose:
     """Pose of the device's frame in the 3-D surface frame.
 
     Attributes:
-        rotation: (3, 3) surface from device.
-        shift: (3,) m, position of the device.
-        miss: Median distance of touching fingertips from their touches (m).
+        rotation: (3, 3) rotation from the device's frame to the surface frame.
+        shift: (3,) m, position of the device in the surface frame.
+        miss: Median distance (m) of touching fingertips from their touches.
         pairs: Number of touches used.
     """
 
@@ -47,7 +48,7 @@ class DevicePose:
     pairs: int
 
     def points(self, device: Array) -> Array:
-        """Transforms points (..., 3) m to the surface frame."""
+        """Transforms points (..., 3) m from the device's frame to the surface frame."""
         return np.asarray(device @ self.rotation.T + self.shift)
 
 
@@ -56,7 +57,7 @@ def first_guess(touches: Array, frame: NDArray[np.int64], tips: Array, near: flo
 
     Args:
         touches: (R, 2) m, x right and y up.
-        frame: (R,) row of `tips` at each touch's moment.
+        frame: (R,) row of `tips` at the time of each touch.
         tips: (F, 5, 3) m, in a frame whose z is the height above the plane of resting fingertips.
         near: Distance (m) from that plane within which a fingertip may touch.
 
@@ -68,7 +69,10 @@ def first_guess(touches: Array, frame: NDArray[np.int64], tips: Array, near: flo
     usable = low.any(axis=1)
     if usable.sum() < 10:
         raise CaptureError(
-            "hardly any touch matches a fingertip on the surface", got=int(usable.sum())
+            "hardly any touch matches a fingertip on the surface",
+            got=f"{int(usable.sum())} touches with a fingertip near the surface",
+            expected="at least 10",
+            remedy="Keep the hand in the device's view while it touches",
         )
     flat, low, touches = flat[usable], low[usable], touches[usable]
     middle = np.where(low[..., None], flat, 0.0).sum(axis=1) / low.sum(axis=1)[:, None]
@@ -115,6 +119,7 @@ def register(touches: Array, tips: Array) -> DevicePose:
         raise CaptureError(
             "too few touches to locate the device",
             got=f"{len(here)} fingertips that were seen touching",
+            expected="at least 10, not on one line",
             remedy="Touch all over the surface, with several fingers at a time",
         )
     keep = np.ones(len(here), bool)

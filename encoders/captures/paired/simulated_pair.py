@@ -1,9 +1,9 @@
 """Simulates a paired capture: a SIMULATED person touches a tablet while a Leap sees the hand.
 
 The person is a simulated subject, with individual bones and without the errors of a capture system.
-The hand is held open, taps three times, then does the subject's takes and is lifted between them.
-Each device has a clock, a latency and a jitter of its own. The data are simulated, not recorded.
-The truth is stored with the devices' data.
+The hand is held open, taps three times, then makes the takes of the simulated subject, lifted
+between them. Each device has its own clock, latency and jitter. The data are simulated, not
+recorded. The truth is stored with the devices' data.
 
 `encoders.paalm.simulated.forward` simulates the Leap's view, as if no tablet were in the way.
 """
@@ -38,21 +38,21 @@ class PairedConfiguration:
     """Settings of a session and of the devices' errors. Lengths in m, times in s.
 
     Attributes:
-        script: Time (s) of day 0 with fingers down, all 26 sets together.
-        script_rate: Rate (Hz) at which day 0 is played.
-        play: Time (s) of later days with fingers down; the paper's 2,538 frames at 30 Hz.
+        script: Time (s) on day 0 with fingers down, all 26 sets together.
+        script_rate: Frame rate (Hz) of the subject on day 0.
+        play: Time (s) on each later day with fingers down; the paper has 2,538 frames at 30 Hz.
         open_seconds: Time (s) of the open hand at the beginning.
         taps: Times (s) from the end of one tap to the next touch-down, uneven on purpose.
         tap: Time (s) for which a tap lasts.
-        every: 1 to use all takes, n to use every n-th take, and thus other sets of fingers.
+        every: 1 uses all takes, n uses every n-th take; this leaves out some sets of fingers.
         pause: Least and greatest time (s) between takes.
         lift: Height of the hand's path between takes.
-        size, bone, knuckle: Spread of the person's size and of every bone, as shares, and of every
-            coordinate of a knuckle (m).
-        touch_rate, leap_rate: Rates (Hz).
-        touch_latency, leap_latency: Mean from the event to its arrival (s).
-        jitter: Mean (s) of the part of the latency that differs from frame to frame (exponential).
-        drift: Share by which a second of the Leap's clock is too short.
+        size, bone, knuckle: Spread of the person's size and of the length of every bone, as shares,
+            and of every coordinate of a knuckle (m).
+        touch_rate, leap_rate: Frame rates (Hz).
+        touch_latency, leap_latency: Constant part (s) of the time from an event to its arrival.
+        jitter: Mean (s) of the random, exponentially distributed part of that time.
+        drift: Share by which the Leap's clock is too slow.
         tilt: Rotation (rad) of the Leap's axes relative to the surface's: pitch, roll, yaw.
         at: Position (m) of the Leap in the surface's frame.
     """
@@ -80,9 +80,9 @@ class PairedConfiguration:
 
 
 _LIFTED = 0
-"""Replaces the id of a finger that does not tap."""
+"""Stands for the id of a finger that does not tap."""
 _TREMBLE = 2e-4
-"""Noise of the tapping touches (m); other touches have their subject's noise."""
+"""Noise (m) of the touches of taps; touches of takes have the subject's noise."""
 
 FROZEN_PAIRED = PairedConfiguration()
 
@@ -98,12 +98,12 @@ class PairedSession:
         leap_arrived: (m,) s, arrival times on the host's clock.
         surface: The tablet's surface.
         truth: The subject's capture: every touch with its finger, the true pose and time.
-        labels: Fingers by the touches' ids.
+        labels: Id of a touch -> its finger.
         touch_delay, leap_delay: Mean delay from event to arrival (s).
         rotation, shift: The Leap's frame in the surface's frame.
         side: The hand, left or right.
-        motion: The hand's true motion, a left hand's mirrored to a right hand: knots (n,) s and
-            poses (n, 48) in the surface frame, between which it moves smoothly.
+        motion: The hand's true motion: times (n,) s and poses (n, 48) in the surface frame, between
+            which the hand moves smoothly. A left hand is mirrored to a right hand.
         skeleton: The person's bones.
     """
 
@@ -123,12 +123,12 @@ class PairedSession:
     skeleton: Skeleton
 
     def poses_at(self, times: Array) -> Array:
-        """True poses (m, 48) in the surface frame, a left hand's mirrored to a right hand."""
+        """True poses (m, 48) in the surface frame; a left hand is mirrored to a right hand."""
         return _at(times, *self.motion)
 
     @property
     def offset(self) -> float:
-        """Arrival times of the Leap minus those of the touches for the same events (s)."""
+        """Mean arrival time of the Leap minus that of the touches, for the same event (s)."""
         return self.leap_delay - self.touch_delay
 
 
@@ -144,7 +144,7 @@ def simulate_paired(
 
     Args:
         seed: Seed of the person and, together with the day, of the whole session.
-        day: 0 is the training script, later days free play.
+        day: 0 is the training script; on later days, the subject plays freely.
         dialect: Version of the Leap software, `v3` or `v1`.
         side: The hand; a left one is the mirror image.
         configuration: Settings of session and devices.
@@ -203,12 +203,11 @@ def _person(
     c: PairedConfiguration,
     progress: Callable[[float], None] | None,
 ) -> tuple[Capture, JointsOf, Array, Skeleton]:
-    """The subject's day without errors of measurement, and the parts of its hand that a device
-    sees.
+    """Simulates the subject's day without errors of measurement.
 
     Returns:
-        The day; joints (n, 5, 4, 3) by pose; the palm's centre (3,) m in the hand's frame, scaled
-        from an average palm; the bones.
+        The capture; a function from poses (n, 48) to joints (n, 5, 4, 3) m; the palm's centre (3,)
+        m in the hand's frame, scaled from an average palm; the person's skeleton.
     """
     plain = subject.FROZEN
     clean = replace(
@@ -253,7 +252,7 @@ def _by_finger(joints: Array, tips: Array) -> Array:
 def _motion(
     rng: np.random.Generator, truth: Capture, c: PairedConfiguration
 ) -> tuple[Array, Array, list[tuple[int, float]]]:
-    """Knots of the whole session: times (n,), poses (n, 48), and the start of each take."""
+    """Motion of the whole session: times (n,) s, poses (n, 48), and the start (s) of each take."""
     rise = c.lift
     five = truth.q[int(truth.down.sum(axis=1).argmax())]
     flat = _open_pose(five)
@@ -292,7 +291,7 @@ def _motion(
 
 
 def _open_pose(over: Array) -> Array:
-    """Pose (48,) of a flat hand 12 cm above the wrist of a pose."""
+    """Pose (48,) of a flat open hand, 12 cm above the wrist of the pose `over`."""
     table = np.zeros((len(FINGERS), 4))
     table[:, 1], table[:, 2], table[:, 3] = OPEN_SPREAD, 8.0, 5.0
     palm = Palm((0.0, 0.0, 0.0), (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
@@ -302,7 +301,8 @@ def _open_pose(over: Array) -> Array:
 
 
 def _at(wanted: Array, time: Array, q: Array) -> Array:
-    """Poses (n, 48) between the knots, by cubics that do not overshoot where fingers hold still."""
+    """Interpolates poses at times `wanted`, by cubics that do not overshoot where the hand
+    rests."""
     from scipy.interpolate import PchipInterpolator
 
     return np.asarray(PchipInterpolator(time, q, axis=0)(wanted))
@@ -315,12 +315,12 @@ def _touched(
     time: Array,
     c: PairedConfiguration,
 ) -> tuple[TouchFrame, ...]:
-    """Frames of the tablet: frames with fingers down, and one frame after the last has left."""
+    """Frames of the tablet: frames with contacts, and one empty frame after each last lift."""
     grid = np.arange(0.0, time[-1], 1.0 / c.touch_rate)
     frames: list[TouchFrame] = []
     rows_of = {trial: np.flatnonzero(truth.trial == trial) for trial, _ in starts}
     spans: list[tuple[float, float, Array, Array]] = []
-    # In the taps, the five touches are at the tips of the tapping hand.
+    # The touches of a tap are those of the frame whose pose taps.
     five = int(truth.down.sum(axis=1).argmax())
     clock, number = c.open_seconds + 1.0, -1
     for gap in c.taps:

@@ -1,4 +1,4 @@
-"""A simulated subject, which replaces the person captured for the paper.
+"""A simulated subject, which replaces the person whose hand was captured for the paper.
 
 A reimplementation needs poses and touches of the same hand at the same time, and no public
 recording contains both. The subject moves a hand over a touch surface as a person might, and is

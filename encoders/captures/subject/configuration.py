@@ -1,6 +1,6 @@
 """Settings of the simulated subject, with units.
 
-Sizes of sets and of the screen are the paper's (Chung, Kim, Han, Pollard 2015, sections 3 and 4).
+Numbers of frames and the screen are the paper's (Chung, Kim, Han, Pollard 2015, sections 3 and 4).
 All other values are guesses about the movement of a hand, of a plausible order of magnitude.
 Amplitudes and spreads were tuned until principal components and the paper's own method came near
 the paper's numbers (docs/encoding.md names the seeds), and were then frozen.
@@ -20,51 +20,60 @@ class SubjectConfiguration:
     """Settings of movement, measurement and tasks of the subject.
 
     Attributes:
-        training_frames: Frames with 2, 3, 4 and 5 fingers on day 0; 7,083 in total, as in the paper
-            (its 2,020 and 874 are printed; the split of the rest between 2 and 5 fingers is ours).
-        test_frames: The same for every later day; 2,538 in total, as in the paper.
+        training_frames: Frames with 2, 3, 4 and 5 fingers on day 0; 7,083 in total, as in the
+            paper. The paper prints 2,020 for 3 fingers and 874 for 4; the numbers for 2 and 5
+            fingers are ours.
+        test_frames: Frames with 2, 3, 4 and 5 fingers on every later day; 2,538 in total, as in the
+            paper.
         training_rate: Frame rate (Hz) of day 0. Successive frames are nearly equal, so the script
-            is sampled slowly: 7,083 frames last 8 minutes rather than 4.
+            is sampled slowly: 7,083 frames last 8 minutes. At 30 Hz they would last 4.
         test_rate: Rate (Hz) of later days.
-        five_finger_repeats: Clips of each gesture with all fingers; other sets have one.
-        take_length: Mean length of a take of a later day (s).
+        five_finger_repeats: Number of clips of each gesture with all five fingers. Other finger
+            sets have one clip of each gesture.
+        take_length: Mean duration (s) of a take on a later day.
         stay: Least and greatest time (s) between two changes of the touching fingers on later days.
         transition: Time (s) from resting on the surface to fully lifted.
 
         move: Amplitude (m) of the hand's path over the surface.
         turn: Amplitude (rad) of the hand's turn about the surface's normal.
         grasp: Amplitude of opening and closing, as a share of the natural span.
-        grasp_closed: Bias towards closing: 0 opens as much as it closes, 1 only closes.
+        grasp_closed: Bias of grasps: at 0 the hand opens as much as it closes, at 1 it only closes.
         widest: Greatest span, as a share of the natural span.
         pinch: Amplitude of the approach of thumb and fingers, as a share of their distance.
-        pinch_closed: As `grasp_closed`; at 1 a pinch never opens beyond the natural distance.
-        pinch_least: Widest pinch, as a share of the distance that is added, thus negative.
+        pinch_closed: Bias of pinches, as `grasp_closed`.
+        pinch_least: Least closing of a pinch, as a share of the natural distance. A negative value
+            is an opening.
         placing: Standard deviation (m) of the place at which each fingertip is put down, from take
             to take.
         wobble: Standard deviation (m) of each fingertip's own path about the layout within a take.
-        tip_width: Least distance (m) between two fingertips' middles, so that fingers do not
+        tip_width: Least distance (m) between the middles of two fingertips, so that fingers do not
             overlap.
-        aside: Share of the other gestures in a clip of one gesture.
+        aside: Largest amplitude of the other three gestures in a clip of one gesture, as a share of
+            their full amplitudes.
         swing: Least and greatest duration (s) of one stroke of a gesture.
         variety: Least and greatest factor on a stroke's amplitude.
         greatest_turn: Limit of the forearm's rotation (rad).
         free_amplitude: Amplitude of free-form gestures relative to the script's.
 
-        root_position_spread: Spread (m) of wrist x, y, z about its place over the layout.
+        root_position_spread: Spread (m) of the wrist's x, y, z about its place over the layout.
         root_rotation_spread: Spread (rad) of pitch, roll and yaw.
-        synergy_spread: Spread (rad) of flexing all fingers; knuckles against the middle joints;
-            index side against little side; opposing the thumb; spreading; flexing the thumb.
-        finger_spread: Spread (rad) of MCP flexion, MCP abduction, PIP and DIP beyond the synergies.
-        thumb_spread: Spread (rad) of CMC flexion, abduction, twist, MCP flexion, abduction beyond
-            the synergies.
-        neighbour: Correlation of that remaining spread between neighbouring fingers.
-        hinge_tilt: Spread of the hinges' axes about the bones' own (rad).
-        style: Spread of the intended posture, from take to take, as a share of the prior's.
-        sway: Spread of the intended posture within a take, as a share of the prior's.
-        root_variety: Factor on `style` and `sway` for the root: arm and wrist vary more than their
-            stiffness relative to the fingers suggests, and the fingers compensate.
+        synergy_spread: Spreads (rad) of the six synergies: flexing all fingers; knuckles against
+            middle joints; index side against little side; opposing the thumb; spreading; flexing
+            the thumb.
+        finger_spread: Spreads (rad) of MCP flexion, MCP abduction, PIP and DIP, in addition to the
+            synergies.
+        thumb_spread: Spreads (rad) of CMC flexion, abduction and twist, MCP flexion and abduction,
+            in addition to the synergies.
+        neighbour: Correlation of `finger_spread` between neighbouring fingers.
+        hinge_tilt: Spread (rad) of the hinges' axes about the axes of their bones.
+        style: Spread of the intended posture from take to take, as a share of the spread of all
+            postures (the preceding settings).
+        sway: Spread of the intended posture within a take, as a share of the same spread.
+        root_variety: Factor on the root's part of the intended posture's changes. Arm and wrist
+            vary more than their spreads relative to the fingers suggest, and the fingers
+            compensate.
         sway_time: Time (s) over which the sway changes.
-        arm_turn: Share of the surface's turn that the hand makes.
+        arm_turn: Share of the touches' turn that the hand makes.
         elbow: Weight of the direction from elbow to hand in the hand's yaw.
         elbow_distance: Distance (m) from the elbow to the near edge of the surface.
 
@@ -75,13 +84,13 @@ class SubjectConfiguration:
         lift_posture: Angle (rad) by which a lifted finger's joints turn towards curling or
             stretching.
         tip_height: Height (m) of the centre of a touching fingertip's end sphere above the surface:
-            its radius less the flesh that the surface flattens.
+            its radius minus the compression of the flesh.
 
-        pad_roll: Distance (m) from the fingertip's centre to that of the touch when the finger lies
-            flat.
+        pad_roll: Distance (m) along the surface from the fingertip's centre to the middle of the
+            touch when the finger lies flat.
         touch_noise: Noise of touch positions (m).
         touch_resolution: Resolution (dots per inch) of the reported position; an iPad 2 has 132.
-        soft_tissue: Slow error (rad) of joint angles, because markers move with the skin.
+        soft_tissue: Slow error (rad) of joint angles. Its cause is that markers move with the skin.
         soft_tissue_time: Time (s) over which the slow error changes.
         joint_noise: Fast error (rad) of joint angles.
         root_noise: Fast error (m and rad) of the root.
@@ -89,12 +98,15 @@ class SubjectConfiguration:
         tip_marker: Precision (m) with which the capture system's skeleton meets the fingertips'
             markers.
 
-        day_joint: Constant error (rad) of joint angles of another day: markers are placed anew.
-        day_root: Constant error (m and rad) of the root of another day.
-        day_style: Shift of the intended posture on another day, as a share of the prior's spread.
-        day_elbow: Standard deviation (m) of the elbow's place on another day, along each axis.
-        day_yaw: Standard deviation (rad) of the change of the hand's yaw on another day.
-        free_style: Concentration of the mixture of gestures; below 1, one dominates.
+        day_joint: Error (rad) of joint angles that is constant on a later day, since markers are
+            placed anew every day.
+        day_root: Errors (m and rad) of the root that are constant on a later day.
+        day_style: Shift of the intended posture on a later day, as a share of the spread of all
+            postures.
+        day_elbow: Standard deviation (m) of the elbow's place on a later day, along each axis.
+        day_yaw: Standard deviation (rad) of the change of the hand's yaw on a later day.
+        free_style: Concentration of the Dirichlet mixture of gestures; below 1, one gesture
+            dominates.
         natural: Exponent on the naturalness of a finger set when the subject chooses freely.
     """
 

@@ -1,4 +1,4 @@
-"""Gestures as smooth paths of fingertips, and the script of a day: all finger sets or free play."""
+"""Gestures as smooth paths of fingertips, and the takes of a day: all finger sets or free play."""
 
 from __future__ import annotations
 
@@ -17,15 +17,15 @@ GESTURES = ("move", "grasp", "pinch", "rotate")
 """The paper's gestures: "moving, grasping, pinching, and rotating motions" (section 4)."""
 
 MARGIN = 0.006
-"""Distance (m) between fingertips and the screen's edge: half a touch, since a screen reports only
-whole touches."""
+"""Least distance (m) of a touching fingertip from the screen's edge: half the width of a touch,
+since a screen reports only touches that lie wholly on it."""
 
 _COMPONENTS = 24
 """Number of waves in a smooth noise; enough for its values to be nearly normal."""
 
 _PUSHES = 8
-"""Number of rounds that push fingertips apart. After five in a row, their distance is right within
-1 mm."""
+"""Number of rounds that push fingertips apart. Five fingertips in a row are then at the right
+distances, within 1 mm."""
 
 _THUMB = 0
 
@@ -50,8 +50,9 @@ def smooth_noise(
 ) -> Array:
     """Independent smooth noises (n, *shape) of variance 1.
 
-    A sum of waves of random frequency can be sampled at any times, so that the same movement may be
-    recorded at any rate. Frequencies are heavy-tailed, as those of a Matern 3/2 process.
+    Each noise is a sum of waves of random frequency. Such a sum can be sampled at any times, so the
+    same movement may be recorded at any rate. Frequencies are heavy-tailed, as those of a Matern
+    3/2 process.
     """
     frequency = rng.standard_t(3, (_COMPONENTS, *shape)) / timescale
     phase = rng.uniform(0, 2 * np.pi, (_COMPONENTS, *shape))
@@ -65,10 +66,16 @@ def strokes(
     swing: tuple[float, float],
     variety: tuple[float, float],
 ) -> Array:
-    """A path (n,) to and fro between about -1 and 1.
+    """A movement (n,) to and fro between about -1 and 1.
 
-    Every stroke is a minimum-jerk movement with rest at both ends, as people move a hand between
-    two points (Flash and Hogan 1985).
+    Every stroke is a minimum-jerk movement with rest at both ends, like the movement of a person's
+    hand between two points (Flash and Hogan 1985).
+
+    Args:
+        rng: Source of randomness.
+        times: (n,) s.
+        swing: Least and greatest duration (s) of a stroke.
+        variety: Least and greatest distance of a stroke's end from 0.
     """
     count = int(np.ceil((times[-1] - times[0]) / swing[0])) + 2
     ends = times[0] + np.concatenate([[0.0], np.cumsum(rng.uniform(*swing, count))])
@@ -96,8 +103,8 @@ def path(
         rng: Source of the take's randomness.
         times: (n,) s.
         amplitudes: (4,) share of each gesture of `GESTURES`.
-        fingers: (5,) booleans, fingers that touch at some time. Only these are pinched together and
-            must stay on the screen.
+        fingers: (5,) booleans, fingers that touch at some time in the take. Only these stay on the
+            screen, and pinches close between them.
         layout: (5, 2) m, natural positions of the fingertips relative to their middle.
         surface: The screen.
         configuration: Amplitudes of the gestures.
@@ -125,9 +132,10 @@ def path(
 
 
 def _pinched(tips: Array, closing: Array, fingers: NDArray[np.bool_]) -> Array:
-    """Moves thumb and other touching fingers towards each other by a share of their distance.
+    """Moves thumb and fingers towards each other by the share `closing` (n,) of their distance.
 
-    Without the thumb, or with the thumb alone, the fingers close on their own middle.
+    If the thumb or all other fingers do not touch, the fingers close on the middle of those that
+    touch.
     """
     others = fingers.copy()
     others[_THUMB] = False
@@ -144,7 +152,7 @@ def _pinched(tips: Array, closing: Array, fingers: NDArray[np.bool_]) -> Array:
 
 
 def _apart(tips: Array, width: float) -> Array:
-    """Pushes fingertips (n, 5, 2) apart to at least a width from each other."""
+    """Pushes fingertips (n, 5, 2) m apart to a distance of at least `width` (m)."""
     tips = tips.copy()
     pairs = list(combinations(range(tips.shape[1]), 2))
     for _ in range(_PUSHES):
@@ -158,9 +166,10 @@ def _apart(tips: Array, width: float) -> Array:
 
 
 def _on_screen(way: Array, tips: Array, fingers: NDArray[np.bool_], surface: Surface) -> Array:
-    """Position (n, 2) m of the layout, moved so that touching fingertips are on the screen.
+    """Positions (n, 2) m of the layout that follow `way` and keep touching fingertips on the
+    screen.
 
-    A layout too large for the screen is centred on it.
+    A layout that is too large for the screen is centred on it.
     """
     size = surface.size
     middle = np.array([size[0] / 2, -size[1] / 2])
@@ -176,7 +185,8 @@ def _on_screen(way: Array, tips: Array, fingers: NDArray[np.bool_], surface: Sur
 SETS: tuple[tuple[int, ...], ...] = tuple(
     chosen for size in range(2, 6) for chosen in combinations(range(len(FINGERS)), size)
 )
-"""The 26 sets of 2 to 5 fingers. One finger alone was not captured: "inherent ambiguity"."""
+"""The 26 sets of 2 to 5 fingers. The paper did not capture single fingers, because of their
+"inherent ambiguity"."""
 
 
 @dataclass(frozen=True)
@@ -205,7 +215,8 @@ def takes_of(day: int, rng: np.random.Generator, configuration: SubjectConfigura
 
 
 def _script(rng: np.random.Generator, configuration: SubjectConfiguration) -> list[Take]:
-    """Every finger set with every gesture: a missing set could not be reconstructed later."""
+    """Takes of every finger set with every gesture, since an encoder cannot reconstruct a set that
+    it did not learn."""
     c = configuration
     takes = []
     for size, frames in zip(range(2, 6), c.training_frames, strict=True):
@@ -228,10 +239,12 @@ def _script(rng: np.random.Generator, configuration: SubjectConfiguration) -> li
 
 
 def _free_play(rng: np.random.Generator, configuration: SubjectConfiguration) -> list[Take]:
-    """Free play, as with clay: mixed gestures, with fingers landing and lifting at any time.
+    """Takes of free play, as with clay: mixed gestures, with fingers landing and lifting at any
+    time.
 
-    Stretches with one finger set follow each other until the day's frames of every set size are
-    used up. Within a take, neighbouring stretches differ by one or two fingers.
+    A take consists of stretches with one finger set each. Neighbouring stretches differ by one or
+    two fingers. Stretches are added until the day has its number of frames for every number of
+    fingers.
     """
     c = configuration
     left = dict(zip(range(2, 6), c.test_frames, strict=True))
@@ -249,7 +262,7 @@ def _free_play(rng: np.random.Generator, configuration: SubjectConfiguration) ->
             continue
         assert following is not None
         frames = min(int(rng.uniform(*c.stay) * c.test_rate), left[len(following)])
-        # No remainder shorter than the least stay is left.
+        # A remainder shorter than the least stay is added to the stretch.
         if left[len(following)] - frames < c.stay[0] * c.test_rate:
             frames = left[len(following)]
         left[len(following)] -= frames
@@ -266,8 +279,10 @@ def _next_set(
     left: dict[int, int],
     configuration: SubjectConfiguration,
 ) -> tuple[int, ...] | None:
-    """A set that may follow, or None. Natural sets are more likely, and sets of a size with many
-    remaining frames."""
+    """Draws the next finger set; None if no set can follow.
+
+    Natural sets are more likely, and so are sets whose number of fingers has many remaining frames.
+    """
     weights = np.zeros(len(SETS))
     for i, fingers in enumerate(SETS):
         changes = 1 if current is None else len(set(fingers) ^ set(current))
@@ -282,8 +297,8 @@ def _next_set(
 def _naturalness(fingers: tuple[int, ...]) -> float:
     """Naturalness of a finger set: higher with the index finger and without gaps between fingers.
 
-    Two or three fingers touch with the thumb, because they pinch; four fingers rather swipe without
-    it.
+    Sets of two or three fingers are more natural with the thumb, since they pinch. For larger sets
+    the thumb makes no difference.
     """
     others = [f for f in fingers if f > 0]
     gaps = others[-1] - others[0] + 1 - len(others)

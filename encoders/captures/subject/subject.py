@@ -1,7 +1,7 @@
 """Simulates the subject: the takes of a day become one capture.
 
 The subject's hand takes the most likely posture with its fingertips over the touches. A simulated
-screen measures the touches, and a simulated capture system the poses.
+screen measures the touches, and a simulated capture system measures the poses.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ FREEDOMS = 27
 """Anatomic degrees of freedom: root 6, thumb 5, four for each other finger."""
 
 FLEXION, TWIST, ABDUCTION = np.array([-1.0, 0, 0]), np.array([0, 1.0, 0]), np.array([0, 0, 1.0])
-"""Axes in the bones' frames: a positive flexion closes the hand."""
+"""Axes of rotation in the bones' frames; a positive rotation about FLEXION closes the hand."""
 
 _THUMB = 6
 """First freedom of the thumb: CMC flexion, abduction, twist, MCP flexion, abduction."""
@@ -41,9 +41,9 @@ class Anatomy:
     """A subject's hand: its hinges and the covariance of its postures.
 
     Attributes:
-        hinges: (48, 27) matrix from degrees of freedom to the pose: q = hinges @ theta. Joints with
-            two and three degrees of freedom combine them as components of one rotation vector, as
-            eye and shoulder nearly do (Listing's law). Columns of the root are unit vectors.
+        hinges: (48, 27) matrix from degrees of freedom to the pose: q = hinges @ theta. In joints
+            with two or three degrees of freedom, these are components of one rotation vector, as
+            nearly in eye and shoulder (Listing's law). Columns of the root are unit vectors.
         covariance: (27, 27) covariance of the intended posture.
     """
 
@@ -54,8 +54,8 @@ class Anatomy:
 def anatomy(
     rng: np.random.Generator, skeleton: Skeleton, configuration: SubjectConfiguration
 ) -> Anatomy:
-    """Draws a subject's anatomy; hinge axes differ from the bones' own by a few degrees at
-    random."""
+    """Draws a subject's anatomy. Hinge axes differ at random from the bones' axes by a few
+    degrees."""
     hinges = np.zeros((POSE_SIZE, FREEDOMS))
     hinges[:6, :6] = np.eye(6)
     for freedom, (bone, axis) in enumerate(_freedoms(), start=6):
@@ -63,7 +63,7 @@ def anatomy(
         rows = slice(6 + 3 * bone, 9 + 3 * bone)
         hinges[rows, freedom] = exp(tilt) @ axis
     if hinges.shape[0] != 6 + 3 * len(skeleton.bones):
-        raise AssertionError("the table of freedoms is that of 14 bones")
+        raise AssertionError("the skeleton must have the 14 bones of the table of freedoms")
     return Anatomy(hinges, _covariance(configuration))
 
 
@@ -79,10 +79,11 @@ def _freedoms() -> list[tuple[int, Array]]:
 
 
 def _covariance(configuration: SubjectConfiguration) -> Array:
-    """Covariance (27, 27): six synergies, and a remainder in which neighbouring fingers move alike.
+    """Covariance (27, 27) of the intended posture: six synergies, and a remainder that is
+    correlated between neighbouring fingers.
 
-    Because of these correlations, a lifted finger is not free: in the most likely posture it moves
-    along with the touching fingers (enslaving).
+    Because of these correlations, a lifted finger moves along with the touching fingers in the most
+    likely posture (enslaving).
     """
     c = configuration
     loadings = _synergies() * np.array(c.synergy_spread)[:, None]
@@ -99,7 +100,7 @@ def _covariance(configuration: SubjectConfiguration) -> Array:
 
 
 def _synergies() -> Array:
-    """Loadings (6, 27) of the synergies, the largest of each 1."""
+    """Loadings (6, 27) of the synergies; the largest loading of each synergy is 1."""
     out = np.zeros((6, FREEDOMS))
     flex_all, knuckles, gradient, opposing, spreading, thumb_flexion = out
     for finger, start in enumerate(_FINGERS):
@@ -107,7 +108,7 @@ def _synergies() -> Array:
         flex_all[start : start + 4] = 0.8, 0.0, 1.0, 0.65
         knuckles[start : start + 4] = 1.0, 0.0, -0.9, -0.55
         gradient[start : start + 4] = 0.9 * side, 0.0, side, 0.6 * side
-        # Counterclockwise seen from the back of the hand is towards the thumb.
+        # Positive abduction, counterclockwise seen from the back of the hand, is towards the thumb.
         spreading[start + 1] = -0.5 * side
     flex_all[_THUMB : _THUMB + 5] = 0.4, 0.0, 0.0, 0.7, 0.0
     opposing[_THUMB : _THUMB + 5] = 0.3, -1.0, 0.6, 0.2, 0.0
@@ -117,9 +118,9 @@ def _synergies() -> Array:
 
 
 def lifting(curled: bool) -> Array:
-    """Units (5, 27) by which a lifted finger's joints turn, finger by finger.
+    """Rotation (5, 27) of the joints of each lifted finger, in units of `lift_posture`.
 
-    Most people stretch a finger to lift it from the surface; some curl it.
+    A finger is lifted from the surface by stretching it, or by curling it.
     """
     out = np.zeros((5, FREEDOMS))
     out[0, _THUMB : _THUMB + 5] = (0.6, 0, 0, 0.8, 0) if curled else (-0.9, 0, 0, -0.5, 0)
@@ -131,15 +132,14 @@ def lifting(curled: bool) -> Array:
 ITERATIONS = 20
 
 _FIRST_PRECISION = 0.02
-"""Precision (m) of targets in the first iterations; at full precision, a far hand would
-overshoot."""
+"""Precision (m) of targets in the first iteration. With the required precision, a hand far from its
+targets would overshoot."""
 
 _STEP = 0.15
-"""Largest rotation (rad) of a joint in one iteration, within which tips are nearly linear in
-joints."""
+"""Largest rotation (rad) of a joint in one iteration, so that tips move nearly linearly."""
 
 _WALL = np.deg2rad(0.5)
-"""Softness of a joint's wall (rad)."""
+"""Softness (rad) of the wall that keeps a joint in its range."""
 
 _BEFORE_LIMIT = np.deg2rad(2.0)
 """Angle (rad) between the wall and the anatomic limit, as room for errors of measurement."""
@@ -152,12 +152,12 @@ class PostureSolver:
                         + (theta - aim)' S^-1 (theta - aim) + a wall at the joints' limits
 
     by Gauss-Newton. Poses are therefore not polynomials of the touches: tips are trigonometric in
-    the joints, the solution contains an inverse, and the aim does not follow from the touches
-    alone.
+    the joints, the solution contains an inverse matrix, and the aim does not follow from the
+    touches alone.
 
     Args:
         kinematics: Kinematics of the skeleton.
-        anatomy: Posture at rest, its covariance, and the joints' hinges.
+        anatomy: The joints' hinges, and the covariance of postures.
     """
 
     def __init__(self, kinematics: Kinematics, anatomy: Anatomy) -> None:
@@ -179,8 +179,8 @@ class PostureSolver:
         theta = aim.copy()
         joints = self._hinges[JOINTS]
         for i in range(ITERATIONS):
-            # Geometric sequence, in the first half, from the first precision to the required
-            # precision.
+            # In the first half, the precision falls geometrically to a thousandth of the first one,
+            # but not below the required precision.
             share = min(1.0, 2 * i / ITERATIONS)
             sd = np.maximum(precision, _FIRST_PRECISION * 1e-3**share)
             weight = (1 / sd**2).reshape(len(aim), 15)
@@ -206,13 +206,13 @@ class PostureSolver:
 
 
 SUBJECT, DAY, TAKE = 0, 1, 2
-"""Purposes of random numbers. Each has its own stream, so that the purposes are independent."""
+"""Keys of random number streams: one for the subject, one for each day, one for each take."""
 
 _PAUSE = 2.0
 """Time (s) between two takes."""
 
 _FREE = 0.05
-"""Precision of the path of a finger that is about to land (m)."""
+"""Precision (m) of the position along the surface, at the start of a finger's landing."""
 
 Progress = Callable[[float], None]
 
@@ -230,11 +230,11 @@ def simulate(
     Args:
         configuration: Settings of subjects.
         seed: Seed of the subject: its hinges and all its actions.
-        day: 0 plays the training script. Every later day is free play, with sensors placed anew.
+        day: 0 plays the training script. Every later day is free play, with markers placed anew.
         progress: Called with the share done, 0 to 1.
-        skeleton: The subject's hand; another size gives the same habits to another hand.
-        lean: (27,) deviation of the subject's resting posture from the middle of all ranges, in
-            units of its habits; None for a subject without one.
+        skeleton: The subject's hand. The same seed has the same habits with any skeleton.
+        lean: (27,) independent variables of unit variance. The covariance of postures converts them
+            to the deviation of the resting posture from the zero pose. None for no deviation.
 
     Returns:
         The capture; equal arguments give equal captures. `meta["simulated"]` is True.
@@ -299,8 +299,8 @@ class _Person:
     def _rest(self, lean: Array) -> tuple[Array, Array]:
         """Posture (27,) with all fingertips on the surface, and their positions (5, 2) m.
 
-        Both are relative to the fingertips' middle. The posture is as near as possible to the
-        middle of all ranges, shifted by the subject's lean.
+        Both are relative to the middle of the fingertips. The posture is as near as possible to the
+        zero pose, shifted by the subject's lean.
         """
         aim = (lean @ self.habit)[None]
         aim[0, 2] = -self.kinematics.tips(np.zeros(POSE_SIZE))[:, 2].mean()
@@ -343,7 +343,8 @@ class _Session:
 
         aim = self._aim(rng, times, pressed)
         targets, precision = self._targets(rng, times, pressed)
-        # In a frame that turns with the hand, its root stays near one rotation.
+        # The posture is solved in a frame that turns with the hand, where the root's rotation
+        # hardly changes.
         to_hand = exp(_about_z(-yaw))[:, None, :2, :2]
         offset = way.targets - way.place[:, None, :]
         targets[..., :2] = (to_hand @ offset[..., None])[..., 0]
@@ -358,8 +359,8 @@ class _Session:
         return xy, measured_pose(rng, times, q, self.error, person.kinematics, c)
 
     def _forearm(self, place: Array) -> Array:
-        """Direction (n,) rad from the elbow to positions (n, 2), 0 straight away from the
-        person."""
+        """Direction (n,) rad from the elbow to positions (n, 2) m; 0 is straight away from the
+        person, and positive is to the left."""
         reach = place - self.elbow
         return np.arctan2(-reach[:, 0], reach[:, 1])
 
@@ -376,9 +377,10 @@ class _Session:
     def _targets(
         self, rng: np.random.Generator, times: Array, pressed: Array
     ) -> tuple[Array, Array]:
-        """Heights of the fingertips' targets (n, 5, 3) m, and precision (n, 5, 3) m.
+        """Targets (n, 5, 3) m of the fingertips, of which only the heights are set, and precision
+        (n, 5, 3) m.
 
-        A landing finger is drawn to its target with increasing weight, so that joints do not jump.
+        The precision of a landing finger increases gradually, so that joints do not jump.
         """
         c = self.person.configuration
         height = rng.uniform(*c.lift_height, len(FINGERS))
@@ -399,8 +401,8 @@ def _about_z(angle: Array) -> Array:
 
 
 def _pressed(down: NDArray[np.bool_], times: Array, transition: float) -> Array:
-    """Values (n, 5): 1 where a finger touches, falling to 0 within `transition` before and
-    after."""
+    """Values (n, 5): 1 while a finger touches, falling to 0 within `transition` (s) before and
+    after the touch."""
     out = np.zeros(down.shape)
     for finger in range(down.shape[1]):
         touching = times[down[:, finger]]
@@ -412,11 +414,11 @@ def _pressed(down: NDArray[np.bool_], times: Array, transition: float) -> Array:
 
 
 def _contact_ids(down: NDArray[np.bool_], first: int) -> tuple[NDArray[np.int64], int]:
-    """Contact ids (n, 5), a new one whenever a finger lands, -1 while it is lifted; and the next
-    free id.
+    """Contact ids (n, 5), and the next free id.
 
-    Fingers that land at the same moment get their ids in the order of their labels; shuffle the ids
-    where they must not reveal labels.
+    A finger gets a new id whenever it lands, and has -1 while it is lifted. Fingers that land at
+    the same moment get ids in the order of their labels. Callers that must not reveal labels
+    shuffle the ids.
     """
     landed = down & ~np.vstack([np.zeros((1, down.shape[1]), bool), down[:-1]])
     order = first + np.cumsum(landed.ravel()).reshape(landed.shape) - 1
@@ -434,8 +436,8 @@ def touches(
 ) -> Array:
     """Touches (n, 5, 2) m of all fingertips as a screen reports them (x right, y down).
 
-    The flatter a finger lies, the larger is the touching part of its pad, and the further back is
-    the middle of the touch. Positions are rounded to whole dots.
+    The flatter a finger lies, the farther the middle of the touch is from the tip. Positions are
+    rounded to whole dots.
     """
     last = [*(skeleton.first_bone[1:] - 1), len(skeleton.bones) - 1]
     along = placement.rotations[..., last, :, :][..., 1]
@@ -446,7 +448,8 @@ def touches(
 
 
 def day_error(rng: np.random.Generator, configuration: SubjectConfiguration) -> Array:
-    """Constant error (48,) of one day's poses: the positions of markers differ from day to day."""
+    """Error (48,) that all poses of a day share, since the positions of markers differ from day to
+    day."""
     out = np.empty(POSE_SIZE)
     out[ROOT_POSITION] = rng.normal(0, configuration.day_root[0], 3)
     out[ROOT_ROTATION] = rng.normal(0, configuration.day_root[1], 3)
@@ -464,8 +467,9 @@ def measured_pose(
 ) -> Array:
     """Poses (n, 48) as a capture system reports them: with errors, and within anatomic limits.
 
-    Such a system turns joints until the skeleton meets the markers, including those on the
-    fingertips. Single joints may err by degrees, but together they give the right fingertips.
+    A capture system turns joints until the skeleton meets the markers, including those on the
+    fingertips. Single joints may be wrong by degrees, but all joints together place the fingertips
+    correctly.
 
     Args:
         rng: Source of the errors.
