@@ -1,6 +1,7 @@
 """Evaluation of reconstruction methods: the paper's tables and further measures.
 
-Numbers only. `sandbox evaluate` prints them, and `docs/evaluation.md` defines them.
+This package computes numbers. `sandbox evaluate` prints them, and `docs/evaluation.md` defines
+them.
 """
 
 from encoders.evaluation.measure_method import MethodResult, evaluate_method

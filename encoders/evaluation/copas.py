@@ -3,17 +3,18 @@
 Captured values are regressed on out-of-sample predictions, y = b0 + b1 yhat. An encoder without
 overfitting has b0 = 0 and b1 = 1; with fitted noise, b1 < 1 (Copas 1983, Journal of the Royal
 Statistical Society B 45, 311-354). The paper counts overfitted joints over ten folds without
-further details, so several rules are reported here; a degree of freedom counts as overfitted if b1
-< 1 and
+further details, so results are reported for several rules. A degree of freedom counts as overfitted
+if b1 < 1 and
 
-- `f_test`: b0 = 0 and b1 = 1 together are rejected at 5 % (F test with 2 and n - 2 degrees of
-  freedom); this rule is the headline;
-- `t_test`: b1 = 1 is rejected at 5 %, one-sided;
-- `clustered`: the same with a standard error that allows for the dependence between frames of one
-  take.
+- `f_test`: the hypothesis that b0 = 0 and b1 = 1 is rejected at 5 % (F test with 2 and n - 2
+  degrees of freedom); this rule gives the headline number;
+- `t_test`: the hypothesis that b1 = 1 is rejected at 5 %, one-sided;
+- `clustered`: as `t_test`, with a standard error that allows for the dependence between frames of
+  one take.
 
-The paper seems to use folds of random frames. They leak, since neighbouring frames are nearly
-equal: folds that never split a take are more reliable.
+The paper seems to use folds of random frames. Neighbouring frames are nearly equal, so the test
+frames of such a fold hardly differ from training frames. Folds that never split a take are more
+reliable.
 """
 
 from __future__ import annotations
@@ -34,7 +35,7 @@ LEVEL = 0.05
 RULES = ("f_test", "t_test", "clustered")
 
 _STILL = 1e-9
-"""Spread of predictions below which a slope is not meaningful (rad or m)."""
+"""Spread (rad or m) of predictions below which a slope is not computed."""
 
 
 @dataclass(frozen=True)
@@ -82,14 +83,14 @@ def copas(
     folds: int = FOLDS,
     progress: Callable[[float], None] | None = None,
 ) -> Copas:
-    """The test by cross-validation.
+    """Computes the Copas test by cross-validation.
 
     Args:
         fresh: Creates an untrained encoder.
         U: (T, width) inputs.
         Q: (T, n) outputs.
         trial: (T,) take of every frame.
-        blocked: True if folds never split a take; otherwise frames are drawn at random.
+        blocked: True uses folds that never split a take, False folds of random frames.
         folds: Number of folds.
         progress: Called with the share done, 0 to 1.
 
@@ -112,7 +113,10 @@ def copas(
 
 
 def verdict(y: Array, predicted: Array, trial: NDArray[np.int64]) -> CopasFold:
-    """Slopes and tests of captured values (n, d) on predictions (n, d) that are out of sample."""
+    """Slopes and tests of captured values `y` (n, d) on out-of-sample predictions (n, d).
+
+    `trial` (n,) has the take of every frame.
+    """
     from scipy.stats import f, t
 
     n = len(y)
@@ -132,7 +136,7 @@ def verdict(y: Array, predicted: Array, trial: NDArray[np.int64]) -> CopasFold:
         "f_test": low & (f.sf(ratio, 2, free) < LEVEL),
         "t_test": low & (t.cdf((slope - 1.0) / error, free) < LEVEL),
     }
-    # Scores of one take are summed before squaring, since frames of a take are not independent.
+    # The scores of a take are summed before squaring, since its frames are not independent.
     _, cluster = np.unique(trial, return_inverse=True)
     clusters = int(cluster.max()) + 1
     scores = np.zeros((clusters, y.shape[1]))

@@ -7,10 +7,11 @@ frame counts as right if all its contacts are right.
 
 Two cases of a single contact, which the captures of the simulated subjects and of the paper lack:
 
-- `stayed`: just before the set of contacts changes, and at the end of a take, all fingers but one
-  leave. A method with history keeps that contact's label, as the program does while a contact
-  lives. A method without history labels the contact alone. Frames with one contact count here, too.
-- `first`: at the beginning of a take, one finger lands before the others, without earlier frames.
+- `stayed`: just before the set of contacts changes, and at the end of a take, all contacts but one
+  are removed, each contact remaining in turn. With history, the remaining contact has its last
+  label, since the program does not change the label of a contact. Without history, the contact is
+  labelled alone. Frames of the capture with a single contact count here, too.
+- `first`: each contact of the first frame of a take is labelled alone, without earlier frames.
 """
 
 from __future__ import annotations
@@ -47,13 +48,13 @@ class Verdicts:
 
 @dataclass(frozen=True)
 class OwnLabels:
-    """A capture with a labeller's labels.
+    """Labels of a capture by a labeller.
 
     Attributes:
         xy: (T, 5, 2) m, contacts by the labeller's labels, NaN for labels without a contact.
         right: (T,) booleans, true if all contacts of the frame have their true label.
-        stayed: Results for single contacts that stayed.
-        first: Results for single contacts that came first.
+        stayed: Results for single contacts that stayed (see the module).
+        first: Results for single contacts that came first (see the module).
     """
 
     xy: Array
@@ -118,7 +119,7 @@ def own_labels(
 
 
 def takes(capture: Capture) -> Iterator[tuple[int, NDArray[np.intp]]]:
-    """Number and frames of every take, in the order of the capture."""
+    """Yields number and frame indices of every take, in the order of the capture."""
     starts = np.flatnonzero(np.diff(capture.trial, prepend=capture.trial[0] - 1))
     for frames in np.split(np.arange(len(capture)), starts[1:]):
         yield int(capture.trial[frames[0]]), frames
@@ -127,8 +128,10 @@ def takes(capture: Capture) -> Iterator[tuple[int, NDArray[np.intp]]]:
 def _left_alone(
     labeller: Labeller, truth: dict[int, int], places: Contacts, known: Mapping[int, int] | None
 ) -> Iterator[bool]:
-    """Yields for each contact whether its label would be right if all others left. The label is the
-    known one; without known labels, the labeller labels the contact alone."""
+    """Yields, for each contact, whether its label is right after all other contacts left.
+
+    The label is taken from `known`. If that is None, the labeller labels the contact alone.
+    """
     if len(truth) < 2:
         return
     for contact, finger in truth.items():
@@ -142,7 +145,7 @@ def _ask(labeller: Labeller, contacts: Contacts) -> Mapping[int, int]:
 
 
 def _drawn_ids(rng: np.random.Generator, ids: NDArray[np.int64]) -> dict[int, int]:
-    """Random numbers that replace the ids of a take."""
+    """Id in the capture -> random id that replaces it, for the contacts of a take."""
     known = np.unique(ids[ids >= 0])
     return dict(zip(known.tolist(), rng.permutation(len(known)).tolist(), strict=True))
 

@@ -37,7 +37,7 @@ _LEFT, _TIMED_FRAMES = 0.5, 200
 class Tests:
     """Test captures, one after another; takes of different captures have different numbers."""
 
-    __test__ = False  # pytest would take the name for a test's
+    __test__ = False  # pytest would collect a class with this name
 
     def __init__(self, captures: Sequence[Capture]) -> None:
         if not captures:
@@ -56,7 +56,7 @@ class Tests:
         return np.concatenate(blocks)
 
     def take_of(self, source: int, trial: NDArray[np.int64]) -> NDArray[np.int64]:
-        """Consecutive numbers of takes (n,) of one capture."""
+        """Consecutive numbers (n,) of the takes `trial` (n,) of capture `source`."""
         before = sum(len(np.unique(c.trial)) for c in self.captures[:source])
         return before + np.searchsorted(np.unique(self.captures[source].trial), trial)
 
@@ -83,15 +83,17 @@ class Tests:
 
 @dataclass(frozen=True)
 class MethodResult:
-    """Results of one method on T test frames; keys `true_labels` and `own_labels`.
+    """Results of one method on T test frames.
 
     Attributes:
         name: Name of the method.
-        q: (T, 48) estimated poses.
-        errors: Errors of these poses.
-        smoothness: Smoothness of these poses.
-        right: (T,) booleans, true if all labels of the frame are right.
-        stayed: Results for single contacts that stayed; takes are numbered consecutively.
+        q: (T, 48) estimated poses, by `true_labels` and `own_labels`: the capture's labels, and the
+            method's own labels.
+        errors: Errors of these poses, by the same keys.
+        smoothness: Smoothness of these poses, by the same keys.
+        right: (T,) booleans, true if all own labels of the frame are right.
+        stayed: Results for single contacts that stayed (`encoders.evaluation.labels`); takes are
+            numbered consecutively.
         first: Results for single contacts that came first.
         tips: (contacts,) cm from touch to our fingertip, with true labels.
         limits: Share of joint components outside our hand's ranges, with true labels.
@@ -184,7 +186,7 @@ def _together(tests: Tests, parts: list[Verdicts]) -> Verdicts:
 
 
 def _timed(method: Method, tests: Tests) -> tuple[float, float | None, str]:
-    """Microseconds per pose, called singly and in a batch, and a description of the call."""
+    """Microseconds per pose in single calls and in a batch, and a description of the call."""
     capture = tests.captures[0]
     if method.encoder is not None:
         predict = method.encoder.predict
@@ -209,7 +211,7 @@ BATCH = 120
 BUDGET = 0.5
 """Time (s) spent on each of the two measurements."""
 MOST = 3000
-"""Largest number of measured calls, enough for a median."""
+"""Largest number of measured calls; more do not improve the median."""
 
 
 def us_per_call(predict: Callable[[Array], Array], U: Array) -> float:

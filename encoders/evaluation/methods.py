@@ -1,4 +1,4 @@
-"""Methods under evaluation, by name: a labeller, and a pose from touches, trained on a capture."""
+"""Methods under evaluation, by name. A method has a labeller and estimates poses from touches."""
 
 from __future__ import annotations
 
@@ -37,10 +37,9 @@ class Method(Protocol):
     Attributes:
         name: Name in tables and files.
         history: True if its labeller uses a take's earlier frames.
-        encoder: Encoder that predicts relative poses (n, 48) from contact vectors (n, 15), for a
-            method that consists only of an encoder. Such a method is also timed by single calls and
-            tested for overfitting.
-        fresh: Creates an untrained encoder for such a method.
+        encoder: Encoder of the method, whose predictions are timed by single calls and in batches.
+            None times the whole method.
+        fresh: Creates an untrained encoder for the test of overfitting; None leaves the test out.
     """
 
     name: str
@@ -97,7 +96,8 @@ LEAST_SQUARES = {
 method, the quadratic one."""
 
 TRAINED = "trained"
-"""Name of the model that `sandbox train` makes of the training data, with the shipped labeller."""
+"""Name of the model that `sandbox train` makes from the training data, with the shipped
+labeller."""
 
 NAMES = (*LEAST_SQUARES, "pca-ik", "mean", TRAINED)
 """Methods that can be trained by name."""
@@ -121,7 +121,8 @@ class Training:
     capture: Capture
 
     def method(self, name: str, progress: Progress | None = None) -> Method:
-        """A method of `NAMES`, a model's file or an external encoder, ready for use.
+        """Creates and trains a method by name: a name in `NAMES`, a model's file, or an external
+        encoder.
 
         Raises:
             EncoderError: The method or file does not exist, or cannot be trained on this capture.
@@ -147,8 +148,8 @@ class Training:
         raise _unknown(name)
 
     def _fitted(self, name: str, fresh: type[Encoder], metric: str = "joints") -> EncoderMethod:
-        """An encoder with the paper's labelling rule. The rule has no history and is therefore
-        shared."""
+        """A trained encoder with the paper's labelling rule. The rule has no history, so all calls
+        of `labeller` return the same object."""
         model = self._model(fresh())
         paper = PaperLabels(model, metric)
         return EncoderMethod(name, model.encoder, lambda: paper, fresh=fresh)
@@ -156,7 +157,7 @@ class Training:
     def _model(self, encoder: Encoder) -> TrainedModel:
         U, Q = self._inputs
         with ENCODER_PLUGINS.guarded(type(encoder).__qualname__, "the encoder cannot learn"):
-            # Copies, since other encoders learn from the same frames afterwards.
+            # Copies protect the frames, from which other encoders learn afterwards.
             encoder.fit(U.copy("K"), Q.copy("K"))
         predicted(encoder, U[:1])
         return TrainedModel("", encoder, np.eye(POSE_SIZE), U, Q)
@@ -167,8 +168,8 @@ class Training:
 
 
 class PersonMethod(EncoderMethod):
-    """A model of one person. Its poses are corrected by the person's bones and smoothed; only its
-    encoder is tested for overfitting."""
+    """A model of one person. Its poses are corrected by the person's bones and smoothed. Only its
+    encoder is timed and tested for overfitting."""
 
     def __init__(
         self,
@@ -187,7 +188,8 @@ class PersonMethod(EncoderMethod):
 
 
 def _table_name(name: str) -> str:
-    """Name of a method in tables: a file's stem, or the class of an encoder at a place."""
+    """Name of a method in tables: the stem of a model's file, the class in `FILE.py:CLASS`, or the
+    name itself."""
     if ENCODER_PLUGINS.place_in(name) is not None:
         return find_encoder(name).__qualname__
     return Path(name).stem if Path(name).suffix == ".npz" else name
@@ -214,9 +216,10 @@ def check_names(names: tuple[str, ...]) -> None:
     twice = sorted({n for n in shown if shown.count(n) > 1})
     if twice or not names:
         raise EncoderError(
-            "every encoder is evaluated once" if twice else "no encoder to evaluate",
+            "an encoder is listed twice" if twice else "no encoder to evaluate",
             where="--encoders",
             got=", ".join(twice) or None,
+            expected="every encoder once" if twice else "at least one encoder",
         )
 
 

@@ -69,11 +69,11 @@ def independent(take: LeapTake) -> bool:
 
 
 def as_first_software(take: LeapTake, seed: int = 0) -> LeapTake:
-    """The hand as the first software would have reported it: without labels and joints, in any
-    order.
+    """The hand as the first software would have reported it: fingers in random order, without
+    labels and joints.
 
-    A finger that the device does not report as stretched is left out, since the first software lost
-    folded fingers. A finger that returns gets a new id.
+    The first software lost folded fingers. A finger that the device reports as not stretched is
+    therefore left out, except while the hand is held open. A finger that returns gets a new id.
     """
     rng = np.random.default_rng([seed, 0xF175])
     fresh, current = 0, dict.fromkeys(range(len(FINGERS)), -1)
@@ -106,30 +106,35 @@ def _whole(hand: TrackedHand) -> bool:
 
 
 def _steady(is_open: NDArray[np.bool_], most: float = 0.3) -> NDArray[np.bool_]:
-    """Mask of the first open frames, up to a share of all frames; the other frames are
-    evaluated."""
+    """Booleans (T,): True for the first open frames, which calibrate the hand.
+
+    At most the share `most` of all frames is chosen, or 10 frames if these are more.
+    """
     chosen = is_open & (np.cumsum(is_open) <= max(most * len(is_open), 10))
     return np.asarray(chosen)
 
 
 NEAR = 3.0
-"""Angle (degrees) from the limit of a joint within which it counts as at its limit."""
+"""A joint within this angle (degrees) of its limit counts as at its limit."""
 CLAW = (-10.0, 45.0)
-"""Limits of a claw (degrees): largest MCP flexion, and PIP flexion that is exceeded."""
+"""A finger is a claw if its MCP flexion is at most the first value and its PIP flexion is above the
+second value (degrees)."""
 
 
 @dataclass(frozen=True)
 class Plausibility:
-    """Shares of the seen fingers of a recording, without thumbs.
+    """Shares of the fingers, without thumbs, that a device saw in a recording.
 
     Attributes:
         fingers: Number of seen fingers, over all frames.
-        backward: Share whose knuckle is at its backward limit.
-        claws: Share of fingers that are claws.
-        at_limit: Share of fingers with another joint at a limit other than straight.
-        tips: 95th percentile of the distance (m) between the fingertips of the pose, of an average
-            hand, and the fingertips that the device saw.
-        remark: Reason for an average hand in place of the recorded hand; empty without one.
+        backward: Share of fingers whose knuckle is at its backward limit.
+        claws: Share of fingers that are claws (`CLAW`).
+        at_limit: Share of fingers with any other angle at a limit. PIP and DIP count only at their
+            largest flexion, since straight joints are plausible.
+        tips: 95th percentile of the distance (m) of the fingertips that the device saw from those
+            of an average hand in the estimated pose.
+        remark: Reason why an average hand was used instead of a measured one; empty if none was
+            used.
     """
 
     fingers: int
@@ -143,12 +148,13 @@ class Plausibility:
 def plausibility(
     frames: Sequence[HandFrame], options: PaalmOptions | None = None, live: bool = False
 ) -> Plausibility:
-    """Judges PAALM on all hands of a recording.
+    """Measures how plausible PAALM's postures of all hands of a recording are.
 
     Args:
         frames: Frames of the recording.
         options: Options of PAALM.
-        live: True solves them as live frames, without knowledge of later frames.
+        live: True processes the frames like those of a live device: without calibration on the
+            recording.
 
     Raises:
         EncoderError: No finger is seen in the recording.
@@ -213,7 +219,8 @@ def moved(hand: TrackedHand, by: Vector) -> TrackedHand:
 
 
 def side_by_side(right: LeapTake, left: LeapTake, apart: float = 0.15) -> list[HandFrame]:
-    """Frames with both hands, each `apart` m from the middle; as long as the shorter take."""
+    """Frames with both hands, each shifted by `apart` (m) to its side, for the length of the
+    shorter take."""
     return [
         HandFrame(
             x.time,
@@ -292,16 +299,16 @@ def test_seeds(count: int) -> list[int]:
 
 
 def calibrated_on(take: LeapTake, options: PaalmOptions, measured: bool = True) -> Paalm:
-    """Creates a PAALM calibrated on a recording's open frames.
+    """Creates a PAALM that is calibrated on a recording's open frames.
 
-    A hand with reported joints that is hardly ever open is not measured: its calibration follows
-    from its own bones. A hand that is solved by its tips, and of which too little is seen while it
-    is open, starts as an average hand, as with a live device.
+    There are two exceptions. A hand with reported joints that is hardly ever open is not measured;
+    its calibration follows from its reported bones. A hand that is solved by its tips, and that
+    cannot be measured in its open frames, starts as an average hand, as with a live device.
 
     Args:
         take: The recording.
         options: Options of PAALM.
-        measured: False measures no hand.
+        measured: False does not measure the hand, even if it is open.
 
     Raises:
         EncoderError: There are too few open frames, or the hand is not open in them.
@@ -344,8 +351,8 @@ def judge_recording(
         take: Frames and truth.
         options: Options of PAALM; labels are evaluated with the paper's order as well.
         angles: False where the recording has no truth for single joints.
-        names: False leaves out the labels of fingers, which take two more passes.
-        measured: False treats a hand as one that was never measured, as with a live device.
+        names: False leaves out the accuracy of labels, which needs two more passes.
+        measured: False does not measure the hand, as with a live device.
     """
     options = options or PaalmOptions()
     paalm = calibrated_on(take, options, measured)
@@ -417,7 +424,7 @@ def _angles(tables: Array, take: LeapTake, wanted: bool) -> dict[str, float]:
 
 
 def _identity(take: LeapTake, options: PaalmOptions, measured: bool) -> float:
-    """Percentage of visible fingers, in frames that count, with the right label."""
+    """Percentage of visible fingers with the right label, in evaluated frames."""
     if any(f.finger is not None for frame in take.frames for h in frame.hands for f in h.fingers):
         return float("nan")  # The device labels them.
     paalm = calibrated_on(take, options, measured)

@@ -1,6 +1,6 @@
 """Results of Chung, Kim, Han and Pollard (2015) on one real person's unpublished data.
 
-They are printed with our numbers to compare orders of magnitude; the data set differs.
+They are printed beside our numbers to compare orders of magnitude. Our numbers are from other data.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ PCA_VARIANCE: dict[int, float] = {3: 68.0, 6: 87.0, 9: 94.0, 12: 97.0}
 """Percentage of the training data's variance by number of principal components (section 3)."""
 
 SAME_AS: dict[str, str] = {"paper": "quadratic"}
-"""Our name -> name of the paper's row, where the names differ."""
+"""Our name of a method -> the paper's name, if they differ."""
 
 
 def row(name: str) -> str:

@@ -48,8 +48,8 @@ CANDIDATES: dict[str, Callable[[], Encoder]] = {
 terms were tried during design without a lasting gain (docs/encoding.md)."""
 
 POSTURE_TAU = 0.05
-"""Time constant (s) of the estimate's posture filter, which is its delay for a change of posture. A
-hand that moves or turns with its touches has no delay."""
+"""Time constant (s) of the estimate's posture filter. Changes of posture are delayed by this time;
+a hand that moves or turns with its touches has no delay."""
 
 
 _CODE = Path(__file__).parents[2]
@@ -125,8 +125,8 @@ def train_person(
     U, Q = capture.u, capture.relative
     scores: dict[str, tuple[float, float]] = {}
     predicted, covariances = {}, {}
-    # All candidates use the same bones, so none benefits from bones that were also estimated from
-    # the validation trials.
+    # All candidates use the same bones. The bones are estimated from all trials, validation trials
+    # included, so using them gives no candidate an advantage.
     bones, variance = fitted_skeleton(capture, ADULT), blocked_variance(capture, ADULT)
     for i, (candidate, make) in enumerate(CANDIDATES.items()):
         q = predicted[candidate] = blocked_predictions(make, capture)
@@ -144,16 +144,16 @@ def train_person(
 
 
 def _in_cm_degrees(errors: dict[str, tuple[float, float]]) -> dict[str, Any]:
-    """Validated wrist error times joint angle in cm x degrees, plain and corrected, by
-    candidate."""
+    """Wrist error times joint angle of every candidate in cm x degrees, without and with the
+    correction."""
     scale = 100 * float(np.rad2deg(1.0))
     return {name: [round(scale * value, 3) for value in pair] for name, pair in errors.items()}
 
 
 def person_model(capture: Capture, progress: Callable[[float], None] | None = None) -> TrainedModel:
-    """The model of `train_person`, read from this user's cache after the first time.
+    """The model of `train_person`. It is trained once and then read from the user's cache.
 
-    Without a cache folder, or if it cannot be written, the model is trained each time.
+    If the cache folder is missing or cannot be written, the model is trained each time.
 
     Args:
         capture: Labelled contacts and poses of one person.

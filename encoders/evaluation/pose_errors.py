@@ -1,8 +1,8 @@
-"""Errors of estimated poses relative to captured ones, frame by frame (the paper's Table 1 and
-more).
+"""Errors of estimated poses relative to captured poses, frame by frame (the paper's Table 1, and
+further measures).
 
-All poses are in the 3-D surface frame. An estimate from wrong labels, whose leftmost contact may be
-another finger, is thus compared in the same frame.
+All poses are in the 3-D surface frame, not relative to a contact. Estimates from true and from
+wrong labels are therefore compared in the same frame.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from models.rotations import geodesic_angle
 from models.skeleton import ADULT
 
 LIMIT_TOLERANCE = 1e-6
-"""Tolerance at the end of a joint's range for rounding in single precision (rad)."""
+"""Tolerance (rad) at the end of a joint's range, for rounding to single precision."""
 
 _KINEMATICS = Kinematics(ADULT)
 
@@ -34,7 +34,7 @@ class PoseErrors:
         wrist: (T,) cm, distance between true and estimated wrist.
         joints: (T, 14) degrees, angle of the rotation between true and estimated ball joint.
         components: (T, 42) degrees, absolute difference of every rotation-vector component.
-        turn: (T,) degrees, angle between true and estimated rotation of the wrist.
+        turn: (T,) degrees, angle of the rotation between true and estimated wrist.
     """
 
     wrist: Array
@@ -65,9 +65,9 @@ def pose_errors(estimate: Array, truth: Array) -> PoseErrors:
 
 
 def tip_errors(q: Array, xy: Array) -> Array:
-    """Distances (contacts,) in cm from each touch to the fingertip of *our* hand in the pose.
+    """Distances (contacts,) in cm of the fingertips of our hand model from their touches.
 
-    A touch is at a finger's pad; the tip's centre should be 6 mm above it.
+    The centre of a touching fingertip belongs 6 mm above its touch.
 
     Args:
         q: (T, 48) poses.
@@ -81,32 +81,34 @@ def tip_errors(q: Array, xy: Array) -> Array:
 
 
 def limit_share(q: Array) -> float:
-    """Share, 0 to 1, of all joint components in all frames that are outside our hand's ranges."""
+    """Share, 0 to 1, of the joint components of poses (T, 48) that are outside our hand's
+    ranges."""
     outside = violations(q, ADULT, LIMIT_TOLERANCE)
     return float(outside.mean() / (JOINTS.stop - JOINTS.start))
 
 
 def variance_shares(vectors: Array, counts: tuple[int, ...]) -> dict[int, float]:
-    """Percentage of the variance of vectors (T, n) in their first principal components."""
+    """Percentage of the variance of vectors (T, n) that their first k principal components explain,
+    by k."""
     values = np.linalg.eigvalsh(np.cov(vectors, rowvar=False))[::-1]
     return {k: float(100.0 * values[:k].sum() / values.sum()) for k in counts}
 
 
 _GAP = 1.5
-"""Mean periods between frames beyond which they do not count as consecutive."""
+"""Frames farther apart than this number of median periods do not count as consecutive."""
 
 
 @dataclass(frozen=True)
 class Smoothness:
-    """Changes of poses between frames. An array is empty if a capture has no such moments.
+    """Changes of poses between frames. An array is empty if a capture has no such frames.
 
     Attributes:
         acceleration: (n,) degrees/s2, mean absolute second difference of the 42 joint components,
             for every three frames in a row with the same contacts.
-        jump: (m,) degrees, mean absolute change of the 42 joint components between the two frames
-            at which the set of contacts changed.
-        largest_joint: (m,) degrees, largest rotation of a joint at these moments.
-        wrist_jump: (m,) cm, movement of the wrist at these moments.
+        jump: (m,) degrees, mean absolute change of the 42 joint components between two frames with
+            different contacts.
+        largest_joint: (m,) degrees, largest rotation of a joint between these frames.
+        wrist_jump: (m,) cm, movement of the wrist between these frames.
     """
 
     acceleration: Array
@@ -116,7 +118,7 @@ class Smoothness:
 
 
 def smoothness(q: Array, capture: Capture) -> Smoothness:
-    """Smoothness of poses (T, 48), one for every frame of a capture."""
+    """Smoothness of poses (T, 48); the capture gives the time, take and contacts of every pose."""
     joints = np.rad2deg(q[:, JOINTS])
     steps = np.diff(capture.time)
     follows = np.diff(capture.trial) == 0

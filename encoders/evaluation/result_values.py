@@ -1,9 +1,9 @@
 """Results as JSON values: the numbers of the tables under fixed names.
 
-Means over frames, standard errors as in the paper, and 95 % intervals over whole takes. Missing
-values are null: a method that cannot be refitted has no Copas test.
+The report has means over frames, standard errors as in the paper, and 95 % intervals. Missing
+values are null, for example the Copas test of a method that cannot be refitted.
 
-Frames of one take depend on each other. A standard error that treats them as independent is too
+Frames of one take depend on each other. A standard error that treats frames as independent is too
 small by a factor of five or more; it is computed only because the paper prints it. The intervals
 resample whole takes.
 """
@@ -136,7 +136,8 @@ def method_report(result: MethodResult, tests: Tests) -> dict[str, Any]:
 
 
 def pca_variance(capture: Capture) -> dict[str, dict[str, float]]:
-    """Percentage of a capture's variance in the numbers of components that the paper prints.
+    """Percentage of a capture's variance that the first k principal components explain, for each k
+    of the paper.
 
     `joints`: the 42 components of the ball joints (rad), as in the paper's synergies.
     `pose`: all 48 numbers of the relative pose (m and rad).
@@ -240,9 +241,9 @@ def block_interval(
 ) -> tuple[float, float]:
     """Interval of the mean by a bootstrap over blocks.
 
-    A resampled mean uses as many blocks as there are, drawn with replacement; a block counts for as
-    many values as it has. The interval covers the variation between takes and days of one subject,
-    but not between subjects.
+    Each resample draws as many blocks as exist, with replacement, and averages all values of the
+    drawn blocks. With takes as blocks, the interval covers the variation between takes and days of
+    one subject, but not between subjects.
 
     Args:
         values: (T,) values.
@@ -251,8 +252,7 @@ def block_interval(
         seed: Seed; equal arguments give equal intervals.
 
     Returns:
-        Lower and upper end of the central 95 %; NaN with fewer than two blocks, from which the
-        variation between blocks does not follow.
+        Lower and upper end of the central 95 %; NaN with fewer than two blocks.
     """
     blocks, index = np.unique(block, return_inverse=True)
     if len(blocks) < 2:

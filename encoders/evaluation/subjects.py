@@ -1,7 +1,8 @@
 """The simulated subject of `sandbox evaluate`, with judged days.
 
-The numbers of judged days are derived from the subject's configuration and a day seed by SHA-256.
-They can therefore not be chosen, and they change whenever the subject does.
+Judged days are the days on which methods are tested. Their numbers are derived from the subject's
+configuration and a day seed by SHA-256. The numbers can therefore not be chosen, and they change
+whenever the configuration changes.
 """
 
 from __future__ import annotations
@@ -44,7 +45,7 @@ class Subject:
         return sha256(text.encode()).hexdigest()
 
     def judged_days(self, count: int, day_seed: int) -> list[int]:
-        """Numbers of the first `count` days of a day seed; none is the training day."""
+        """Numbers of the first `count` judged days for a day seed; none is the training day."""
         days = []
         for i in range(count):
             drawn = sha256(f"{self.digest} {day_seed} {i}".encode()).digest()
@@ -52,7 +53,7 @@ class Subject:
         return days
 
     def plays(self, capture: Capture) -> bool:
-        """True if a capture was made by the current version of this subject."""
+        """True if a capture is the training day of this subject in its current configuration."""
         meta = capture.meta
         return bool(
             meta.get("seed") == self.seed

@@ -25,9 +25,9 @@ The evidence of a frame comes from a network that was trained on simulated peopl
 
 A person's own layouts of five fingers are evidence about fewer fingers (`OwnLayouts`). Five touches
 of one hand are labelled without error, even for unknown people: there is one thumb, and the other
-fingers follow it in order. Such layouts are stored, and every part of one is a known layout of this
-person's fingers. Layouts of fewer fingers are not learned, because a confident answer about two
-fingers may be wrong, and would then confirm itself.
+fingers follow it in order. Such layouts are stored, and the touches of any two to four fingers in
+them are known layouts of these fingers. Layouts of fewer than five touches are not learned. A
+confident answer about two fingers may be wrong, and would then confirm itself.
 
 This evidence is a kernel density of touch layouts. A layout consists of the positions of touches
 relative to their mean, so that the density does not depend on the hand's place on the surface.
@@ -105,7 +105,7 @@ class KernelShape:
 
 
 MOST = 24
-"""Most layouts that are stored; then a new layout replaces the oldest one."""
+"""Largest number of layouts that are stored; a further layout replaces the oldest one."""
 
 NEW = 0.12
 """Least root mean square distance (inches) of a new layout from all stored layouts, after the best
@@ -115,7 +115,8 @@ SHAPE = KernelShape(width=0.25, turn=0.22, size=0.16)
 """Kernel shape: how far a person's later layouts differ from the stored layouts."""
 
 FAR = (3.0, 4.0, 5.0)
-"""Standard deviations beyond which a stored layout is no evidence, for 2, 3 and 4 contacts."""
+"""Distance, in standard deviations, beyond which a stored layout is no evidence, for 2, 3 and 4
+contacts."""
 
 _WIDEST = 12.0
 """Greatest distance (inches) of two touches of one hand."""
@@ -199,8 +200,8 @@ class OwnLayouts:
             parts = np.stack([z[:, fingers] for fingers in finger_sets(count)])
             parts = parts - parts.mean(axis=2, keepdims=True)
             density = LayoutDensity(parts, SHAPE)
-            # Log density at the middle of the widest kernel, from which the density `FAR` standard
-            # deviations away follows.
+            # Log density at the middle of the widest kernel. The density at a distance of `FAR`
+            # standard deviations follows from it.
             peak = -(2 * count - 2) * log(SHAPE.width * 2.5066282746310002) - log(len(z))
             densities[count] = density, peak - 0.5 * FAR[count - 2] ** 2
         return densities
@@ -412,7 +413,7 @@ class PopulationBelief:
 
 
 def from_weights(weights: Mapping[str, NDArray[Any]], population: str) -> PopulationBelief:
-    """The belief with a network's weights, rounded to the half precision of the file."""
+    """Creates a belief from a network's weights, rounded to the half precision of the file."""
     rounded = {k: np.asarray(v, np.float16).astype(float) for k, v in weights.items()}
     return PopulationBelief(NetworkEvidence(PairNetwork(rounded), SHARPNESS), ETA, STAY, population)
 
@@ -424,7 +425,7 @@ def load_population_belief(path: Path) -> PopulationBelief:
         EncoderError: The file is missing, damaged, of another version or breaks its contract.
     """
     remedy = "`python -m training names --out FILE` in a checkout makes a valid one"
-    header, arrays = read_npz(path, None, EncoderError, "names for any person", remedy)
+    header, arrays = read_npz(path, None, EncoderError, "a labelling model", remedy)
     if header.get("schema") != SCHEMA:
         raise EncoderError(
             "the labelling model has an unsupported version",
@@ -466,10 +467,10 @@ def builtin_population_belief(known: OwnLayouts | None = None) -> BeliefLabels:
 def claimed(belief: Array, count: int) -> Array:
     """Log probabilities (P,) to show and record, from a belief (P,) about `count` contacts.
 
-    The belief is valid for people like those on whom it was trained. A different hand is different
-    in every frame, so the belief becomes certain of a wrong answer. A share `ODD` of all people is
-    therefore assumed to be different, and log probabilities are multiplied by `FAINT` for them. The
-    order of the labellings does not change.
+    The belief is valid for people like those on whom it was trained. A hand unlike theirs differs
+    from them in every frame, so the belief may become certain of a wrong answer. Therefore the
+    share `ODD` of all people is assumed to have such hands, and log probabilities are multiplied by
+    `FAINT` for this share. The order of the labellings does not change.
     """
     odd = ODD.get(count, 0.0)
     if not odd:
@@ -486,7 +487,7 @@ class BeliefLabels:
     Args:
         trained: The trained model. Labellers may share it, since each stores its own belief.
         known: The person's own layouts at the beginning of a trial.
-        learns: True adds layouts of five fingers to the known ones during a trial.
+        learns: True adds layouts of five fingers to the known layouts during a trial.
 
     Attributes:
         own: The person's own layouts so far.
@@ -520,8 +521,8 @@ class BeliefLabels:
         self._belief: Array = np.zeros(1)
         self._places: dict[int, Array] = {}
         self._looked: dict[int, Array] = {}
-        # Current positions of the contacts, in case `_places` was not updated because there was no
-        # new evidence.
+        # Current positions of the contacts, if `_places` was not updated since there was no new
+        # evidence.
         self._moved: dict[int, tuple[float, float]] = {}
         self._answered: tuple[dict[int, int], Labelling] | None = None
 
@@ -535,7 +536,7 @@ class BeliefLabels:
         fingers that are in use.
         """
         if self._answered and fixed == self._answered[0] and self._nothing_new(contacts):
-            # In nearly every frame: repeat the last answer.
+            # This is so in nearly every frame.
             self._moved = dict(contacts)
             return self._answered[1]
         ids, xy = arranged(contacts, fixed)
@@ -618,7 +619,7 @@ class BeliefLabels:
         self._belief = summed(self._joint, len(ids) + len(self._lifted), range(len(ids)))
 
     def _lifted_now(self, stayed: tuple[int, ...], now: dict[int, Array]) -> dict[int, _LiftOff]:
-        """Recent lift-offs by their index in the belief so far."""
+        """Recent lift-offs that are still remembered, by their index in the belief so far."""
         before = self._places
         shift = np.mean([now[i] - before[i] for i in stayed], axis=0)
         since = {i: before[i] for i in stayed}
@@ -632,7 +633,7 @@ class BeliefLabels:
         return {at: contact for at, contact in lifted.items() if contact.remembered(now)}
 
     def _believed(self, stayed: tuple[int, ...], lifted: Mapping[int, _LiftOff]) -> Array:
-        """The belief so far, for contacts that stayed and some recent lift-offs, in this order."""
+        """The belief so far about contacts that stayed and some recent lift-offs, in this order."""
         places = (*(self._ids.index(i) for i in stayed), *lifted)
         return summed(self._joint, len(self._ids) + len(self._lifted), places)
 
@@ -667,8 +668,8 @@ class BeliefLabels:
             apart = self._grown(stayed, others, came)
             touching = [*range(len(stayed)), *range(len(stayed) + len(others), count)]
             apart = summed(apart, count, touching)
-            # Neither has the density of its layout as a factor, so only normalised weights can be
-            # compared.
+            # Neither `apart` nor `joint` contains the density of its layout as a factor, so only
+            # normalised weights can be compared.
             apart, joint = normalised(apart), normalised(joint)
             back = _AT_ONCE if any(contact.just for contact in others.values()) else _LATER
             joint = arithmetic.log_sum_exp(log(1.0 - back) + apart, log(back) + joint)
@@ -679,7 +680,7 @@ class BeliefLabels:
     def _grown(
         self, stayed: tuple[int, ...], lifted: Mapping[int, _LiftOff], came: tuple[int, ...]
     ) -> Array:
-        """Log weights of labellings of contacts that stayed, that lifted, and that landed.
+        """Log weights of the labellings of contacts that stayed, lifted and landed, in this order.
 
         The weight is the belief about the old contacts, multiplied by the evidence of all contacts
         and divided by the evidence of the old contacts.
@@ -704,7 +705,8 @@ class BeliefLabels:
         """Share, 0 to 1, of a layout (k, 2) that is new since its last evaluation at `looked`.
 
         Contacts that have hardly moved give no new evidence. When fingers land shortly after each
-        other, the first ones must not count twice. Plain floats are quicker than arrays here.
+        other, the fingers that landed first must not count twice. Plain floats are quicker than
+        arrays here.
         """
         n = len(places)
         x = [a[0] - b[0] for a, b in zip(places, looked, strict=True)]
@@ -735,7 +737,7 @@ class _LiftOff:
         place: (2,) m on the surface: the last position, shifted with the contacts that stayed.
         looked: (2,) m, position when the layout was last evaluated.
         since: Positions (2,) m of the contacts that stayed, by id, when this contact lifted.
-        just: True if the contact has lifted since the last frame.
+        just: True if the contact has lifted in the current frame.
     """
 
     place: Array

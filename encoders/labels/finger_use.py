@@ -46,7 +46,8 @@ def odds_of_sets(
     Args:
         sets: Set of fingers (thumb 0 to little 4, in rising order) -> likelihood above 0. Only the
             ratios of the likelihoods count.
-        usual: Odds of sets without a declared use, relative to other sets of as many fingers.
+        usual: Usual odds of finger sets relative to other sets of as many fingers; 1 for sets that
+            are not listed.
     """
     return tuple(_odds_of_sets(sets, usual, count) for count in range(len(FINGERS) + 1))
 
@@ -71,7 +72,7 @@ def _odds_of_sets(
 
 @cache
 def odds_of_first(number: int) -> LogOdds:
-    """Log factors for a hand that has only the first fingers, from the thumb on, as a robot's may.
+    """Log factors for a hand, such as a robot's, that has only the first fingers from the thumb on.
 
     With more contacts than fingers, all fingers may touch.
 
@@ -98,7 +99,7 @@ def parse_finger_sets(text: str) -> dict[tuple[int, ...], float]:
         names, _, likelihood = part.partition(":")
         labels = sorted(_finger(name.strip()) for name in names.split("+"))
         if len(set(labels)) < len(labels):
-            raise _wrong("a set has each finger once", part)
+            raise _wrong("a finger is listed twice in a set", part)
         if tuple(labels) in sets:
             raise _wrong("a set of fingers is listed twice", part)
         try:

@@ -2,8 +2,8 @@
 
 A contact is assigned to a hand once, shortly after its touch-down, together with all contacts that
 landed at about the same time. It stays with this hand until it lifts, because a change during a
-grip would drop the object. The chosen assignment of new contacts is the one in which each hand's
-contacts are close together, and near the present or last place of this hand.
+grip would drop the object. New contacts are assigned so that the contacts of each hand are close
+together, and near the present or last place of this hand.
 """
 
 from __future__ import annotations
@@ -24,7 +24,8 @@ class SplitSettings:
     """Settings of the assignment to hands.
 
     Attributes:
-        settle: Time (s) for which a new contact waits for others of its hand before it is reported.
+        settle: Time (s) for which a new contact waits for further contacts of its hand before it is
+            assigned and reported.
         span: Largest distance (m) between two contacts of one hand.
         pull: Weight of the squared distance per contact to the expected place of a lifted hand,
             relative to squared distances between contacts.
@@ -43,10 +44,11 @@ class SplitSettings:
 
 
 _TOO_FAR = 1.0
-"""Cost in m2 per m beyond the span."""
+"""Cost (m2) per metre by which a hand's contacts are farther apart than the span."""
 _MOST = 10
-"""Most contacts assigned at once; of more contacts, the first ones are assigned. One contact more
-than there are free fingers is considered, so that the contact that fits worst can be left out."""
+"""Largest number of contacts that are assigned at once; of more contacts, only those that landed
+first are assigned. One contact more than there are free fingers is considered, so that the contact
+that fits worst can be left out."""
 
 
 class HandSplitter:
@@ -73,8 +75,8 @@ class HandSplitter:
     def step(self, frame: TouchFrame) -> tuple[TouchFrame, TouchFrame]:
         """Splits a frame into one per hand.
 
-        A contact is left out while it waits, and if both hands already have five fingers down. A
-        cancelled contact is reported to its hand. Both hands get the lift control.
+        A contact is left out while it waits, and if no hand had a free finger for it. A cancelled
+        contact is reported in the frame of its hand. Both frames have the lift control.
 
         Args:
             frame: All contacts of the surface.
@@ -117,7 +119,8 @@ class HandSplitter:
         first = sorted(self._since, key=lambda i: (self._since[i], i))
         held = [self._held(hand) for hand in (0, 1)]
         room = [len(FINGERS) - len(h) for h in held]
-        # Every further contact would double or triple the time, and the session waits for it.
+        # Every further contact would double or triple the computing time, for which the session
+        # waits.
         most = min(sum(room) + 1, _MOST)
         new, rest = first[:most], first[most:]
         places = np.array([self._places[i] for i in new])
@@ -151,7 +154,7 @@ class HandSplitter:
             places: (n, 2) m, positions of the new contacts.
             held: Positions (n, 2) m of each hand's contacts so far.
             now: Time (s) of the frame.
-            parts: Cache for each hand: new contacts of this hand -> contribution to the cost.
+            parts: Cache for each hand: indices of its new contacts -> contribution to the cost.
         """
         total, middles, begins = 0.0, [], False
         for hand in (0, 1):
@@ -205,7 +208,7 @@ class _Part(NamedTuple):
 def all_shares(n: int, room: list[int]) -> Iterator[tuple[int, ...]]:
     """All assignments of n contacts to two hands with limited room, in a fixed order.
 
-    The contacts in excess of the room get no hand (-1).
+    Only contacts in excess of the room get no hand (-1).
     """
     left = [*room, max(n - sum(room), 0)]
     shares: list[int] = []

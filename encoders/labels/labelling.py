@@ -28,7 +28,7 @@ LEAST = 1e-7
 """Lower bound of a labelling's probability, so that every mistake can be corrected."""
 
 _NEVER = 1e-300
-"""Log probability that stands for the probability 0."""
+"""Probability that stands for 0, so that its logarithm is finite."""
 
 
 @dataclass(frozen=True)
@@ -51,7 +51,8 @@ class Labelling:
 
     @cached_property
     def label_probabilities(self) -> Mapping[int, float]:
-        """Probability of the label of each contact, 0 to 1, whatever the labels of the others."""
+        """Probability of the label of each contact, 0 to 1, summed over the labels of all other
+        contacts. If `chances` is None, the probability of all labels together."""
         if self.chances is None:
             return dict.fromkeys(self.labels, self.probability)
         chances = self.chances()
@@ -76,7 +77,7 @@ class Labeller(Protocol):
         Args:
             contacts: Position (x, y) m on the surface, x right and y down, by id; 1 to 5 contacts.
             fixed: Labels by contact id that must not change, as for a hand that is already down.
-                The other contacts get the remaining fingers.
+                The remaining contacts get the remaining fingers.
 
         Raises:
             EncoderError: Contacts or fixed labels do not follow this description.
@@ -86,7 +87,7 @@ class Labeller(Protocol):
         """Forgets all contacts, as when the hand has left the surface."""
 
     def restart(self) -> None:
-        """Forgets everything since the beginning of a trial."""
+        """Returns to the state at the beginning of a trial."""
 
 
 @cache
@@ -170,8 +171,8 @@ def allowed(ids: tuple[int, ...], fixed: Mapping[int, int]) -> NDArray[np.bool_]
 
 @cache
 def rows_of(count: int, places: tuple[int, ...]) -> NDArray[np.intp]:
-    """For every labelling of `count` contacts, the row (P,) of `hypotheses(len(places))` that has
-    the same labels for the contacts at these places."""
+    """Rows (P,), for every labelling of `count` contacts: the row of `hypotheses(len(places))` with
+    the labels of the contacts at `places`."""
     if not places:
         return np.zeros(len(hypotheses(count)), np.intp)
     weights = len(FINGERS) ** np.arange(len(places))
@@ -207,5 +208,5 @@ def normalised(log_weights: Array) -> Array:
 
 
 def bounded(log_weights: Array) -> Array:
-    """Limits log probabilities to the lower bound, and normalises them."""
+    """Raises log probabilities to at least log(`LEAST`), and normalises them."""
     return normalised(np.maximum(normalised(log_weights), log(LEAST)))

@@ -5,8 +5,8 @@
     score of a labelling = sum over ordered pairs i, j of s_ij[label i, label j]
 
 g and f are perceptrons with rectifiers. The probabilities of the labellings are the softmax of
-their scores. There are at most 120 labellings, so the sum is exact. The answer does not depend on
-the order of the contacts, and the weights are the same for all numbers of contacts.
+their scores, over all labellings (at most 120). The answer does not depend on the order of the
+contacts, and the weights are the same for all numbers of contacts.
 `python -m training names` in a checkout trains the network.
 
 `NetworkEvidence` calibrates the network's probabilities, and multiplies them by prior odds of the
@@ -54,7 +54,7 @@ same for all labellings."""
 
 @cache
 def ordered_pairs(count: int) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
-    """First and second contact of all ordered pairs of `count` contacts, count (count - 1)."""
+    """Indices of the first and second contact of all count (count - 1) ordered pairs."""
     pairs = [(i, j) for i in range(count) for j in range(count) if i != j]
     first, second = np.array(pairs, np.intp).T
     return first, second
@@ -62,7 +62,8 @@ def ordered_pairs(count: int) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
 
 @cache
 def score_places(count: int) -> NDArray[np.intp]:
-    """Indices (P, pairs), in the raveled scores (pairs, 25), of the scores a labelling sums."""
+    """Indices (P, pairs), in the raveled scores (pairs, 25), of the scores that are added for each
+    labelling."""
     first, second = ordered_pairs(count)
     labels = hypotheses(count)
     number = len(FINGERS)
@@ -77,7 +78,7 @@ def contact_features(xy: Array) -> tuple[Array, Array]:
         xy: (..., k, 2) m on the surface.
 
     Returns:
-        Features (..., k, 6), and places (..., k, 2) in inches from the contacts' middle.
+        Features (..., k, 6), and places (..., k, 2), inches relative to the contacts' middle.
     """
     k = xy.shape[-2]
     inches = xy / METRES_PER_INCH
@@ -114,7 +115,7 @@ def pair_features(places: Array) -> Array:
 
 
 class PairNetwork:
-    """The network with its weights. It computes in fixed order, so that all machines agree.
+    """The network with its weights. It adds in fixed order, so that all machines give equal bits.
 
     Args:
         weights: Matrices of `SHAPES` and their biases, by name.
@@ -200,11 +201,11 @@ USUAL_SETS: Mapping[tuple[int, ...], float] = {
 }
 """Prior odds of finger sets relative to any other set of as many fingers. People pinch with thumb
 and index finger, then add fingers in their order (the precision grasps in the taxonomy of Feix and
-others, 2016), and slide neighbouring fingers together. Assumed, with `benchmarks.pinches` in
-view."""
+others, 2016), and slide neighbouring fingers together. The values are assumed, not fitted;
+`benchmarks.pinches` shows their effect."""
 
 FRESH = 0.12
-"""Root mean square change (inches) of a layout at which about 40 % of it counts as new evidence."""
+"""Root mean square change (inches) of a layout at which its evidence counts as about 40 % new."""
 
 
 def set_prior(usual: Mapping[tuple[int, ...], float] = USUAL_SETS) -> dict[int, Array]:

@@ -47,18 +47,18 @@ _Single = NDArray[np.float32]
 _Indices = NDArray[np.intp]
 
 _REDUCED = 8
-"""Count of numbers in the reduced comparison. With fewer numbers, more pairs pass; with more, each
-comparison costs more (16 took about twice as long, at 7,083 and 396,648 poses)."""
+"""Count of numbers in the reduced comparison. With fewer numbers, more pairs pass. With more
+numbers, each comparison costs more (16 took about twice as long, at 7,083 and 396,648 poses)."""
 
 _CELLS = 6.0
 """Number of cells, divided by the square root of the number of points. With this number, neither
 the comparison of centres nor that of points in cells dominates the time."""
 
 _LLOYD_STEPS = 6
-"""Rounds of k-means for the cells, which must be small but not optimal."""
+"""Number of k-means rounds for the cells. Cells should be small, but need not be optimal."""
 
 _SAMPLE = 20
-"""Points per cell that k-means uses."""
+"""Number of points per cell that k-means uses."""
 
 _TRIED = 4
 """Number of queries whose nearest cell gives the first bound."""
@@ -80,7 +80,8 @@ _LARGEST = 1e15
 """Greatest coordinate: single precision cannot hold squares beyond 1e38."""
 
 _TIES = 1e-12
-"""Share by which the limit on squared distances is raised, so that equal ones stay in."""
+"""Share by which the limit on squared distances is raised, so that rounding excludes no pair at the
+limit."""
 
 
 class PaperLabels:
@@ -181,9 +182,9 @@ class Closest(NamedTuple):
     """The closest pair of a query and a point."""
 
     query: int
-    """Row of the query; the first of equals."""
+    """Row of the query; the first row among equally close pairs."""
     point: int
-    """Row of the point; the first of equals."""
+    """Row of the point; the first row among equally close pairs."""
     distance: float
 
 
@@ -200,7 +201,7 @@ class _Reduction:
         _, axes = np.linalg.eigh(
             (sample - self._mean).T @ (sample - self._mean)
         )  # any order: a bound, wide enough
-        # A rotation does not change distances; this one puts the widest directions first.
+        # These axes are a rotation, which does not change distances. The widest come first.
         self._axes = np.ascontiguousarray(axes[:, ::-1])
         self.longest = 0.0
 
@@ -381,7 +382,7 @@ def _cells(points: _Single, count: int) -> tuple[_Indices, Array]:
 
 
 def _nearest_centre(points: _Single, centres: Array) -> _Indices:
-    """Index (T,) of the nearest centre, up to rounding."""
+    """Index (T,) of the nearest centre of each point, up to rounding."""
     across = (-2.0 * centres.T).astype(np.float32)
     squares = np.sum(centres**2, axis=1).astype(np.float32)
     step = max(1, (1 << 22) // len(centres))

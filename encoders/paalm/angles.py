@@ -31,8 +31,8 @@ NAMES: tuple[tuple[str, str, str, str], ...] = (
 """Name of every angle, by finger and column."""
 
 FRAMES: Array = np.stack([ADULT.bones[0].rest, *np.tile(np.eye(3), (4, 1, 1))])
-"""Rotations (5, 3, 3) palm from finger. In the finger's frame, y is the zero direction and z points
-to the dorsal side."""
+"""Rotations (5, 3, 3) from a finger's frame to palm coordinates. In the finger's frame, y is the
+direction of zero angles, and z points to the dorsal side."""
 
 
 def by_name(table: ArrayLike) -> dict[str, float]:
@@ -45,9 +45,9 @@ def by_name(table: ArrayLike) -> dict[str, float]:
 def angles_of_joints(joints: ArrayLike) -> Array:
     """Angles (..., 5, 4), degrees, of joints (..., 5, 4, 3) in palm coordinates.
 
-    The joints are knuckle, PIP, DIP and tip of each finger. A bone of length 0, as the last bone of
-    a thumb with two bones, has the angle 0. The angle between two bones is the full angle, not its
-    part in the plane of flexion. Its sign gives the side to which the finger bends.
+    The joints are knuckle, PIP, DIP and tip of each finger. The angle before a bone of length 0 is
+    0, for example for the third bone of a thumb with two bones. The angle between two bones is the
+    full angle, not its part in the plane of flexion. It is positive towards the palm.
     """
     joints = np.asarray(joints, float)
     bones = np.einsum("fji,...fbj->...fbi", FRAMES, np.diff(joints, axis=-2))
@@ -63,14 +63,14 @@ def angles_of_joints(joints: ArrayLike) -> Array:
         before, after = bones[..., bone - 1, :], bones[..., bone, :]
         across = np.cross(before, after)
         bend = np.arctan2(np.linalg.norm(across, axis=-1), np.sum(before * after, axis=-1))
-        # The palmar side of the bone before, which turns with this bone.
+        # `palmar` is perpendicular to the bone before, and is then made perpendicular to this bone.
         side = np.sum(palmar * after, axis=-1)
         out.append(np.where(side < 0.0, -bend, bend))
         palmar = palmar - np.sum(palmar * after, axis=-1, keepdims=True) * after
         size = np.linalg.norm(palmar, axis=-1, keepdims=True)
         straight_on = size < 1e-6
         palmar = np.where(straight_on, -before, palmar / np.where(straight_on, 1.0, size))
-        # Past 90 degrees the projection points the other way.
+        # At a bend of more than 90 degrees, the projection has the wrong sign.
         past = np.sum(before * after, axis=-1, keepdims=True) < 0.0
         palmar = np.where(past, -palmar, palmar)
     return np.rad2deg(np.stack(out, axis=-1))

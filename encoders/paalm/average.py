@@ -1,6 +1,7 @@
-"""Calibration of hands that were not held open for it.
+"""Calibration of hands that were not held open for a measurement.
 
-It uses an average hand, the device's own bones, or frames of a recording with an open hand.
+The calibration uses an average hand, the bones that a device reports, or those frames of a
+recording in which the hand is open.
 """
 
 from __future__ import annotations
@@ -37,16 +38,17 @@ OPEN_SPREAD = (10.0, 6.0, 1.0, -5.0, -14.0)
 def average_calibration(
     frames: Sequence[HandFrame], side: str, options: PaalmOptions | None = None
 ) -> HandCalibration:
-    """Calibration for a hand that was not measured, with less accurate angles.
+    """Calibration for a hand that was not measured; angles are less accurate with it.
 
     If the device reports joints, a finger's standard length is that of its stretched bones.
-    Otherwise it is the length that the device would measure of an average open hand. The palm is
-    then shifted to the place at which the first software reports it (`encoders.paalm.seen_palm`).
+    Otherwise it is the length that the device would measure for an average open hand. If fingers
+    are then solved by their tips, the palm is shifted to the place at which the first software
+    reports it (`encoders.paalm.seen_palm`).
 
     Args:
-        frames: Frames of the hand; only its joints are read.
+        frames: Frames of the hand; only its joints and the dialect are read.
         side: `right` or `left`.
-        options: Options; they contain the share of the first bones that the device leaves out.
+        options: Options of PAALM.
     """
     options = options or PaalmOptions()
     lengths = np.array(bone_lengths())
@@ -86,7 +88,7 @@ def average_calibration(
 
 
 def knows_bones(frames: Sequence[HandFrame], side: str) -> bool:
-    """True if the device reports all joints of a hand in some frame. No open hand is needed
+    """True if the device reports all joints of a hand in some frame. The hand need not be held open
     then."""
     return _joints(frames, side) is not None
 
@@ -96,8 +98,9 @@ def with_reported_coupling(
 ) -> HandCalibration:
     """The calibration, with the coupling fitted to the joints that the device reports.
 
-    A person's joints, and a device's model of them, differ from the average of the dialect. The
-    calibration is returned unchanged if the device reports no joints, or if they hardly bend.
+    The coupling of a person's joints, and of a device's model of them, differs from the coupling of
+    the dialect. The calibration has no fitted coupling if the fingers hardly bend, and is returned
+    unchanged if the device reports no joints.
     """
     joints = _joints(frames, calibration.side)
     return (
@@ -121,7 +124,7 @@ OPEN_FRAMES = 100
 
 
 def calibrate_on_recording(paalm: Paalm, frames: Sequence[HandFrame], hands: Hands) -> str:
-    """Calibrates PAALM on a recording: by the device's bones, an open hand, or an average hand.
+    """Calibrates PAALM on a recording: by reported bones, by an open hand, or as an average hand.
 
     Args:
         paalm: Receives the calibration.
@@ -129,7 +132,7 @@ def calibrate_on_recording(paalm: Paalm, frames: Sequence[HandFrame], hands: Han
         hands: Sides of the hands.
 
     Returns:
-        Reason why an average hand replaces the recorded hand; empty if it does not.
+        Reason why an average hand replaces the recorded hand; empty if the recorded hand is used.
     """
     sides = SIDES if hands == "both" else (hands,)
     if all(knows_bones(frames, side) for side in sides):

@@ -1,4 +1,8 @@
-"""Calibration measures the mean length of every finger of an open hand, as in the paper."""
+"""Calibration measures the standard length of every finger of an open hand.
+
+As in the paper, this is the mean length (`calibrated`). For the first Leap software, whose lengths
+vary, it is nearly the longest length (`longest_calibration`).
+"""
 
 from __future__ import annotations
 
@@ -37,8 +41,8 @@ Leap v2."""
 ENOUGH = 20
 """Number of frames with five fingers at their full lengths that suffice to measure a hand."""
 LONGEST, NEARLY = 90.0, 0.93
-"""Percentile of a finger's lengths that is its standard length, and share of the standard length
-above which the whole finger counts as seen."""
+"""Percentile of a finger's lengths that `longest_calibration` takes as the standard length, and
+share of the standard length above which the whole finger counts as seen."""
 
 _HOLD_OPEN = "Hold the hand open, palm down, fingers spread, 20 cm above the device"
 
@@ -52,10 +56,10 @@ class HandCalibration:
 
     Attributes:
         side: `right` or `left`.
-        standard: (5,) m, mean length of every finger, to which ratios are relative.
-        spread: (5,) m, robust standard deviation of the lengths.
-        tips: (5, 3) m, mean positions of the tips in palm coordinates.
-        directions: (5, 3) mean directions in palm coordinates.
+        standard: (5,) m, standard length of every finger. Length ratios are relative to it.
+        spread: (5,) m, standard deviation of the lengths.
+        tips: (5, 3) m, mean or median positions of the tips in palm coordinates.
+        directions: (5, 3) mean or median directions in palm coordinates, of length 1.
         bones: (5, 3) m, lengths of the bones if the device reports joints; None otherwise.
         frames: Number of frames used.
         seconds: Time (s) from the first to the last frame used.
@@ -65,7 +69,8 @@ class HandCalibration:
         by_tip: True if fingers are solved from the knuckle to the tip, regardless of their measured
             lengths; see `longest_calibration`.
         palm_shift: (3,) m in palm coordinates, from the device's centre of the palm to that of the
-            average hand, whose knuckles are then used. None uses the device's centre.
+            average hand. The knuckles are then those of the average hand. None uses the device's
+            centre and measured knuckles.
         coupling: Coupling fitted to the joints that the device reports of this hand; it replaces
             the dialect's coupling. None if it was not fitted.
     """
@@ -108,8 +113,8 @@ def calibrated(
         samples: (time in s, the hand or None where it is not seen), one for each frame.
         side: `right` or `left`.
         wanted: Number of frames with five fingers to use.
-        least: Least number of such frames; None requires all of `wanted`.
-        dialect: Dialect of the frames.
+        least: Least number of such frames; None requires `wanted` frames.
+        dialect: Dialect of the frames (see `HandFrame`).
 
     Raises:
         EncoderError: There are too few frames, the hand was not open, or lengths vary too much.
@@ -164,10 +169,10 @@ def longest_calibration(
 ) -> HandCalibration:
     """Calibrates a hand on all frames of a recording that show five fingers.
 
-    The first software reports varying lengths even of a finger that does not move. In the real
-    recording v1-hands, lengths shrink by half while fingertips stay within 5 mm of their place in
-    the palm. The standard is therefore the longest length, not the mean, and fingers are solved by
-    their tips.
+    The first software reports varying lengths even for a finger that does not move. In the real
+    recording v1-hands, lengths shrink by half while fingertips stay in place within 5 mm, in palm
+    coordinates. The standard length is therefore the 90th percentile (`LONGEST`) of the lengths,
+    not their mean, and fingers are solved by their tips.
 
     Args:
         samples: As in `calibrated`.
@@ -188,7 +193,7 @@ def longest_calibration(
         ordered = in_order(hand, side)
         times.append(time)
         rows.append([(measure(f), *palm.place(f.end), *palm.turn(pointing(f))) for f in ordered])
-    # Without frames, a single row stands in; the count of long frames then raises the error below.
+    # Without frames, one row of ones replaces them, and `found` is 0, which raises the error below.
     table = np.array(rows or np.ones((1, len(FINGERS), 7)))
     lengths = table[:, :, 0]
     standard = np.percentile(lengths, LONGEST, axis=0)
@@ -222,10 +227,11 @@ def longest_calibration(
 
 
 def in_order(hand: TrackedHand, side: str) -> list[TrackedFinger]:
-    """The fingers from thumb to little finger, by the device's labels or else by their order in x.
+    """The fingers from thumb to little finger, by the device's labels, or else by their order
+    across the palm.
 
-    The paper orders by the device's x, which labels the fingers of a turned hand wrongly. Here x is
-    the palm's axis, which points towards the little finger in any orientation of either hand.
+    The paper orders fingers by the device's x, which is wrong for a turned hand. The axis across
+    the palm points towards the little finger in any orientation of either hand.
     """
     named: dict[int, TrackedFinger] = {f.finger: f for f in hand.fingers if f.finger is not None}
     if len(named) == len(hand.fingers):
@@ -237,8 +243,8 @@ def in_order(hand: TrackedHand, side: str) -> list[TrackedFinger]:
 def dialect_of_bones(dialect: str | None, joints: Array) -> str | None:
     """The dialect of a device, corrected from the joints (n, 5, 4, 3) that it reported.
 
-    Packed recordings of v2 and v3 have the same fields. Only in v2 do the two last joints of a
-    finger bend equally.
+    Packed recordings of v2 and v3 have the same fields and are read as v2. Only in v2, the two last
+    joints of a finger bend equally.
     """
     apart = float(np.abs(np.diff(_bends(joints), axis=2)).mean())
     return "v3" if dialect == "v2" and apart > EQUAL_BENDS else dialect
@@ -268,7 +274,8 @@ def _bends(joints: Array) -> Array:
 
 
 def measure(finger: TrackedFinger) -> float:
-    """Length (m) of a finger for PAALM, which decreases as the finger bends."""
+    """Length (m) of a finger for PAALM, which decreases as the finger bends: the distance from
+    knuckle to tip if joints are reported, else the device's length."""
     if finger.joints is None:
         return finger.length
     a, b = finger.joints[0], finger.joints[3]
@@ -322,12 +329,13 @@ def _check_open(c: HandCalibration) -> None:
                 remedy=remedy,
             )
         turned = np.degrees(np.arccos(np.clip(c.directions[finger, 1], -1.0, 1.0)))
-        if turned > (100.0 if finger == 0 else MOST_TURNED):
+        most = 100.0 if finger == 0 else MOST_TURNED
+        if turned > most:
             raise EncoderError(
                 f"the hand was not open: the {name} points away from the palm's direction",
                 where=f"{c.side} hand",
                 got=f"{turned:.0f} degrees",
-                expected=f"under {MOST_TURNED:.0f}",
+                expected=f"under {most:.0f} degrees",
                 remedy=remedy,
             )
     apart = np.linalg.norm(np.diff(c.tips, axis=0), axis=1)
@@ -341,11 +349,13 @@ def _check_open(c: HandCalibration) -> None:
         )
     if c.bones is not None:
         share = c.standard / c.bones.sum(axis=1)
-        # With PIP and DIP at half of MOST_BENT each, this share of the length remains.
-        if share[1:].min() < np.cos(np.deg2rad(MOST_BENT / 2.0)):
+        # With PIP and DIP at half of MOST_BENT each, about this share of the length remains.
+        least = np.cos(np.deg2rad(MOST_BENT / 2.0))
+        if share[1:].min() < least:
             raise EncoderError(
                 f"the hand was not open: the {FINGERS[1 + int(share[1:].argmin())]} was bent",
                 where=f"{c.side} hand",
                 got=f"{100 * share[1:].min():.0f} % of its length",
+                expected=f"over {100 * least:.0f} %",
                 remedy=remedy,
             )

@@ -67,7 +67,7 @@ class _CalibrationFile(Struct):
 
 
 def write_calibration(hands: Mapping[str, HandCalibration], path: Path) -> None:
-    """Writes the calibrations by side; lengths in metres.
+    """Writes calibrations by side to a file; lengths are in metres.
 
     Raises:
         EncoderError: The file cannot be written.
@@ -143,7 +143,7 @@ def read_calibration(path: Path) -> dict[str, HandCalibration]:
 
 
 def is_calibration(path: Path) -> bool:
-    """True if a file has calibrations for PAALM, even if they are damaged."""
+    """True if a file is a file of PAALM calibrations, even if these are damaged."""
     try:
         data = read_bytes(path, EncoderError, what="", largest=_LARGEST)
         head = decoded(data, dict[str, Any], EncoderError, what="", where=str(path))

@@ -30,7 +30,7 @@ _DEGREES, _RADIANS = 180.0 / pi, pi / 180.0
 
 @dataclass(frozen=True)
 class FingerLimits:
-    """Ranges of the joints (degrees): usual clinical ranges, as in `models.skeleton`."""
+    """Ranges of the joints (degrees), from usual clinical ranges, as in `models.skeleton`."""
 
     flexion: tuple[float, float] = (-20.0, 90.0)
     spread: tuple[float, float] = (-25.0, 25.0)
@@ -73,7 +73,9 @@ class FingerChain:
         first, second, third = lengths
         if min(first, second) <= 0.0 or third < 0.0 or not 0.0 <= hidden < 1.0:
             raise EncoderError(
-                "the bone lengths are out of range", got=(lengths, hidden), expected="lengths > 0"
+                "the bone lengths are out of range",
+                got=(lengths, hidden),
+                expected="lengths above 0 (the third may be 0), and a hidden share of 0 to 1",
             )
         self.lengths, self.coupling, self.limits, self.hidden = lengths, coupling, limits, hidden
         # Copies of the coupling and limits as plain numbers, which are read in every frame.
@@ -118,8 +120,10 @@ class FingerChain:
         return low if dip < low else high if dip > high else dip
 
     def solve(self, target: Vector) -> Bend:
-        """Computes angles that bring the tip to a target (m), relative to the base in the finger's
-        zero frame."""
+        """Computes angles that bring the tip to a target (m).
+
+        The target is relative to the base, in the finger's frame (`encoders.paalm.angles.FRAMES`).
+        """
         x, y, z = target
         chord = sqrt(x * x + y * y + z * z)
         if chord < _AT_KNUCKLE:

@@ -1,8 +1,8 @@
 """Coupling of the last joint to the middle joint, which makes a chain of three bones solvable.
 
 A fingertip's position does not determine how a bend is shared between PIP and DIP. The paper leaves
-this to an animation program's inverse kinematics. Here DIP = slope * PIP + offset. The joints that
-a device reports show its own coupling, or that of the person's hand.
+this to an animation program's inverse kinematics. Here DIP = slope * PIP + offset. If a device
+reports joints, the coupling of these joints can be used.
 """
 
 from __future__ import annotations
@@ -17,8 +17,8 @@ from models.errors import EncoderError
 from models.frames import TrackedHand, Vector
 
 LEAST_BENT = 15.0
-"""Least PIP (degrees) of a finger that counts. Unsigned angles of a straight finger are mostly
-noise."""
+"""Least PIP (degrees) of a finger that is used to fit the coupling. Unsigned angles of a straighter
+finger are mostly noise."""
 
 
 @dataclass(frozen=True)
@@ -50,7 +50,9 @@ class Coupling:
             )
         slope, offset = np.polyfit(x, y, 1)
         if not 0.0 <= slope <= 3.0:
-            raise EncoderError("DIP does not follow PIP", got=f"slope {slope:.2f}", expected="0..3")
+            raise EncoderError(
+                "DIP does not follow PIP", got=f"slope {slope:.2f}", expected="0 to 3"
+            )
         return cls(float(slope), float(offset))
 
 
@@ -74,7 +76,7 @@ def coupling_of(dialect: str | None) -> Coupling:
 SLOPE_SPREAD, OFFSET_SPREAD = 0.15, 4.0
 """Standard deviations of the slope and of the offset (degrees) about the assumed coupling."""
 STRAY = 8.0
-"""Standard deviation (degrees) of DIP about the line of its hand."""
+"""Standard deviation (degrees) of DIP about the line DIP = slope * PIP + offset of a hand."""
 ALIKE = 30
 """Number of successive frames that count as one independent observation, since hands move
 slowly."""
@@ -84,7 +86,7 @@ SLOPE_STEP, OFFSET_STEP = 0.02, 0.5
 """Largest change of the slope and of the offset (degrees) in one update, so that fingertips do not
 jump."""
 HARDLY_SLOPE, HARDLY_OFFSET = 0.005, 0.2
-"""Differences of slope and offset (degrees) that are too small to rebuild the chains."""
+"""Differences of slope and offset (degrees) below which the coupling in use is not updated."""
 
 
 class LearnedCoupling:

@@ -23,7 +23,7 @@ side. Devices do not document the exact position of their palm centre."""
 _HALF = 0.5 * np.deg2rad(1.0)
 """Half a degree in rad, because quaternions contain half the angle."""
 _COLUMNS = (0, 2, 3)
-"""Columns of a table of angles that bend a finger's first, second and third bone."""
+"""Columns of a table of angles with the flexion of a finger's first, second and third bone."""
 
 
 class HandPoser:
@@ -84,8 +84,10 @@ class HandPoser:
 
 
 def _root(palm: Palm, side: str, device: Vector, size: float) -> tuple[Vector, Vector]:
-    """Position (m) and rotation vector (rad) of the root for a palm, mirrored to a right hand."""
-    # A left hand's pose is the mirror image of a right one's.
+    """Position (m) and rotation vector (rad) of the root for a palm.
+
+    For a left palm, the root is that of its mirror image, a right hand.
+    """
     flip = -1.0 if side == "left" else 1.0
     a, f, d = palm.across, palm.forward, palm.dorsal
     across, forward, dorsal = (
@@ -116,15 +118,15 @@ def hand_pose(
 ) -> Array:
     """The pose (48,) in the world, within the skeleton's limits.
 
-    A left hand's pose is mirrored to a right hand's, as everywhere in this program. The thumb's
-    last joint is left out, since the skeleton does not have it.
+    For a left hand, the pose is that of the mirrored skeleton. The thumb's last joint is left out,
+    since the skeleton does not have it.
 
     Args:
         table: (5, 4) degrees, see `encoders.paalm.angles`.
         palm: The palm in the device's frame.
-        side: `right` or `left`; the skeleton is always given as a right hand.
+        side: `right` or `left`.
         device: Position (m) of the device in the world; its axes are the world's.
-        skeleton: Skeleton of a right hand.
+        skeleton: Skeleton of a right hand, also if `side` is `left`.
         size: Length of the posed hand relative to the skeleton.
     """
     make = _ADULT if skeleton is ADULT else HandPoser(skeleton)

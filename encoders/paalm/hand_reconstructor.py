@@ -1,8 +1,7 @@
-"""PAALM as a reconstructor: it turns successive hand frames into poses of the whole hand.
+"""Reconstructs poses of the whole hand from successive hand frames, by PAALM.
 
-It has the interface of `encoders.reconstruction.reconstructor`: `step(frame)`, `reset()`,
-`commanded` and a `Reconstruction`. Code that drives a hand by touches can therefore drive a hand by
-a Leap.
+The reconstructor has the interface of `encoders.reconstruction.reconstructor`. Code that drives a
+hand by touches can therefore drive a hand by a Leap.
 """
 
 from __future__ import annotations
@@ -32,7 +31,7 @@ NOTICE_LASTS = 1.0
 
 @dataclass(frozen=True)
 class HandReconstructorSettings:
-    """Settings of the steps between hand frames and pose.
+    """Settings of the reconstruction from hand frames.
 
     Attributes:
         device: Position (m) of the device in the world. Its axes are the world's.
@@ -55,7 +54,7 @@ class HandReconstructorSettings:
 
     @property
     def following(self) -> FollowingSettings:
-        """Settings with which the commanded pose follows."""
+        """How the commanded pose follows the poses of PAALM."""
         return FollowingSettings(
             self.rate,
             self.root_smoothing,
@@ -72,9 +71,9 @@ class HandReconstructor:
     """Reconstructs one hand of a `Paalm` as poses of the sandbox's hand.
 
     Args:
-        paalm: PAALM state, owned by this reconstructor from now on.
+        paalm: The PAALM object; from now on, only this reconstructor may use it.
         side: `right` or `left`.
-        settings: Settings of all steps.
+        settings: See `HandReconstructorSettings`.
         surface: Workspace of a task; None is the default tablet.
         assume: True calibrates an uncalibrated hand when it is first seen, by the device's own
             bones or as an average hand.
@@ -111,7 +110,8 @@ class HandReconstructor:
 
     @property
     def counts(self) -> dict[str, int]:
-        """Number of frames or hands that could not be used, by reason."""
+        """Number of frames and hands that could not be used, by reason; `frames` counts the frames
+        that were used."""
         return self.paalm.counts
 
     @property
@@ -121,7 +121,7 @@ class HandReconstructor:
 
     @property
     def notice(self) -> str:
-        """Notice to the person whose hand is not tracked; empty while all is well."""
+        """Notice to the person whose hand is not tracked; empty while the hand is tracked."""
         if self._refused and (self._time or 0.0) - self._refused_at < NOTICE_LASTS:
             return Message("hands_apart", "{why}: hold them apart", why=self._refused)
         return self._hand.notice(self.side)

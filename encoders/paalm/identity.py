@@ -1,16 +1,16 @@
 """Decides the sides of the hands and the labels of the fingers that a device reports.
 
 The paper sorts fingers by x and counts from the thumb. When a finger vanishes, every later finger
-gets its neighbour's label. The tracked identity instead weighs four pieces of evidence for every
+gets its neighbour's label. `TrackedIdentity` instead weighs four pieces of evidence for every
 visible finger and every label:
 
 - the distance from the last position of the finger with this label (an unseen finger is assumed to
-  stay, in palm coordinates);
-- the distance of the visible finger's line from the knuckle with this label;
-- the device's own id;
-- how far the visible length exceeds the full length of the finger with this label.
+  stay in place, in palm coordinates);
+- the distance of the visible finger's line from the knuckle of the finger with this label;
+- the device's id of the finger;
+- the excess of the visible length over the full length of the finger with this label.
 
-It chooses the most likely assignment of all fingers together.
+The most likely assignment of labels to all fingers is chosen.
 """
 
 from __future__ import annotations
@@ -40,16 +40,17 @@ _BACKWARDS = [
     ((ways[:, :, None] < ways[:, None]) & (ways[:, :, None] > 0)).reshape(len(ways), -1)
     for ways in _ASSIGNMENTS
 ]
-"""Booleans (n, k * k) for n labellings: True for each pair of k fingers, except the thumb, whose
-labels are in the order of the hand."""
+"""Booleans (n, k * k), for n labellings of k fingers: True for each pair of fingers in which the
+first has the lower label and neither is labelled as the thumb."""
 
 _SIDEWAYS, _IN_PLANE, _THUMB = 0.004, 0.010, 0.020
 """Standard deviations (m) of the distance between a finger's line and its own knuckle. The first is
-for the distance sideways. The second is for the distance in the plane of bending, since the line of
-a bent finger's visible part does not pass through the knuckle. The third is for the thumb in any
-direction, since its visible part begins at the end of its first bone."""
+for the distance sideways. The second is for the distance in the plane of bending; it is larger,
+since the line of a bent finger's visible part does not pass through the knuckle. The third is for
+the thumb in any direction; the thumb's visible part begins at the end of its first bone."""
 _STILL, _LOST = 0.006, 0.030
-"""Standard deviations (m) of a tip's step from frame to frame, and of a long unseen tip."""
+"""Standard deviations (m) of a tip's step from frame to frame, and of the movement of a tip that
+has not been seen for long."""
 _LOST_AFTER = 0.15
 """Time constant (s) with which the standard deviation of an unseen tip grows."""
 _LOOK_AGAIN = 0.1
@@ -57,17 +58,18 @@ _LOOK_AGAIN = 0.1
 _JUMP = 0.015
 """Largest step (m) of a tip; after a larger step, the same id may belong to another finger."""
 _SAME_ID = 16.0
-"""Weight of the device's id, relative to half-squared deviations; finite, since devices swap
-ids."""
+"""Reduction of the cost of a label if the finger has the same id as before. It is finite, since
+devices swap ids. The unit of costs is half of a squared deviation in standard deviations."""
 _ABREAST = 0.012
 """Distance (m) across the palm by which two fingertips may be in the wrong order."""
 _CROSSED = 100.0
-"""Weight of two fingers that are farther in the wrong order. It exceeds all other evidence on both.
-"""
+"""Cost of two fingertips that are in the wrong order by more than this distance. It exceeds all
+other evidence about both fingers."""
 _TOO_LONG = 0.06
-"""Standard deviation, as a share, of a length beyond a finger's standard length."""
+"""Standard deviation of the excess of a finger's length over its standard length, as a share of the
+standard length."""
 _CAP = 30.0
-"""Limit of each piece of evidence, so that no single one decides."""
+"""Limit of each squared deviation, so that no single piece of evidence decides."""
 
 
 def paper_order(fingers: Sequence[TrackedFinger], side: str) -> list[int]:
@@ -83,8 +85,8 @@ class TrackedIdentity:
     """Tracks the labels of one hand's fingers.
 
     Args:
-        calibration: The hand, measured open.
-        knuckles: (5, 3) m, in palm coordinates.
+        calibration: Calibration of the hand.
+        knuckles: (5, 3) m, positions of the knuckles in palm coordinates.
     """
 
     def __init__(self, calibration: HandCalibration, knuckles: Array) -> None:
@@ -103,11 +105,11 @@ class TrackedIdentity:
         self._ids: list[int | None] = [None] * _FIVE
 
     def learn(self, by: Vector, standard: ArrayLike) -> None:
-        """Updates the hand's knuckles and lengths.
+        """Replaces the hand's knuckles and lengths.
 
         Args:
             by: (3,) m, shift of the knuckles from their calibrated positions.
-            standard: (5,) m, full lengths.
+            standard: (5,) m, full lengths of the fingers.
         """
         self._knuckles = self._first_knuckles + by
         self._standard = np.asarray(standard, float)
@@ -154,7 +156,7 @@ class TrackedIdentity:
     def _costs(
         self, fingers: Sequence[TrackedFinger], tips: Array, palm: Palm, time: float
     ) -> Array:
-        """Half-squared deviations (k, 5) of every finger from every label."""
+        """Costs (k, 5) of every label for every finger; a lower cost is more likely."""
         lines = np.array([palm.turn(f.direction) for f in fingers])
         lengths = np.array([f.length for f in fingers])
         spread = np.array(
@@ -175,7 +177,7 @@ class TrackedIdentity:
     def _missed(self, tips: Array, lines: Array) -> Array:
         """Squared deviations (k, 5) of fingers' lines from knuckles."""
         to = self._knuckles - tips[:, None]
-        # Nearest point of the line in the plane of bending.
+        # `at` is the point of the line that is nearest to the knuckle in the plane of bending.
         flat = squared_lengths(lines[:, 1:]) + 1e-3
         at = (to[..., 1] * lines[:, None, 1] + to[..., 2] * lines[:, None, 2]) / flat[:, None]
         rest = to - at[..., None] * lines[:, None]
@@ -187,10 +189,10 @@ class TrackedIdentity:
 
 
 def _crossed(across: Array) -> Array:
-    """Costs (n,) of all n assignments of k fingers, for fingers in the wrong order.
+    """Costs (n,) of fingers in the wrong order, for all n assignments of labels to k fingers.
 
-    The tips of the four fingers are in the order of the fingers. The thumb is exempt, since it may
-    pass under the palm.
+    The tips of index to little finger should be in this order across the palm. The thumb is exempt,
+    since it may pass under the palm.
 
     Args:
         across: (k,) m, positions of the tips across the palm.
@@ -200,17 +202,18 @@ def _crossed(across: Array) -> Array:
 
 
 _FAR = 0.30
-"""Distance (m) from a hand's last place beyond which a new hand does not get this hand's side while
-both sides are possible."""
+"""Distance (m) from the last place of a side's hand beyond which a new hand does not get this side,
+if both sides are tracked."""
 _NEAR = 0.10
-"""Distance (m) from a hand's last place within which a hand is the same hand, although the device
-reports the other side for a moment."""
+"""Distance (m) from the last place of a side's hand within which a hand counts as the same hand,
+although the device reports the other side for a moment."""
 _THUMB_BEHIND = 0.020
 """Least distance (m) by which a thumb's tip is nearer to the palm than the fingertips."""
 _SURE = 5
-"""Majority of frames for one side at which the thumb decides the side."""
+"""Majority, in frames, of thumbs on one side that decides the side of a hand."""
 _MOST = 50
-"""Limit of this majority, so that a mistake can be corrected."""
+"""Limit of this majority, so that a mistake can be corrected. It also limits the number of frames
+in which a reported side is corrected."""
 _ENOUGH, _CONTRARY = 50, 0.25
 """Least number of frames of a recording that show a side, and greatest share of these frames that
 may show the other side."""
@@ -221,18 +224,20 @@ _REMEMBERED = 64
 class HandSides:
     """Tracks the sides of hands by thumb, id and position, if the device does not report them.
 
-    A hand whose thumb has been seen has the side of its thumb. Without thumbs, two hands seen at
-    once are distinguished by x, since arms do not cross in the paper. An id keeps its side until
-    its thumb shows the other side. A new id gets the side whose last place is nearest.
+    A hand whose thumb has been seen has the side that its thumb shows. If no thumb has been seen,
+    two new hands are distinguished by x; the paper assumes that arms do not cross. The hand with an
+    id keeps its side until its thumb shows the other side. A hand with a new id gets the side whose
+    hand was last nearest.
 
-    A device that reports sides confuses them for short times. A hand with the same id, or a single
-    hand near the last place, therefore keeps its side for up to `_MOST` frames. Of two hands with
-    the same side, the previously chosen hand is chosen again, or else the hand of which the device
-    is more certain.
+    A device that reports sides confuses them for short times. A hand that is near the last place of
+    a side, and that has the same id or is alone, therefore keeps this side for up to 50 frames. Of
+    two hands with the same side, the previously chosen hand is chosen again, or else the hand with
+    the higher confidence.
 
     Args:
         sides: Sides of the hands to track.
-        counts: Receives the numbers of hands that were left out or corrected, by reason.
+        counts: Receives the numbers of hands that were left out, or whose side was corrected, by
+            reason.
     """
 
     def __init__(self, sides: tuple[str, ...], counts: Counter[str] | None = None) -> None:
@@ -285,7 +290,7 @@ class HandSides:
         return chosen
 
     def _steady(self, hand: TrackedHand, alone: bool) -> TrackedHand:
-        """The hand, with its previous side if the device confuses sides for a moment."""
+        """The hand, with its side corrected if the device confuses sides for a moment."""
         for side, known in self._ids.items():
             if (
                 (alone or known == hand.id)
@@ -327,11 +332,11 @@ class HandSides:
 
 
 def side_by_thumb(frames: Sequence[HandFrame]) -> str:
-    """Side of the only hand of a recording by its thumb.
+    """Side of the hand in a recording of one hand, by its thumb.
 
     Args:
-        frames: Frames of a device that does not report sides. Only frames with one hand, whose side
-            is unknown, count.
+        frames: Frames of a device that does not report sides. Only frames with a single hand, of
+            unknown side, are used.
 
     Returns:
         `right` or `left`; empty where too few frames show the thumb, or they contradict each other.
@@ -345,7 +350,7 @@ def side_by_thumb(frames: Sequence[HandFrame]) -> str:
 
 
 def _thumb_side(hand: TrackedHand) -> int:
-    """1 if the thumb is on the side of a right hand's, -1 for a left hand, 0 if this is unclear."""
+    """1 if the thumb is that of a right hand, -1 for a left hand, 0 if the side is unclear."""
     if len(hand.fingers) < 4:
         return 0
     palm = palm_of(hand, "right")

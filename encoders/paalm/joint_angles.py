@@ -1,10 +1,10 @@
 """PAALM (2013), section 4: joint angles from the directions and lengths of fingers.
 
-Calibration measures the standard length of every finger of an open hand. In later frames, a
-finger's length divided by its standard length (the length ratio) gives the distance of its tip from
-its knuckle. Distance and direction give a target, and the inverse kinematics of the finger's chain
-gives angles. Fingers are labelled first. A finger that is no longer seen stays in place, in palm
-coordinates, until it is seen again.
+Calibration measures the standard length of every finger of an open hand. In later frames, fingers
+are first labelled. A finger's length divided by its standard length (the length ratio) gives the
+distance of its tip from its knuckle. Distance and direction give a target, and the inverse
+kinematics of the finger's chain gives angles. A finger that is no longer seen stays in place, in
+palm coordinates, until it is seen again.
 """
 
 from __future__ import annotations
@@ -46,16 +46,16 @@ from models.errors import EncoderError
 from models.frames import FINGERS, HandFrame, TrackedHand, Vector
 
 STEADY = 0.007
-"""Mean second difference (m) of a fingertip that is acceptable at a time constant of one frame. A
-low-pass with time constant T reduces white noise of variance v to v dt / 2T, so T grows with the
-square of the noise."""
+"""Mean second difference (m) of a fingertip for which a time constant of one frame is enough. A
+low-pass with time constant T reduces white noise of variance v to v dt / 2T. The time constant
+therefore grows with the square of the noise."""
 TIP_STEADY = 0.003
 """Acceptable mean second difference (m) for fingers that are solved by their tips."""
 _SHARE = 1.0 / 16.0
 """Weight of a new difference in the running mean; the mean covers about a quarter of a second."""
 _JUMP = 3.0
-"""Limit of a difference, as a multiple of the mean, since a finger that was lost for a moment jumps
-once."""
+"""Limit of a new difference, as a multiple of the mean. It bounds the effect of the single jump of
+a finger that was lost for a moment."""
 
 
 class FingertipNoise:
@@ -105,7 +105,7 @@ class FingertipNoise:
 
 
 TIP_SMOOTHING = 1.0 / 3.0
-"""Smoothing of fingers that are solved by their tips, as a share of that by lengths."""
+"""Factor on `PaalmOptions.smoothing` for fingers that are solved by their tips."""
 
 
 @dataclass(frozen=True)
@@ -115,14 +115,14 @@ class PaalmHand:
     Attributes:
         side: `right` or `left`.
         bends: Angles of the five fingers.
-        ratios: Length divided by standard length, by finger; the last ratio for held fingers.
+        ratios: Length divided by standard length, by finger; for held fingers, the last ratio.
         ids: The device's id by finger; None for a held finger.
-        held: Fingers that are not seen now.
-        hand_id: The device's id of the hand, or its last id if it is not seen now.
-        palm: Palm of the hand in the device's frame, with its centre placed so that its knuckles
-            are those of the rig. The device's centre may differ (`HandCalibration.palm_shift`).
-        places: Target (3,) m of each of the five fingers, in the rig's scale, from the finger's
-            base in palm axes.
+        held: Fingers that are not seen now; they stay in place.
+        hand_id: The device's id of the hand, or its last id if the hand is not seen now.
+        palm: Palm of the hand in the device's frame. Its centre is placed so that its knuckles are
+            those of the rig. The device's centre may differ (`HandCalibration.palm_shift`).
+        places: Target (3,) m of each of the five fingers relative to the finger's base, along the
+            palm's axes, in the rig's scale.
         seen: True if the hand is seen now.
     """
 
@@ -148,7 +148,7 @@ class PaalmHand:
 
     @cached_property
     def miss(self) -> Array:
-        """Distances (5,) m, in the rig's scale, by which joint limits keep tips from targets."""
+        """Distances (5,) m of the tips from their targets, in the rig's scale."""
         return np.array([bend.miss for bend in self.bends])
 
     @property
@@ -164,7 +164,7 @@ class PaalmFrame:
     Attributes:
         time: The device's time (s).
         hands: Hands by side; a hand that was never seen is missing.
-        refused: Reason why this frame was ignored; empty if it was used.
+        refused: Reason why this frame was ignored; None if it was used.
     """
 
     time: float
@@ -176,7 +176,8 @@ class Paalm:
     """PAALM, the method of the paper of 2013: joint angles of hands over a Leap.
 
     `calibrate(frames)` measures hands that are held open, once. `step(frame)` then gives joint
-    angles, palm and finger names of every hand of a `HandFrame` (m, in the device's frame).
+    angles, palm and finger labels of every calibrated hand of a `HandFrame` (m, in the device's
+    frame).
 
     Args:
         options: Choices that the paper leaves open.
@@ -203,7 +204,7 @@ class Paalm:
         needs `ENOUGH` frames in which each finger has its full length.
 
         Args:
-            frames: Frames; reading ends when there are enough.
+            frames: Frames, of which only as many are read as are needed.
             hands: `right`, `left` or `both`.
             wanted: Number of frames with five fingers for each hand.
             progress: Called with the share done, 0 to 1.
@@ -215,7 +216,7 @@ class Paalm:
         sides = {"right": ("right",), "left": ("left",), "both": ("right", "left")}.get(hands)
         if sides is None:
             raise EncoderError(
-                "the hand to calibrate is not specified",
+                "no such hand to calibrate",
                 got=str(hands),
                 expected="right, left or both",
             )
@@ -260,14 +261,14 @@ class Paalm:
         self.reset()
 
     def reset(self) -> None:
-        """Forgets all frames; keeps calibration and counts."""
+        """Forgets all frames, but not calibration and counts."""
         self._time = None
         self._sides.reset()
         for hand in self._hands.values():
             hand.reset()
 
     def step(self, frame: HandFrame) -> PaalmFrame:
-        """Processes a frame; an unusable one is counted, and the hands keep their state.
+        """Processes a frame. An unusable frame is counted, and the hands stay in their state.
 
         Raises:
             EncoderError: No hand is calibrated yet.
@@ -333,7 +334,7 @@ class _Hand:
         self._bends = [Bend(0.0, 0.0, 0.0, 0.0, 0.0)] * len(FINGERS)
         self._ratios = [1.0] * len(FINGERS)
         self._unseen = [0.0] * len(FINGERS)
-        # Tips are less noisy than lengths. Older sessions used the same limit for both.
+        # Tips are less noisy than lengths.
         steady = TIP_STEADY if self._calibration.by_tip and options.solve == "tips" else STEADY
         self._noise = [FingertipNoise(steady) for _ in FINGERS]
         self._palm: Palm | None = None
@@ -411,7 +412,7 @@ class _Hand:
         return self._result(palm, ids, True)
 
     def _learn(self, learned: LearnedPalm, hand: TrackedHand, palm: Palm, names: list[int]) -> None:
-        """Learns the palm's position from this frame; the labels of the next frame use it."""
+        """Learns the palm's position from this frame, which the next frame's labels use."""
         for finger, name in zip(hand.fingers, names, strict=True):
             place = palm.place(finger.tip)
             learned.add(name, finger.length, place, palm.turn(finger.direction))
@@ -424,7 +425,7 @@ class _Hand:
     def _solve(self, name: int, held: bool = False) -> None:
         target = self._targets[name]
         if abs(target[0]) + abs(target[1]) + abs(target[2]) < 1e-6:
-            return  # Without a direction the finger stays as it is.
+            return  # The target has no direction, so the finger stays as it is.
         rigged = self._rig[name]
         x, y, z = target
         y += 0.0 if held else self._slip
@@ -433,8 +434,8 @@ class _Hand:
     def _hold(self, name: int, dt: float, slip: float) -> None:
         """Holds a finger that is not seen at its last position, as in the paper.
 
-        Position and slip are those of the last frame that showed the finger. Older sessions took
-        the slip of the frame that no longer shows it.
+        Position and slip of the palm are those of the last frame that showed the finger. With
+        `solve="lengths"`, the slip is that of the current frame.
         """
         held = self._options.solve == "tips"
         if self._unseen[name] == 0.0:

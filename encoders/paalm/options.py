@@ -1,5 +1,5 @@
-"""Options for choices that the paper leaves open; docs/paalm.md has the measurement behind each
-default."""
+"""Options of PAALM. The paper leaves these choices open; docs/paalm.md has the measurement behind
+each default."""
 
 from __future__ import annotations
 
@@ -17,28 +17,29 @@ class PaalmOptions:
     """Choices of PAALM that the paper leaves open.
 
     Attributes:
-        identity: `paper`: rank by x among the visible fingers. `tracked`: the most likely
-            assignment to the fingers' last positions and to their knuckles.
-        direction: Source of a finger's target. `device`: the device's direction and length ratio,
-            as in the paper. `thumb`: the same for the fingers, but the thumb's target goes from its
-            calibrated knuckle in the palm to its tip. Fingers with joints always use their knuckle.
+        identity: How fingers are labelled. `paper`: by rank in x among the visible fingers.
+            `tracked`: by the most likely assignment (`encoders.paalm.identity`).
+        direction: Source of a finger's target. `device`: the device's direction and the length
+            ratio, as in the paper. `thumb`: as `device` for the fingers; the thumb's target is the
+            line from its calibrated knuckle to its tip. Fingers with reported joints always use
+            their knuckle.
         hidden, thumb_hidden: Share of the first bone that the device's length leaves out. The paper
-            has 0, since it takes the length from the knuckle.
+            has 0, since it assumes that the length begins at the knuckle.
         behind: Distance from a finger's visible part back to its knuckle, as a share of the first
-            bone, if fingers are solved by their tips. It is less than `hidden`, since a slightly
-            bent finger does not point back to its knuckle.
+            bone, if fingers are solved by their tips. It is less than `hidden`, since the line of a
+            slightly bent finger does not pass through its knuckle.
         open_bend: PIP (degrees) of an open hand at a length ratio of 1; 0 in the paper.
         coupling: Relation of DIP to PIP; None takes that of the device's dialect
             (`encoders.paalm.coupling`).
         solve: Input for solving a finger without joints. `tips`: the line from its knuckle to its
             tip (`calibration.longest_calibration`). `lengths`: length and direction, as in the
             paper.
-        learns: True learns the coupling of each hand whose joints the device reports, unless a
-            coupling is chosen (`encoders.paalm.coupling`). For an unmeasured hand without joints,
-            it learns the position of the palm (`encoders.paalm.seen_palm`).
-        smoothing: Time constant (s) of the smoothing of lengths and directions; 0 switches it off.
-        longest: Upper limit (s) of this time constant, which grows with the device's noise for each
-            finger (`encoders.paalm.joint_angles`).
+        learns: True learns the coupling of each hand whose joints the device reports, unless
+            `coupling` is given (`encoders.paalm.coupling`). For an unmeasured hand without joints,
+            True learns the position of the palm (`encoders.paalm.seen_palm`).
+        smoothing: Least time constant (s) of the smoothing of fingers' targets; 0 switches it off.
+        longest: Upper limit (s) of this time constant, which grows with the noise of each fingertip
+            (`encoders.paalm.paalm`).
     """
 
     identity: Literal["paper", "tracked"] = "tracked"
@@ -66,7 +67,7 @@ class PaalmOptions:
         for name, allowed in choices.items():
             if getattr(self, name) not in allowed:
                 raise EncoderError(
-                    "no such value of an option",
+                    "no such value of an option of PAALM",
                     where=name,
                     got=getattr(self, name),
                     expected=", ".join(allowed),
@@ -81,7 +82,7 @@ class PaalmOptions:
         ):
             if not 0.0 <= getattr(self, name) <= most:
                 raise EncoderError(
-                    "an option is out of range",
+                    "an option of PAALM is out of range",
                     where=name,
                     got=getattr(self, name),
                     expected=f"0 to {most}",
@@ -99,5 +100,5 @@ PAPER = PaalmOptions(
     learns=False,
     smoothing=0.0,
 )
-"""The paper's choices, as far as it states them. The paper uses an animation program's inverse
-kinematics; this package uses the inverse kinematics of `chain`."""
+"""The choices of the paper, as far as the paper states them. For inverse kinematics, the paper uses
+an animation program, and this package `encoders.paalm.chain`."""

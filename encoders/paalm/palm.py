@@ -1,4 +1,5 @@
-"""The palm's frame, in which directions and positions of fingers are compared and held."""
+"""The palm's frame. Directions and positions of fingers are compared in this frame, and a finger
+that is not seen stays in place in it."""
 
 from __future__ import annotations
 
@@ -11,10 +12,11 @@ from models.arithmetic import Array, distance
 from models.frames import TrackedHand, Vector
 
 STACKED = 0.10
-"""Horizontal distance (m) of two palms' centres below which one is above the other. A palm is about
-0.085 m wide, and the lower palm hides the upper one from the device."""
+"""Horizontal distance (m) of two palms' centres below which one hand counts as above the other. A
+palm is about 0.085 m wide, and the lower palm hides the upper palm from the device."""
 BEHIND = 0.020
-"""Distance (m) behind the palm's centre. The first software reports no fingertip farther back."""
+"""Distance (m) behind the palm's centre. A fingertip farther back shows that the palm is reported
+the wrong way round."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -88,7 +90,7 @@ def palm_of(hand: TrackedHand, side: str) -> Palm:
     fx, fy, fz = fx / length, fy / length, fz / length
     ux, uy, uz = -nx, -ny, -nz
     if _reversed(hand, (fx, fy, fz)):
-        # Undo the half turn about the line across the palm with which the software reports it.
+        # The palm is reported with a half turn about the line across it, which is undone here.
         fx, fy, fz, ux, uy, uz = -fx, -fy, -fz, -ux, -uy, -uz
     # Forward x dorsal points towards the little finger of a right hand whose palm faces down.
     ax, ay, az = fy * uz - fz * uy, fz * ux - fx * uz, fx * uy - fy * ux
@@ -100,8 +102,9 @@ def palm_of(hand: TrackedHand, side: str) -> Palm:
 def _reversed(hand: TrackedHand, forward: Vector) -> bool:
     """True if most fingertips are well behind the palm and point backwards.
 
-    The first software does not detect the arm. It sometimes takes the wrist of a hand that has just
-    come into view for the side of the fingers. Hands with joints are never reported like this.
+    The first software does not detect the arm. In a hand that has just come into view, it sometimes
+    takes the side of the wrist for the side of the fingers. Hands with joints are never reported
+    like this.
     """
     x, y, z = hand.palm
     behind = 0

@@ -36,10 +36,10 @@ class RiggedFinger:
     Attributes:
         finger: Finger, thumb 0 to little 4.
         chain: Chain of bones, in metres of the rig.
-        open_length: Length (m, in the rig's scale) at a length ratio of 1.
+        open_length: Distance (m, in the rig's scale) from base to tip at a length ratio of 1.
         knuckle: Position (m) of the knuckle in palm coordinates.
-        from_knuckle: True if targets are measured from the knuckle, False if they are given by
-            direction and length ratio.
+        from_knuckle: True if a target is the line from the knuckle to the tip, False if it follows
+            from direction and length ratio.
         scale: Metres of the rig per metre of the person's hand.
     """
 
@@ -51,7 +51,7 @@ class RiggedFinger:
     scale: float
 
     def local(self, v: Vector) -> Vector:
-        """Transforms a palm direction to the finger's zero frame."""
+        """Transforms a direction from palm axes to the finger's frame."""
         if self.finger:
             return v
         (a, b, c), (d, e, f), (g, h, i) = _ZERO_FRAMES[0]
@@ -59,7 +59,7 @@ class RiggedFinger:
         return x * a + y * d + z * g, x * b + y * e + z * h, x * c + y * f + z * i
 
     def bend(self, target: Vector) -> Bend:
-        """Angles for a target (m, in the rig's scale) relative to the base, in palm axes."""
+        """Angles for a target (m, in the rig's scale) relative to the base, along palm axes."""
         return self.chain.solve(self.local(target))
 
 
@@ -108,8 +108,8 @@ def rig(calibration: HandCalibration, options: PaalmOptions) -> list[RiggedFinge
 
 
 def with_palm_shift(calibration: HandCalibration, options: PaalmOptions) -> HandCalibration:
-    """The calibration with the palm shift that brings the average hand's knuckles to the measured
-    knuckles."""
+    """Adds to a calibration the palm shift that brings the average hand's knuckles nearest to the
+    measured knuckles."""
     measured = np.array([r.knuckle for r in rig(calibration, options)])[1:]
     average = np.array([average_knuckle(finger) for finger in range(1, len(FINGERS))])
     return replace(calibration, palm_shift=vector_of((measured - average).mean(axis=0)))

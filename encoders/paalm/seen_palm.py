@@ -1,14 +1,15 @@
 """Learns the shift of the palm's centre that the first Leap software reports.
 
 The reported centre is in front of the average hand's centre, by a distance that differs from hand
-to hand. A finger at its full length points back to its knuckle, and the knuckles determine the
-position of the palm. `LearnedPalm` learns the shift while an unmeasured hand is seen. It also
-learns each finger's full length, which is the longest length so far, since the device often reports
-shorter ones. Only past frames count.
+to hand. The line of a finger that is seen at its full length leads back to its knuckle, and the
+knuckles determine the position of the palm. `LearnedPalm` learns the shift while an unmeasured hand
+is seen. It also learns each finger's full length: nearly the longest length so far, since the
+device often reports shorter lengths. Only past frames are used.
 
-The centre also moves towards the fingers for a time, by 6 cm in the real recording v1-hands when a
-hand leaves the view. Every finger then seems to end too near to its knuckle without being lowered,
-which only a claw could do. The median of this error over all fingers is the `slip`.
+The centre sometimes moves towards the fingers for a time, by 6 cm in the real recording v1-hands
+when a hand leaves the view. Every finger then seems to end too near to its knuckle, although it is
+not lowered. Of real postures, only a claw is like this. The median of this error over all fingers
+is the `slip`.
 """
 
 from __future__ import annotations
@@ -23,17 +24,18 @@ from models.frames import FINGERS, Vector
 
 FIRST_SHIFT = (0.007, -0.031, 0.005)
 """Initial shift (m, in palm coordinates) from the device's centre of the palm to the average
-hand's. It is the mean of both hands in the real recording v1-hands, if the distance from a finger's
-visible part to its knuckle is the part that the device leaves out (`PaalmOptions.hidden`)."""
+hand's. It is the mean of both hands in the real recording v1-hands. There, the distance from a
+finger's visible part to its knuckle was taken to be the part that the device leaves out
+(`PaalmOptions.hidden`)."""
 PRIOR = 60.0
-"""Weight of the initial guess, in frames: about half a second of a finger at its full length."""
+"""Weight of the initial guess, in frames with a finger at its full length: about half a second."""
 STEP = 0.0002
 """Largest change (m) of the shift in use in one frame, so that fingertips do not jump."""
 FAR = 0.04
-"""Distance (m) from the shift in use beyond which a frame does not count, because the palm is the
-wrong way round or the hand leaves the view."""
+"""Difference (m) from the shift in use beyond which a finger's shift is not used: the palm is then
+reported the wrong way round, or the hand leaves the view."""
 _BIN = 0.001
-"""Resolution (m) of the longest length."""
+"""Width (m) of a bin in the histogram of lengths."""
 _BINS = 160
 
 
@@ -86,7 +88,7 @@ class LearnedPalm:
             self._sums[name] = [a + b for a, b in zip(self._sums[name], off, strict=True)]
 
     def move(self) -> None:
-        """Moves the shift in use towards the learned one; once a frame."""
+        """Moves the shift in use towards the learned shift; called once a frame."""
         x, y, z = (
             used + min(max(total(self._mean(f, i) for f in range(1, 5)) / 4.0 - used, -STEP), STEP)
             for i, used in enumerate(self.shift)
@@ -121,19 +123,20 @@ class _Longest:
 
 
 LEVEL = 10.0
-"""Largest angle (degrees) below the palm's direction to which a straight finger may point."""
+"""Angle (degrees) below the palm's direction up to which a finger counts as straight."""
 
 
 OVERREACH = 0.004
-"""Distance (m) by which a finger's chain may end short of the visible tip, since it has the average
-hand's bones."""
+"""Distance (m) by which a finger's chain may end short of the visible tip, since the chain has the
+average hand's bones."""
 
 
 def slip(fingers: Sequence[tuple[FingerChain, Vector]], overreach: float = inf) -> float:
-    """The slip (m) of a palm's centre towards the fingers; negative if it is too far back.
+    """The slip (m) of a palm's centre towards the fingers; negative if the centre is too far back.
 
-    A finger that bends is lowered by about the angle of its PIP. The slip is limited so that no tip
-    is farther away than its finger can reach.
+    A bent finger is usually lowered by about the angle of its PIP, so its direction gives its usual
+    length. The slip is the median difference from this length. It is limited so that no tip is
+    farther away than its finger can reach.
 
     Args:
         fingers: Chain and tip (m from the knuckle, in palm axes) of every visible finger except the

@@ -1,4 +1,5 @@
-"""Simulated hands in the air, with the true poses that recordings of the first Leap software lack.
+"""Simulated hands in the air, with their true poses. Recordings of the first Leap software have no
+true poses.
 
 A hand is held open over the device, and then makes gestures: fingers fold together or one by one,
 spread, close and pinch, while the palm turns and moves. People differ in hand size, in proportions
@@ -31,7 +32,7 @@ _SPLAY = np.array([5.0, 6.0, 1.0, -5.0, -14.0])
 """Spread (degrees) of the fingers of an open hand."""
 
 _HELD_OPEN = 2.0
-"""Duration (s) of the open hand before a take that is made from a capture."""
+"""Duration (s) of the open hand at the beginning of a take that is made from a capture."""
 
 
 @dataclass(frozen=True)
@@ -45,8 +46,9 @@ class AirConfiguration:
         gesture: Mean duration of a single gesture.
         size, proportion: Standard deviations of hand size and of single bones, as shares.
         open_bend: Mean and spread of PIP of an open hand.
-        slope, offset: Mean and spread over persons of DIP = slope * PIP + offset.
-        stray: Spread of a joint's slow deviation from the angle given by gesture and coupling.
+        slope, offset: Mean and spread over people of the coefficients in DIP = slope * PIP +
+            offset.
+        stray: Spread of a joint's slow deviation from the angle that gesture and coupling give.
         turn: Spread of the palm's roll, pitch and yaw.
         wander: Spread of the palm's position.
     """
@@ -75,8 +77,8 @@ class AirTake:
     Attributes:
         time: (T,) s.
         origin: (T, 3) m, palm centre in the device's frame.
-        rotation: (T, 3, 3) device from palm. Palms of left hands are represented as right palms, so
-            their matrices are reflections.
+        rotation: (T, 3, 3) from palm coordinates to the device's frame. Palms of left hands are
+            represented as right palms, so their matrices are reflections.
         joints: (T, 5, 4, 3) m, knuckle, PIP, DIP, tip in palm coordinates.
         open: (T,) booleans, frames in which the hand is held open to be measured.
         side: `right` or `left`.
@@ -139,7 +141,7 @@ def simulate_air(
 
 
 def turned(take: AirTake, rotation: Array) -> AirTake:
-    """The take with the whole hand turned about its palm's centre, open hand included.
+    """The take with the hand turned about its palm's centre in all frames.
 
     Args:
         take: The take.
@@ -149,10 +151,11 @@ def turned(take: AirTake, rotation: Array) -> AirTake:
 
 
 def takes_of_capture(capture: Capture, skeleton: Skeleton = ADULT) -> Iterator[AirTake]:
-    """Converts the takes of a capture of touches to hands over the device, trial by trial.
+    """Converts each trial of a capture of touches to a take of a hand over the device.
 
     Hands on a surface are never held open. Every take therefore begins with the same hand held open
-    for 2 s, for calibration. Within half a second it then closes to the first pose of the capture.
+    for 2 s, for calibration. Within half a second, this hand then moves to the first pose of the
+    trial.
     """
     kinematics = Kinematics(skeleton)
     for trial in np.unique(capture.trial):
@@ -186,7 +189,10 @@ def takes_of_capture(capture: Capture, skeleton: Skeleton = ADULT) -> Iterator[A
 
 
 def _opened(joints: Array, step: float) -> Array:
-    """Joints (k, 5, 4, 3) of a hand held open, then closing to given joints (5, 4, 3)."""
+    """Joints (k, 5, 4, 3) m of a hand that is held open and then moves to `joints` (5, 4, 3) m.
+
+    `step`: time (s) between frames.
+    """
     angles = angles_of_joints(joints)
     lengths = np.linalg.norm(np.diff(joints, axis=1), axis=-1)
     flat = np.zeros_like(angles)
@@ -212,7 +218,8 @@ def body_of(rng: np.random.Generator, c: AirConfiguration) -> tuple[Array, Array
 def _gestures(
     rng: np.random.Generator, count: int, is_open: NDArray[np.bool_], c: AirConfiguration
 ) -> tuple[Array, Array]:
-    """Closing of first and other joints (T, 5, 2), 0 to 1, and spread (T, 5) in degrees."""
+    """Closing (T, 5, 2) of each finger's first joint and other joints, 0 to 1, and spread (T, 5) in
+    degrees."""
     closing, apart = np.zeros((count, 5, 2)), np.zeros((count, 5))
     splay = _SPLAY
     apart[:] = splay
@@ -242,6 +249,6 @@ def _gestures(
 def _slow(
     rng: np.random.Generator, shape: tuple[int, ...], spread: float, seconds: float, rate: float
 ) -> Array:
-    """Smooth noise of a given spread and correlation time in s."""
+    """Smooth noise with a standard deviation `spread` and a correlation time `seconds` (s)."""
     noise = gaussian_filter1d(rng.standard_normal(shape), seconds * rate, axis=0, mode="wrap")
     return noise * spread * np.sqrt(2.0 * seconds * rate * np.sqrt(np.pi))

@@ -1,8 +1,8 @@
 """A forward model of the Leap: it computes the device's frames for a hand with known poses.
 
 `v1` is the first software (`FirstSoftware`), whose data PAALM (2013) used. `v3` is the later
-software, which reports labelled joints. `ForwardLeap` computes frame by frame for a hand that moves
-live; `leap_take` computes whole takes with it. The configuration is frozen.
+software, which reports labelled joints. `ForwardLeap` computes one frame at a time, for a hand that
+moves live. `leap_take` computes whole takes by `ForwardLeap`. The configuration is frozen.
 """
 
 from __future__ import annotations
@@ -31,8 +31,8 @@ class LeapConfiguration:
 
     Attributes:
         joint: Standard deviation of the later software's joint positions.
-        palm_place, palm_turn: Standard deviations of the later software's palm frame. All other
-            settings are those of the first software.
+        palm_place, palm_turn: Standard deviations of position and rotation of the later software's
+            palm. All settings below are those of the first software.
         hidden, thumb_hidden: Share of the first bone that counts as palm, for fingers and for the
             thumb. In the recording, the greatest lengths are 71 to 82 mm for index, middle and ring
             finger and 52 to 55 mm for the thumb. An average hand has these lengths if about these
@@ -49,15 +49,17 @@ class LeapConfiguration:
             the little finger.
         centre_wanders, wander_seconds: Standard deviation and time constant of the centre's slow
             movement forwards and backwards.
-        centre_place, centre_turn: Standard deviations of the palm's frame from frame to frame.
-        reversed_share, reversed_for: Share of the hands that come into view with the palm the wrong
-            way round, and the duration of this error.
-        folded: Share of its length below which a bent finger is not seen.
+        centre_place, centre_turn: Standard deviations of position and rotation of the palm from
+            frame to frame.
+        reversed_share, reversed_for: Probability that a hand comes into view with its palm reported
+            the wrong way round, and the duration of this error.
+        folded: Share of a finger's straight length. A finger whose tip is nearer to its base is not
+            seen.
         turned_in: Angle from the palm's direction beyond which a finger is not seen.
-        merged: Distance below which two tips are reported as one.
-        lost_rate, lost: Rate (Hz) at which a visible finger is lost without a reason, and range of
-            the duration (s), in which every order of magnitude is equally likely.
-        fresh: Share of the lost fingers that return with a new id.
+        merged: Distance between two tips below which only the longer finger is reported.
+        lost_rate, lost: Rate (Hz) at which a visible finger is lost at random, and range of the
+            duration (s) of the loss. The logarithm of the duration is uniform.
+        fresh: Probability that a lost finger returns with a new id.
         back: Time (s) for which a hidden finger must be visible before it is reported again.
         swapped: Rate (Hz) at which two neighbours exchange their ids.
     """
@@ -112,16 +114,16 @@ PRINTED_LEAP = LeapConfiguration(
     fresh=1.0,
     swapped=0.0,
 )
-"""The device that the paper describes, in which a finger's length shows how far it is bent. No real
-recording is like this. The configuration serves to test the paper's method as published."""
+"""The device that the paper describes: a finger's length shows how far the finger is bent. No real
+recording behaves like this. The configuration serves to test the paper's method as published."""
 
 
 DIALECTS = ("v3", "v1")
 
 BALL = 0.23
-"""Distance from the bone's end back to the later software's `tipPosition`, as a share of the last
-bone. Every finger in the real recording pinch-57fps has this share (4.2 mm on average). On real v3
-hands the two points are 6.5 mm apart, and not along the bone only."""
+"""Distance from the end of the last bone back to the later software's `tipPosition`, as a share of
+the last bone. Every finger in the real recording pinch-57fps has this share (4.2 mm on average). On
+real v3 hands the two points are 6.5 mm apart, and not only along the bone."""
 
 _Seen = tuple[TrackedHand, dict[int, int]]
 """A hand as the device reports it, and the finger of every id."""
@@ -133,7 +135,7 @@ class LeapTake:
 
     Attributes:
         frames: T frames of one hand.
-        fingers: The finger of every id, frame by frame.
+        fingers: For each of the T frames: id -> finger.
         angles: (T, 5, 4) degrees, true angles.
         open: (T,) booleans, frames in which the hand was held open to be measured.
         side: `right` or `left`.
@@ -187,7 +189,8 @@ class ForwardLeap:
         Args:
             time: Time (s) of the frame.
             origin: (3,) m, palm centre in the device's frame.
-            rotation: (3, 3) device from palm; a reflection for a left hand.
+            rotation: (3, 3) from palm coordinates to the device's frame; a reflection for a left
+                hand.
             joints: (5, 4, 3) m, knuckle, PIP, DIP, tip in palm coordinates.
         """
         step = 0.0 if self._time is None else max(time - self._time, 0.0)
@@ -199,7 +202,7 @@ class ForwardLeap:
         return HandFrame(time, (hand,), f"simulated {self._dialect}", self._dialect), fingers
 
     def lose(self) -> None:
-        """Records that the hand has left the view: a returning hand is new to the device."""
+        """Records that the hand has left the view. The device treats a returning hand as new."""
         self._hand += 1
         self._first.lose()
 
@@ -243,7 +246,7 @@ class ForwardLeap:
         return hand, {10 + f: f for f in range(len(FINGERS))}
 
     def _fingers(self, world: Array) -> tuple[TrackedFinger, ...]:
-        # In the later software, the direction is exactly that of the middle bone.
+        # The later software reports exactly the direction of the middle bone.
         along = world[:, 2] - world[:, 1]
         along /= np.linalg.norm(along, axis=1, keepdims=True)
         length = np.linalg.norm(np.diff(world, axis=1), axis=2).sum(axis=1)
@@ -289,7 +292,8 @@ def leap_take(
 def balls(world: Array) -> Array:
     """Fingertips (..., 5, 3) that the later software reports for joints (..., 5, 4, 3)."""
     end = world[..., 3, :]
-    # A thumb of two bones has its last joint at its end.
+    # In a thumb of two bones, the third and fourth point coincide; the last bone begins at the
+    # second point.
     start = np.concatenate([world[..., :1, 1, :], world[..., 1:, 2, :]], axis=-2)
     return np.asarray(end + BALL * (start - end))
 
@@ -300,7 +304,8 @@ _SLOW = 0.5
 _FINE = 4
 """Least number of steps of a smooth process per time constant."""
 _LONG = 20
-"""Most steps for one frame. After a longer gap, no correlation with earlier values is left."""
+"""Largest number of steps of a smooth process for one frame. After a gap of this length, no
+correlation with earlier values is left."""
 _SCORES = np.array([NormalDist().inv_cdf(min(max(q, 1e-4), 1.0 - 1e-4)) for q in QUANTILES])
 _ROUND = np.diag([1.0, -1.0, -1.0])
 """Half turn of a palm about the line across it."""
@@ -312,7 +317,7 @@ class SeenHand:
 
     Attributes:
         origin: (3,) m, centre of the palm.
-        axes: (3, 3) device from palm.
+        axes: (3, 3) from palm coordinates to the device's frame.
         ids: (5,) ids by finger; 0 for a finger that is not seen.
         tips: (5, 3) m, fingertips.
         along: (5, 3) directions of the fingers.
@@ -330,9 +335,9 @@ class SeenHand:
 class FirstSoftware:
     """One hand as the first Leap software reports it, frame by frame.
 
-    Fingers are reported in no order, with the direction and length of their visible part. The
-    visible length changes slowly, even if the finger does not move, and the direction does not
-    change with it. This is how the only recording of real hands behaves (see `LeapConfiguration`).
+    Each finger has the direction and length of its visible part. The visible length changes slowly,
+    even if the finger does not move, and the direction does not change with it. The only recording
+    of real hands behaves like this (see `LeapConfiguration`).
 
     Args:
         rng: Random generator.
@@ -362,7 +367,7 @@ class FirstSoftware:
         self._arrives()
 
     def lose(self) -> None:
-        """Records that the hand has left the view: a returning hand is new to the device."""
+        """Records that the hand has left the view. The device treats a returning hand as new."""
         self._ids[:] = self._last_ids[:] = 0
         self._arrives()
 
@@ -371,8 +376,9 @@ class FirstSoftware:
 
         Args:
             step: Time (s) since the last frame.
-            origin: (3,) m, palm centre of the average hand in the device's frame.
-            rotation: (3, 3) device from palm; a reflection for a left hand.
+            origin: (3,) m, centre of the palm, as in `PALM_CENTRE`, in the device's frame.
+            rotation: (3, 3) from palm coordinates to the device's frame; a reflection for a left
+                hand.
             joints: (5, 4, 3) m, knuckle, PIP, DIP, tip in palm coordinates.
         """
         rng, c = self._rng, self._c
@@ -408,7 +414,7 @@ class FirstSoftware:
     def _visible(
         self, world: Array, tips: Array, whole: Array, line: Array, rotation: Array
     ) -> NDArray[np.bool_]:
-        """Fingers (5,) that are neither folded, turned in nor merged with a longer one."""
+        """Booleans (5,): fingers that are not folded, turned in or merged with a longer finger."""
         if not self._drop_outs:
             return np.ones(_FIVE, bool)
         c = self._c
@@ -460,7 +466,8 @@ class _Smooth:
     def __init__(self, rng: np.random.Generator, count: int, seconds: float) -> None:
         self._rng, self._seconds = rng, seconds
         self._first = rng.standard_normal(count)
-        # Half of the variance passes the second low-pass, and both stages are correlated.
+        # Stationary start: the second stage has half of the variance, and is correlated with the
+        # first stage.
         self._second = 0.5 * self._first + 0.5 * rng.standard_normal(count)
 
     def after(self, step: float) -> Array:
