@@ -82,9 +82,7 @@ class Encoder(Protocol):
         return self.fit(U, Q)
 
     def for_contacts(self) -> Predictor:
-        """The quickest predictor for contact vectors; the encoder itself unless it has a quicker
-        form.
-        """
+        """The fastest predictor for contact vectors. The default is the encoder itself."""
         return self
 
     def digest(self) -> str:

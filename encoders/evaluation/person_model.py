@@ -1,8 +1,8 @@
 """The model that `sandbox train` makes of one person's capture, and its estimate of the pose.
 
-Candidates are compared by tenfold cross-validation blocked by trial. Each has the fingertip
-correction, whose trust is validated as well. The best candidate is trained on all data with the
-chosen settings.
+Candidate encoders are compared by tenfold cross-validation blocked by trial, each with a correction
+by the touches (`PersonCorrection`). The best candidate is trained on all data. The weight of the
+touches in its correction is then chosen by validation, too.
 """
 
 from __future__ import annotations

@@ -1,1 +1,2 @@
-"""Differences between a person's hand and the trained one: size, yaw and rest posture."""
+"""Differences between a person's hand and the hand on which encoders were trained: size, yaw and
+rest posture."""

@@ -1,14 +1,16 @@
-"""Estimates a hand's size relative to the trained one, from five fingers in three spreads.
+"""Estimates a hand's size relative to the trained hand, from touches of five fingers in three
+spreads.
 
-A single layout cannot distinguish a large closed hand from a small open one. A natural, a closed
-and a wide spread show the range of a person's layouts, which is compared with the range of the
-trained subject: the middle and both ends of its five-finger layouts. The comparison uses the
-logarithms of the ten distances between fingertips, to each of which a hand's size adds the same
-number. The result is the most likely size, with the interval that contains 95 % of its likelihood.
+The trained hand is the hand in the capture on which encoders were trained. A single layout cannot
+distinguish a large closed hand from a small open hand. A natural, a closed and a wide spread show
+the range of a person's layouts. This range is compared with the range of the trained hand's
+five-finger layouts: their middle and both ends. The comparison uses the logarithms of the ten
+distances between fingertips; a larger hand adds the same number to all ten. The result is the most
+likely size, with the interval that contains 95 % of the likelihood.
 
-The trained subject may be simulated, with simulated natural layouts; the variation of spreads
-between people is an assumption (`HABIT`). The size is therefore mainly the scale at which a
-person's touches are most similar to those in the training data, which is also its use.
+The capture may be simulated, and the variation of spreads between people is an assumption
+(`HABIT`). The result is therefore mainly the scale at which a person's touches are most similar to
+the training data. Encoders need just this scale.
 """
 
 from __future__ import annotations
@@ -32,36 +34,37 @@ SPREADS = ("natural", "closed", "wide")
 """Spreads that a person makes, in this order."""
 
 RANK = {"closed": 0.05, "natural": 0.5, "wide": 0.95}
-"""Share of the trained subject's five-finger layouts that are smaller than its own layout of this
-spread."""
+"""Rank of each spread among the trained hand's five-finger layouts, sorted by size: 0 is the
+smallest layout and 1 the largest."""
 
 WINDOW = 0.05
-"""Share of the layouts on either side of that rank that count as this spread."""
+"""Layouts whose rank differs by at most this much from that of a spread count as this spread."""
 
 HABIT = {"natural": 0.08, "closed": 0.14, "wide": 0.08}
-"""Standard deviation of a spread among people with equal hands, in the logarithm of the size.
-Assumed, not measured: only the interval and the weights of the spreads depend on it."""
+"""Standard deviation, among people with equal hands, of the logarithm of a spread's size. It is
+assumed, not measured. Only the interval and the weights of the spreads depend on it."""
 
 TAILS = 4.0
 """Degrees of freedom of Student's t, so that one misunderstood spread does not decide alone."""
 
 SHRINKAGE = 0.1
-"""Share of each distance's own variance in the covariance, because of few independent frames."""
+"""Share by which correlations between distances are reduced, since they are estimated from few
+independent frames."""
 
 PROPORTION = 0.05
-"""Standard deviation, in the logarithm, of each distance by itself, for the proportions of other
-hands and the noise of touches; added to the trained hand's variation. Assumed."""
+"""Standard deviation of the logarithm of each distance, for the proportions of other hands and the
+noise of touches. It is assumed, and added to the trained hand's variation."""
 
 LEAST_GROWTH = 1.1
-"""Least growth from closed to natural and from natural to wide."""
+"""Least ratio of sizes from closed to natural and from natural to wide spread."""
 STRANGEST = 60.0
-"""Squared Mahalanobis distance of a shape (10 numbers) beyond which it does not resemble a trained
-hand."""
+"""Squared Mahalanobis distance from the trained hand's shape (10 numbers) beyond which touches are
+not those of a hand."""
 WIDEST = 1.4
 """Upper end of the interval divided by its lower end, beyond which the size is undetermined."""
 
 _GRID = np.linspace(np.log(SIZES[0]), np.log(SIZES[1]), 1962)
-"""Grid of logarithms of sizes, 0.0005 apart."""
+"""Grid of logarithms of sizes, in steps of 0.0005."""
 
 _I, _J = np.triu_indices(len(FINGERS), 1)
 
@@ -71,9 +74,9 @@ class HandSize:
     """A hand's size.
 
     Attributes:
-        ratio: Length of the hand relative to the trained one.
-        low, high: Interval that contains 95 % of the likelihood.
-        alone: Size from each spread alone, in the order of `SPREADS`.
+        ratio: Length of the hand relative to the trained hand.
+        low, high: Ends of the interval that contains 95 % of the likelihood.
+        alone: Length ratio from each spread alone, in the order of `SPREADS`.
     """
 
     ratio: float
@@ -84,21 +87,21 @@ class HandSize:
 
 @dataclass(frozen=True)
 class _Spread:
-    """Logarithms of the ten distances in one spread of the trained subject."""
+    """Logarithms of the ten distances in one spread of the trained hand: mean (10,) and inverse
+    covariances."""
 
     mean: Array
     shape: Array
-    """Inverse covariance (10, 10) of the distances without their common part, which belongs to the
-    habit."""
+    """Inverse covariance (10, 10) without the variance of `HABIT`."""
     whole: Array
-    """Inverse covariance (10, 10) including the habit."""
+    """Inverse covariance (10, 10) including the variance of `HABIT`."""
 
 
 class HandSizes:
-    """Estimates sizes of hands relative to a captured one.
+    """Estimates sizes of hands relative to a captured hand.
 
     Args:
-        capture: Capture of the hand that encoders were trained on.
+        capture: Capture of the hand on which encoders were trained.
 
     Raises:
         CaptureError: No frame has all five fingers down.
@@ -114,12 +117,13 @@ class HandSizes:
         """Estimates the size of a right hand (mirror a left hand first).
 
         Args:
-            layouts: Three times (5, 2) m, the touches of five fingers in a natural, a closed and a
-                wide spread, in any order: the middle one in size is the natural one. Touches are
-                in any order, too.
+            layouts: Three layouts (5, 2) m, the touches of five fingers in a closed, a natural and
+                a wide spread. The order of the layouts, and of the touches in a layout, has no
+                meaning: layouts are sorted by size.
 
         Raises:
-            InputError: These are not three such layouts, or they do not determine the size.
+            InputError: The layouts have wrong shapes, are not those of a hand, or do not determine
+                the size.
         """
         arrays = [np.asarray(layout, float) for layout in layouts]
         expected = (len(FINGERS), 2)
@@ -147,9 +151,9 @@ class HandSizes:
             raise InputError(
                 "the three spreads do not determine the hand's size",
                 where="calibration",
-                got=f"{ratio:.2f}, but anything from {low:.2f} to {high:.2f}; the spreads alone "
+                got=f"{ratio:.2f}, in the interval {low:.2f} to {high:.2f}; from each spread alone "
                 + ", ".join(f"{n} {r:.2f}" for n, r in zip(SPREADS, alone, strict=True)),
-                expected="spreads that agree",
+                expected="spreads that agree on the size",
                 remedy="Put the fingers down again: relaxed, then close together, then wide apart",
             )
         return size
@@ -168,7 +172,7 @@ class HandSizes:
                 got="mean distances of "
                 + ", ".join(f"{100 * sizes[n]:.1f}" for n in ("closed", "natural", "wide"))
                 + " cm",
-                expected=f"each {LEAST_GROWTH:g} times the one before, or more",
+                expected=f"each at least {LEAST_GROWTH:g} times the distance before it",
                 remedy="Close the fingers more, and spread them wider",
             )
         for name, logs in spreads.items():
@@ -186,7 +190,7 @@ class HandSizes:
                 )
 
     def _log_likelihood(self, name: str, logs: Array) -> Array:
-        """Log likelihood of every size on the grid, up to a constant."""
+        """Log likelihood of every size on the grid for one spread, up to a constant."""
         spread = self._spreads[name]
         off = (logs - spread.mean) - _GRID[:, None]
         squared = np.einsum("gi,ij,gj->g", off, spread.whole, off)
@@ -221,24 +225,24 @@ def _interval(log_likelihood: Array) -> tuple[float, float, float]:
 
 @cache
 def builtin_sizes() -> HandSizes:
-    """The estimator relative to the hand of the built-in capture."""
+    """Estimator of sizes relative to the hand of the built-in capture."""
     return HandSizes(builtin_capture())
 
 
 REST = 0.5
 """Time (s) for which all five fingers must rest."""
 STILL = 0.004
-"""Largest movement of a resting finger from its first position (m)."""
+"""Largest movement (m), along x or y, of a resting finger from its first position."""
 
 
 class SpreadCollector:
-    """Processes touch frames, and stores the layout of every rest of five fingers.
+    """Processes touch frames, and stores a layout whenever five fingers rest.
 
-    Between two rests at least one finger must leave the screen: if a hand slid from one spread to
-    the next, the moment of its arrival would be unknown.
+    Between two layouts at least one finger must leave the screen. If a hand slid from one spread to
+    the next, it would be unknown when the next spread is reached.
 
     Attributes:
-        layouts: (5, 2) m each, mean positions of a rest, in order of contact id.
+        layouts: Layouts (5, 2) m: mean positions of the resting fingers, in order of contact id.
         down: Number of contacts on the screen now.
     """
 

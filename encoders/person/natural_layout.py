@@ -7,14 +7,12 @@ fingers, need prior knowledge of the usual yaw of hands.)
 
 Layouts are complex numbers here, x + iy with y up the screen: a product rotates and scales.
 
-The module also warns if a hand's yaw is outside the range of the encoder's training data.
-
-Encoders are not rotation-invariant: the paper's device lay in front of the person, and so did ours.
-A hand's yaw must be estimated from the touches. The yaw of the encoder's pose is unusable: the
-encoder is trained on hands with the usual yaw, and explains other touches by wrong fingers at the
-usual yaw. The natural layout, in contrast, gives the yaw of four or five touches without prior
-knowledge of fingers or yaw. Two or three touches fit it in several ways; their yaw follows from
-their labels, so that at least a hand that turns further after it has come down is noticed.
+The module also warns if a hand's yaw is outside the range of the encoder's training data. Encoders
+are not rotation-invariant: in the training data, the device lies in front of the person, as in the
+paper. The yaw must be estimated from the touches. The yaw of the encoder's pose is unusable, since
+the encoder explains the touches of a turned hand by wrong fingers at the usual yaw. Two or three
+touches fit the natural layout in several ways, so their yaw follows from their labels. A hand that
+turns after it has come down is then still noticed.
 """
 
 from __future__ import annotations
@@ -42,10 +40,10 @@ if TYPE_CHECKING:
 Complex = NDArray[np.complex128]
 
 LEAST = 4
-"""Least number of touches that determine labels and yaw; three fit in several ways."""
+"""Least number of touches that determine labels and yaw; three touches fit in several ways."""
 
 _ROUNDS = 20
-"""Largest number of rounds that rotate layouts onto their mean; it converges long before."""
+"""Number of rounds that rotate layouts onto their mean; the mean converges long before the last."""
 
 
 class Match(NamedTuple):
@@ -82,7 +80,7 @@ class NaturalLayout:
         mean = z.mean(axis=0)
         for _ in range(_ROUNDS):
             mean = _turned(z, -_angles(_inner(mean, z))[:, None]).mean(axis=0)
-        # The shape does not define straight ahead; the hands' average yaw does.
+        # The shape alone does not define a yaw of 0; it is the average yaw of the hands.
         yaw = _angles(_inner(mean, z))
         ahead = atan2(fsum(arithmetic.sin(yaw).tolist()), fsum(arithmetic.cos(yaw).tolist()))
         self.places: Complex = _turned(mean, np.full(len(mean), ahead))
@@ -124,8 +122,13 @@ class NaturalLayout:
         return atan2(imaginary, real)
 
     def _hypothetical(self, count: int) -> tuple[Array, Array]:
-        """Inner products with the positions of all labellings relative to their middles, as a
-        matrix (2 P, 2 k) for real and imaginary parts, and the norms (P,) of these positions."""
+        """For all P labellings of `count` = k touches, the natural positions relative to their
+        middle.
+
+        Returns:
+            Matrix (2 P, 2 k) whose product with touches gives real and imaginary parts of their
+            inner products with the positions; and the norms (P,) of the positions.
+        """
         table = self._laid.get(count)
         if table is None:
             there = self.places[hypotheses(count)]
@@ -188,7 +191,7 @@ def _complex(xy: ArrayLike) -> Complex:
 
 
 RARE = 0.005
-"""Share of the training frames on either side that are left out of the range as outliers."""
+"""Share of the training frames at either end that the range leaves out as outliers."""
 
 _FIVE = 50
 """Least number of frames with five fingers from which a range can be estimated."""
@@ -251,7 +254,7 @@ class YawRange:
         """Angle in rad by which a yaw is outside of the range; 0 inside."""
         if self.low <= turn <= self.high:
             return 0.0
-        # The range has two ends, and a hand outside may turn to either of them.
+        # The nearer end of the range counts.
         return min(abs(remainder(end - turn, 2 * pi)) for end in (self.low, self.high))
 
 
@@ -260,12 +263,14 @@ class YawWarningSettings:
     """Settings of the yaw warning.
 
     Attributes:
-        outside: Angle (rad) beyond the range above which a hand counts as outside.
-        inside: Angle (rad) beyond the range below which a hand counts as inside again.
+        outside: A hand counts as outside if its yaw is farther than this angle (rad) beyond the
+            range.
+        inside: A hand outside counts as inside again if its yaw is nearer than this angle (rad) to
+            the range.
         lasting: Time (s) for which a hand must be outside before the warning starts, and inside
             before it ends.
         apart: Least time between the beginnings of two warnings (s).
-        every: Time (s) between two checks of a hand, which need not happen at every control step.
+        every: Time (s) between two checks of a hand; a check at every control step is not needed.
     """
 
     outside: float = float(np.deg2rad(15.0))
@@ -283,7 +288,7 @@ class YawMonitor:
         settings: Settings of the warning.
 
     Attributes:
-        notice: Notice to the person; empty while all is well.
+        notice: Notice to the person; empty without a warning.
         warnings: Number of warnings so far.
     """
 
@@ -305,7 +310,7 @@ class YawMonitor:
         self._looked = time
         turn = None if u is None else self.range.turn(u)
         if turn is None:
-            # A lifted hand has no yaw; the notice stays until the next hand is seen.
+            # Without touches there is no yaw, and the notice stays until the next touches.
             self._since = None
             return self.notice
         s, beyond = self.settings, self.range.beyond(turn)

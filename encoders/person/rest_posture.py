@@ -1,15 +1,14 @@
-"""Rest posture: the posture of a person's hand while it touches, seen once.
+"""Rest posture: poses of a person's resting hand, which a device sees once, correct an encoder.
 
-Touches leave some constants of every person open: the height of the wrist, the flexion of fingers
-at rest, the zero of a device. An encoder for any person has this error in all frames. A camera or a
-Leap that sees the hand on the surface for a moment measures it: the difference between the seen
-pose and the encoder's, averaged over a few samples. A single sample also contains the accidental
-posture of its moment, so the difference counts only for its likely constant part (a random effect
-whose variance is that of the population).
+Touches do not determine some constants of a person: the height of the wrist, the flexion of fingers
+at rest, the zero of a device. An encoder for any person therefore has a constant error for each
+person. A camera or a Leap that sees the hand on the surface for a moment measures this error: it is
+the difference between the seen pose and the encoder's pose, averaged over a few samples. A sample
+also contains the accidental posture of its moment. Therefore only the part of the difference that
+is likely to be constant is used (a random effect whose variance is that of the population).
 
-A sample has the touches and the pose of one moment, in metres and radians. Both are in the person's
-own size and in the 3-D surface frame of the screen's lower edge; those of a left hand are mirrored
-to a right hand.
+A sample has the touches and the pose of one moment, in metres and radians. Both are those of the
+person's hand in its own size, in the 3-D surface frame; a left hand is mirrored to a right hand.
 """
 
 from __future__ import annotations
@@ -55,12 +54,12 @@ LEAST_FINGERS = 2
 pose."""
 
 SLACK = 0.35
-"""Angle (rad) by which a seen joint may be outside our hand's range, since other hands have other
-zeros."""
+"""Angle (rad) by which a seen joint may be outside our hand's range, since the zero of a joint
+differs between hands."""
 
 FAR = 0.05
-"""Greatest distance (m, at the trained hand's size) of a fingertip of our hand in a seen pose from
-its touch. Bones differ by a centimetre; two fingers that are swapped are farther apart."""
+"""Greatest distance (m, at the trained hand's size) from a touch to the fingertip of our hand in
+the seen pose. People's bones differ by a centimetre; swapped fingers give a greater distance."""
 
 DIGITS = 5
 """Decimals of metres and radians in files."""
@@ -78,7 +77,8 @@ class _RestFile(Struct, forbid_unknown_fields=True):
 
 
 def rest_samples(capture: Capture, most: int = MOST) -> RestSamples:
-    """Last frames of takes of a capture, evenly spaced among all takes."""
+    """Samples from a capture: the last frames of at most `most` takes, evenly spaced among all
+    takes."""
     last = np.flatnonzero(np.diff(capture.trial, append=capture.trial[-1] + 1))
     last = last[capture.down[last].sum(axis=1) >= LEAST_FINGERS]
     chosen = last[np.unique(np.linspace(0, len(last) - 1, most).astype(int))] if len(last) else last
@@ -91,14 +91,19 @@ def _rest_sample(xy: Array, q: Array) -> RestSample:
 
 
 def check_rest_samples(samples: Sequence[RestSample], size: float) -> None:
-    """Checks the samples of a right hand of a size.
+    """Checks the samples of a right hand.
+
+    Args:
+        samples: The samples.
+        size: Size of the hand relative to the trained hand.
 
     Raises:
-        EncoderError: There are no samples or too many, or no such hand has the joints or touches.
+        EncoderError: There are no samples or too many, or no hand of this size has such joints or
+            touches.
     """
     if not 1 <= len(samples) <= MOST:
         raise EncoderError(
-            "a rest posture has another number of samples",
+            "a rest posture has too few or too many samples",
             got=len(samples),
             expected=f"1 to {MOST}",
         )
@@ -114,7 +119,7 @@ def check_rest_samples(samples: Sequence[RestSample], size: float) -> None:
             )
         if len(sample.pose) != POSE_SIZE:
             raise EncoderError(
-                "a sample's pose is not one",
+                "a sample's pose has a wrong length",
                 where=where,
                 got=len(sample.pose),
                 expected="48 numbers",
@@ -128,7 +133,7 @@ def check_rest_samples(samples: Sequence[RestSample], size: float) -> None:
             "no hand has such a joint",
             where=f"sample {number + 1}, number {JOINTS.start + component + 1} of the pose",
             got=f"{joints[number, component]:.2f} rad",
-            expected=f"{ADULT.lower[component]:.2f} to {ADULT.upper[component]:.2f} rad",
+            expected=f"about {ADULT.lower[component]:.2f} to {ADULT.upper[component]:.2f} rad",
         )
     off = np.linalg.norm(tip_targets(xy) - Kinematics(ADULT).tips(q), axis=2)  # any order: a check
     if np.nanmax(off) > FAR:
@@ -137,12 +142,13 @@ def check_rest_samples(samples: Sequence[RestSample], size: float) -> None:
             "the pose's fingertip is far from its touch",
             where=f"sample {number + 1}, {FINGERS[finger]}",
             got=f"{100 * off[number, finger]:.1f} cm",
-            expected=f"{100 * FAR:.0f} cm or less, of a hand of size {size:.2f}",
+            expected=f"{100 * FAR:.0f} cm or less, for a hand of size {size:.2f}",
         )
 
 
 def _arrays(samples: Sequence[RestSample], size: float) -> tuple[Array, Array]:
-    """Touches (n, 5, 2) and poses (n, 48) of a hand of a size, scaled to the trained hand's."""
+    """Touches (n, 5, 2) m and poses (n, 48) of samples, scaled from a hand's size to the trained
+    hand's size."""
     nothing = (np.nan, np.nan)
     xy = np.array(
         [[nothing if p is None else p for p in sample.touches] for sample in samples], float
@@ -153,15 +159,14 @@ def _arrays(samples: Sequence[RestSample], size: float) -> tuple[Array, Array]:
 
 
 def read_rest(path: Path, hand: str) -> RestSamples:
-    """Reads a rest posture, before the size of the person's hand is known; see `load_rest`.
+    """Reads a rest posture without the checks that need the size of the hand; see `load_rest`.
 
     Raises:
         InputError: The file is missing, of another version or kind, or of the other hand.
     """
     if path.suffix == ".npz":
         capture = load_capture(path)
-        # Poses of a capture are those of a right hand; a left hand's capture is mirrored and
-        # marked.
+        # Poses of a capture are those of a right hand; `recorded_side` marks a mirrored left hand.
         side = str(capture.meta.get("recorded_side") or capture.meta.get("side", hand))
         samples = rest_samples(capture)
     else:
@@ -172,7 +177,7 @@ def read_rest(path: Path, hand: str) -> RestSamples:
             where=str(path),
             got=side,
             expected=hand,
-            remedy=f"Use it with --hand {side}, or see the {hand} hand",
+            remedy=f"Use it with --hand {side}, or make a rest posture of the {hand} hand",
         )
     return samples
 
@@ -215,12 +220,12 @@ def _read(path: Path) -> tuple[str, RestSamples]:
 
 
 def save_rest(samples: Sequence[RestSample], path: Path, hand: str, simulated: bool) -> None:
-    """Writes a rest posture, with the samples of the person's own hand.
+    """Writes a rest posture. The file has the samples of the person's own hand, not mirrored.
 
     Args:
-        samples: Samples of the hand; a left hand's are mirrored to a right hand.
+        samples: Samples of the hand; those of a left hand are mirrored to a right hand.
         path: The file.
-        hand: `right` or `left`; a left hand's samples are mirrored.
+        hand: `right` or `left`.
         simulated: True if no real person was seen.
 
     Raises:
@@ -247,18 +252,18 @@ def _mirrored(sample: RestSample) -> RestSample:
 
 
 class _Shifted(Encoder):
-    """An encoder whose poses are moved by a person's constant offset.
+    """An encoder with a person's constant offset added to its poses.
 
     Args:
         plain: A fitted encoder.
-        offset: (48,) m and rad; the root's offset is in the frame that turns with the hand.
+        offset: (48,) m and rad; the root's part is in the frame that turns with the hand.
     """
 
     def __init__(self, plain: Encoder, offset: Array) -> None:
         self.plain, self.offset = plain, offset
 
     def fit(self, U: ArrayLike, Q: ArrayLike) -> Self:
-        """Fits the inner encoder; the offset stays."""
+        """Fits the inner encoder; the offset does not change."""
         self.plain.fit(U, Q)
         return self
 
@@ -275,16 +280,16 @@ class _Shifted(Encoder):
 
 
 def knowing_rest(model: TrainedModel, samples: Sequence[RestSample], size: float) -> TrainedModel:
-    """The model for a person whose rest posture was seen.
+    """Adapts a model to a person whose rest posture was seen.
 
     Args:
         model: A model for any person.
-        samples: Samples of the person's hand; a left hand's are mirrored to a right hand.
+        samples: Samples of the person's hand; those of a left hand are mirrored to a right hand.
         size: Size of the person's hand.
 
     Raises:
-        EncoderError: The model is for one person and has no variance between people, or no hand has
-            such samples.
+        EncoderError: The model is for one person and does not contain the variance between people,
+            or no hand has such samples.
     """
     personal = model.personal_covariance
     if personal is None:
@@ -302,7 +307,8 @@ def knowing_rest(model: TrainedModel, samples: Sequence[RestSample], size: float
     for row in off[1:]:
         mean += row
     mean /= len(off)
-    # Covariance of a mean: the constant part, and the part that varies between samples.
+    # Covariance of the mean of the samples: the part that is constant for a person, and the part
+    # that varies between samples, divided by their number.
     varying = model.residual_covariance - personal
     spread = personal + varying / len(off) + _LEAST * np.eye(POSE_SIZE)
     gain = np.array([solve_positive(spread.copy(), row) for row in personal])
@@ -313,27 +319,29 @@ def knowing_rest(model: TrainedModel, samples: Sequence[RestSample], size: float
 
 
 _LEAST = 1e-9
-"""Value (m2, rad2) added to a variance so that its matrix has an inverse."""
+"""Variance (m2, rad2) that is added so that the covariance has an inverse."""
 
 
 SECONDS = 1.0
 """Time (s) for which a hand is held still."""
 STILL = 0.012
-"""Distance (m) from its median place within which every fingertip stays. In landmarks of a still
-hand, a fingertip moves by some millimetres."""
+"""Largest distance (m) of a fingertip of a still hand from its median place. In landmarks of a
+still hand, a fingertip moves by some millimetres."""
 LEVEL = 0.030
-"""Largest distance (m) of a resting hand's fingertips from their median height, so that all of them
-may touch. Thumbs lie lower than fingers, and a device errs by a centimetre."""
+"""Largest difference (m) between the height of a fingertip and the median height, for a hand whose
+fingertips may all touch. Thumbs lie lower than fingers, and a device errs by a centimetre."""
 MOVED = 0.040
-"""Distance (m) by which a hand moves between two samples."""
+"""Least distance (m) by which every fingertip moves between two samples."""
 
 
 class SeenRest:
-    """Waits for a hand that a device sees in the air, and that is held still as on a screen.
+    """Takes samples of a hand that a device sees in the air, whenever it is held still as on a
+    screen.
 
     The person holds the hand still for a second, relaxed, with all fingertips on one level: on a
-    table, on the switched-off screen, or above the device. The pose is the median of that second.
-    The level of the fingertips replaces the screen, and the points below them replace the touches.
+    table, on the switched-off screen, or above the device. The sample's pose is the median of that
+    second. The level of the fingertips counts as the screen, and the points below the fingertips
+    count as touches.
 
     Args:
         skeleton: The right hand's skeleton, of the person's size.
@@ -352,7 +360,7 @@ class SeenRest:
         self.trouble = ""
 
     def lose(self) -> None:
-        """The hand is not seen."""
+        """Records that the hand is not seen."""
         self._frames.clear()
 
     def add(self, time: float, q: Array) -> bool:
@@ -360,7 +368,7 @@ class SeenRest:
 
         Args:
             time: Time (s) of the pose.
-            q: (48,) pose, a left hand's mirrored to a right hand; x right, y away from the person,
+            q: (48,) pose; a left hand is mirrored to a right hand. x right, y away from the person,
                 z up.
 
         Returns:
@@ -391,10 +399,11 @@ class SeenRest:
 
 
 def rest_sample_of(poses: Array, kinematics: Kinematics) -> RestSample:
-    """The sample of a hand that was held still.
+    """Creates the sample of a hand that was held still.
 
     Args:
-        poses: (n, 48), a left hand's mirrored to a right hand; z is up.
+        poses: (n, 48), poses while it was held still; a left hand is mirrored to a right hand. z is
+            up.
         kinematics: Kinematics of the hand's skeleton.
 
     Raises:
@@ -410,15 +419,15 @@ def rest_sample_of(poses: Array, kinematics: Kinematics) -> RestSample:
         raise EncoderError(
             "the fingertips are not on one level",
             got=f"the {FINGERS[worst]} is {100 * abs(heights[worst]):.1f} cm "
-            f"{'above' if heights[worst] > 0 else 'below'} the others",
-            expected=f"{100 * LEVEL:.0f} cm or less, as of a hand that rests on a screen",
+            f"{'above' if heights[worst] > 0 else 'below'} the other fingertips",
+            expected=f"{100 * LEVEL:.0f} cm or less, as for a hand that rests on a screen",
         )
-    # The screen begins at the leftmost and farthest touch; only relative positions count.
+    # The origin is at the leftmost and farthest touch; only relative positions are used.
     q[ROOT_POSITION] -= [tips[:, 0].min(), tips[:, 1].max(), np.median(tips[:, 2]) - PAD_HEIGHT]
     places = (kinematics.tips(q)[:, :2] * [1.0, -1.0]).round(DIGITS).tolist()
     return RestSample(tuple((x, y) for x, y in places), tuple(q.round(DIGITS).tolist()))
 
 
 def _moved(tips: Array, before: Array) -> float:
-    """Least movement (m) of any fingertip."""
+    """Movement (m) of the fingertip that moved least."""
     return float(np.sqrt(squared_lengths(tips - before)).min())

@@ -1,1 +1,1 @@
-"""Reconstructors: they turn touch frames, one after another, into poses of the whole hand."""
+"""Reconstructors turn successive frames of touches or hands into poses of the whole hand."""

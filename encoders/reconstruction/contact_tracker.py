@@ -1,14 +1,16 @@
 """Tracks fingers in touch frames through drop-outs, changed ids, palms and noise.
 
 Touch screens lose resting fingers and find them again, and a grasp must survive this. A lost finger
-is therefore kept for a short time and shifted with the other fingers, and a new id close by
-inherits it. A *cancelled* touch, which the system ended and not the person, is kept longer.
+is therefore remembered for a short time and shifted with the other fingers. A contact with a new id
+that lands close to a lost finger continues it. A *cancelled* touch was ended by the system, not by
+the person, and is remembered longer.
 
 Palms are distinguished from fingers by the width, height, growth and position of contacts.
 
-Only contacts with an extent are judged, so a device that does not measure extents has no palms
-here. A judgement depends only on earlier reports. Until the judgement is certain, a contact is
-unsure and must get no label. A palm remains a palm until it lifts; a finger may become a palm.
+Only contacts with an extent (width and height) are judged in this way. For devices that report only
+a diameter, `TrackerSettings.blob` is the limit. A judgement depends only on reports so far. Until
+the judgement is certain, a contact is unsure and must get no label. A palm remains a palm until it
+lifts; a finger may become a palm.
 
 Size is the diameter of the circle of equal area. Fingertips have 5 to 28 mm, whether they land at
 full size or flatten. Palms have 25 to 120 mm. Half of the palms begin as small as a fingertip and
@@ -16,8 +18,8 @@ grow for 0.1 to 0.4 s. A course is one such change of size in the first half sec
 odds of a palm compare the fit of a contact's reports to the best course of a palm with their fit to
 the best course of a fingertip.
 
-Position gives further odds. A hand that touches with its fingertips rests its heel well below them,
-and the tip of the thumb is nearer to the other fingers and higher. A small network with a layer of
+Position gives further odds. The heel of a resting hand lies well below its fingertips, whereas the
+tip of the thumb is nearer to the other fingertips and higher. A small network with a layer of
 rectifiers computes these odds. Its inputs are the number of other contacts, the distances and
 directions of the nearest four and the outermost two, and their spread. It was trained on fingertips
 and heels of simulated people; `python -m training palm_places` in a checkout writes its weights.
@@ -41,24 +43,25 @@ from models.arithmetic import Array, distance, matrix_vector, small_product
 from models.frames import FINGERS, Contact, TouchFrame
 
 _LANDED, _DECIDED_BY = 0.10, 0.45
-"""Times (s) after touch-down. From the first time on, a contact's position counts too, since the
-other fingers of a grip have landed. At the second time, the more likely kind is chosen; even the
-slowest growth of a palm is then over, and a few more reports have arrived."""
+"""Times (s) after touch-down. From the first time on, a contact's position is used as well, since
+the other fingers of a grip have landed. At the second time, the more likely kind is chosen. Even
+the slowest growth of a palm is over by then, and a few more reports have arrived."""
 
 _PALM_ODDS, _FINGER_ODDS = 4.0, -4.5
-"""Limits of the log-odds before `_DECIDED_BY`: a contact is a palm above the first by size, and a
-finger below the second by size and position. Position alone does not make a palm during this time,
-since further fingers may land."""
+"""Limits of log-odds before `_DECIDED_BY`. A contact is a palm if its odds by size exceed the first
+limit. It is a finger if its odds by size and position are below the second limit. Position does not
+count for a palm during this time, since further fingers may land."""
 
 _LATE_ODDS = 0.0
 """Log-odds by size and position above which a contact is a palm after `_DECIDED_BY`. Sizes of 25 to
-28 mm, which both fingers and palms may have, give -1.4."""
+28 mm, which both fingers and palms may have, give log-odds of -1.4."""
 
 _CERTAIN = 8.0
 """Log-odds by size that no position can outweigh."""
 
 _LARGE = 0.020
-"""Least width or height (m) at which a certain finger is judged again, which saves time."""
+"""Least width or height (m) of a report with which a certain finger is judged again. Smaller
+reports are skipped to save time."""
 
 _ROUNDING = 1e-9
 """Tolerance (s) for times, which are sums of control periods."""
@@ -70,21 +73,22 @@ _LONGEST = 0.4
 """Longest time (s) in which a palm grows."""
 
 _NOISE = 0.12
-"""Deviation of the logarithm of a reported size. With 15 % in width and in height it is 11 %."""
+"""Standard deviation of the logarithm of a reported size. Errors of 15 % in width and in height
+would give 11 %."""
 
 _OUTLIER = 9.0
-"""Largest squared deviation of a report, in squared deviations of the noise, that counts."""
+"""Limit of the squared deviation of a report, as a multiple of the noise's variance."""
 
 _MEMORY = 0.5
 """Time (s) after which the weight of a report is 1/e, so that a finger may become a palm later."""
 
 _REPEATED = 0.5
-"""Weight of a report that is equal to the previous one. It shows that the contact does not grow,
+"""Weight of a report that is equal to the previous report. It shows that the contact does not grow,
 but its noise is not independent."""
 
 _GROWING = log(0.25)
-"""Logarithm of the odds that a size grows, against an immediate full size, for the best of a dozen
-courses."""
+"""Log prior of a course that grows, relative to a course with full size from the start. It allows
+for the fact that the best of about a dozen growing courses is used."""
 
 _ONTO = (100.0, 150.0, 200.0, 250.0, 300.0, 400.0)
 """Durations (ms) of growth."""
@@ -95,7 +99,7 @@ _FINGERTIPS, _PALMS = (5.0, 28.0), (25.0, 120.0)
 Place = tuple[float, float]
 
 _FILE = Path(__file__).parents[1] / "data" / "palm_places.json"
-"""Weights of the network, lists of numbers by name."""
+"""File with the weights of the network: lists of numbers by name."""
 
 _UNIT = 0.1
 """Unit (m) of the network's lengths."""
@@ -104,7 +108,8 @@ _NEAREST = 4
 """Number of nearest contacts that are separate inputs of the network."""
 
 LARGEST = 4.0
-"""Bound on the log-odds; simulated people justify no more certainty about real people."""
+"""Bound on the log-odds by position. Training on simulated people does not justify more certainty
+about real people."""
 
 
 class Kind(StrEnum):
@@ -119,7 +124,8 @@ class Kind(StrEnum):
 class _Judged:
     """Sizes of a contact, its current kind, and its last log-odds by size.
 
-    `settled`: the last report changed nothing.
+    `settled`: True if only a large report could change the judgement, and the last report was
+    small.
     """
 
     course: SizeCourse
@@ -147,7 +153,8 @@ class PalmJudge:
 
     @property
     def judges(self) -> bool:
-        """True if a contact that is down has an extent; otherwise all are fingers."""
+        """True if a contact that is down has an extent; without extents, all contacts are
+        fingers."""
         return bool(self._judged)
 
     def kind(self, contact: int) -> Kind:
@@ -216,7 +223,7 @@ class _Course(NamedTuple):
 
     @property
     def prior(self) -> float:
-        """Logarithm of the prior density of its last size, and of growing."""
+        """Log prior: the density of the last size, and `_GROWING` for a course that grows."""
         low, high = _PALMS if self.palm else _FINGERTIPS
         return -log(high - low) + (_GROWING if self.takes else 0.0)
 
@@ -280,12 +287,12 @@ class SizeCourse:
         self._time, self._last = time, extent
 
     def pause(self, time: float) -> None:
-        """Skips a report; the weight of earlier reports does not decrease meanwhile."""
+        """Skips a report; the weight of earlier reports does not decrease over the skipped time."""
         self._time = time
 
     @property
     def odds(self) -> float:
-        """Log-odds of a palm against a fingertip, by its size alone."""
+        """Log-odds of a palm against a fingertip, by the contact's sizes alone."""
         fit = _PRIOR - 0.5 * self._misfit
         return float(fit[_IS_PALM].max(initial=-inf) - fit[~_IS_PALM].max(initial=-inf))
 
@@ -302,7 +309,7 @@ def place_inputs(place: Place, others: Sequence[Place]) -> list[float]:
 
     Args:
         place: Position (x, y) m on the surface, y down, for a right hand that touches from below.
-        others: Places of the other contacts, one or more.
+        others: Positions of the other contacts, one or more.
     """
     x, y = place
     order = sorted(others, key=lambda other: (distance(place, other), other))
@@ -323,7 +330,8 @@ def place_inputs(place: Place, others: Sequence[Place]) -> list[float]:
 
 
 def place_odds(place: Place, others: Sequence[Place]) -> float:
-    """Log-odds of a palm against a fingertip by its place alone; 0 without other contacts."""
+    """Log-odds of a palm against a fingertip, by the contact's position alone; 0 without other
+    contacts. See `place_inputs`."""
     if not others:
         return 0.0
     w = _weights()
@@ -337,8 +345,8 @@ PALM = "palm"
 
 
 JOINING = 0.2
-"""Time (s) after which a finger with an extent may join a hand that is down. Before this time, a
-slowly growing palm looks like a finger, and would push at once."""
+"""Time (s) after touch-down from which on a contact with an extent may join a hand that is down. A
+slowly growing palm looks like a finger before this time, and would push objects at once."""
 
 
 @dataclass(frozen=True)
@@ -346,13 +354,13 @@ class TrackerSettings:
     """Settings of the contact tracker.
 
     Attributes:
-        grace: Time (s) for which a lost contact is kept.
-        cancelled_grace: Time (s) for which a cancelled contact is kept.
-        inherit: Largest distance from a lost contact at which a new id inherits it (m).
-        low_pass: Time constant (s) of the smoothing of positions.
-        blob: Least contact diameter (m) of a palm for devices that report only the diameter;
-            smaller contacts are fingers.
-        span: Largest distance between two fingers of one hand (m).
+        grace: Time (s) for which a lost contact is remembered.
+        cancelled_grace: Time (s) for which a cancelled contact is remembered.
+        inherit: Largest distance (m) of a new contact from a lost contact that it continues.
+        low_pass: Time constant (s) of the smoothing of positions; 0 switches it off.
+        blob: Contact diameter (m) above which a contact is a palm, for devices that report only the
+            diameter.
+        span: Largest distance (m) between two fingers of one hand.
     """
 
     grace: float = 0.15
@@ -368,15 +376,15 @@ class Track:
     """One finger followed through time.
 
     Attributes:
-        id: Our id; it stays the same when the device gives the finger a new id.
-        device_id: The device's current id.
+        id: Id of the track; it stays the same when the device gives the finger a new id.
+        device_id: The device's current id of the finger.
         place: (x, y) m, smoothed position on the surface.
-        born: Time (s) when it came down.
-        lost_at: Time (s) when the device lost it; None while it touches.
-        grace: Time (s) for which it is kept after its loss.
-        device_label: Label given by the device; None without one.
-        unsure: True while it may still be a palm; until then it must get no label.
-        joins: Time (s) from which on it may join a hand that is down.
+        born: Time (s) when the finger came down.
+        lost_at: Time (s) when the device lost the finger; None while it touches.
+        grace: Time (s) for which the finger is remembered after its loss.
+        device_label: Label given by the device; None without such a label.
+        unsure: True while the contact may still be a palm; it must get no label meanwhile.
+        joins: Time (s) from which on the finger may join a hand that is down.
     """
 
     id: int
@@ -391,7 +399,7 @@ class Track:
 
     @property
     def active(self) -> bool:
-        """True if the device currently reports it."""
+        """True if the device currently reports the finger."""
         return self.lost_at is None
 
 
@@ -400,8 +408,8 @@ class ContactTracker:
     """Turns touch frames into at most five tracks of one hand.
 
     Attributes:
-        tracks: Current tracks by our id, in the order in which they came down.
-        ignored: Contacts of the last frame that are not fingers of this hand, for views.
+        tracks: Current tracks by their ids, in the order in which the fingers came down.
+        ignored: Contacts of the last frame that are not fingers of this hand, for display.
         palms: Ids of the ignored contacts that are palms.
         counts: Number of ignored or repaired contacts, by reason.
     """
@@ -447,7 +455,7 @@ class ContactTracker:
                 if track.lost_at is None:
                     self._lose(track, frame)
             elif track.lost_at is not None:
-                # The same id returns: devices that keep ids need no inheritance.
+                # The device reports a lost finger again, with the same id.
                 self._find(track, contact, share)
             else:
                 moved = self._follow(track, contact, share)
@@ -469,8 +477,7 @@ class ContactTracker:
             self.palms = frozenset(i for i, why in self._ignored_ids.items() if why == PALM)
 
     def _drop_palms(self, seen: dict[int, Contact]) -> None:
-        """Forgets fingers that turned out to be palms, and admits contacts for which there was no
-        room."""
+        """Forgets fingers that turned out to be palms. Ignored contacts may then take their place."""
         if not self._judge.judges:
             for track in self.tracks.values():
                 track.unsure = False
@@ -505,7 +512,7 @@ class ContactTracker:
                     del self.tracks[track.id]
 
     def _follow(self, track: Track, contact: Contact, share: float) -> tuple[float, float]:
-        """Moves a track a share of the way to its contact; returns the distance moved."""
+        """Moves a track a share of the way to its contact; returns this movement (x, y) m."""
         left, top = track.place
         x, y = left + share * (contact.x - left), top + share * (contact.y - top)
         track.place = x, y
@@ -537,7 +544,7 @@ class ContactTracker:
                 self._find(nearest, contact, share)
                 return
         if len(self.tracks) >= len(FINGERS):
-            # A sixth contact replaces a lost finger that is still remembered.
+            # A sixth contact replaces the finger that was lost first and is still remembered.
             oldest = min(lost, key=lambda t: (t.lost_at, t.id))
             del self.tracks[oldest.id]
         self.tracks[self._next_id] = Track(
@@ -552,8 +559,7 @@ class ContactTracker:
         self._next_id += 1
 
     def _reason_to_ignore(self, contact: Contact) -> str:
-        """Reason why a new contact is not a finger of this hand; empty for a finger of this
-        hand."""
+        """Reason why a new contact is not a finger of this hand; empty if it is."""
         if contact.extent is not None:
             if self._judge.kind(contact.id) is Kind.PALM:
                 return PALM
@@ -569,8 +575,8 @@ class ContactTracker:
     def _expire(self, time: float) -> None:
         lost = [t for t in self.tracks.values() if t.lost_at is not None]
         over = [t for t in lost if time - float(t.lost_at or 0.0) >= t.grace - 1e-9]
-        # When no finger is left on the surface, all are dropped together: if each one were dropped
-        # after its own grace, the last one would still squeeze and push the object aside.
+        # When no finger is left on the surface, all tracks are dropped together. If each were
+        # dropped after its own grace, the last finger would still press and push the object aside.
         gone = lost if over and len(lost) == len(self.tracks) else over
         for track in gone:
             del self.tracks[track.id]

@@ -1,5 +1,5 @@
-"""The commanded pose of a hand in the air, which follows the hand while it is seen and waits while
-it is lost."""
+"""The commanded pose of a hand in the air. It follows the hand while the hand is seen, and waits
+while the hand is lost."""
 
 from __future__ import annotations
 
@@ -24,25 +24,27 @@ from models.surface import Surface
 _ALL = frozenset(range(len(FINGERS)))
 
 UNSEEN_NOTICE = 1.0
-"""Time (s) for which a hand is an unseen ghost before the person gets a notice."""
+"""Time (s), after `FollowingSettings.patience`, for which a hand is unseen before the person gets a
+notice."""
 
 
 @dataclass(frozen=True)
 class FollowingSettings:
-    """Settings with which a commanded pose follows.
+    """Settings that determine how a commanded pose follows the observed poses of a hand.
 
     Attributes:
         rate: Speed limits of the commanded pose.
-        smoothing: Time constant of position and rotation of the palm (s); 0 switches it off.
-        joint_smoothing: Time constant (s) of the joints; 0 switches it off.
-        patience: Time (s) for which a lost hand keeps its pose and stays solid: devices lose hands
+        smoothing: Time constant (s) of the smoothing of the palm's position and rotation; 0
+            switches it off.
+        joint_smoothing: Time constant (s) of the smoothing of the joints; 0 switches it off.
+        patience: Time (s) for which a lost hand holds its pose and stays solid. Devices lose hands
             for moments, and a held box should not fall each time.
-        rise, rise_speed: Height (m) by which, and speed (m/s) at which, a lost hand rises as a
-            ghost, so that it does not hide objects.
+        rise, rise_speed: Height (m) by which a lost hand then rises as a ghost, so that it does not
+            hide objects, and speed (m/s) of this rise.
         near: Distance (m) from its place within which a returned hand may be solid again.
-        floor: Least world height (m) of a commanded fingertip; the whole hand is raised to it.
-            People do not feel the table, and a hand pushed into it would crush a held object.
-            Without a table: -inf.
+        floor: Least world height (m) of the lowest points of commanded fingertips; the whole hand
+            is raised to this height. People do not feel the table, and a hand pushed into the table
+            would crush a held object. -inf if there is no table.
     """
 
     rate: RateLimit = field(default_factory=RateLimit)
@@ -60,11 +62,11 @@ class FollowedHand:
 
     Args:
         skeleton: The hand's skeleton.
-        settings: Settings with which the pose follows.
-        start: (48,) pose in the world before the hand is seen first.
+        settings: How the pose follows the hand.
+        start: (48,) pose in the world until the hand is seen for the first time.
 
     Attributes:
-        unseen: Time (s) since the hand was seen last; infinite before the first time.
+        unseen: Time (s) since the hand was last seen; infinite if it was never seen.
     """
 
     def __init__(self, skeleton: Skeleton, settings: FollowingSettings, start: Array) -> None:
@@ -85,7 +87,7 @@ class FollowedHand:
         return self._commanded
 
     def notice(self, side: str) -> str:
-        """Notice to a person whose hand of this side is not seen; empty while all is well."""
+        """Notice to a person whose hand on this side is not seen; empty while it is seen."""
         if self.unseen > self.settings.patience + UNSEEN_NOTICE:
             return Message(
                 "hand_unseen", "the {side} hand is not seen: hold it over the device", side=side
@@ -96,7 +98,7 @@ class FollowedHand:
         """Moves towards the current observed pose (48,), in a control step of `dt` (s)."""
         s, goal = self.settings, goal.copy()
         first = not self._seen_before
-        # After a long absence the old state is not used for smoothing.
+        # After a long absence, the old state is not used for smoothing.
         if self.unseen <= s.patience:
             if s.smoothing > 0.0:
                 goal[ROOT_ROTATION] = unwrapped(goal[ROOT_ROTATION], self._goal[ROOT_ROTATION])
@@ -155,7 +157,7 @@ class AirReconstructor:
     Args:
         side: `right` or `left`.
         size: Length of the hand relative to the average one.
-        following: Settings with which the commanded pose follows.
+        following: How the commanded pose follows the hand.
         surface: Workspace of a task; None is the default tablet.
 
     Attributes:
@@ -188,7 +190,7 @@ class AirReconstructor:
 
     @property
     def notice(self) -> str:
-        """Notice to the person whose hand is not seen; empty while all is well."""
+        """Notice to the person whose hand is not seen; empty while it is seen."""
         return self._hand.notice(self.side)
 
     def _elapsed(self, time: float) -> float:
@@ -207,6 +209,6 @@ class AirReconstructor:
 
 
 def _keep(goal: Array, before: Array, part: slice, smoothing: float, dt: float) -> None:
-    """Low-passes a part of a goal (48,) in place, with the previous goal."""
+    """Smooths a part of a goal (48,) towards the previous goal, in place."""
     if smoothing > 0.0:
         goal[part] += exp(-dt / smoothing) * (before[part] - goal[part])

@@ -4,14 +4,14 @@
 leftmost contact. This reference jumps by the width of a hand when another finger becomes the
 leftmost contact.
 
-*Arrival*: the hand hovers as a ghost over its place. It comes down from above once it is there and
-the touches rest, and rises when the touches lift. Task success depends more on this path than on
-the final place. Measured with the simulated user, without these rules the hand knocks a box over
-before it touches the box.
+*Arrival*: the hand hovers as a ghost over its place. It comes down from above once it is over its
+place and the touches rest, and rises when the touches lift. Task success depends more on this path
+than on the final place. Without these rules, a hand that arrives knocks a box over before it can
+grasp it (measured with the simulated user).
 
 The *lift control*, moved by the other hand, raises the hand along the surface's normal. A slider is
 never quite still: noise of 3 % of 18 cm would shake a held box by millimetres, sixty times a
-second. Its value is therefore smoothed.
+second. The slider's value is therefore smoothed.
 
 The *rate limit* bounds the speed of the commanded pose.
 """
@@ -52,7 +52,7 @@ STILL = Motion((0.0, 0.0), 0.0, (0.0, 0.0))
 
 
 def rigid_motion(before: ArrayLike, after: ArrayLike) -> Motion:
-    """The best rigid motion from touches (n, 2) m to the same touches later.
+    """The best-fitting rigid motion from touches (n, 2) m to the same touches later.
 
     Touches that are NaN before or after are left out. With fewer than two touches, the turn is 0.
     """
@@ -70,7 +70,7 @@ def rigid_motion(before: ArrayLike, after: ArrayLike) -> Motion:
 
 
 def common_motion(before: Sequence[Sequence[float]], after: Sequence[Sequence[float]]) -> Motion:
-    """`rigid_motion` of a few touches [(x, y), ..] that are all known, in plain floats."""
+    """As `rigid_motion`, for a few touches [(x, y), ..] m without NaN, in plain floats."""
     if not before:
         return STILL
     n = len(before)
@@ -89,13 +89,12 @@ def common_motion(before: Sequence[Sequence[float]], after: Sequence[Sequence[fl
 class PoseFilter:
     """A first-order low-pass of the hand's posture that is carried along with the touches.
 
-    The touches' common motion and turn pass at once, so the filter adds no lag to a dragged or
-    turned hand. It slows changes of posture, for example when a contact comes or goes. It runs
-    before the fingertip correction, which makes the tips exact again.
+    The common motion and turn of the touches pass at once, so the filter adds no lag to a dragged
+    or turned hand. Changes of posture are delayed by `tau`, for example when a contact comes or
+    goes. The filter runs before the fingertip correction, which makes the tips exact again.
 
     Args:
-        tau: Time constant (s); 0 lets everything pass. It delays a change of posture by tau, and a
-            change of place by nothing.
+        tau: Time constant (s); 0 switches the filter off.
     """
 
     def __init__(self, tau: float) -> None:
@@ -145,7 +144,7 @@ class PoseFilter:
 
 
 _EARLY = 1e-9
-"""Time (s) by which a control step may be early: times are sums of periods."""
+"""Tolerance (s) for times of control steps, which are rounded sums of periods."""
 
 _Places = Mapping[int, tuple[float, float]]
 """(x, y) m on the surface by contact."""
@@ -169,12 +168,13 @@ class ArrivalSettings:
     """Settings of arrival and departure.
 
     Attributes:
-        hover: Height (m) above its place at which the hand waits; 0 switches these rules off.
+        hover: Height (m) above its place at which the hand waits; 0 switches arrival and departure
+            off.
         settle: Time (s) for which the set of contacts must be unchanged before it is labelled.
         dwell: Time (s) for which the touches must rest before the hand comes down.
-        rest: Speed (m/s) below which touches count as resting. Touches also rest if none moves
-            farther within `dwell` than this speed allows. (Noise of a screen is fast from step to
-            step, but does not move a touch away.)
+        rest: Speed (m/s) below which touches count as resting. Touches also rest if none is farther
+            from its place `dwell` ago than this speed allows. (Noise of a screen is fast from step
+            to step, but does not move a touch away.)
         patience: Time (s) after which the hand comes down although the touches do not rest.
         place: Distance (m) from its place within which the hand comes down.
         down: Speed (m/s) of the hand on its way down.
@@ -219,10 +219,10 @@ class Arrival:
 
         Args:
             dt: Length of the step (s).
-            touched: True if there is a contact; for a hand that is down, only a labelled contact
-                counts.
-            named: True if all contacts have labels. A contact that comes while the hand is down may
-                be unlabelled for a while without lifting the hand.
+            touched: True if there is a contact; for a hand that is down, only labelled contacts
+                count.
+            named: True if all contacts have labels. While the hand is coming down or down, a new
+                contact without a label does not lift the hand.
             speed: Speed (m/s) of the fastest contact.
             off: Distance (m) of the hand from its place, seen along the surface's normal.
             moved: Largest distance (m) of a contact from its place `dwell` seconds ago; infinite if
@@ -258,7 +258,7 @@ class RecentPlaces:
     """Remembers the places of contacts for a short time.
 
     Args:
-        span: Length (s) of this time.
+        span: Time (s) for which places are remembered.
     """
 
     def __init__(self, span: float) -> None:
@@ -283,8 +283,8 @@ class RecentPlaces:
 
     @property
     def moved(self) -> float:
-        """Largest distance (m) of a contact from its place one span ago; infinite if no contact is
-        as old as this."""
+        """Largest distance (m) of a contact from its place `span` seconds ago; infinite if no
+        contact is as old as this."""
         (then, first), (time, places) = self._before[0], self._before[-1]
         known = places.keys() & first.keys()
         if then > time - self._span + _EARLY or not known:
@@ -298,8 +298,8 @@ class LiftSettings:
 
     Attributes:
         reach: Distance (m) by which the hand rises at control 1; 0 for hands that are not lifted.
-        tau: Time constant of the low pass (s).
-        speed: Maximum speed (m/s).
+        tau: Time constant (s) of the low-pass.
+        speed: Largest speed (m/s) of the hand.
     """
 
     reach: float = 0.0
@@ -311,7 +311,7 @@ class Lift:
     """Computes the height of a hand from the lift control, step by step.
 
     Attributes:
-        height: Position (m) along the surface's normal.
+        height: Height (m) of the hand along the surface's normal.
     """
 
     def __init__(self, settings: LiftSettings) -> None:
@@ -342,7 +342,7 @@ class Lift:
 
 @dataclass(frozen=True)
 class RateLimit:
-    """Speed limits of a commanded pose, a safety net against jumps of the input.
+    """Speed limits of a commanded pose, against jumps of the input.
 
     Attributes:
         linear: Speed (m/s) of the root.
@@ -353,13 +353,14 @@ class RateLimit:
     angular: float = 12.0
 
     def or_faster(self, other: RateLimit) -> RateLimit:
-        """Limits that allow the higher speed of both, for linear and angular motion."""
+        """Limits with the higher linear and the higher angular speed of both."""
         return RateLimit(max(self.linear, other.linear), max(self.angular, other.angular))
 
     def __call__(self, previous: Array, target: Array, dt: float) -> Array:
-        """Pose (48,) that moves from previous towards target as far as dt seconds allow.
+        """Pose (48,) on the way from `previous` to `target`, as far as `dt` (s) allows.
 
-        All parts are slowed by the same factor, so that the fingers stay in step with the wrist.
+        All components are slowed by the same factor, so that the fingers stay in step with the
+        wrist.
         """
         if dt <= 0:
             return previous
@@ -372,12 +373,13 @@ class RateLimit:
             return goal
         step = goal - previous
         squares = step * step
-        # Recorded sessions depend on the order in which the three are added: do not change it.
+        # Recorded sessions depend on the order in which the squares are added: do not change it.
         linear, *angular = (squares[::3] + squares[2::3] + squares[1::3]).tolist()
         share = sqrt(max(linear / self.linear**2, max(angular) / self.angular**2)) / dt
         return previous + step / share if share > 1.0 else goal
 
 
 GENTLE = RateLimit(0.6, 7.0)
-"""Speed limits of hands no stronger than the profile `safe`. At 1 m/s and 12 rad/s, 30 N or 6000 N,
-a tip may meet an object at 1.6 m/s, which is 3 mm in one physics step (measured at db485e42)."""
+"""Speed limits of hands that are not stronger than the profile `safe`. With the limits of 1 m/s and
+12 rad/s, a fingertip may meet an object at 1.6 m/s, which is 3 mm in one physics step. Hands of
+30 N and of 6000 N are equally fast (measured at db485e42)."""

@@ -1,10 +1,11 @@
-"""The contract of reconstructors: from one frame after another to the pose of the whole hand.
+"""The contract of reconstructors, which turn successive frames into poses of the whole hand.
 
-`PersonalReconstructor` reconstructs any person's hand with a reconstructor of the trained right
-hand. `PersonFrame` transforms the person's touches to touches of the trained hand, and the pose
-back: mirrored for a left hand, scaled for a larger one. A uniform scale does not change angles, and
-mirror and rotation change neither angles nor distances. Fingertips that meet the scaled touches of
-the trained hand therefore meet the real touches of the person's hand.
+`PersonalReconstructor` reconstructs any person's hand with a reconstructor of the trained hand, a
+right hand. `PersonFrame` transforms the person's touches to touches of the trained hand, and the
+pose back. It mirrors for a left hand, and scales for a hand of another size. A uniform scale does
+not change angles, and mirroring and rotation change neither angles nor distances. Fingertips of the
+trained hand that meet the transformed touches therefore become fingertips of the person's hand that
+meet the real touches.
 """
 
 from __future__ import annotations
@@ -33,8 +34,7 @@ class Reconstruction:
         probability: Probability of the labels, 0 to 1.
         tip_error: Largest distance (m) between a corrected fingertip and its target, which is its
             touch or a point at an offset from it.
-        see: Function that returns `contacts`; the result is that of this moment, even for a later
-            call.
+        see: Function that computes `contacts` of this moment, even if it is called later.
         touches: Label of a touching finger -> smoothed (x, y) m on the surface.
         tip_height: Height (m) of touching fingertips above the surface once the hand is down.
     """
@@ -89,11 +89,11 @@ class FrameReconstructor(Protocol[Frame_contra]):
 
     @property
     def notice(self) -> str:
-        """A message for the person whose hand is not followed; empty while all is well."""
+        """Notice to the person whose hand is not followed; empty while it is followed."""
         return ""
 
     def reset(self) -> None:
-        """Returns to the initial state, a hand that waits for its first frame."""
+        """Returns to the initial state: a hand that waits for its first frame."""
         ...
 
     def step(self, frame: Frame_contra) -> Reconstruction:
@@ -124,7 +124,7 @@ AirReconstructor = HandFrameReconstructor | LandmarkFrameReconstructor
 
 
 def takes_touches(reconstructor: Reconstructor | AirReconstructor) -> TypeGuard[Reconstructor]:
-    """True for a reconstructor of touches, False for one of a hand in the air."""
+    """True for a reconstructor of touches, False for a reconstructor of a hand in the air."""
     return isinstance(reconstructor.empty, TouchFrame)
 
 
@@ -133,10 +133,10 @@ ReconstructorMaker = Callable[[Surface], Reconstructor]
 
 
 class PersonalReconstructor:
-    """Reconstructs a person's hand with a reconstructor of the trained right hand.
+    """Reconstructs a person's hand with a reconstructor of the trained hand, a right hand.
 
     Args:
-        trained: Reconstructor on `frame.surface`, with the skeleton that the model was trained on.
+        trained: Reconstructor on `frame.surface`, with the skeleton on which the model was trained.
         frame: Transform between the person's screen and that surface.
         surface: The person's screen, in the world.
     """
@@ -233,9 +233,9 @@ def personal(person: Person, surface: Surface, make: ReconstructorMaker) -> Reco
 
     Args:
         person: The person whose hand it is.
-        surface: Their screen, in the world.
-        make: Creates the trained right hand's reconstructor for a surface. Its result is returned
-            unchanged if the person's hand equals the trained one.
+        surface: The person's screen, in the world.
+        make: Creates a reconstructor of the trained hand for a surface. Its result is returned
+            unchanged if the person's hand and seat are those of the trained hand.
     """
     frame = PersonFrame(person, surface)
     if frame.trivial:

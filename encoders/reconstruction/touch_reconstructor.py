@@ -1,8 +1,8 @@
-"""Reconstructor that turns touch frames, one after another, into poses of the whole hand.
+"""Reconstructor that turns successive touch frames into poses of the whole hand.
 
-Touches -> tracks -> labels -> contact vector -> encoder -> smoothing -> fingertip correction ->
-lift -> rate limit -> commanded pose, and the height of the next step by the arrival. Session,
-evaluation and replay all use this one object.
+Each step computes touches -> tracks -> labels -> contact vector -> encoder -> smoothing ->
+fingertip correction -> lift -> rate limit -> commanded pose. The arrival then determines the hand's
+height for the next step. Live sessions and replays use the same object.
 """
 
 from __future__ import annotations
@@ -47,10 +47,10 @@ of position."""
 _LOW = (Phase.COMING_DOWN, Phase.DOWN)
 
 _SETTLED = 0.010
-"""Length (rad and m) of an iteration's step below which a frame stops iterating. The next frame, 16
-ms later, continues from this state, and with resting fingers the posture converges to the most
-likely posture. With 0.003, a frame takes 2.4 steps rather than 1.4, and the posture differs by less
-than a degree."""
+"""Length (rad and m) of an iteration's step below which the correction of a frame stops. The next
+frame, 16 ms later, continues from the result. With resting fingers, the posture so converges to the
+most likely posture. With 0.003 instead, a frame takes 2.4 steps on average rather than 1.4, and the
+posture differs by less than a degree."""
 
 
 @dataclass(frozen=True)
@@ -63,11 +63,11 @@ class ReconstructorSettings:
         lift: Effect of the lift control.
         correction: Correction of fingertips to touches; None switches it off.
         posture_tau: Time constant of the posture filter (s); 0 switches it off.
-        encode: False uses the mean training pose instead of the encoder's (an ablation).
-        rate: Speed limits of the commanded pose while the hand comes down or is down. A hand that
-            is up, where nothing is in its way, moves at least as fast as `RateLimit()` allows, so
-            that people do not wait for it.
-        device_labels: True uses the labels of devices that name fingers.
+        encode: False uses the mean training pose instead of the encoder's pose (an ablation).
+        rate: Speed limits of the commanded pose while the hand comes down or is down. While the
+            hand is up, nothing is in its way. Its limits are then at least those of `RateLimit()`,
+            so that people do not wait for the hand.
+        device_labels: True uses the labels of devices that report labels.
     """
 
     tracker: TrackerSettings = field(default_factory=TrackerSettings)
@@ -88,11 +88,11 @@ class TouchReconstructor:
         labeller: Labels the contacts.
         skeleton: The hand whose fingertips should meet the touches.
         surface: Surface of the touches in the world.
-        settings: Settings of all steps.
+        settings: See `ReconstructorSettings`.
 
     Attributes:
         empty: A frame without touches.
-        notice: Always empty: touches are followed wherever they are.
+        notice: Always empty, since touches can always be followed.
     """
 
     empty = TouchFrame(0.0)
@@ -152,7 +152,7 @@ class TouchReconstructor:
         self._lift.reset()
         self._filter.reset()
         self.labeller.restart()
-        # Never modified in place, only replaced.
+        # These mappings are never modified in place, only replaced.
         self._labels: Mapping[int, int] = {}
         self._labelling = Labelling({}, 1.0)
         self._previous_labels: Mapping[int, int] = {}
@@ -203,7 +203,7 @@ class TouchReconstructor:
             touched=bool(named) if self._arrival.phase is Phase.DOWN else bool(tracks),
             named=len(named) == len(tracks) > 0,
             speed=speed,
-            # Without tracks, or once the hand is coming down, this distance is not needed.
+            # This distance is not needed without tracks, or once the hand is coming down.
             off=self._off(goal) if tracks and not low else 0.0,
             moved=inf if low else self._recent.moved,
         )
@@ -225,9 +225,9 @@ class TouchReconstructor:
     def _name(self, time: float, low: bool) -> None:
         """Labels the contacts once their set has been stable for a while.
 
-        Until the hand comes down, labels may change; the posture filter blends such changes in.
-        After that, labels stay, since a change would break the grasp. A finger that joins gets one
-        of the free labels.
+        Until the hand comes down, labels may change; the posture filter smooths such changes. From
+        then on, labels stay, since a change would break the grasp. A finger that joins gets one of
+        the free labels.
         """
         tracks = self._tracker.tracks
         present = frozenset(tracks)
@@ -241,8 +241,8 @@ class TouchReconstructor:
             if i not in self._labels and (t.unsure or (low and time < t.joins - 1e-9))
         ]
         if unsure:
-            # A hand that is up waits until every contact is known to be a finger; a hand that is
-            # down ignores the other contacts meanwhile.
+            # A hand that is up waits until every contact is known to be a finger. A hand that is
+            # down ignores unsure contacts.
             if not low:
                 return
             tracks = {i: t for i, t in tracks.items() if i not in unsure}
@@ -262,8 +262,8 @@ class TouchReconstructor:
         self._labels = self._labelling.labels
 
     def _motion(self, dt: float, low: bool) -> tuple[Motion, float]:
-        """Common motion of the touches since the last step, and the speed of the fastest touch; 0
-        once the hand is coming down, where it is not needed."""
+        """Common motion of the touches since the last step, and the speed (m/s) of the fastest
+        touch. Once the hand is coming down, the speed is not needed and is 0."""
         tracks = self._tracker.tracks
         now = {i: t.place for i, t in tracks.items() if not t.unsure or i in self._labels}
         known = [i for i in now if i in self._last_xy]
@@ -292,8 +292,8 @@ class TouchReconstructor:
         targets = np.array(above)
         carried = motion.carried
         if len(ids) == 1:
-            # Without a layout there is no information: the posture stays, and the hand follows the
-            # finger.
+            # A single touch has no layout that determines a posture: the posture stays, and the
+            # hand follows the finger.
             guess = self._filter.step(_carried(self._surface_pose, *carried), (0.0, 0.0), dt)
             guess = self._shifted(guess, labels, targets)
         else:
@@ -305,8 +305,8 @@ class TouchReconstructor:
         if self._correction is None:
             self._tip_error = float("nan")
             return within_limits(guess, self._skeleton)
-        # The iteration starts at the last pose, shifted with the touches. For another grasp it
-        # starts at the guess, since linearisation far from there would be worse.
+        # The iteration starts at the last pose, shifted with the touches. If the labels have
+        # changed, it starts at the guess, which is then nearer to the solution.
         start = _carried(self._surface_pose, *carried) if self._same_grasp else None
         settled = None if start is None else _SETTLED
         corrected = self._correction.correct(guess, labels, targets, start, settled)
@@ -321,13 +321,13 @@ class TouchReconstructor:
                 handle these contacts.
         """
         relative = self.model.encoder.predict(u)
-        # If an element is not finite, neither is the sum. The sum of huge elements may also be
-        # infinite.
+        # The sum is a quick test: it is not finite if an element is not finite. It may also be
+        # infinite for huge finite elements, so the elements are then tested themselves.
         if not isfinite(np.add.reduce(relative)) and not np.isfinite(relative).all():
             raise EncoderError(
                 "the encoder predicts a pose that is not finite",
                 where=f"{type(self.model.encoder).__qualname__}.predict",
-                got=f"of the contact vector {np.round(u, 3).tolist()}",
+                got=f"for the contact vector {np.round(u, 3).tolist()}",
             )
         return relative
 
@@ -346,21 +346,21 @@ class TouchReconstructor:
         return q
 
     def _raised(self, q: Array) -> Array:
-        """The pose at the height given by arrival and lift control; a lifted hand may be in the
-        phase `down`."""
+        """The pose at the height given by arrival and lift control. (A hand that the lift control
+        raises may be in the phase `down`.)"""
         q = q.copy()
         q[2] += self._arrival.height + self._lift.height
         return q
 
     def _off(self, goal: Array) -> float:
-        """Distance in m of the commanded hand from its goal, seen along the surface's normal."""
+        """Distance (m) of the commanded hand from its goal, seen along the surface's normal. The
+        largest rotation, times `TURN_LENGTH`, is added."""
         rest = np.abs(goal - self._commanded)
         x, y = rest[:2].tolist()
         return sqrt(x * x + y * y) + TURN_LENGTH * float(np.maximum.reduce(rest[3:]))
 
     def _contacts(self) -> Callable[[], tuple[Contact, ...]]:
-        """Function that returns all contacts on the surface now; they are computed when it is
-        called."""
+        """Function that computes, when it is called, all contacts on the surface at this step."""
         tracker = self._tracker
         tracks = [(i, t.device_id, t.place, t.lost_at is None) for i, t in tracker.tracks.items()]
         return partial(
@@ -375,7 +375,7 @@ def _labelled(
     ignored: Sequence[Contact],
     palms: frozenset[int],
 ) -> tuple[Contact, ...]:
-    """Contacts with labels and states, from a tracker's tracks and its ignored contacts."""
+    """Contacts with labels and states, from a tracker's tracks and ignored contacts."""
     probabilities = labelling.label_probabilities
     tracked = [
         Contact(

@@ -1,1 +1,1 @@
-"""Fits encoders, which map a contact vector to a pose, and reads fitted ones."""
+"""Fits encoders, which map contact vectors to poses, and reads fitted encoders."""

@@ -5,9 +5,9 @@ knuckle and in the lengths of its bones. A capture contains rotations and, while
 the position of its tip. The bones of each finger are therefore the solution of a small linear
 least-squares problem, regularised towards a known skeleton where the data do not determine them.
 
-`encoders.regression.trained.PersonCorrection` weighs the touches by how well the person's bones are
-known. Its training perturbs skeletons before their bones are fitted, and chooses the weight of the
-touches by validation blocked by trial.
+`encoders.regression.trained.PersonCorrection` corrects poses by touches, with a weight that depends
+on how well the person's bones are known. `train_correction` chooses this weight by validation
+blocked by trial. In the validation, the fits start from perturbed skeletons.
 """
 
 from __future__ import annotations
@@ -29,10 +29,10 @@ from models.rotations import exp
 from models.skeleton import Bone, Skeleton
 
 KNUCKLE_SPREAD = 0.010
-"""Assumed standard deviation of people's knuckles about those of the known skeleton (m)."""
+"""Assumed standard deviation (m) of people's knuckles about those of the known skeleton."""
 LENGTH_SPREAD = 0.10
-"""Assumed standard deviation of people's bone lengths, as a share of the length. A few takes with a
-finger on the surface outweigh both assumptions."""
+"""Assumed standard deviation of people's bone lengths, as a share of the length. A few takes with
+touches of a finger outweigh both assumptions."""
 _MISFIT = 0.004
 """Assumed standard deviation (m) of a touch about its fingertip: pads roll, and joint angles are
 measured with errors."""
@@ -42,7 +42,8 @@ nearly equal."""
 
 
 def tip_misses(kinematics: Kinematics, capture: Capture) -> Array:
-    """Offsets (M, 3) m from the skeleton's fingertips to the touches of all M captured contacts."""
+    """Offsets (M, 3) m from the skeleton's fingertips to their targets over the touches, for all M
+    contacts of a capture."""
     off = tip_targets(capture.xy) - kinematics.tips(capture.q)
     return off[capture.down]
 
@@ -76,13 +77,13 @@ def fitted_skeleton(capture: Capture, skeleton: Skeleton) -> Skeleton:
 def perturbed_skeleton(
     skeleton: Skeleton, rng: np.random.Generator, length: float, knuckle: float
 ) -> Skeleton:
-    """Changes bone lengths and knuckles of a skeleton at random, as those of another person.
+    """Changes bone lengths and knuckles of a skeleton at random, to those of another person.
 
     Args:
         skeleton: Skeleton to change.
         rng: Source of randomness.
-        length: Standard deviation of the change of a bone's length, as a share of it.
-        knuckle: Standard deviation of every coordinate of a knuckle (m).
+        length: Standard deviation of the change of a bone's length, as a share of the length.
+        knuckle: Standard deviation (m) of the change of every coordinate of a knuckle.
     """
     bones = list(skeleton.bones)
     for finger in range(len(FINGERS)):
@@ -94,8 +95,8 @@ def perturbed_skeleton(
 
 
 def _regularised_fit(A: Array, off: Array, spread: Array) -> Array:
-    """Least-squares solution x (m,) of A (n, 3, m) x = off (n, 3), with prior deviations spread
-    (m,)."""
+    """Least-squares solution x (m,) of A (n, 3, m) x = off (n, 3), with a prior of mean 0 and
+    standard deviations `spread` (m,)."""
     rows, right = A.reshape(-1, A.shape[-1]), off.ravel()
     weight = min(1.0, _INDEPENDENT / len(off)) / _MISFIT**2
     normal = weight * rows.T @ rows + np.diag(1 / spread**2)
@@ -103,7 +104,8 @@ def _regularised_fit(A: Array, off: Array, spread: Array) -> Array:
 
 
 def _set_finger(bones: list[Bone], chain: list[int], values: Array) -> None:
-    """Writes a finger's knuckle (3) and lengths into the table; joints sit at the bones' ends."""
+    """Writes a finger's knuckle (3 values) and bone lengths into the table. Every further joint is
+    at the end of the previous bone."""
     anchor = (float(values[0]), float(values[1]), float(values[2]))
     for i, length in zip(chain, values[3:].tolist(), strict=True):
         bones[i] = replace(bones[i], anchor=anchor, length=length)
@@ -111,7 +113,7 @@ def _set_finger(bones: list[Bone], chain: list[int], values: Array) -> None:
 
 
 DISTRUSTS = (1.0, 2.0, 4.0, 8.0, 16.0, 32.0, 64.0, 128.0)
-"""Candidate factors on the tips' variance for validation."""
+"""Factors on the tips' variance from which validation chooses."""
 
 WRONG_LENGTH, WRONG_KNUCKLE = 0.06, 0.004
 """Standard deviations of lengths (share) and knuckles (m) of perturbed skeletons in validation."""
@@ -135,7 +137,7 @@ def train_correction(
         covariance: (48, 48) covariance of their errors.
         skeleton: Known skeleton before the fit.
         fit: True fits the bones to the capture. False makes a correction for people with unknown
-            bones; the touches' variance is then that about perturbed skeletons.
+            bones. The variance of touches is then measured about the tips of perturbed skeletons.
     """
     fold = trial_folds(capture.trial, FOLDS)
     rng = np.random.default_rng(0)
@@ -153,14 +155,15 @@ def train_correction(
         return PersonCorrection(
             fitted_skeleton(capture, skeleton), covariance, distrust * variance, distrust
         )
-    # The fit of these bones to this person does not carry over to other people.
+    # Other people have other bones, so the variance is that about perturbed skeletons.
     return PersonCorrection(skeleton, covariance, distrust * np.mean(variances, axis=0), distrust)
 
 
 def blocked_variance(capture: Capture, known: Skeleton, fit: bool = True) -> Array:
     """Second moments (3,) m2 of touches about tips, on trials to which the bones were not fitted.
 
-    Both directions along the surface share one value, since no direction on it is special.
+    The first two values, for directions along the surface, are equal, since no direction on the
+    surface is special.
     """
     fold = trial_folds(capture.trial, FOLDS)
     misses = []
@@ -181,7 +184,8 @@ def _scores(
     fold: NDArray[np.int64],
     fit: bool,
 ) -> Array:
-    """Error products (len(DISTRUSTS),) on held-out trials, starting from a perturbed skeleton."""
+    """Error products (len(DISTRUSTS),) on held-out trials, for fits that start from the skeleton
+    `known`."""
     judged = np.linspace(0, len(capture) - 1, min(len(capture), JUDGED_FRAMES)).astype(int)
     scores = np.zeros(len(DISTRUSTS))
     for k in np.unique(fold):

@@ -5,8 +5,8 @@ A package offers its encoders under a name:
     [project.entry-points."hand_sandbox.encoders"]
     my-lab-forest = "my_lab.encoders:Forest"
 
-An encoder is imported when it is named. Its errors are then reported in one line, and do not affect
-other encoders.
+An encoder is imported only when it is named. Errors of its code are then reported in one line, and
+do not affect other encoders.
 """
 
 from __future__ import annotations
@@ -32,7 +32,8 @@ ENCODERS: Registry[type[Encoder]] = Registry(
         "pca-ik": f"{_REGRESSION}.pca_ik:PcaIkEncoder",
     }
 )
-"""Built-in encoders by name. A model's file contains the first name that matches its encoder."""
+"""Built-in encoders by name. A model's file contains the first of these names whose class fits its
+encoder."""
 
 EXAMPLE = "docs/write-an-encoder.md shows an encoder"
 
@@ -105,14 +106,15 @@ def checked(value: Any, where: str) -> type[Encoder]:
 
 
 def is_external(name: str) -> bool:
-    """True for the name of an external encoder: a place, or a name of an installed package."""
+    """True for the name of an external encoder: `FILE.py:CLASS`, `MODULE:CLASS`, or a name that an
+    installed package offers."""
     if ENCODER_PLUGINS.place_in(name) is not None:
         return True
     return name not in ENCODERS and name in ENCODER_PLUGINS.offered()
 
 
 def builtin_name(encoder: Encoder) -> str | None:
-    """First name of a built-in encoder; None for an external one."""
+    """First name of a built-in encoder in `ENCODERS`; None for an external encoder."""
     own = type(encoder).__module__.partition(".")[0] == __name__.partition(".")[0]
     if not own or type(encoder) not in ENCODERS.values():
         return None
@@ -120,7 +122,7 @@ def builtin_name(encoder: Encoder) -> str | None:
 
 
 def origin(name: str) -> dict[str, Any]:
-    """Origin of an external encoder (see `origin_of`); empty for a built-in one."""
+    """Origin of an external encoder (see `origin_of`); empty for a built-in encoder."""
     return origin_of(find_encoder(name)) if is_external(name) else {}
 
 
@@ -128,8 +130,9 @@ def origin_of(kind: type[Encoder]) -> dict[str, Any]:
     """Origin of an external class, needed to load it again.
 
     Returns:
-        `file`, absolute, and `member`; or `entry_point` as `module:Class`, with `package` and
-        `version` where an installed package offers it.
+        For a class in a file: `file` (absolute path) and `member`. For a class of a module:
+        `entry_point` (`module:Class`), and `package` and `version` if an installed package offers
+        it.
 
     Raises:
         EncoderError: The class is inside another class or a function and cannot be imported.
@@ -166,5 +169,5 @@ def source_digest(kind: type[Encoder]) -> str:
 
 
 def _open(method: Any) -> bool:
-    """True for an abstract method of the contract itself."""
+    """True for an abstract method of `Encoder` itself, which a class does not override."""
     return method in (Encoder.fit, Encoder.predict)

@@ -1,9 +1,9 @@
-"""Least squares over any number of frames, in memory that does not grow with them.
+"""Least squares over any number of frames. The memory does not grow with the number of frames.
 
 Frames come in blocks. Each block of terms and outputs [X Q] is stacked below the triangle of the
 previous blocks, and a QR decomposition reduces both to one triangle. The triangle contains all
-information that a fit needs. Its condition number is that of X, not the square of it as with X'X.
-Up to rounding, the solution is that of the whole matrix. Frames of one finger set are reduced
+information that a fit needs. Its condition number is that of X; that of X'X would be the square. Up
+to rounding, the solution is that of the whole matrix. Frames of one finger set are reduced
 together, in the few monomials of that set (`encoders.regression.polynomial`), and the triangles of
 all sets are stacked at the end.
 """
@@ -18,15 +18,14 @@ from encoders.regression.polynomial import SETS, collapse, set_code, set_codes
 from models.arithmetic import Array
 
 RCOND = 1e-10
-"""Share of the largest singular value below which others count as zero. It is far below those of
-independent terms (above 1e-6 on captures of the simulated subject) and far above rounding
-(1e-15)."""
+"""Singular values below this share of the largest singular value count as zero. Independent terms
+have shares above 1e-6 on captures of the simulated subject, and rounding gives about 1e-15."""
 
 _ROWS = 4096
 """Number of frames reduced at once. Larger blocks exceed the processor's caches, smaller blocks
 repeat work."""
 
-# This module and SciPy are imported only for a fit, so a program that only predicts starts without
+# This module and SciPy are imported only for a fit. A program that only predicts does not load
 # them.
 
 
@@ -96,8 +95,11 @@ class LeastSquares:
         return np.concatenate(terms), np.concatenate(outputs)
 
     def solve(self) -> tuple[Array, int]:
-        """Minimum-norm least-squares coefficients (K, n_outputs) of scaled terms, and the terms'
-        rank."""
+        """Least-squares coefficients (K, n_outputs) of the terms, and the rank of the terms.
+
+        If many coefficients fit equally well, those with the smallest norm are chosen, after the
+        terms are scaled to equal length.
+        """
         from scipy.linalg import lstsq
 
         X, Q = self.stacked()
@@ -111,8 +113,8 @@ class LeastSquares:
         """Coefficients (len(ridges), K, n_outputs), one set for every penalty; see `ridge_path`."""
         X, Q = self.stacked()
         whole = triangle(X, Q)
-        # The constant comes first. The remainder orthogonal to it is the variation about the mean;
-        # the component along the constant, of length sqrt(frames), gives the means.
+        # The first term is the constant, a column of length sqrt(frames). Row 0 of the triangle,
+        # divided by this length, is the mean. The other rows give the variation about the mean.
         mean, centre = np.split(whole[0] / whole[0, 0], [X.shape[1]])
         rest, outputs = np.split(whole[1:], [X.shape[1]], axis=1)
         std = _steady(np.linalg.norm(rest, axis=0) / np.sqrt(self.frames), mean)
@@ -151,7 +153,7 @@ def ridge_path(X: Array, Q: Array, ridges: Sequence[float]) -> Array:
 
 
 def _steady(std: Array, mean: Array) -> Array:
-    """Standard deviations, infinite for terms that never vary, so that these get coefficient 0."""
+    """Standard deviations; infinite for terms that never vary, which then get the coefficient 0."""
     return np.where(std < 1e-12 * np.maximum(1.0, np.abs(mean)), np.inf, std)
 
 

@@ -1,8 +1,8 @@
 """Trained models by name, as `--encoder` takes them: built in, in a file, or trained when needed.
 
-An external encoder is a class that has learned nothing. It is trained on the built-in capture, as
-the built-in models were. If training takes long, the model is stored in a folder of this user,
-under the digest of the encoder's file, its configuration and the capture.
+An external encoder is an untrained class. It is trained on the built-in capture, as the models in
+`BUILTIN` were. If training takes long, the model is stored in the user's cache folder. Its file is
+named by a digest of the encoder's source file, its configuration and the capture.
 """
 
 from __future__ import annotations
@@ -47,10 +47,10 @@ MODELS = (*BUILTIN, POPULATION, PCA_IK)
 """Names of the models that are always available."""
 
 DEFAULT_MODEL = POPULATION
-"""Name of the model that is used if none is named; all defaults are this model."""
+"""Name of the model that is used if no model is named."""
 
 LONG = 2.0
-"""Training time (s) above which a trained model is stored for the next time."""
+"""Training time (s) above which a trained model is stored in the cache folder."""
 
 
 @dataclass(frozen=True)
@@ -66,7 +66,8 @@ class PcaIkModel(TrainedModel):
 
     @cached_property
     def digest(self) -> str:
-        """BLAKE2b over the sources of the model, hexadecimal."""
+        """BLAKE2b over the options, the learned numbers and the digest of the other model,
+        hexadecimal."""
         given = {k: v for k, v in self.encoder.configuration().items() if v is not None}
         learned = {
             "pad_height_": self.encoder.pad_height_,
@@ -78,12 +79,12 @@ class PcaIkModel(TrainedModel):
 
 @cache
 def pca_ik_model() -> TrainedModel:
-    """The paper's PCA-IK with its own numbers, fitted to the built-in capture."""
+    """The paper's PCA-IK with the paper's settings, fitted to the built-in capture."""
     return pca_ik_like(builtin("quadratic"))
 
 
 def pca_ik_like(like: TrainedModel) -> TrainedModel:
-    """The paper's PCA-IK with its own numbers, fitted to the capture of another model."""
+    """The paper's PCA-IK with the paper's settings, fitted to the training data of another model."""
     from encoders.regression.pca_ik import PcaIkEncoder
 
     return PcaIkModel(
@@ -98,12 +99,12 @@ def pca_ik_like(like: TrainedModel) -> TrainedModel:
 
 
 def find_model(name: str, tell: Callable[[str], None]) -> TrainedModel:
-    """The model of a name: a built-in model, a file, or an external encoder, which is trained.
+    """Finds a model by name: a built-in model, a file, or an external encoder, which is trained.
 
     Args:
         name: One of `MODELS`, a file made by `sandbox train`, `FILE.py:CLASS`, `MODULE:CLASS`, or
             the name of an encoder that an installed package offers.
-        tell: Called with a line before an encoder is trained, and after it.
+        tell: Called with a line of text before an encoder is trained, and afterwards.
 
     Raises:
         EncoderError: There is no such model, or it cannot be used.
@@ -119,7 +120,7 @@ def find_model(name: str, tell: Callable[[str], None]) -> TrainedModel:
 
 
 def check_model_name(name: str) -> None:
-    """Checks that a name is one that `find_model` accepts; loads and trains nothing.
+    """Checks that `find_model` accepts a name, without loading or training a model.
 
     Raises:
         EncoderError: There is no such model, file or encoder.
@@ -136,7 +137,7 @@ def check_model_name(name: str) -> None:
 
 
 def cache_folder() -> Path:
-    """Folder for models that took long to train, by the custom of the system.
+    """Folder for models that took long to train, at the usual place of the operating system.
 
     Raises:
         EncoderError: The folder is unknown, for example for a user without an account in a
@@ -162,8 +163,8 @@ def _trained(kind: type[Encoder], tell: Callable[[str], None]) -> TrainedModel:
         try:
             return load_model(kept, builtin_capture())
         except EncoderError as error:
-            tell(f"a kept model cannot be used: {error}")
-    from encoders.regression.training import train_encoder
+            tell(f"a model in the cache folder cannot be used: {error}")
+    from encoders.regression.train import train_encoder
 
     tell(f"training {kind.__qualname__} on the built-in capture of a simulated subject")
     began = perf_counter()
@@ -175,7 +176,7 @@ def _trained(kind: type[Encoder], tell: Callable[[str], None]) -> TrainedModel:
 
 def _key(kind: type[Encoder]) -> str:
     """Digest of all inputs of the training."""
-    with ENCODER_PLUGINS.guarded(kind.__qualname__, "the encoder does not tell its configuration"):
+    with ENCODER_PLUGINS.guarded(kind.__qualname__, "the encoder's `configuration` fails"):
         configuration = kind().configuration()
     parts = [
         SCHEMA,
@@ -192,15 +193,16 @@ def _key(kind: type[Encoder]) -> str:
 
 
 def keep_model(model: TrainedModel, path: Path) -> str:
-    """Writes a model without its training data for the next time; the file appears whole or not at
-    all.
+    """Writes a model, without its training data, to the cache folder.
+
+    An existing file is replaced only once the new file is complete.
 
     Args:
         model: The model.
         path: File in `cache_folder()`.
 
     Returns:
-        The rest of a message: the model's place, or the reason why it could not be written.
+        End of a message: where the model is stored, or why it could not be written.
     """
     from encoders.regression.training import save_model
 
@@ -211,5 +213,5 @@ def keep_model(model: TrainedModel, path: Path) -> str:
         save_model(model, scratch, training=False)
         scratch.replace(path)
     except OSError as error:
-        return f"; it cannot be kept for the next time: {error}"
-    return f"; kept in {path.parent}"
+        return f"; the model cannot be stored for the next time: {error}"
+    return f"; stored in {path.parent}"

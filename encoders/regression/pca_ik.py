@@ -1,44 +1,43 @@
 """PCA-IK: inverse kinematics in few principal components, the paper's baseline for its encoder.
 
 Chung, Kim, Han and Pollard (2015), section 3, after Mulatto, Formaglio, Malvezzi and Prattichizzo
-(2013). The paper gives it one paragraph. The number of components follows from the number of
-contacts (12, 9, 6 and 3 for 5, 4, 3 and 2, hence 3 k - 3). The compliance is 0.1 for translation
-and 25 for rotation. 100 iterations suffice, and the nearest neighbour is found by touch positions.
-Choices that the paper leaves open are options here; the defaults follow the interpretations argued
-below.
+(2013). The paper describes the method in one paragraph. The number of components follows from the
+number k of contacts: 12, 9, 6 and 3 for 5, 4, 3 and 2 contacts, hence 3 k - 3. The compliance is
+0.1 for translation and 25 for rotation. 100 iterations suffice, and the nearest neighbour is found
+by touch positions. Choices that the paper leaves open are options here. The defaults follow the
+interpretations below.
 
 Free variables. k fingertips give 3 k equations. With 3 k - 3 components, three unknowns are left:
 the translation of the root. All rotations, including the wrist's, are then in the components. This
 agrees with the paper's use of "hand pose" for joint angles and wrist together, and with the number
-of equations that remain when positions are relative to one contact. Other interpretations:
-components of the ball joints alone with a free root, as in inverse kinematics of a free-floating
-hand (3 more unknowns than equations); or components of the whole pose and nothing else (3 fewer, so
-that fingertips miss).
+of equations that remain when positions are relative to one contact. There are two other
+interpretations. With components of the ball joints alone and a free root, as in inverse kinematics
+of a free-floating hand, there are 3 more unknowns than equations. With components of the whole pose
+and no free variables, there are 3 fewer, so fingertips miss their targets.
 
 Compliance. As damping, each step minimises
 
     |tips still off|^2 + 0.1 |change of translations|^2 + 25 |change of rotations|^2
 
 in centimetres and radians. Damping acts on the step, not on the distance from the start, so that
-fingertips do reach their touches in the end ("tries to fit the target position excessively"). In
-these units, 100 iterations come close to the target. In metres and radians, or in centimetres and
-degrees, rotations would hardly have changed by then, and the paper found 100 to be enough. As
-softness, the mechanical meaning (a more compliant part moves more), the costs are 1 / 0.1 and
-1 / 25 instead. Other units need other numbers.
+fingertips reach their touches in the end ("tries to fit the target position excessively"). In these
+units, 100 iterations come close to the target, as the paper found. In metres and radians, or in
+centimetres and degrees, 100 iterations would hardly change the rotations. As softness, the
+mechanical meaning (a more compliant part moves more), the costs are 1 / 0.1 and 1 / 25 instead.
 
-Start. The paper uses the nearest neighbour to label the fingers; here inverse kinematics starts
-from it as well. The components are then directions in which that pose changes. Alternatively, the
-neighbour is first projected onto the components ("represent hand pose"), or the mean pose is the
-start.
+Start. The paper uses the nearest neighbour to label the fingers. Here inverse kinematics starts
+from the neighbour's pose as well, and the components are directions in which this pose changes.
+Alternatively, the neighbour is first projected onto the components ("represent hand pose"), or the
+mean pose is the start.
 
-A single contact has no components (3 k - 3 = 0): the mean pose of the training frames for that
-finger is shifted, or with a free root also rotated, until the fingertip is at its target. The paper
-excludes this case.
+For a single contact there are no components (3 k - 3 = 0). The mean pose of the training frames for
+that finger is shifted, or with a free root also rotated, until the fingertip is at its target. The
+paper excludes this case.
 
-Rows with the same touching fingers have equations of the same shape and are solved together. The
+Rows with the same touching fingers have equations of the same shape and are processed together. The
 nearest neighbour is the training frame with the most similar touches: frames are compared by the
 positions of their touches, not by poses. Only frames with the same touching fingers can be
-compared; if there are none, this implementation uses frames in which other fingers touch as well.
+compared. If there are none, this implementation uses frames in which other fingers touch as well.
 """
 
 from __future__ import annotations
@@ -74,8 +73,8 @@ _CHUNK = 256
 """Number of rows solved together; their Jacobians (1.5 MB) stay in the processor's cache."""
 
 _LARGEST_TURN = 0.5
-"""Largest rotation of a joint in one step (rad); a longer step is scaled down. The Jacobian is not
-valid beyond it, and weakly damped steps would make the hand tumble."""
+"""Largest rotation (rad) of a joint in one step; a larger step is scaled down. The Jacobian is not
+valid for larger rotations, and weakly damped steps would make the hand tumble."""
 
 
 class IkSolution(NamedTuple):
@@ -94,8 +93,8 @@ COMPLIANCE_ROTATION = 25.0
 """The paper's two compliances, for translation and rotation."""
 
 FREE = {"translation": (3, slice(3, POSE_SIZE)), "root": (6, JOINTS), "nothing": (0, slice(0, 48))}
-"""Option `free` -> number of free variables of the root, and the part of the pose that the
-components describe."""
+"""Option `free` -> number of free variables of the root, and slice of the pose that the components
+describe."""
 
 READINGS = ("damping", "softness")
 STARTS = ("neighbour", "projected", "mean")
@@ -111,12 +110,21 @@ _WHISPER = 1e-10
 def step_costs(translation: float, rotation: float, reading: str) -> Array:
     """Costs (48,) of changing each number of the pose, m2 per m2 or rad2, from two compliances.
 
+    Args:
+        translation: Compliance of translation.
+        rotation: Compliance of rotation.
+        reading: Meaning of compliance, one of `READINGS`.
+
     Raises:
-        EncoderError: A compliance is negative, or 0 where it would be divided by, or there is no
-            such interpretation.
+        EncoderError: A compliance is negative, or 0 for softness, or there is no such reading.
     """
     if reading not in READINGS:
-        raise EncoderError("no such reading", got=reading, expected=", ".join(READINGS))
+        raise EncoderError(
+            "no such meaning of compliance",
+            where="reading",
+            got=reading,
+            expected=", ".join(READINGS),
+        )
     pair = np.array([translation, rotation], float)
     if not (np.isfinite(pair).all() and (pair >= 0).all()):
         raise EncoderError("compliances must be finite, 0 or more", got=pair.tolist())
@@ -149,20 +157,21 @@ class PcaIkEncoder(Encoder):
         start: Start of the steps: `neighbour`, `projected` (the neighbour projected onto the
             components) or `mean`.
         components: Number of components; None uses 3 k - 3 for k contacts.
-        settled: Largest change (m and rad) of any number in a step after which a row stops. 0
-            always takes all steps.
-        pad_height: Centre of a touching fingertip above the surface (m); None estimates it.
+        settled: A row stops after a step that changes no number of the pose by more than this value
+            (m and rad). 0 always takes all steps.
+        pad_height: Height (m) of the centre of a touching fingertip above the surface; None
+            estimates it.
 
     Attributes:
         components_: (48, n) principal directions of the training poses, in order of variance;
             orthonormal in centimetres and degrees.
-        explained_: (n,) share of the variance in the first 1, 2, .. n of them.
+        explained_: (n,) share of the variance that the first 1, 2, .. n components explain.
         mean_: (48,) mean training pose.
         pad_height_: Height (m), the given value or the median over the touching fingertips of the
             training poses.
-        tip_misfit_: Root mean square per coordinate of the offsets between the touching
-            fingertips of the training poses and their targets (m), caused by noise, rolling
-            fingertips and errors of the skeleton's bones.
+        tip_misfit_: Root mean square (m), per coordinate, of the offsets of the touching fingertips
+            of the training poses from their targets. Causes are noise, rolling fingertips and
+            errors of the skeleton's bones.
     """
 
     def __init__(
@@ -285,7 +294,8 @@ class PcaIkEncoder(Encoder):
         return min(wanted, self.components_.shape[1])
 
     def basis(self, contacts: int) -> Array:
-        """Directions (48, m) in which the pose may change: free variables, then the components."""
+        """Directions (48, m) in which the pose may change: the free variables of the root, then the
+        components."""
         root, _ = FREE[self.free]
         used = self.components_[:, : self.n_components(contacts)]
         return np.concatenate([np.eye(POSE_SIZE)[:, :root], used], axis=1)
@@ -328,11 +338,11 @@ class PcaIkEncoder(Encoder):
         return pose
 
     def _iterate(self, start: Array, fingers: Mask, targets: Array) -> IkSolution:
-        """Iterates from poses (n, 48) until fingertips are at their targets (n, k, 3)."""
+        """Iterates from poses (n, 48) to bring fingertips to their targets (n, k, 3) m."""
         hand = SinglePose(self.skeleton, np.flatnonzero(fingers).tolist())
         q = start.copy()
         taken = np.zeros(len(q), np.int64)
-        # At first all rows are active, as a slice, which makes no copies.
+        # Rows that still move. At first all rows do, and a slice avoids copies.
         moving: slice | NDArray[np.int64] = slice(None)
         for _ in range(self.iterations):
             tips, jacobian = tips_and_jacobians(hand, q[moving])
@@ -357,7 +367,7 @@ class PcaIkEncoder(Encoder):
         basis, cost = self._ways[off.shape[1] // 3]
         if not basis.shape[1]:
             return np.zeros((len(off), POSE_SIZE))
-        # Pose by pose, so that each step is the same alone and side by side with others.
+        # Each pose is solved separately, so that its step does not depend on the other poses.
         step = np.empty((len(off), POSE_SIZE))
         for i, (far, jacobian) in enumerate(zip(off, J, strict=True)):
             JB = matrix_product(jacobian, basis)
@@ -377,9 +387,13 @@ class PcaIkEncoder(Encoder):
             raise EncoderError("the pad height must be finite", got=self.pad_height)
         step_costs(self.compliance_translation, self.compliance_rotation, self.reading)
         if self.free not in FREE:
-            raise EncoderError("no such freedom", got=self.free, expected=", ".join(FREE))
+            raise EncoderError(
+                "no such free variables", where="free", got=self.free, expected=", ".join(FREE)
+            )
         if self.start not in STARTS:
-            raise EncoderError("no such start", got=self.start, expected=", ".join(STARTS))
+            raise EncoderError(
+                "no such start", where="start", got=self.start, expected=", ".join(STARTS)
+            )
         if self.components is not None and self.components < 0:
             raise EncoderError("the number of components is out of range", got=self.components)
 
@@ -439,8 +453,8 @@ def finger_names(fingers: Mask) -> str:
 class TouchNeighbours:
     """Training frames, grouped by the set of their touching fingers.
 
-    The frames for a set are those with exactly these fingers down. If there are none, they are the
-    frames in which at least these fingers touch, with touches and pose relative to the leftmost of
+    The frames for a set are those with exactly these fingers down. If there are none, frames in
+    which at least these fingers touch are used, with touches and pose relative to the leftmost of
     these fingers.
 
     Args:
@@ -454,7 +468,7 @@ class TouchNeighbours:
         self._frames: dict[bytes, tuple[Array, Array]] = {}
 
     def nearest(self, fingers: Mask, places: Array) -> Array:
-        """Poses (n, 48) of the frames whose touches are nearest to given ones.
+        """Poses (n, 48) of the frames whose touches are nearest to given touches.
 
         The nearest frame has the least sum of squared distances over the touching fingers; of equal
         frames, the first is used. A single touch has no layout and is equally near to all frames:

@@ -1,11 +1,11 @@
 """Polynomial encoders: every degree of freedom is a polynomial of the contact vector.
 
 Equations 1 (quadratic), 2 (linear) and 3 (cubic) of Chung, Kim, Han and Pollard (2015). For 15
-inputs they have K = 136, 16 and 816 terms. Because s_i is 0 or 1 and a lifted finger stands at
-(-1, -1), some terms repeat others (s^2 = s, x s = x + 1 - s): of the 136 quadratic terms only 121
-are independent. Many solutions therefore fit equally well, and the fit
-(`encoders.regression.least_squares`) takes the shortest of them. Predictions do not depend on the
-choice.
+inputs they have K = 136, 16 and 816 terms. A flag s_i is 0 or 1, and a lifted finger is at
+(-1, -1), so some terms depend on other terms (s^2 = s, x s = x + 1 - s): of the 136 quadratic terms
+only 121 are independent. Many coefficients therefore fit equally well, and the fit
+(`encoders.regression.least_squares`) takes those with the smallest norm. Predictions do not depend
+on this choice.
 
 The file defines the encoders first, then a reduced polynomial for contact vectors (`Collapse`).
 Once the set of touching fingers is fixed, only their coordinates are free: the flag of a touching
@@ -53,8 +53,8 @@ _WEIGHTS = 1 << np.arange(len(FINGERS))
 """Weights of the fingers; the code of a finger set is the sum of its weights, 1 to 31."""
 
 _LEAST_FINGERS = 2
-"""Smallest finger set counted in `missing_sets_`. Captures drop frames of a single finger, because
-one finger has no layout."""
+"""Number of fingers of the smallest sets in `missing_sets_`. Captures drop frames of a single
+finger, because one finger has no layout."""
 
 
 class PolynomialEncoder(Encoder):
@@ -68,10 +68,10 @@ class PolynomialEncoder(Encoder):
     Attributes:
         coef_: (K, n_outputs) coefficients, one row for each term of `monomials`.
         rank_: Number of independent terms found by the fit (plain least squares only).
-        n_inputs_, n_outputs_: Widths seen by the fit.
+        n_inputs_, n_outputs_: Numbers of columns of U and Q in the fit.
         constant_inputs_: Indices of inputs that had the same value in all frames.
-        missing_sets_: Names (such as `thumb+ring`) of the sets of two to five fingers that no
-            frame had; predictions for these sets are extrapolations. Empty if the inputs are not
+        missing_sets_: Names (such as `thumb+ring`) of the sets of two to five fingers that occur in
+            no frame; predictions for these sets are extrapolations. Empty if the inputs are not
             contact vectors.
     """
 
@@ -141,7 +141,7 @@ class PolynomialEncoder(Encoder):
         """The encoder prepared for fast prediction from contact vectors.
 
         After `pose = encoder.for_contacts()`, `pose(u)` predicts from one contact vector (15,) and
-        `pose.predict(U)` from many. Both return the outputs of `predict`, to rounding, several
+        `pose.predict(U)` from many. Both return the outputs of `predict`, up to rounding, several
         times as fast.
 
         Raises:
@@ -180,10 +180,10 @@ class PolynomialEncoder(Encoder):
         return X
 
     def load(self, coef: ArrayLike, n_inputs: int, U: Array | None = None) -> Self:
-        """Takes over coefficients (K, n_outputs) learned earlier.
+        """Takes over coefficients of an earlier fit.
 
         Args:
-            coef: The coefficients.
+            coef: (K, n_outputs) coefficients.
             n_inputs: Width of the inputs.
             U: (T, n_inputs) inputs from which the coefficients were learned, for `missing_sets_`.
         """
@@ -243,7 +243,7 @@ class PolynomialEncoder(Encoder):
 
 
 def stored_coefficients(arrays: Mapping[str, NDArray[Any]], shape: tuple[int, ...]) -> Array:
-    """The stored array `coef`, after checks.
+    """Returns the stored array `coef`, after checking it.
 
     Raises:
         EncoderError: The array is missing, has another shape, or is not finite floating point.
@@ -341,7 +341,8 @@ def set_code(fingers: Sequence[int]) -> int:
 
 
 def set_codes(U: Array) -> Indices:
-    """Codes (T,) of the finger sets of inputs (T, width); 0 where a row is no contact vector."""
+    """Codes (T,) of the finger sets of inputs (T, width); 0 for rows that are no contact
+    vectors."""
     if U.shape[1] != CONTACT_VECTOR_SIZE:
         return np.zeros(len(U), np.intp)
     flags = U[:, FLAGS:]
@@ -361,7 +362,7 @@ class Collapse:
         factors: (degree, r) indices into the contact vector; the numbers in a column multiply to a
             monomial. The flag of a touching finger, which is 1, fills up columns of lower degree.
         monomial: (K,) index of the monomial to which each term reduces.
-        sign: (K,) factor 1, -1 or 0 between each term and its monomial.
+        sign: (K,) factor 1, -1 or 0 by which each term equals its monomial.
     """
 
     fingers: tuple[int, ...]
@@ -392,9 +393,9 @@ def collapse(
     Args:
         fingers: The set.
         degree: Degree of the polynomial.
-        origin: Finger of the set that is at (0, 0), which is the leftmost one. Its coordinates are
-            then left out too: 6, 15, 28 and 45 quadratic monomials remain for 2 to 5 fingers. None
-            keeps the coordinates of all fingers of the set.
+        origin: The leftmost finger of the set, which is at (0, 0). Its coordinates are then left
+            out, too: 6, 15, 28 and 45 quadratic monomials remain for 2 to 5 fingers. None uses the
+            coordinates of all fingers of the set.
         lifted: Value of both coordinates of a lifted finger.
     """
     coordinates = [2 * f + axis for f in fingers if f != origin for axis in range(2)]
@@ -422,10 +423,9 @@ def collapse(
 class ContactPoses:
     """A fitted polynomial encoder, prepared for contact vectors.
 
-    It returns the outputs of the encoder's `predict`, to rounding, several times as fast. It does
-    not read the positions of lifted fingers, which are (-1, -1) by definition of the contact
-    vector. Buffers are made once and reused for every pose, so only one thread at a time may use
-    an object.
+    It returns the outputs of the encoder's `predict`, up to rounding, several times as fast. It
+    does not read the positions of lifted fingers, which are (-1, -1) by definition of the contact
+    vector. Buffers are reused for every pose, so only one thread at a time may use an object.
 
     Args:
         coef: (K, n_outputs) coefficients of an encoder's terms for 15 inputs.

@@ -1,7 +1,7 @@
 """Trained models: an encoder with the covariance of its errors and its training data.
 
-A model is read from its file here; `encoders.regression.training` trains and writes it. The
-built-in models are trained on a capture of the *simulated* subject, not on people.
+This module reads models from files; `encoders.regression.train` trains and writes them. The
+built-in models are trained on a *simulated* subject or on *simulated* people, not on real people.
 """
 
 from __future__ import annotations
@@ -45,7 +45,7 @@ SCHEMA = 2
 """Version of the file's layout."""
 
 CAPTURED = frozenset(("time", "trial", "ids", "xy", "q"))
-"""Arrays of a capture. A capture is easily given in place of the model that is trained from it."""
+"""Arrays of a capture. They show that a user gave a capture in place of a model."""
 
 _REMEDY = "`sandbox train --out FILE` makes a valid one"
 
@@ -55,7 +55,7 @@ POLYNOMIALS: dict[str, tuple[int, float | None]] = {
     "quadratic": (2, None),
     "cubic": (3, None),
 }
-"""Name -> degree and ridge (None: chosen by validation) of the built-in polynomials."""
+"""Name -> degree and ridge of the built-in polynomials; a ridge of None is chosen by validation."""
 
 BUILTIN = tuple(POLYNOMIALS)
 """Names of the models trained on the built-in capture."""
@@ -64,7 +64,7 @@ POPULATION = "population"
 """Name of the built-in model for any person; `python -m training population` makes it."""
 
 EXTERNAL = "outside"
-"""Kind of external encoders in a header."""
+"""Value of `kind` in the header of a model with an external encoder."""
 
 MODEL_ARRAYS = (
     "header",
@@ -79,10 +79,10 @@ MODEL_ARRAYS = (
 """Names of the arrays in a model's file that do not belong to its encoder."""
 
 _STEPS = 3
-"""Number of Gauss-Newton steps, after which tips are as exact as the touches' variance requires."""
+"""Number of Gauss-Newton steps; tips are then as exact as the variance of the touches requires."""
 
 _LIFTED_VARIANCE = 1e6
-"""Variance of fingertips that do not touch (m2), whose position is unknown."""
+"""Variance (m2) of fingertips that do not touch, whose position is unknown."""
 
 
 @dataclass(frozen=True)
@@ -97,10 +97,11 @@ class TrainedModel:
         training_u: (T, 15) contact vectors of the training data.
         training_pose: (T, 48) relative poses of the training data.
         meta: Origin of the capture, simulated or not, degree and ridge; JSON values.
-        correction: Correction of estimates of the captured person's pose by the touches. It does
-            not apply to our hand, and no session uses it.
-        personal_covariance: (48, 48) part of the covariance that stays the same for a person, in
-            the frame that turns with the hand; None for a model of one person.
+        correction: Corrects estimated poses of the captured person by the touches, for evaluations.
+            Sessions do not use it, since the simulated hand has other bones.
+        personal_covariance: (48, 48) part of the covariance that comes from errors that are
+            constant for a person, in the frame that turns with the hand; None for a model of one
+            person.
     """
 
     name: str
@@ -136,16 +137,15 @@ class PersonCorrection:
     """Kalman-like update of predicted poses by the touches.
 
     `encoders.correction` makes the tips of our own hand meet the touches exactly. Here the pose of
-    the person's hand is estimated. The person has other bones, so the accuracy of a touch as a
-    measurement of the pose depends on how well those bones are known
-    (`encoders.regression.bone_fit`).
+    the person's hand is estimated. The person has other bones. How accurately a touch measures the
+    pose therefore depends on how well those bones are known (`encoders.regression.bone_fit`).
 
     Attributes:
         skeleton: The person's skeleton as far as it is known.
         covariance: (48, 48) covariance of prediction errors on unseen trials, m and rad.
-        tip_variance: (3,) m2, variance of touches about the skeleton's fingertips, times
-            `distrust`.
-        distrust: Factor chosen by validation; 1 if the touches' variance needs no increase.
+        tip_variance: (3,) m2, measured variance of touches about the skeleton's fingertips,
+            multiplied by `distrust`.
+        distrust: Factor that validation chose; with 1, the measured variance is used.
     """
 
     skeleton: Skeleton
@@ -204,10 +204,10 @@ def load_model(path: Path | str, capture: Capture | None = None) -> TrainedModel
     header, raw = read_npz(Path(path), None, EncoderError, "a trained model", _REMEDY)
     if raw.keys() >= CAPTURED:
         raise EncoderError(
-            "this is a capture, from which a model is trained",
+            "this is a capture, not a trained model",
             where=where,
             expected="a trained model",
-            remedy=f"`sandbox train --capture {path} --out MODEL.npz` makes one of it",
+            remedy=f"`sandbox train --capture {path} --out MODEL.npz` trains a model on it",
         )
     if header.get("schema") != SCHEMA:
         raise EncoderError(
@@ -302,8 +302,8 @@ def restored(
         kind: Class of the encoder.
         options: Its configuration.
         arrays: Its learned arrays.
-        U: (T, 15) training frames in single precision.
-        Q: (T, 48) likewise.
+        U: (T, 15) contact vectors of the training frames, in single precision.
+        Q: (T, 48) relative poses of the training frames, in single precision.
 
     Raises:
         EncoderError: The encoder cannot be restored.
@@ -336,7 +336,8 @@ def _class_of_origin(source: Mapping[str, Any]) -> type[Encoder]:
 
 
 def header_fields(encoder: Encoder) -> dict[str, Any]:
-    """Header fields of an encoder, as JSON values; with its arrays they define it completely."""
+    """Header fields of an encoder, as JSON values. Together with the encoder's arrays, they define
+    it completely."""
     ours = builtin_name(encoder)
     if ours is not None:
         return {"kind": ours, **encoder.configuration()}
@@ -360,7 +361,7 @@ def _array(raw: Mapping[str, NDArray[Any]], name: str, where: str) -> Array:
 
 
 def _is_distrust(value: Any) -> bool:
-    """True for a valid `distrust` of a header, or for none."""
+    """True for a valid value of `distrust` in a header, or for None."""
     return value is None or (is_ridge(value) and value > 0)
 
 
@@ -392,7 +393,7 @@ def single(array: Array) -> Array:
 
 
 def skeleton_of(anchors: Array, lengths: Array) -> Skeleton:
-    """The built-in skeleton with other joint anchors (14, 3) and lengths (14,), m."""
+    """The built-in skeleton with given joint anchors (14, 3) m and bone lengths (14,) m."""
     bones = tuple(
         replace(bone, anchor=(float(a[0]), float(a[1]), float(a[2])), length=float(length))
         for bone, a, length in zip(ADULT.bones, anchors, lengths, strict=True)
@@ -402,7 +403,7 @@ def skeleton_of(anchors: Array, lengths: Array) -> Skeleton:
 
 @cache
 def builtin_capture() -> Capture:
-    """Capture of the simulated subject, on which all built-in models are trained."""
+    """Capture of the simulated subject, on which the models in `BUILTIN` are trained."""
     from encoders.store import load_capture
 
     return load_capture(builtin_folder() / "capture.npz")

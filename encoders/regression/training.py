@@ -53,7 +53,7 @@ def train(capture: Capture, name: str, degree: int, ridge: float | None) -> Trai
         name: Name of the model.
         degree: 1, 2 or 3.
         ridge: Penalty; 0 is least squares, None chooses from `RIDGES` by cross-validation blocked
-            by trial. (Random frames would leak, since neighbouring frames are nearly equal.)
+            by trial. (With random frames, test frames would hardly differ from training frames.)
 
     Raises:
         EncoderError: Degree or ridge is invalid, or the capture has only one trial.
@@ -91,7 +91,7 @@ def train_encoder(
     U, Q = capture.u, capture.relative
     residuals = Q - blocked_predictions(make, capture, progress=progress)
     with ENCODER_PLUGINS.guarded(name, "the encoder cannot learn"):
-        # Copies, since a fit that subtracts means in place must not change the capture for others.
+        # Copies protect the capture from a fit that changes its inputs.
         encoder = _itself(make().fit(U.copy("K"), Q.copy("K")), name)
     predicted(encoder, U[:1])
     covariance = robust_covariance(residuals)
@@ -129,7 +129,7 @@ def blocked_predictions(
 
 
 def _itself(fitted: Encoder | None, where: str) -> Encoder:
-    """The result of `fit`.
+    """Returns the result of `fit` after checking it.
 
     Raises:
         EncoderError: The result is None.
@@ -147,8 +147,8 @@ def origin(capture: Capture) -> dict[str, Any]:
 
 
 def _blocked_residuals(capture: Capture, degree: int, ridges: Sequence[float]) -> Array:
-    """Prediction errors (len(ridges), T, 48) of encoders that were not trained on the frame's
-    trial."""
+    """Prediction errors (len(ridges), T, 48) for every penalty, of encoders that were not trained
+    on the frame's trial."""
     U, Q = capture.u, capture.relative
     fold = trial_folds(capture.trial)
     residuals = np.empty((len(ridges), *Q.shape))
@@ -165,7 +165,7 @@ def _blocked_residuals(capture: Capture, degree: int, ridges: Sequence[float]) -
 
 
 def rounded(model: TrainedModel) -> TrainedModel:
-    """The model as restored from a file, so that a saved model predicts the same bits."""
+    """Rounds a model as its file would, so that the saved model gives bit-identical predictions."""
     training_u, training_pose = single(model.training_u), single(model.training_pose)
     covariance = single(model.residual_covariance)
     correction = model.correction
@@ -195,8 +195,8 @@ def _as_restored(encoder: Encoder, U: Array, Q: Array) -> Encoder:
 
     Args:
         encoder: A fitted encoder.
-        U: (T, 15) training frames in single precision.
-        Q: (T, 48) likewise.
+        U: (T, 15) contact vectors of the training frames, in single precision.
+        Q: (T, 48) relative poses of the training frames, in single precision.
 
     Raises:
         EncoderError: The encoder cannot be stored, or the restored encoder differs.
@@ -215,7 +215,7 @@ def _as_restored(encoder: Encoder, U: Array, Q: Array) -> Encoder:
         same = loaded.digest() == encoder.digest()
     some = U[:_TRIED]
     moved = np.abs(predicted(loaded, some) - predicted(encoder, some)).max()
-    # An encoder without stored arrays was fitted again, to rounded frames.
+    # An encoder without stored arrays is restored by fitting it again, to rounded frames.
     if not arrays:
         check_repeatable(loaded, restored(kind, options, arrays, U, Q), some)
     if not same or (arrays and moved > _SAME_POSE):
@@ -269,13 +269,13 @@ def predicted(encoder: Encoder, U: ArrayLike) -> Array:
             raise EncoderError(
                 "the encoder changes its input",
                 where=where,
-                remedy="Write `U = U - mean`, not `U -= mean`: others read the same array",
+                remedy="Write `U = U - mean`, not `U -= mean`: other code reads the same array",
             )
         if poses.shape != shape:
             raise EncoderError(
                 "the encoder predicts poses of another shape",
                 where=where,
-                got=f"{poses.shape} of inputs {rows.shape}",
+                got=f"{poses.shape} for inputs {rows.shape}",
                 expected=str(shape),
             )
         if not np.isfinite(poses).all():

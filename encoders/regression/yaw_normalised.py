@@ -1,15 +1,15 @@
 """Yaw-normalised encoder: quadratic encoding in a frame that turns with the hand.
 
-A turned hand moves its fingers in the same way, but a polynomial of touches in the surface's frame
-must learn every direction separately, approximating sines and cosines by quadratics. Here a first
-quadratic predicts the hand's yaw, its rotation about the surface's normal. The touches are rotated
-back by this yaw about their middle, a second quadratic predicts the pose in the rotated frame, and
-the result is rotated forward again. A third quadratic repeats this with the improved yaw. The
-normalised frame has less variation to learn, and directions with little training data profit from
-the others.
+A turned hand moves its fingers like a hand that is not turned. But a polynomial of touches in the
+surface's frame must learn every direction separately, and approximates sines and cosines by
+quadratics. Here a first quadratic predicts the hand's yaw, its rotation about the surface's normal.
+The touches are rotated back by this yaw about their middle. A second quadratic predicts the pose in
+the rotated frame, and the result is rotated forward again. A third quadratic repeats this with the
+improved yaw. In the normalised frame there is less variation to learn, and directions with little
+training data profit from other directions.
 
-The paper of 2015 fixed the device in front of the person and used one quadratic; this encoder is
-our own.
+In the paper of 2015, the device was fixed in front of the person, and one quadratic was used. This
+encoder is our own.
 """
 
 from __future__ import annotations
@@ -40,12 +40,12 @@ from models.rotations import exp, log, turn_about_normal, turned_about_normal
 from models.surface import METRES_PER_INCH
 
 SPREADS = (0.25, 0.15)
-"""Standard deviations (rad) of the simulated yaw error in each round of training. They are similar
-to the errors of the previous round on unseen trials (0.22 and 0.18 rad root mean square, five folds
-of the built-in capture)."""
+"""Standard deviations (rad) of the yaw error that is simulated in training, for each round (second
+and third quadratic). They are similar to the errors of the yaw from the previous quadratic on
+unseen trials: 0.22 and 0.18 rad root mean square, in five folds of the built-in capture."""
 
 _COPIES = 3
-"""Number of copies of every training frame, each with another yaw error."""
+"""Number of copies of every training frame, each with a different yaw error."""
 
 _COEF = (comb(CONTACT_VECTOR_SIZE + 2, 2), POSE_SIZE)
 """Shape (136, 48) of one quadratic's coefficients."""
@@ -62,7 +62,7 @@ class YawNormalisedEncoder(Encoder):
         turned_ridge: Penalty of the quadratics in the normalised frame.
 
     Attributes:
-        coef_: (1 + rounds, 136, 48) coefficients of the quadratics in their order.
+        coef_: (1 + rounds, 136, 48) coefficients of the quadratics, in order of use.
     """
 
     def __init__(self, ridge: float = 0.03, turned_ridge: float = 0.1) -> None:
@@ -97,7 +97,7 @@ class YawNormalisedEncoder(Encoder):
         return self._from_stages(stages)
 
     def load(self, coef: ArrayLike) -> Self:
-        """Takes over coefficients (1 + rounds, 136, 48) learned earlier.
+        """Takes over coefficients (1 + rounds, 136, 48) of an earlier fit.
 
         Raises:
             EncoderError: The coefficients have another shape.
@@ -176,7 +176,7 @@ class YawNormalisedEncoder(Encoder):
 def yaw_of(q: ArrayLike) -> Array:
     """Yaw (...) rad of poses (..., 48) about the surface's normal; 0 is straight up the screen.
 
-    It is the rotation about the normal that is nearest to the root's rotation.
+    The yaw is that of the rotation about the normal that is nearest to the root's rotation.
     """
     R = exp(np.asarray(q, float)[..., ROOT_ROTATION])
     return arithmetic.atan2(R[..., 1, 0] - R[..., 0, 1], R[..., 0, 0] + R[..., 1, 1])
@@ -220,11 +220,13 @@ def _from_normalised(Q: Array, turn: Array, middle: Array) -> Array:
 
 
 def turned_root(errors: Array, turn: Array) -> Array:
-    """Errors (T, 48) of poses, with the root's two error vectors rotated about the normal.
+    """Errors (T, 48) of poses, with position and rotation errors of the root rotated about the
+    normal.
 
     Args:
         errors: (T, 48) differences of poses, m and rad.
-        turn: (T,) rad; minus the hand's yaw turns errors to the frame that turns with the hand.
+        turn: (T,) rad, angle of the rotation. Minus the hand's yaw transforms errors to the frame
+            that turns with the hand.
     """
     out = np.array(errors)
     rotation = _about_normal(turn)
@@ -283,7 +285,7 @@ class YawNormalisedPose:
         self._sets: dict[tuple[float, ...], tuple[tuple[int, ...], list[_Quadratic]]] = {}
 
     def __call__(self, u: Array) -> Array | None:
-        """Relative pose (48,) of a contact vector (15,); None for an invalid one."""
+        """Relative pose (48,) of a contact vector (15,); None for an invalid contact vector."""
         numbers = u.tolist()
         flags = tuple(numbers[FLAGS:])
         prepared = self._sets.get(flags)
@@ -300,7 +302,7 @@ class YawNormalisedPose:
         v = [1.0]
         for f in fingers:
             v += numbers[2 * f : 2 * f + 2]
-        # All rounds but the last only predict the root's rotation, for the yaw.
+        # Of all quadratics but the last, only the root's rotation is computed, for the yaw.
         w = first(np.array(v))
         turn = turn_about_normal(w)
         mx, my = fsum(x) / len(x), fsum(y) / len(y)

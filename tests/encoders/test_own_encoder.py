@@ -190,7 +190,7 @@ def test_a_model_that_took_long_to_train_is_cached(
     path, told = tmp_path / "lab.py", list[str]()
     path.write_text("from tests.encoders.test_own_encoder import Mean\nclass A(Mean): pass")
     first = find_model(str(path), told.append)
-    assert any("kept in" in line for line in told) and list(cache_folder().glob("*.npz"))
+    assert any("stored in" in line for line in told) and list(cache_folder().glob("*.npz"))
     told.clear()
     model_registry._trained.cache_clear()
     assert find_model(str(path), told.append).digest == first.digest and told == []
