@@ -315,7 +315,7 @@ def test_a_pose_that_is_not_finite_in_the_midst_of_a_trial_is_told_in_one_line(
     assert main(["run", "box-to-goal", "--encoder", f"{file}:A"]) == 2
     told = capsys.readouterr().err.strip().splitlines()[-1]
     assert told.startswith("sandbox: A.predict: the encoder predicts a pose that is not finite")
-    assert "of the contact vector [" in told
+    assert "for the contact vector [" in told
 
 
 def test_poses_that_storing_changes_are_refused(capture: Capture, tmp_path: Path) -> None:
