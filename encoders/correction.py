@@ -92,7 +92,8 @@ class CorrectionSettings:
         iterations: Largest number of steps; five fingers far from the guess need five.
         floor_position: Standard deviation (m) that is added to the encoder's errors of the root's
             position, as a variance.
-        floor_angle: Standard deviation (rad) that is added likewise to its errors of angles.
+        floor_angle: Standard deviation (rad) that is added, as a variance, to the encoder's errors
+            of angles.
     """
 
     tip_sigma: float = 0.0003

@@ -40,7 +40,7 @@ class Encoder(Protocol):
     but the training frames, and no quicker form for contact vectors.
 
     The class must be callable without arguments. Equal frames must give equal encoders, and a
-    prediction must not depend on earlier ones, since sessions replay to the bit.
+    prediction must not depend on earlier predictions, since sessions replay to the bit.
     """
 
     @abstractmethod

@@ -47,10 +47,10 @@ def check_encoder(encoder: type[Any] | str, capture: Capture | None = None) -> N
         capture: Training data; None takes every fortieth frame of the built-in capture.
 
     Raises:
-        EncoderError: The encoder breaks a rule; the error names the first one. The class is not an
-            encoder or cannot be found again; it cannot learn, predict or be stored; its poses have
-            a wrong shape or are not finite; it changes its input; it learns differently from equal
-            frames; or its predictions depend on earlier predictions.
+        EncoderError: The encoder breaks a rule; the error names the first broken rule. The class is
+            not an encoder or cannot be found again; it cannot learn, predict or be stored; its
+            poses have a wrong shape or are not finite; it changes its input; it learns differently
+            from equal frames; or its predictions depend on earlier predictions.
     """
     if isinstance(encoder, str):
         kind = find_encoder(encoder)
@@ -72,7 +72,7 @@ def _check_history(encoder: Encoder, model: TrainedModel, name: str) -> None:
     """Checks that predictions do not depend on earlier predictions.
 
     Raises:
-        EncoderError: A prediction depends on earlier ones, so a recording would not replay.
+        EncoderError: A prediction depends on earlier predictions, so a recording would not replay.
     """
     some = model.training_u[:_TRIED]
     before = predicted(encoder, some)

@@ -16,8 +16,8 @@ SCHEMA = 1
 """Version of the file's layout."""
 
 FARTHEST = 3.0
-"""Largest median distance (m) of a wrist from its touches. It is usually 0.1 to 0.2 m; a larger one
-shows that lengths are not in metres."""
+"""Largest median distance (m) of a wrist from its touches. It is usually 0.1 to 0.2 m. A larger
+distance shows that lengths are not in metres."""
 
 _ARRAYS = {"time": "f", "trial": "i", "ids": "i", "xy": "f", "q": "f"}
 

@@ -32,7 +32,7 @@ class JointReconstructor(AirReconstructor):
 
     Args:
         side: `right` or `left`.
-        size: Length of the hand relative to the average one.
+        size: Length of the hand relative to the average hand.
         settings: How the commanded pose follows the solved poses.
         fit: Weights of the fit.
         surface: Workspace of a task; None is the default tablet.

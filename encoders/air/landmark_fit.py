@@ -9,8 +9,8 @@ depth, from usual postures, and from the previous picture.
 
 The fit is one least-squares problem of 48 unknowns, solved by a few Gauss-Newton steps from the
 previous pose. Landmarks that fit badly count less (Cauchy's weights). Joints stay in their ranges:
-a joint that would leave its range is fixed at the end, and the others compensate for it. A few more
-steps bend the thumb alone, since a pinch moves it far from the middle of its ranges.
+a joint that would leave its range is fixed at its end, and the other joints compensate for it. A
+few more steps bend the thumb alone, since a pinch moves it far from the middle of its ranges.
 """
 
 from __future__ import annotations

@@ -36,7 +36,7 @@ class LandmarkReconstructor(AirReconstructor):
     Args:
         camera: The camera.
         side: `right` or `left`.
-        size: Length of the hand relative to the average one. The hand's distance from the camera
+        size: Length of the hand relative to the average hand. The hand's distance from the camera
             follows from this length.
         following: How the commanded pose follows the solved poses.
         fit: Weights of the fit.
@@ -103,7 +103,7 @@ class LandmarkReconstructor(AirReconstructor):
         self._image_middle = np.array(hand.image).mean(axis=0)
 
     def _choose(self, frame: LandmarkFrame) -> SeenHand | None:
-        """This reconstructor's hand among the hands of a picture; None if there is none.
+        """This reconstructor's hand among the hands of a picture; None if it is not seen.
 
         Among several hands of its side, the hand nearest to its recent place is chosen, or without
         a recent place the hand with the highest score. A hand of the other side is accepted at the

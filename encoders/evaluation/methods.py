@@ -93,7 +93,7 @@ LEAST_SQUARES = {
     "paper": "quadratic",
 }
 """The paper's encoders, fitted by plain least squares as in the paper. `paper` is the paper's
-method, the quadratic one."""
+own method, which is quadratic."""
 
 TRAINED = "trained"
 """Name of the model that `sandbox train` makes from the training data, with the shipped

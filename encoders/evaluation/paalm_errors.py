@@ -133,7 +133,7 @@ class Plausibility:
             largest flexion, since straight joints are plausible.
         tips: 95th percentile of the distance (m) of the fingertips that the device saw from those
             of an average hand in the estimated pose.
-        remark: Reason why an average hand was used instead of a measured one; empty if none was
+        remark: Reason why an average hand was used, not a measured hand; empty if none was
             used.
     """
 

@@ -1,4 +1,4 @@
-"""The model that `sandbox train` makes of one person's capture, and its estimate of the pose.
+"""The model that `sandbox train` makes from one person's capture, and its estimate of the pose.
 
 Candidate encoders are compared by tenfold cross-validation blocked by trial, each with a correction
 by the touches (`PersonCorrection`). The best candidate is trained on all data. The weight of the

@@ -54,7 +54,7 @@ class PoseErrors:
 
 
 def pose_errors(estimate: Array, truth: Array) -> PoseErrors:
-    """Errors of estimated poses (T, 48) relative to captured ones (T, 48)."""
+    """Errors of estimated poses (T, 48) relative to captured poses (T, 48)."""
     off = estimate - truth
     return PoseErrors(
         100.0 * np.linalg.norm(off[:, ROOT_POSITION], axis=1),

@@ -14,9 +14,9 @@ contacts. Three events change it.
   but belong to one posture. A lifted contact's place is therefore shifted along with the contacts
   that stayed, until these have moved so far that the place is no longer informative.
 - Contacts land. The belief about the old contacts is multiplied by
-  p(all | layout) / p(old | layout). A remembered contact counts as an old contact of a finger other
-  than the new ones, or as a finger that has returned. Old contacts that have moved since their last
-  evaluation are evaluated again.
+  p(all | layout) / p(old | layout). A remembered contact either counts as an old contact, of a
+  finger that has not landed again, or is one of the new contacts, whose finger has returned. Old
+  contacts that have moved since their last evaluation are evaluated again.
 
 Early mistakes are thus stored as uncertainty, which later frames can correct.
 
@@ -34,7 +34,7 @@ relative to their mean, so that the density does not depend on the hand's place 
 Every set of fingers has a kernel density over known layouts. Hands rotate and open as a whole, and
 known layouts have only some of these rotations and openings. Each kernel is therefore stretched
 along the rotation and the size of its layout. With layouts as complex vectors x and p, both
-directions follow from one inner product <p, x>, so such a kernel costs no more than a round one.
+directions follow from one inner product <p, x>, so such a kernel costs no more than a round kernel.
 """
 
 from __future__ import annotations
@@ -105,7 +105,7 @@ class KernelShape:
 
 
 MOST = 24
-"""Largest number of layouts that are stored; a further layout replaces the oldest one."""
+"""Largest number of layouts that are stored; a further layout replaces the oldest layout."""
 
 NEW = 0.12
 """Least root mean square distance (inches) of a new layout from all stored layouts, after the best
@@ -177,7 +177,8 @@ class OwnLayouts:
         return self.layouts * METRES_PER_INCH
 
     def with_new(self, xy: Array) -> OwnLayouts:
-        """These layouts and one more, (5, 2) m by finger; returns `self` if it is not new."""
+        """These layouts and a further layout (5, 2) m by finger; `self` if the layout is not new or
+        not that of a right hand."""
         layout = _centred(np.asarray(xy, float) / METRES_PER_INCH)
         if not (_like_a_hand(layout) and _of_right_hand(layout)):
             return self

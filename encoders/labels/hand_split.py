@@ -73,7 +73,7 @@ class HandSplitter:
         self._last: list[tuple[float, Array]] = [(-np.inf, home) for home in self._homes]
 
     def step(self, frame: TouchFrame) -> tuple[TouchFrame, TouchFrame]:
-        """Splits a frame into one per hand.
+        """Splits a frame into two frames, one for each hand.
 
         A contact is left out while it waits, and if no hand had a free finger for it. A cancelled
         contact is reported in the frame of its hand. Both frames have the lift control.

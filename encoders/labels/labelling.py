@@ -95,7 +95,7 @@ def hypotheses(count: int) -> Labels:
     """All labellings (P, count) of `count` contacts, in lexicographic order; read-only.
 
     Raises:
-        EncoderError: The count is not one of 1 to 5.
+        EncoderError: The count is not 1 to 5.
     """
     if count not in range(1, len(FINGERS) + 1):
         raise EncoderError(

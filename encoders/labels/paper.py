@@ -233,7 +233,7 @@ class NearestNeighbour:
         cells: Number of cells; None takes about 6 sqrt(T).
 
     Raises:
-        EncoderError: No point is given, or one is not finite.
+        EncoderError: No point is given, or a point is not finite.
     """
 
     def __init__(self, points: Array, cells: int | None = None) -> None:
@@ -324,7 +324,7 @@ def _checked_points(points: Array) -> Array:
     """Checks points (T, d).
 
     Raises:
-        EncoderError: No point is given, or one is not finite.
+        EncoderError: No point is given, or a point is not finite.
     """
     if points.ndim != 2 or not len(points) or not _moderate(points):
         raise EncoderError(

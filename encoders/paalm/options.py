@@ -55,7 +55,7 @@ class PaalmOptions:
     longest: float = 0.15
 
     def coupling_for(self, dialect: str | None) -> Coupling:
-        """The chosen coupling; without one, the coupling of a dialect."""
+        """The chosen coupling; if none is chosen, the coupling of a dialect."""
         return self.coupling or coupling_of(dialect)
 
     def __post_init__(self) -> None:

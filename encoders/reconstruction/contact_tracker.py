@@ -477,7 +477,7 @@ class ContactTracker:
             self.palms = frozenset(i for i, why in self._ignored_ids.items() if why == PALM)
 
     def _drop_palms(self, seen: dict[int, Contact]) -> None:
-        """Forgets fingers that turned out to be palms. Ignored contacts may then take their place."""
+        """Forgets fingers that turned out to be palms. Ignored contacts may then become fingers."""
         if not self._judge.judges:
             for track in self.tracks.values():
                 track.unsure = False

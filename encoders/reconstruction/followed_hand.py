@@ -156,7 +156,7 @@ class AirReconstructor:
 
     Args:
         side: `right` or `left`.
-        size: Length of the hand relative to the average one.
+        size: Length of the hand relative to the average hand.
         following: How the commanded pose follows the hand.
         surface: Workspace of a task; None is the default tablet.
 

@@ -1,4 +1,4 @@
-"""Finds encoders by name: built-in encoders, those of installed packages, and those in a file.
+"""Finds encoders by name: built-in encoders, encoders of installed packages, encoders in a file.
 
 A package offers its encoders under a name:
 

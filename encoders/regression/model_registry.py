@@ -84,7 +84,7 @@ def pca_ik_model() -> TrainedModel:
 
 
 def pca_ik_like(like: TrainedModel) -> TrainedModel:
-    """The paper's PCA-IK with the paper's settings, fitted to the training data of another model."""
+    """The paper's PCA-IK with the paper's settings, fitted to another model's training data."""
     from encoders.regression.pca_ik import PcaIkEncoder
 
     return PcaIkModel(

@@ -232,8 +232,8 @@ def check_repeatable(first: Encoder, second: Encoder, U: Array) -> None:
     """Checks that two encoders fitted to equal frames predict equal poses.
 
     Args:
-        first: One encoder.
-        second: The other encoder.
+        first: First encoder.
+        second: Second encoder.
         U: (T, 15) contact vectors for which both predict poses.
 
     Raises:

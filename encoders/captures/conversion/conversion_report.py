@@ -14,7 +14,7 @@ class ConversionRules:
 
     Attributes:
         rate: Frame rate (Hz) of the capture.
-        shortest: Shortest life of a contact (s); shorter ones are dropped as glitches.
+        shortest: Shortest life of a contact (s); shorter contacts are dropped as glitches.
         fastest: Greatest speed (m/s) of a finger on a surface; a faster movement is a jump.
         stuck: Longest rest (s) at the end of a contact that never ends. After a longer rest, the
             device is assumed to have missed the lift.

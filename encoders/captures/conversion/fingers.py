@@ -128,8 +128,8 @@ def _vote(
 def _without_overlaps(
     labelled: list[LabelledTrack], report: ConversionReport
 ) -> list[LabelledTrack]:
-    """Leaves at most one contact per finger at a time: of overlapping contacts, the one nearest to
-    the fingertip."""
+    """Leaves at most one contact per finger at a time. Of overlapping contacts of a finger, the
+    contact nearest to the fingertip remains."""
     kept: list[LabelledTrack] = []
     for one in sorted(labelled, key=lambda contact: contact.distance):
         rival = any(

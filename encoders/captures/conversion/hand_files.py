@@ -133,7 +133,7 @@ def read_hand(
         path: `.bvh`, `.amc`, `.v`, `.csv`, or `.tsv` and `.tsv.gz`.
         mapping: Meaning of the names in the file.
         report: Collects residuals and counts.
-        left: True for a left hand, which is mirrored into a right one.
+        left: True for a left hand, which is mirrored into a right hand.
         unit: Units of the file, such as `cm`, `cm,ms` or a number of metres. A unit that is not
             given is the format's usual unit if the hand has a plausible size in it, or else the
             unit in which the hand has a plausible size.

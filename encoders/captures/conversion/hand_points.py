@@ -56,7 +56,7 @@ class FittedHand:
 
     Attributes:
         skeleton: Skeleton scaled to the person's hand.
-        scale: Size of this skeleton relative to the given one.
+        scale: Size of this skeleton relative to the given skeleton.
         surprise: (M,) distances of the points from their expected places on their bones, in
             standard deviations.
         q: (T, 48) poses in the frame of the points; NaN in frames with too few points.
@@ -326,7 +326,7 @@ def joints_from_points(
         frame: Frame of the surface; None estimates the plane on which fingertips rest.
         skeleton: Our skeleton, whose size is fitted.
         report: Receives residuals and counts.
-        left: True for a left hand, which is mirrored into a right one.
+        left: True for a left hand, which is mirrored into a right hand.
         tolerance: Distance (m) from an estimated plane within which a fingertip rests on it.
         progress: Called with the share done, 0 to 1.
 

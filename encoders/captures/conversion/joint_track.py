@@ -18,7 +18,7 @@ from models.skeleton import Skeleton
 
 @dataclass(frozen=True)
 class JointTrack:
-    """A track of J poses of a right hand (a left one is mirrored first).
+    """A track of J poses of a right hand (a left hand is mirrored first).
 
     Attributes:
         time: (J,) s on the recorder's clock, increasing.

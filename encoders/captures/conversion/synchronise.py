@@ -73,7 +73,7 @@ def offset_by_taps(
         within: Greatest possible offset (s); None allows any.
 
     Raises:
-        CaptureError: There are no taps, too few agree, or two offsets explain them about equally.
+        CaptureError: There are no taps, too few agree, or two offsets fit about equally well.
     """
     downs = np.array([track.start for track in tracks])
     landings = tip_landings(joints)
@@ -111,7 +111,7 @@ def offset_by_taps(
 def refined_by_motion(
     coarse: ClockOffset, tracks: list[LabelledTrack], joints: JointTrack, rules: ConversionRules
 ) -> ClockOffset:
-    """Refines an offset to the one at which touches and their fingertips move alike.
+    """Refines an offset so that touches and their fingertips move alike.
 
     The mean displacement of each contact from its fingertip is subtracted, so that only movement
     counts. The given offset is returned if the movement gives no more precise offset.
@@ -165,7 +165,7 @@ def _agreeing(
     downs: Array, landings: Array, offset: float, joints: JointTrack
 ) -> tuple[Array, int]:
     """Time differences (s) of the touch-downs that have a landing, and the number of touch-downs
-    that could have one."""
+    within the time of the poses."""
     inside = (downs + offset > joints.time[0]) & (downs + offset < joints.time[-1])
     wanted = downs[inside] + offset
     after = np.clip(np.searchsorted(landings, wanted), 1, max(1, len(landings) - 1))

@@ -4,8 +4,8 @@
 2. The surface is located in the picture from its corners, or from the touches themselves.
 3. Every contact gets the finger whose pad is nearest, or no label if two pads are about equally
    near.
-4. The clocks' offset is refined to the one at which touches move like their fingers. Steps 2 and 3
-   are then repeated.
+4. The clocks' offset is refined so that touches move like their fingers. Steps 2 and 3 are then
+   repeated.
 5. Poses are fitted to the landmarks (`encoders.air`). The hand has the size at which touching
    fingertips lie on the surface. Each pose is then corrected so that fingertips are at their
    touches.

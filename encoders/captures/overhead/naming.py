@@ -30,7 +30,7 @@ class NamedContact:
         finger: Label, thumb 0 to little 4; None if the contact has no label.
         distance: Median distance (m) from the most probable finger's pad; NaN where the hand was
             not seen.
-        why: Reason why the contact has no label; empty if it has one.
+        why: Reason why the contact has no label; empty if it has a label.
     """
 
     track: ContactTrack

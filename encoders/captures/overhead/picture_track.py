@@ -109,7 +109,7 @@ def picture_track(
 def _chosen(
     frame: LandmarkFrame, side: str, before: tuple[float, Array] | None, now: float
 ) -> SeenHand | None:
-    """The hand with the given side in a picture; None if there is none.
+    """The hand with the given side in a picture; None if it is not seen.
 
     Among several hands of this side, the hand nearest to the recent place of the followed hand is
     chosen, or without a recent place the hand with the highest score. Without a hand of this side,

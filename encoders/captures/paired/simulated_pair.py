@@ -146,7 +146,7 @@ def simulate_paired(
         seed: Seed of the person and, together with the day, of the whole session.
         day: 0 is the training script; on later days, the subject plays freely.
         dialect: Version of the Leap software, `v3` or `v1`.
-        side: The hand; a left one is the mirror image.
+        side: The hand; a left hand is simulated as the mirror image of a right hand.
         configuration: Settings of session and devices.
         progress: Called with the share done, 0 to 1.
     """

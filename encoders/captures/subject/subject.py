@@ -179,8 +179,8 @@ class PostureSolver:
         theta = aim.copy()
         joints = self._hinges[JOINTS]
         for i in range(ITERATIONS):
-            # In the first half, the precision falls geometrically to a thousandth of the first one,
-            # but not below the required precision.
+            # In the first half, the precision falls geometrically to a thousandth of its first
+            # value, but not below the required precision.
             share = min(1.0, 2 * i / ITERATIONS)
             sd = np.maximum(precision, _FIRST_PRECISION * 1e-3**share)
             weight = (1 / sd**2).reshape(len(aim), 15)
