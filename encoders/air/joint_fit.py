@@ -43,8 +43,8 @@ PALM = (WRIST, *KNUCKLES)
 """Points whose distances from each other do not depend on the fingers' postures."""
 COUNT = TIPS + len(FINGERS)
 SPREAD = np.array([0.012, 0.010, 0.006, *(0.004, 0.003, 0.003) * 4, *(0.001,) * 5])
-"""Standard deviations (20,) m of the points. The tips have the smallest, since tips hold objects.
-The wrist and the thumb's root lie elsewhere in a device's hand than in ours."""
+"""Standard deviations (20,) m of the points. Those of the tips are smallest, since tips hold
+objects. The wrist and the thumb's root lie elsewhere in a device's hand than in ours."""
 
 _JOINTS: dict[int, tuple[int | None, ...]] = {0: (THUMB, THUMB + 1, None)}
 _JOINTS |= {label: (k, k + 1, k + 2) for label, k in enumerate(KNUCKLES, start=1)}

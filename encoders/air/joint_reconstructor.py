@@ -23,7 +23,7 @@ _MIRROR = np.array([-1.0, 1.0, 1.0])
 
 
 def following(rate: RateLimit | None = None) -> FollowingSettings:
-    """Settings of following a headset's joints, which are less noisy than a camera's."""
+    """Settings for following a headset's joints. These are less noisy than a camera's landmarks."""
     return FollowingSettings(rate=rate or RateLimit(), smoothing=0.02, joint_smoothing=0.02)
 
 

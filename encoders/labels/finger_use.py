@@ -1,9 +1,9 @@
 """The finger sets that a person uses: as text, and as prior odds of labellings.
 
-Two touches fit a thumb and an index finger as well as two neighbouring fingers of a larger hand.
-The touches alone cannot decide between these. A person can therefore declare the finger sets they
-use as text, such as `thumb+index,thumb+index+middle:2`. The number after a colon is the frequency
-of a set relative to the other sets.
+The same two touches may be those of a thumb and an index finger, or those of two neighbouring
+fingers of a larger hand. The touches alone cannot decide between the two. A person can therefore
+declare the finger sets in use as text, such as `thumb+index,thumb+index+middle:2`. The number after
+a colon is the frequency of a set relative to the other sets.
 
 For a hand with fewer fingers, such as a robot's, all sets of its fingers are in use.
 """
@@ -22,9 +22,9 @@ from models.errors import InputError, unknown_name
 from models.frames import FINGERS
 
 PARTIAL = 0.02
-"""Number of frames in which only some fingers of a set are down, relative to the frames in which
-all are down. Assumed: fingers that land together land within a tenth of a second, and stay down for
-seconds."""
+"""Number of frames in which only some fingers of a set are down, relative to the number of frames
+in which all are down. It is assumed: fingers that land together land within a tenth of a second,
+and stay down for seconds."""
 
 IMPOSSIBLE = -700.0
 """Log weight of labels that a hand cannot have; its exponential is above 0."""

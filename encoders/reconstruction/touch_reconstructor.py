@@ -48,9 +48,9 @@ _LOW = (Phase.COMING_DOWN, Phase.DOWN)
 
 _SETTLED = 0.010
 """Length (rad and m) of an iteration's step below which the correction of a frame stops. The next
-frame, 16 ms later, continues from the result. With resting fingers, the posture so converges to the
-most likely posture. With 0.003 instead, a frame takes 2.4 steps on average rather than 1.4, and the
-posture differs by less than a degree."""
+frame, 16 ms later, continues from the result. While fingers rest, the posture therefore converges
+to the most likely posture. With 0.003 instead, a frame takes 2.4 steps on average rather than 1.4,
+and the posture differs by less than a degree."""
 
 
 @dataclass(frozen=True)

@@ -321,7 +321,7 @@ def _kind(path: Path) -> str:
 
 
 def _given(unit: str) -> tuple[float | None, dict[str, str]]:
-    """The unit of length (m), None if it is not given, and the named units by quantity.
+    """The unit of length in m (None if it is not given), and the named units by quantity.
 
     Raises:
         InputError: The text is not a list of units.

@@ -145,7 +145,7 @@ def turned(take: AirTake, rotation: Array) -> AirTake:
 
     Args:
         take: The take.
-        rotation: (3, 3), in the device's frame.
+        rotation: (3, 3) rotation, in the device's frame.
     """
     return replace(take, rotation=rotation @ take.rotation)
 
