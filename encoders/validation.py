@@ -27,7 +27,12 @@ def trial_folds(trial: NDArray[np.int64], folds: int = FOLDS) -> NDArray[np.int6
     """
     trials, counts = np.unique(trial, return_counts=True)
     if len(trials) < 2:
-        raise EncoderError("cross-validation needs several trials", expected="2 trials or more")
+        raise EncoderError(
+            "cross-validation needs several trials",
+            got=len(trials),
+            expected="2 trials or more",
+            remedy="Use a capture with several takes",
+        )
     loads = np.zeros(folds, int)
     fold_of = {}
     for i in np.argsort(-counts, kind="stable"):

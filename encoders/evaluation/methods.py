@@ -211,7 +211,12 @@ def check_names(names: tuple[str, ...]) -> None:
         if path.suffix != ".npz":
             raise _unknown(name)
         if not path.is_file():
-            raise EncoderError("no such file", where="--encoders", got=name)
+            raise EncoderError(
+                "no such file",
+                where="--encoders",
+                got=name,
+                expected="a FILE.npz made by `sandbox train`",
+            )
     shown = [_table_name(name) for name in names]
     twice = sorted({n for n in shown if shown.count(n) > 1})
     if twice or not names:

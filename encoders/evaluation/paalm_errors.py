@@ -54,7 +54,10 @@ def take_of_recording(frames: Sequence[HandFrame], side: str) -> LeapTake:
         kept.append(replace(frame, hands=(hand,)))
         names.append({f.id: int(f.finger or 0) for f in ordered})
     if not kept:
-        raise EncoderError(f"no {side} hand with five fingers and their joints")
+        raise EncoderError(
+            f"no {side} hand with five fingers and their joints",
+            expected="a recording in which the device reports joints",
+        )
     table = np.array(angles)
     is_open = (table[:, 1:, 2] + table[:, 1:, 3] < MOST_BENT).all(axis=1) & (
         table[:, 1:, 0] < 45.0
@@ -183,7 +186,10 @@ def plausibility(
                     rows.append(tuple(hand.table[finger].tolist()))
                     off.append(float(np.linalg.norm(tips[finger] - seen[id_])))
     if not rows:
-        raise EncoderError("no finger is seen in this recording")
+        raise EncoderError(
+            "no finger is seen in this recording",
+            expected="a hand with index, middle, ring or little finger in some frame",
+        )
     flexion, spread, pip, dip = np.array(rows).T
     low, high = FINGER_LIMITS.flexion
     other = (

@@ -80,7 +80,9 @@ def write_calibration(hands: Mapping[str, HandCalibration], path: Path) -> None:
         path.write_text(json.dumps(record, indent=1, allow_nan=False) + "\n", encoding="utf-8")
     except OSError as error:
         raise EncoderError(
-            f"the calibration cannot be written: {error}", where=str(path)
+            f"the calibration cannot be written: {error}",
+            where=str(path),
+            remedy="Choose another path with --out",
         ) from error
 
 

@@ -240,7 +240,10 @@ def save_rest(samples: Sequence[RestSample], path: Path, hand: str, simulated: b
         beside.replace(path)
     except OSError as error:
         raise InputError(
-            "the rest posture cannot be written", where=str(path), got=error.strerror
+            "the rest posture cannot be written",
+            where=str(path),
+            got=error.strerror,
+            remedy="Choose another path with --out",
         ) from None
 
 

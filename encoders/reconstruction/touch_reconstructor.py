@@ -328,6 +328,7 @@ class TouchReconstructor:
                 "the encoder predicts a pose that is not finite",
                 where=f"{type(self.model.encoder).__qualname__}.predict",
                 got=f"for the contact vector {np.round(u, 3).tolist()}",
+                expected="48 finite numbers",
             )
         return relative
 

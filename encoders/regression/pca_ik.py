@@ -380,9 +380,15 @@ class PcaIkEncoder(Encoder):
 
     def _check_options(self) -> None:
         if self.iterations < 0:
-            raise EncoderError("the number of iterations is out of range", got=self.iterations)
+            raise EncoderError(
+                "the number of iterations is out of range",
+                got=self.iterations,
+                expected="0 or more",
+            )
         if not 0 <= self.settled < np.inf:
-            raise EncoderError("settled must be 0 or more", got=self.settled)
+            raise EncoderError(
+                "settled must be 0 or more", got=self.settled, expected="0 or more, finite"
+            )
         if self.pad_height is not None and not np.isfinite(self.pad_height):
             raise EncoderError("the pad height must be finite", got=self.pad_height)
         step_costs(self.compliance_translation, self.compliance_rotation, self.reading)
@@ -395,7 +401,11 @@ class PcaIkEncoder(Encoder):
                 "no such start", where="start", got=self.start, expected=", ".join(STARTS)
             )
         if self.components is not None and self.components < 0:
-            raise EncoderError("the number of components is out of range", got=self.components)
+            raise EncoderError(
+                "the number of components is out of range",
+                got=self.components,
+                expected="0 or more, or None",
+            )
 
 
 def _targets(places: Array, height: float) -> Array:

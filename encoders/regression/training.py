@@ -279,7 +279,11 @@ def predicted(encoder: Encoder, U: ArrayLike) -> Array:
                 expected=str(shape),
             )
         if not np.isfinite(poses).all():
-            raise EncoderError("the encoder predicts poses that are not finite", where=where)
+            raise EncoderError(
+                "the encoder predicts poses that are not finite",
+                where=where,
+                expected="48 finite numbers for every contact vector",
+            )
     return poses
 
 

@@ -117,7 +117,10 @@ def whole_frames(
             keep &= (capture.time < one.start) | (capture.time >= one.end)
     report.drop_frames("with a touch that has no name", int((~keep).sum()))
     if not keep.any():
-        raise CaptureError("no frame is left in which all touches have labels")
+        raise CaptureError(
+            "no frame is left in which all touches have labels",
+            remedy=f"Dropped: {_dropped_text(report)}",
+        )
     kept = capture if keep.all() else capture.select(keep)
     report.notes["kept_frames"] = len(kept)
     return replace(kept, meta={**capture.meta, "conversion": report.as_json()})

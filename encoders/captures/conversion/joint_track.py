@@ -39,11 +39,17 @@ class JointTrack:
                 expected=f"(J,) and (J, {POSE_SIZE})",
             )
         if len(self.time) < 2:
-            raise CaptureError("too few poses", where="joints", expected="at least two")
+            raise CaptureError(
+                "too few poses", where="joints", got=len(self.time), expected="at least two"
+            )
         if not (np.isfinite(self.time).all() and np.isfinite(self.q).all()):
             raise CaptureError("times and poses must be finite", where="joints")
         if (np.diff(self.time) <= 0).any():
-            raise CaptureError("the time runs backwards or stands still", where="joints")
+            raise CaptureError(
+                "the time runs backwards or stands still",
+                where="joints",
+                expected="increasing times",
+            )
 
     @cached_property
     def kinematics(self) -> Kinematics:

@@ -173,7 +173,12 @@ def mapped(mapping: Mapping[str, Any], names: Sequence[str], skeleton: Skeleton)
                 expected=", ".join(known),
             )
     if missing := _unseen({name: site.name for name, site in out.items()}, skeleton, out):
-        raise CaptureError("too few points on the hand", where="mapping", expected=missing)
+        raise CaptureError(
+            "too few points on the hand",
+            where="mapping",
+            expected=missing,
+            remedy="Add these points to [points] in the mapping file",
+        )
     return out
 
 

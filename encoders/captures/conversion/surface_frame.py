@@ -63,7 +63,12 @@ def frame_from_corners(
     right, up = corners[1] - corners[0], corners[0] - corners[2]
     out = np.cross(right, up)
     if np.linalg.norm(out) < 1e-3 * max(float(np.linalg.norm(right) * np.linalg.norm(up)), 1e-9):
-        raise CaptureError("the corners lie on one line", where="surface", got=corners.tolist())
+        raise CaptureError(
+            "the corners lie on one line",
+            where="surface",
+            got=corners.tolist(),
+            expected="top left, top right and bottom left of a rectangle",
+        )
     x, z = right / np.linalg.norm(right), out / np.linalg.norm(out)
     return SurfaceFrame(corners[0], np.stack([x, np.cross(z, x), z], axis=1))
 

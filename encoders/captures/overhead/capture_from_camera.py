@@ -123,7 +123,11 @@ def name_touches(
     naming = naming or NamingRules()
     tracks = valid_contacts(log, rules, report)
     if not tracks:
-        raise CaptureError("no usable touch is left", where="touches")
+        raise CaptureError(
+            "no usable touch is left",
+            where="touches",
+            expected=f"touches that last {1000 * rules.shortest:g} ms or more",
+        )
     pictures, seen = picture_track(frames, time, side)
     clock = ClockOffset(offset or 0.0, 0.0, 0, 0)
     if offset is None:
@@ -138,7 +142,11 @@ def name_touches(
         flat = _flat_track(pictures, plane)
         clock = refined_by_motion(clock, labelled, flat, rules)
     if not labelled:
-        raise CaptureError("no touch is near a finger in the picture", got=_why(named))
+        raise CaptureError(
+            "no touch is near a finger in the picture",
+            got=_why(named),
+            remedy="Check --side, --surface and that neither camera nor tablet was moved",
+        )
     return NamedTouches(tuple(named), clock, plane, pictures, seen)
 
 

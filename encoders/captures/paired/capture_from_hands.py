@@ -121,7 +121,11 @@ def _overlap(
     tracks: list[ContactTrack], track: HandTrack, slack: float | None, offset: float | None
 ) -> None:
     if not tracks:
-        raise CaptureError("no usable touch is left", where="touches")
+        raise CaptureError(
+            "no usable touch is left",
+            where="touches",
+            expected="touches that are not glitches",
+        )
     if slack is None and offset is None:
         return
     shift, room = offset or 0.0, slack or 0.0
