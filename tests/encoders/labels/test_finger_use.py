@@ -88,7 +88,7 @@ def test_the_very_fingers_that_touch_are_named_when_they_are_declared() -> None:
     ("text", "meant"),
     [
         ("thumb+indx", "index"),
-        ("thumb+thumb", "once"),
+        ("thumb+thumb", "twice in a set"),
         ("thumb+index,index+thumb", "twice"),
         ("thumb:often", "number"),
         ("thumb:0", "above 0"),
