@@ -7,8 +7,8 @@ Shapes and units, for T frames:
 - `Q` (T, 48), relative poses: position of the root in metres relative to the leftmost contact, then
   the root's rotation vector and those of 14 ball joints in radians (`models.pose`).
 
-Built-in encoders are in `encoders.regression`; `encoders.regression.registry` lists them by name.
-docs/write-an-encoder.md explains how to write another encoder.
+Built-in encoders are in `encoders.regression`. `encoders.regression.encoder_registry` lists them by
+name. docs/write-an-encoder.md explains how to write another encoder.
 """
 
 from __future__ import annotations

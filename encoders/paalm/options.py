@@ -39,7 +39,7 @@ class PaalmOptions:
             True learns the position of the palm (`encoders.paalm.seen_palm`).
         smoothing: Least time constant (s) of the smoothing of fingers' targets; 0 switches it off.
         longest: Upper limit (s) of this time constant, which grows with the noise of each fingertip
-            (`encoders.paalm.paalm`).
+            (`encoders.paalm.joint_angles`).
     """
 
     identity: Literal["paper", "tracked"] = "tracked"

@@ -164,7 +164,7 @@ def _trained(kind: type[Encoder], tell: Callable[[str], None]) -> TrainedModel:
             return load_model(kept, builtin_capture())
         except EncoderError as error:
             tell(f"a model in the cache folder cannot be used: {error}")
-    from encoders.regression.train import train_encoder
+    from encoders.regression.training import train_encoder
 
     tell(f"training {kind.__qualname__} on the built-in capture of a simulated subject")
     began = perf_counter()

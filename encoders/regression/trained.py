@@ -1,6 +1,6 @@
 """Trained models: an encoder with the covariance of its errors and its training data.
 
-This module reads models from files; `encoders.regression.train` trains and writes them. The
+This module reads models from files; `encoders.regression.training` trains and writes them. The
 built-in models are trained on a *simulated* subject or on *simulated* people, not on real people.
 """
 

@@ -6,5 +6,5 @@ nearest to it in the picture, or no label if two fingers are about equally near.
     names                 probabilities of the fingers of all contacts, from picture to picture
     naming                labels of the contacts of a recording
     capture_from_camera   conversion of touches and pictures to a capture
-    simulated             pictures of a simulated person, with the truth
+    simulated_camera      pictures of a simulated person, with the truth
 """

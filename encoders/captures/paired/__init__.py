@@ -8,5 +8,5 @@ paper of 2015 used a studio with ten cameras. Here a Leap gives fingers and pose
     guide                 instructions for the person, and progress
     hand_track            poses and labelled fingertips of hand frames
     registration          pose of the 3-D device in the surface frame
-    simulated             a simulated person with both devices, and the truth
+    simulated_pair        a simulated person with both devices, and the truth
 """
