@@ -14,7 +14,7 @@ class CirclingFinger(TouchDevice):
 
     def __init__(self, surface, argument):
         super().__init__(surface, argument)
-        self.fingers = int(argument or 1)  # what is no number is one clear line
+        self.fingers = int(argument or 1)  # other text gives a one-line error
 
     def poll(self, now):
         """Frames since the last call. Never waits: read a thread's queue, or compute."""
