@@ -1,4 +1,4 @@
-"""`sandbox demo`: shows the whole program in a few seconds, without any device."""
+"""`sandbox demo`: plays a recorded trial in a few seconds, without any device."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ CAPTION = "simulated user"
 _WORDS = {
     "away": "the user looks at the scene; the hand waits in the air",
     "waiting": "fingers touch the tablet: which finger is which?",
-    "above": "fingers labelled; the hand moves above its place, still a ghost",
+    "above": "fingers are labelled; the hand moves above its place, still a ghost",
     "coming down": "the hand comes down around the box",
     "down": "the hand follows the touches",
 }
@@ -42,16 +42,16 @@ _WORDS = {
 class DemoOptions:
     """Plays recorded touches of a simulated user, who drags a box to its goal.
 
-    Labels, hand pose, physics and score are computed while it plays. With a display, it plays in a
-    window; without one, it only draws the film. At the end it prints the score and writes a film
-    and a picture.
+    Labels, hand pose, physics and score are computed during playback. With a display, the demo
+    plays in a window. At the end it prints the score, and writes a film and a picture.
     """
 
     out: Annotated[Path, Parameter(metavar="DIR")] = Path("sandbox-demo")
     """Folder for the film and the picture; existing ones are replaced."""
 
     view: Literal["auto", "window", "film", "none"] = "auto"
-    """auto: a window if there is a display, and a film if there is OpenGL. none: neither."""
+    """auto, window: a window if there is a display, then film and picture. film: film and picture
+    only. none: only the score."""
 
 
 def main(argv: list[str]) -> int:

@@ -26,7 +26,8 @@ GROUPS = ("program", "pictures", "devices", "files", "extras")
 class DoctorOptions:
     """Checks this machine: what works, what is missing, and how to fix it.
 
-    It changes nothing. Checks that may crash (OpenGL without a screen) run in another process.
+    The command changes nothing. Checks that may crash (OpenGL without a screen) run in another
+    process.
     """
 
     json: bool = False

@@ -37,11 +37,12 @@ Order = Literal["XYZ", "XZY", "YXZ", "YZX", "ZXY", "ZYX"]
 
 @dataclass(frozen=True, kw_only=True)
 class ExportOptions:
-    """Writes the motion of recorded hands for other programs, as keys at a constant rate; or
-    recordings as one data set of demonstrations.
+    """Writes the motion of recorded hands for other programs, as keys at a constant rate. Or makes
+    one data set of demonstrations from recordings.
 
-    A recording of a Leap needs no task: PAALM turns it into the motion of a hand in the frame of
-    the device (docs/paalm.md). Recordings of sessions, trials and captures have poses already.
+    From a recording of a Leap, PAALM computes the motion of a hand in the frame of the device
+    (docs/paalm.md); no task is needed. Recordings of sessions, trials and captures already contain
+    poses.
 
     The suffix of the file chooses the format:
 
@@ -51,15 +52,15 @@ class ExportOptions:
         .v     Vicon V: motion, and its skeleton beside it in a file .vsk
         .vsk   Vicon VSK: the skeleton alone
         .c3d   fingertips as points (--points joints adds the joints)
-        .csv   the same as a table: time, then x, y, z of each point, in m
+        .csv   the same points as a table: time, then x, y, z of each point, in m
 
-    docs/formats.md lists axes, units and Euler orders, and what each format keeps. Two hands are
-    written to one .glb, .c3d or .csv, but to two files in other formats: out-right.bvh,
-    out-left.bvh. `sandbox run --motion FILE` writes the same during a run.
+    docs/formats.md lists axes, units and Euler orders, and the data that each format stores. Two
+    hands are written to one .glb, .c3d or .csv, but to two files in other formats: out-right.bvh,
+    out-left.bvh. `sandbox run --motion FILE` writes the same files during a run.
 
-    Data sets hold what an agent would have seen, done and earned (docs/data-sets.md): --to minari
-    and --to lerobot, with a --name, are data sets of Minari and of LeRobot (LeRobotDataset v3.0),
-    and --to FILE.npz a file of NumPy's.
+    A data set contains observations, actions and rewards of demonstrations (docs/data-sets.md).
+    --to minari and --to lerobot, each with --name, make data sets of Minari and of LeRobot
+    (LeRobotDataset v3.0). --to FILE.npz makes a NumPy file.
 
     Try:
 
@@ -96,32 +97,33 @@ class ExportOptions:
     """Only successful trials become demonstrations of a data set."""
 
     rate: Annotated[float, Parameter(metavar="HZ")] = 60.0
-    """Keys per second. Sessions have 62.5 poses per second, a Leap has its own times; between
-    them, poses are interpolated."""
+    """Keys per second. Poses are interpolated between those of the recording: a session has 62.5
+    poses per second, a Leap its own times."""
 
     of: Of | None = None
-    """simulated, the default: the hand as it moved. commanded: the pose that the touches asked for,
-    for which the recording is replayed; this takes longer. For recordings of sessions only."""
+    """simulated, the default: the pose of the simulated hand. commanded: the pose computed from
+    the touches; the recording is replayed for it, which takes longer. Only for recordings of
+    sessions."""
 
     hand: Hand | None = None
-    """Whose hand of a Leap recording. Default: all hands that are there. Where the Leap does not
-    say whose hand it is, a single one is taken as a right hand."""
+    """Hand of a Leap recording to export. Default: all hands. If the Leap does not report sides, a
+    single hand counts as a right hand."""
 
     calibration: Annotated[Path | None, Parameter(metavar="FILE")] = None
-    """Your hands over a Leap as `sandbox paalm calibrate --out FILE` measured them. Default: the
-    open hand in the recording, the bones that the device reports, or an average hand."""
+    """Calibration of your hands over a Leap, by `sandbox paalm calibrate --out FILE`. Default: from
+    the open hand in the recording, the bones that the device reports, or an average hand."""
 
     unit: Annotated[str, Parameter(metavar="UNIT,...")] = ""
-    """Units of a recording of a Leap or a camera: m, cm, mm or in; s, ms, us or ns; px or 0..1 for
-    places in a picture; such as cm,ms. Default: those in which the hand has a hand's size and the
-    recording a possible rate, which are reported where they are not the format's own."""
+    """Units of a recording of a Leap or a camera, such as cm,ms: m, cm, mm or in; s, ms, us or ns;
+    px or 0..1 for places in a picture. Default: units for which the hand has a possible size and
+    the frames a possible rate. These units are reported if they differ from the format's units."""
 
     euler: Order = "ZXY"
-    """Order of the rotations in a BVH file. The first axis is always that of flexion, the last that
-    of spreading (or of twisting, if the order begins with Y), so that angles never jump."""
+    """Order of the rotations in a BVH file. The first axis is always that of flexion. The last axis
+    is that of spreading (of twisting, if the order begins with Y). So angles never jump."""
 
     points: Literal["tips", "joints"] = "tips"
-    """Points in .c3d and .csv: fingertips only, or also joints and wrist."""
+    """Points in .c3d and .csv. tips: fingertips. joints: fingertips, joints and wrist."""
 
     fingers: Annotated[tuple[Finger, ...], SEVERAL] = ("thumb", "index", "middle", "ring", "little")
     """Fingers whose points .c3d and .csv contain."""
@@ -150,7 +152,11 @@ def main(argv: list[str]) -> int:
     _check_effect(options, format_of(options.to).heeds)
     file = _input_file(options)
     if resolved(options.to, "--to") == resolved(file, "FILE"):
-        raise InputError("the output would replace the input", where=f"--to {options.to}")
+        raise InputError(
+            "the output would replace the input",
+            where=f"--to {options.to}",
+            remedy="Name another file",
+        )
     with Progress(console=errors, transient=True, disable=not errors.is_terminal) as progress:
         bar = progress.add_task("reading", total=None)
         source = open_source(
@@ -193,7 +199,9 @@ def _data_set(options: ExportOptions, console: Console, errors: Console) -> int:
     such = NAMED.get(str(options.to), "")
     if (options.name != "") != (such != ""):
         raise InputError(
-            f"a data set of {options.to} has a name" if such else "a file needs no other name",
+            f"a data set of {options.to} needs a name"
+            if such
+            else "--name has no effect on a file of NumPy",
             where="--name",
             got=options.name or "nothing",
             expected=f"such as {such}" if such else "no --name",
@@ -208,7 +216,8 @@ def _data_set(options: ExportOptions, console: Console, errors: Console) -> int:
         raise InputError(
             "no demonstration is left",
             where=" ".join(options.file),
-            got=f"{counted(len(found), 'attempt')}, of which none counts",
+            got=f"{counted(len(found), 'attempt')}, all broken off or repeated",
+            expected="a study with a valid attempt",
         )
     with Progress(console=errors, transient=True, disable=not errors.is_terminal) as progress:
         bar = progress.add_task("playing recordings", total=len(files))
@@ -232,16 +241,16 @@ def _data_set(options: ExportOptions, console: Console, errors: Console) -> int:
         )
     if exported.differing:
         errors.print(
-            f"{exported.differing[0]}: its states are not those that were recorded "
-            f"(in {len(exported.differing)} of {exported.episodes}); "
-            "the data set has the environment's",
+            f"{exported.differing[0]}: the environment's states differ from the recorded ones "
+            f"(in {len(exported.differing)} of {exported.episodes} recordings); "
+            "the data set has those of the environment",
             soft_wrap=True,
             markup=False,
             style="yellow",
         )
     if exported.changed:
         others = len(exported.changed) - 1
-        more = f" (and of {others} more recordings)" if others else ""
+        more = f" (also in {others} more recordings)" if others else ""
         errors.print(exported.changed[0] + more, soft_wrap=True, markup=False, style="yellow")
     console.print(
         f"{exported.where}: {exported.episodes:,} demonstrations of {exported.steps:,} steps, "
@@ -253,16 +262,16 @@ def _data_set(options: ExportOptions, console: Console, errors: Console) -> int:
 
 
 def _recordings(name: str, out: Path, notes: list[str]) -> list[tuple[Path, bool]]:
-    """Recordings that a word names, each with whether it counts.
+    """Finds the recordings that a name refers to; True for each that belongs in a data set.
 
-    A word names a folder of recordings and of folders with some, or what `sandbox replay` takes. In
-    a folder, the dump of a divergence is no recording of its own. Of a trial of a study one attempt
-    counts.
+    In a folder, dumps of divergences are left out. Of the attempts at a trial of a study, only the
+    valid one belongs in a data set.
 
     Args:
-        name: The word.
+        name: A folder, which is searched with its subfolders, or a name that `sandbox replay`
+            accepts.
         out: Folder of studies.
-        notes: Receives a line about what a folder has besides recordings.
+        notes: A line about other files in a folder is appended.
 
     Raises:
         InputError: A file in a folder is empty, or there is no such recording.
@@ -274,47 +283,47 @@ def _recordings(name: str, out: Path, notes: list[str]) -> list[tuple[Path, bool
         for file in inside:
             if not file.stat().st_size:
                 raise InputError(
-                    "a demonstration needs a whole recording",
+                    "this file is no recording",
                     where=str(file),
                     got="an empty file",
-                    remedy="Leave it out",
+                    remedy="Move it out of the folder",
                 )
         others = [file for file in inside if file not in files]
         if others:
             notes.append(
-                f"{counted(len(others), 'file')} in {name} left out, as no recording: {others[0]}"
+                f"{counted(len(others), 'file')} in {name} left out, not a recording: {others[0]}"
             )
         if files:
             return [(file, True) for file in files if not is_dump(file)]
     files = find_recordings(name, out)
     if stored(folder).is_file():
-        # A file that is named itself is meant.
+        # A file that is named itself is never left out.
         return [(file, True) for file in files]
     counting = _counting({file.parent.parent for file in files})
     return [(f, f.name in counting.get(f.parent.parent, {f.name})) for f in files]
 
 
 def _same_twice(files: Sequence[Path]) -> list[str]:
-    """A line for recordings that are in a data set more than once."""
+    """Returns a line about files with equal content; empty if all differ."""
     first: dict[str, Path] = {}
     again = []
     for file in files:
         digest = bytes_digest(file)
         if digest in first:
-            again.append(f"{file} is {first[digest]} once more")
+            again.append(f"{file} and {first[digest]} are equal")
         first.setdefault(digest, file)
     more = f", and {len(again) - 1} more" if len(again) > 1 else ""
     return [f"the same recording twice: {again[0]}{more}"] if again else []
 
 
 def _of_study(file: Path, folder: Path) -> bool:
-    """True if a file inside a folder belongs to a study, whose trials have attempts."""
+    """True if a file inside a folder belongs to a study or to a session of one."""
     above = [folder, *(p for p in file.parents if p.is_relative_to(folder))]
     return any((p / JOURNAL).is_file() or is_study(p) for p in above)
 
 
 def _counting(sessions: set[Path]) -> dict[Path, set[str]]:
-    """Names of the recordings that count, by the folder of a session that has a journal.
+    """Returns the names of the recordings of valid attempts, by session, for those with a journal.
 
     Raises:
         StudyError: A journal is damaged.
@@ -344,7 +353,12 @@ def _input_file(options: ExportOptions) -> Path:
 
 
 def _check_effect(options: ExportOptions, heeds: Container[str]) -> None:
-    """Refuses options that have no effect on this kind of file."""
+    """Refuses options that have no effect on the format of the file.
+
+    Args:
+        options: The options.
+        heeds: Names of the options that affect the format.
+    """
     default = ExportOptions(file=options.file, to=options.to)
     for name in ("points", "fingers", "euler"):
         if name not in heeds and getattr(options, name) != getattr(default, name):

@@ -12,8 +12,8 @@ from sandbox.cli.removed import refuse_removed
 
 COMMANDS: dict[str, str] = {
     "demo": "watch the simulated user move a box to its goal; makes a film and a picture",
-    "play": "do a task in a window, with the mouse or a tablet as fingers",
-    "run": "do a task without a window, as fast as it goes",
+    "play": "do a task in a window, with the mouse or with fingers on a tablet",
+    "run": "do a task without a window, as fast as the machine can",
     "regress": "measure success over many seeds, and compare it with a baseline",
     "replay": "play a recording again and check every state",
     "subject": "make a capture of a simulated subject: touches and poses at the same time",
@@ -22,15 +22,15 @@ COMMANDS: dict[str, str] = {
     "stream": "send a hand's motion, live, to Maya or Blender",
     "train": "train an encoder on a capture",
     "evaluate": "measure how well encoders reconstruct hands and label fingers: the paper's tables",
-    "hand": "what is known of your hand: measure it, see it at rest, show it, forget it",
+    "hand": "profile of your hand: measure size and rest posture, show them, delete layouts",
     "study": "design, run, report and share user studies",
     "doctor": "check what works on this machine, and what to install for the rest",
-    "paalm": "joint angles of hands over a Leap, by the paper of 2013: show and calibrate",
-    "devices": "simulate a Leap, install what a webcam needs, fit robots' hands",
+    "paalm": "joint angles of hands over a Leap (PAALM, paper of 2013): show and calibrate",
+    "devices": "show a device's data, simulate a Leap, set up a webcam, fit robot hands",
     "touches": "show, record and send touches: the first thing to try with a new tablet",
 }
-"""Command -> one line of help. Each is `main(argv) -> int` in sandbox/cli/COMMAND.py, or in
-sandbox/cli/COMMAND/command.py where it is in `IN_FOLDERS`."""
+"""Command -> one line of help. A command is the function `main(argv) -> int` of the module
+sandbox/cli/COMMAND.py, or of sandbox/cli/COMMAND/command.py if `IN_FOLDERS` names it."""
 
 IN_FOLDERS = {
     "capture",
@@ -45,7 +45,7 @@ EXIT_DONE, EXIT_GATE_FAILED, EXIT_BAD_INPUT = 0, 1, 2
 
 
 def _versions() -> str:
-    """A line of versions, with the commit where the program runs from a checkout."""
+    """Returns a line of versions, with the commit if the program runs from a checkout."""
     from sandbox.recording.versions import versions
 
     numbers = versions()
@@ -58,7 +58,8 @@ def main(argv: list[str] | None = None) -> int:
     """Entry point of the `sandbox` command.
 
     Returns:
-        0 done (whatever the score), 1 a gate failed, 2 bad input: one clear line, no traceback.
+        Exit status: 0 done (whatever the score), 1 a gate failed, 2 bad input (reported in one
+        line, without a traceback), 130 stopped by Ctrl-C.
     """
     args = list(sys.argv[1:] if argv is None else argv)
     prepare()
@@ -89,8 +90,8 @@ def main(argv: list[str] | None = None) -> int:
     except HelpExit:
         raise
     except SystemExit as end:
-        # None of ours ends so. A task, a device or an encoder of somebody else did, and a command
-        # that broke off must not look like one that is done.
+        # No code of this program raises a plain SystemExit, but a task, device or encoder of a user
+        # may. A command that was ended in this way must not exit with 0.
         if end.code not in (0, None):
             raise
         from models.plugins import failure
@@ -101,12 +102,12 @@ def main(argv: list[str] | None = None) -> int:
         print("sandbox: stopped", file=sys.stderr)
         return 130
     except BrokenPipeError:
-        # The reader of our output left, as `head` does: this is not an error. Text that is still in
-        # the buffer goes nowhere: Python flushes it on its way out and would fail once more.
+        # The reader of the output, such as `head`, has closed the pipe: this is not an error.
+        # Discard the buffer, which Python would otherwise flush at exit and fail again.
         print_no_more()
         return EXIT_DONE
     except OSError as error:
-        # Files have errors of ours; so this is what was printed.
+        # Errors of files are raised as `HandSandboxError`, so this one is of standard output.
         if error.errno not in (errno.ENOSPC, errno.EIO) or error.filename is not None:
             raise
         print_no_more()

@@ -1,6 +1,6 @@
 """`sandbox` without arguments: lists of commands, tasks, devices and first steps.
 
-A module of its own, so that a command does not load the devices that it does not use.
+It is a separate module because it loads all devices, which other commands do not need.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ def overview(commands: Mapping[str, str]) -> str:
 
 
 def devices() -> dict[str, str]:
-    """Returns device -> what it is."""
+    """Returns device -> description."""
     known = {name: entry.help for name, entry in DEVICES.items()}
     return {**known, "FILE": "a file that plays as a device: `sandbox touches formats` lists them"}
 
@@ -58,7 +58,7 @@ def _columns(rows: Mapping[str, str]) -> list[str]:
 
 
 def _installed_tasks() -> list[str]:
-    """Tasks of installed packages, with the reason for those that cannot be used."""
+    """Lists tasks of installed packages, with the reason for each that cannot be used."""
     from tasks.registry import TASKS, task_names, unusable_tasks
 
     broken = unusable_tasks()
@@ -67,7 +67,7 @@ def _installed_tasks() -> list[str]:
 
 
 def _installed_devices() -> list[str]:
-    """Devices of installed packages, which are checked only when they are used."""
+    """Lists devices of installed packages; a device is checked only when it is used."""
     return [
         f"  {name}  offered by {', '.join(map(package, entries))}"
         for name, entries in DEVICE_PLUGINS.offered().items()

@@ -34,10 +34,11 @@ from sandbox.views.paalm.paalm_pictures import check_picture, show_pictures
 
 SCHEMA = 1
 HEADER = (
-    "seconds and hand; for each finger flexion and spread of its first joint, flexion of its "
-    "middle and of its end joint, degrees; - is a finger that is not visible"
+    "columns: time (s), hand, then for each finger, in degrees: flexion and spread of the first "
+    "joint, flexion of the middle joint, flexion of the last joint. - marks a finger that is not "
+    "visible"
 )
-"""Printed before the lines of angles."""
+"""Text before the lines of angles."""
 
 
 def main(argv: list[str]) -> int:
@@ -67,15 +68,15 @@ def show(
 ) -> int:
     """Shows the joint angles of every frame, as text or as pictures.
 
-    With --view window or web (a page for browsers on this machine) it draws what the device says of
-    a hand (finger vectors, the palm's normal and sphere, vanished fingers dimmed) beside the hand
-    that PAALM makes of it, with its angles. A recording is played at its own pace.
+    --view window and --view web (a page for browsers on this machine) draw two pictures side by
+    side: the device's data (finger vectors, the palm's normal and sphere, vanished fingers dimmed)
+    and the hand that PAALM computes, with its angles. A recording is played at its own speed.
 
-    Without --calibration, a hand whose bones the device reports has those. Any other is measured in
-    the first frames with five fingers, where it must be open; if a recorded hand is not open, an
-    average hand stands in for it, with a message. --json
-    prints a line per frame: {"time", "hands": {side: {"angles", "ratios", "ids", "held"}}}, in
-    degrees.
+    Without --calibration, the bone lengths that the device reports are used. If it reports none,
+    the hand is measured in the first frames with five fingers, in which it must be open. If a
+    recorded hand is not open, an average hand is used, with a message. --json prints a line per
+    frame, with angles in degrees:
+    {"time", "hands": {side: {"angles", "ratios", "ids", "held", "seen"}}}.
 
     Try:
 
@@ -88,22 +89,27 @@ def show(
         device: leap: a running service.
         address: WebSocket address of the service.
         hands: Sides of the hands that are visible.
-        frames: Number of frames that measure the hand. Default: 1000 of a device, as in the paper,
-            20 to 100 of a file.
+        frames: Number of frames in which the hand is measured. Default: 1000 frames of a device, as
+            in the paper, or 20 to 100 frames of a file.
         calibration: Calibration by `sandbox paalm calibrate --out`.
-        method: paper: as printed in the paper. default: with changes that measured better.
+        method: paper: the method as printed in the paper. default: with changes that gave smaller
+            errors.
         as_json: Print JSON lines.
-        seconds: Stop after this many seconds of the device's time.
+        seconds: Stop after this many seconds, by the times of the frames.
         view: text: lines of angles. window, web: pictures.
         picture: File for a picture of the last frame; --seconds chooses an earlier one.
         port: TCP port of the page; 0 takes a free one.
-        unit: Units of FILE, such as cm,ms. Default: found by the hand's size and the frames' rate.
+        unit: Units of FILE, such as cm,ms. Default: units for which the hand's size and the frames'
+            rate are possible.
     """
     _check(file, device, frames, seconds)
     check_picture(picture)
     if as_json and (view != "text" or picture is not None):
         raise InputError(
-            "pictures cannot be written as JSON", where="--json", expected="--view text"
+            "pictures cannot be written as JSON",
+            where="--json",
+            got="--picture" if view == "text" else f"--view {view}",
+            expected="--view text without --picture",
         )
     source = _Source(file, address, unit)
     paalm = Paalm(PAPER if method == "paper" else PaalmOptions())
@@ -160,7 +166,7 @@ def calibrate(
     out: Annotated[Path | None, Parameter(metavar="FILE")] = None,
     unit: Annotated[str, Parameter(metavar="UNIT,...")] = "",
 ) -> int:
-    """Measures hands: hold them open, palm down, fingers spread, 20 cm above the device.
+    """Measures your hands: hold them open, palm down, fingers spread, 20 cm above the device.
 
     Args:
         file: A Leap recording. Default: the running service.
@@ -170,12 +176,15 @@ def calibrate(
         frames: Number of frames with five fingers; 1000 in the paper, about 10 seconds.
         out: File for the calibration, as JSON. `default` is this user's own file, which
             `sandbox play --device leap` uses automatically.
-        unit: Units of FILE, such as cm,ms. Default: found by the hand's size and the frames' rate.
+        unit: Units of FILE, such as cm,ms. Default: units for which the hand's size and the frames'
+            rate are possible.
     """
     _check(file, device or (None if file else "leap"), frames, math.inf)
     own = out == Path(DEFAULT)
     if out is not None and not own and not out.absolute().parent.is_dir():
-        raise InputError("no such folder", where=f"--out {out}", remedy="Make it, or name another")
+        raise InputError(
+            "no such folder", where=f"--out {out}", remedy="Create it, or name another"
+        )
     if not own:
         refuse_replacing(out, {"FILE": file})
     source = _Source(file, address, unit)
@@ -214,11 +223,11 @@ class _Source:
 
     @property
     def caption(self) -> str:
-        """Caption of a picture on the source of its frames."""
+        """Caption of a picture: the source of its frames."""
         if self._file is None:
             return f"live: {self._address}"
         made = str(self._file.metadata.get("generatedBy", ""))
-        return "SIMULATED: no device saw this hand" if made == GENERATOR else "a recording"
+        return "SIMULATED: not a real hand" if made == GENERATOR else "a recording"
 
     def frames(self) -> Iterator[HandFrame]:
         if self._file is not None:
@@ -232,7 +241,7 @@ class _Source:
             self._live.close()
 
     def report(self, paalm: Paalm) -> None:
-        """Prints what could not be used on stderr, then raises the damage of a file."""
+        """Prints a report of unusable data on stderr, then raises the damage of a file, if any."""
         report = ReaderReport()
         if source := self._live or self._file:
             report.add(source.report)
@@ -256,7 +265,7 @@ def _measure(
 def _has_bones(paalm: Paalm, source: _Source, hands: Hands) -> bool:
     """Waits for the hands; True if the device reports their bones, which PAALM then uses."""
     sides = SIDES if hands == "both" else (hands,)
-    # Of every side the first frame with bones; what was seen without them tells nothing.
+    # For every side, the first frame with bones.
     seen: list[HandFrame] = []
     for frame in source.frames():
         if not any(hand.fingers for hand in frame.hands):
@@ -279,9 +288,13 @@ def _check(file: Path | None, device: str | None, frames: int | None, seconds: f
             expected="a FILE or --device leap",
         )
     if frames is not None and frames < 1:
-        raise InputError("nothing to measure", where="--frames", got=frames, expected="1 or more")
+        raise InputError(
+            "too few frames to measure a hand", where="--frames", got=frames, expected="1 or more"
+        )
     if seconds <= 0.0 or math.isnan(seconds):
-        raise InputError("nothing to show", where="--seconds", got=seconds, expected="above 0")
+        raise InputError(
+            "no time to show frames", where="--seconds", got=seconds, expected="above 0"
+        )
 
 
 def _print(frame: PaalmFrame, as_json: bool) -> None:

@@ -45,29 +45,29 @@ class PlayOptions(LslOptions, PageOptions, TrialOptions):
     device: Annotated[str, Parameter(group=COMMON, metavar="DEVICE")] = "mouse"
     """Source of the input. mouse: the mouse in the window. web: a page in a browser. tuio: a TUIO
     sender. evdev: a touch screen of this Linux machine. leap: a hand in the air over a Leap,
-    measured the first time. webcam: a hand before a camera (docs/webcam.md). webxr: hands in a
-    headset, by its own page (docs/headset.md). simulated, leap-simulated, webxr-simulated: a
-    simulated user. FILE: a recording of this program or of a Leap, or a capture of TUIO packets. Or
-    a device of your own: FILE.py:CLASS[:ARGUMENT], MODULE:CLASS[:ARGUMENT], or its name in an
-    installed package (docs/write-a-device.md)."""
+    measured the first time. webcam: a hand in front of a camera (docs/webcam.md). webxr: hands in a
+    headset, which opens a page of this program (docs/headset.md). simulated, leap-simulated,
+    webxr-simulated: a simulated user. FILE: a recording of this program or of a Leap, or a capture
+    of TUIO packets. FILE.py:CLASS[:ARGUMENT], MODULE:CLASS[:ARGUMENT], or a name from an installed
+    package: a device of your own (docs/write-a-device.md)."""
 
     view: Annotated[Literal["auto", "window", "web", "film", "none"], Parameter(group=COMMON)] = (
         "auto"
     )
-    """Output. window: a window, and a page beside it, on which touches work like the mouse. web: a
-    page only, which is the default with --device web and --tablet. film: a film. none: no output.
-    auto: a window, unless the touches are on a page."""
+    """Output. window: a window, and also a page, on which touches work like the mouse. web: only a
+    page. film: a film. none: no output. auto: web if the input is on a page (--device web or webxr,
+    --tablet, --lan), else window."""
 
     film: Annotated[Path | None, Parameter(group=OUTPUT, metavar="FILE")] = None
     """File for the film of --view film. Default: TASK.webp."""
 
     max_latency: Annotated[float | None, Parameter(group=OUTPUT, metavar="MS")] = None
     """Exit status 1 if the 95th percentile of the time from a touch to its picture, in the window
-    or on the page, was longer. Delays of the display are not included."""
+    or on the page, was longer than this. Delays of the display are not included."""
 
     learn: Annotated[bool, Parameter(group=PERSON)] = False
-    """Keep new layouts of your five fingers in the profile, and use them from the next take on.
-    Otherwise every take begins with the profile as it is, and leaves it so."""
+    """Store new layouts of your five fingers in the profile, and use them from the next trial on.
+    Without --learn, playing never changes the profile."""
 
     def with_own_profile(self) -> PlayOptions:
         """Returns the options with this user's own profile, if a person touches the device."""
@@ -95,7 +95,7 @@ def main(argv: list[str]) -> int:
             remedy="Leave out --view; `sandbox replay FILE --view film` makes a film afterwards",
         )
     if on_page and options.view == "window":
-        # The window shows touches on the page; the mouse works, too.
+        # The page that belongs to the window takes the touches, and the mouse works as well.
         options = replace(options, device="mouse")
     elif (on_page and not headset) or (options.view == "web" and options.device == "mouse"):
         options = replace(options, device="web")
@@ -124,7 +124,7 @@ def main(argv: list[str]) -> int:
 
 
 def _check(options: PlayOptions) -> None:
-    """Checks that the task can be played, before a page or window is opened."""
+    """Checks task and --record before a page or window is opened."""
     find_task(trial_settings(replace(options, record=None)).task)
     if options.record is not None and not options.record.absolute().parent.is_dir():
         raise InputError(
@@ -146,14 +146,14 @@ def _without_window(options: PlayOptions) -> int:
         )
     if options.learn:
         raise InputError(
-            "nothing is learned from runs that nobody sees",
+            "layouts are learned only while a person plays on a window or page",
             where="--learn",
             got=f"--view {options.view}",
             expected="--view window or --view web",
         )
     if options.max_latency is not None:
         raise InputError(
-            "latency is measured from a touch to a picture, which this view does not show",
+            "this view shows no pictures, so the time from a touch to its picture is not known",
             where="--max-latency",
             got=f"--view {options.view}",
             expected="--view window or --view web",

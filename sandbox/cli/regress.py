@@ -1,4 +1,4 @@
-"""`sandbox regress`: success over many seeds, and against what it was before."""
+"""`sandbox regress`: success over many seeds, and its comparison with a baseline."""
 
 from __future__ import annotations
 
@@ -39,19 +39,20 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, kw_only=True)
 class RegressOptions(SecondOptions, ConditionOptions):
-    """Runs the simulated user over many seeds, says how often it succeeds, and whether that is
-    less than a baseline said.
+    """Runs the simulated user over many seeds and reports how often it succeeds. With a baseline,
+    tests whether success or time got worse.
 
-    Options of `sandbox run` are taken as well and hold for all trials, such as --bare or
-    `--impulse safe`.
+    Options of `sandbox run`, such as --bare or `--impulse safe`, are accepted and apply to all
+    trials.
 
-    Exit status 0: all trials were run and the gate holds; trials that fail without a baseline, and
-    values of --vary that break a task, are no reason for another. 1: a loss of success or time
+    Exit status 0: all trials were run and the gate holds. Trials that fail do not change it without
+    a baseline, and neither do values of --vary that break a task. 1: a loss of success or time
     beyond chance (exact tests over paired seeds, alpha 0.02, Holm over tasks), more crashed trials
-    than --allow-crashes permits, or with --exact another state with the baseline's fingerprint. 2:
-    bad input, and one line says what. 130: stopped by Ctrl-C, 143: by SIGTERM.
+    than --allow-crashes permits, or, with --exact, a state that differs although the fingerprint is
+    the baseline's. 2: bad input, reported in one line. 130: stopped by Ctrl-C. 143: stopped by
+    SIGTERM.
 
-    With --json or --junit every trial is written as it ends, to a file beside the report, such as
+    With --json or --junit, every trial is written as it ends to a file beside the report, such as
     report.trials.jsonl. If the run is stopped or killed, the same command with --resume continues.
 
     Try:
@@ -67,86 +68,89 @@ class RegressOptions(SecondOptions, ConditionOptions):
     tasks: Annotated[
         tuple[str, ...], Parameter(metavar="all|NAME|FILE.py", consume_multiple=True)
     ] = ("all",)
-    """Which tasks; `sandbox` lists them, and FILE.py has one of your own."""
+    """Tasks to play; `sandbox` lists them. FILE.py: a task of your own."""
 
     seeds: Annotated[str, Parameter(metavar="A:B")] = "0:40"
-    """From A to before B; commas join several."""
+    """Seeds from A to B - 1. Commas separate several ranges."""
 
     arm: Literal["plain", "hard", "both"] = "both"
     """plain: the tasks as they are. hard: the tasks with smaller objects, less room or less
-    friction, so that a part of the trials fails. With --vary the plain one."""
+    friction, so that some trials fail. With --vary, always plain."""
 
     executor: Literal["serial", "processes", "ray"] = "processes"
-    """Where trials run; the results are the same to the bit. ray: the extra `ray`."""
+    """Where trials run: one after another, in processes, or on a Ray cluster (extra `ray`). The
+    results are equal to the bit."""
 
     workers: int = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else 1
-    """How many trials at a time, one core each."""
+    """Number of trials that run at the same time, one core each."""
 
     address: Annotated[str | None, Parameter(metavar="ADDRESS")] = None
-    """Of a running Ray cluster."""
+    """Address of a running Ray cluster."""
 
     json: Annotated[Path | None, Parameter(metavar="OUT")] = None
-    """Writes the report with every trial; - is the terminal."""
+    """File for the report with every trial, as JSON; - is the terminal."""
 
     junit: Annotated[Path | None, Parameter(metavar="FILE")] = None
-    """Writes JUnit's XML, a test for every task."""
+    """File for the report as JUnit XML, with a test for every task."""
 
     markdown: Annotated[Path | None, Parameter(metavar="FILE")] = None
-    """Writes a summary in Markdown, which CI servers show beside a run."""
+    """File for a summary in Markdown, which CI servers can show with a run."""
 
     baseline: Annotated[Path | None, Parameter(metavar="FILE")] = None
-    """What to compare with; one of another encoder, task version or settings is refused."""
+    """Baseline to compare with. A baseline with a different encoder, task version or settings is
+    refused."""
 
     margin: Annotated[
         tuple[str, ...] | None, Parameter(metavar="MEASURE=SHARE", consume_multiple=True)
     ] = None
-    """Changes of success or time that do not matter, such as time=5% or success=2%: a loss must be
-    beyond chance and beyond its margin."""
+    """Changes of success or time that do not matter, such as time=5% or success=2%. The gate fails
+    only if a loss is beyond chance and larger than its margin."""
 
     update_baseline: bool = False
-    """Makes the baseline from this run; nothing is judged. Ten seeds of every task are played a
-    second time, for --plan."""
+    """Make the baseline from this run, without a comparison. The first ten seeds of every task are
+    played a second time, slightly changed, for --plan."""
 
     plan: bool = False
-    """Only prints which changes a comparison with the baseline would find, and how long it would
-    take."""
+    """Only print which changes a comparison with the baseline would detect, and how long the run
+    would take."""
 
     exact: bool = False
-    """States must be equal to the bit where MuJoCo, architecture and libm are the baseline's."""
+    """States must also be equal to the bit, if MuJoCo, architecture and libm are the baseline's."""
 
     across_encoders: bool = False
-    """The baseline may be another encoder's: whether this one is worse is the question."""
+    """Accept a baseline of another encoder, to test whether this encoder is worse."""
 
     vary: Annotated[
         tuple[str, ...] | None,
         Parameter(
             metavar="NAME[=V1,V2]",
             consume_multiple=True,
-            help=f"Success against {help_with_names(KINDS.values())}, with the values given, or "
-            "with ever worse ones until it breaks. Instead of a baseline.",
+            help=f"Measure success against {help_with_names(KINDS.values())}: for the given "
+            "values, or for harder and harder values until the task breaks. Not with a baseline.",
         ),
     ] = None
 
     plot: Annotated[Path | None, Parameter(metavar="FILE")] = None
-    """Draws what --vary found, .png or .svg; the extra `plots`."""
+    """File for a plot of the results of --vary, .png or .svg (extra `plots`)."""
 
     film_lost: Annotated[Path | None, Parameter(metavar="DIR")] = None
-    """Films the trials that moved most in a loss, in a new or empty folder, with a page that shows
-    them beside those of the baseline's program, and the lines that film these."""
+    """New or empty folder for films of the trials with the largest changes in each loss. A page
+    in it shows each film beside one of the baseline's program, and has the command that makes the
+    latter."""
 
     record: Annotated[Path | None, Parameter(metavar="DIR")] = None
-    """Keeps a recording of every trial that fails in a new or empty folder."""
+    """New or empty folder for a recording of every trial that fails."""
 
     record_all: bool = False
-    """Keeps those of successful trials, too, which `sandbox export` makes data sets of."""
+    """With --record: record successful trials, too. `sandbox export` makes data sets of them."""
 
     resume: bool = False
-    """Continues from the trials of a run that was stopped or killed: only seeds that are missing or
-    crashed are run. Give the same command again; other settings, seeds or versions are refused."""
+    """Continue a run that was stopped or killed: only seeds that are missing or crashed are run.
+    Repeat the command of that run; different settings, seeds or versions are refused."""
 
     allow_crashes: Annotated[int, Parameter(metavar="N")] = 0
-    """How many trials of the whole run may crash: their code raises an error, or their process or
-    machine is lost. Each counts as a failure."""
+    """Number of trials of the whole run that may crash: their code raises an error, or their
+    process or machine is lost. Each crashed trial counts as a failure."""
 
 
 def main(argv: list[str]) -> int:
@@ -237,19 +241,20 @@ def _parsed(argv: list[str]) -> RegressOptions:
     for word in argv:
         if word.partition("=")[0] in ("--device", "--events", "--port", "--bind", "--seed"):
             raise InputError(
-                "this is not for regression runs",
+                "this option does not apply to regression runs",
                 got=word,
-                expected="options of `sandbox run` that hold for every trial",
-                remedy="--seeds A:B says which" if word.startswith("--seed") else None,
+                expected="options of `sandbox run` that can apply to every trial",
+                remedy="--seeds A:B chooses the seeds" if word.startswith("--seed") else None,
             )
     return parse(RegressOptions, "sandbox regress", argv)
 
 
 def margins(texts: Sequence[str]) -> dict[str, float]:
-    """Margins by measure, as shares, from texts such as `time=5%`.
+    """Returns margins (shares) by measure, from texts such as `time=5%`.
 
     Raises:
-        InputError: A measure does not decide or does not exist, or a margin has no unit.
+        InputError: A measure does not exist or is not part of the gate, or a margin is not a
+            percentage from 0 to below 100.
     """
     from sandbox.regress.compared_measures import DECIDING
 
@@ -257,7 +262,7 @@ def margins(texts: Sequence[str]) -> dict[str, float]:
     for text in texts:
         name, _, amount = text.partition("=")
         if name not in DECIDING:
-            raise unknown_name("no such measure with a margin", name, DECIDING, where="--margin")
+            raise unknown_name("this measure has no margin", name, DECIDING, where="--margin")
         try:
             share = float(amount.removesuffix("%")) / 100.0
         except ValueError:
@@ -273,7 +278,7 @@ def margins(texts: Sequence[str]) -> dict[str, float]:
 def _scene(options: RegressOptions) -> dict[str, Any]:
     from sandbox.trial.trial_options import TrialOptions, check_labels
 
-    # Of the same name, but not those of a trial.
+    # Here, --vary and --record differ from the options of `sandbox run` with these names.
     given = options.given - {"vary", "record"}
     scene = picked(TrialOptions, options, vary="", record=None, given=given)
     check_labels(scene)
@@ -281,16 +286,21 @@ def _scene(options: RegressOptions) -> dict[str, Any]:
 
 
 def _check(options: RegressOptions) -> None:
-    """Refuses, before anything is run, what would fail at the end."""
+    """Checks, before any trial is run, everything that would fail at the end."""
     check_vary(options)
     margins(options.margin or ())
     if not options.tasks:
         raise InputError("no task is named", where="--tasks", remedy="Leave it out, or name one")
     if options.workers < 1:
-        raise InputError("too few", where="--workers", got=options.workers, expected="1 or more")
+        raise InputError(
+            "too few workers", where="--workers", got=options.workers, expected="1 or more"
+        )
     if options.allow_crashes < 0:
         raise InputError(
-            "fewer than none", where="--allow-crashes", got=options.allow_crashes, expected="0 ..."
+            "the number of crashes is negative",
+            where="--allow-crashes",
+            got=options.allow_crashes,
+            expected="0 or more",
         )
     if options.record_all and options.record is None:
         raise InputError("no folder is given", where="--record-all", remedy="Add --record DIR")
@@ -300,11 +310,24 @@ def _check(options: RegressOptions) -> None:
                 option = "--" + name.replace("_", "-")
                 raise InputError("no baseline is given", where=option, remedy="Add --baseline FILE")
     if options.exact and options.across_encoders:
-        raise InputError("two encoders never give equal states", where="--exact --across-encoders")
+        raise InputError(
+            "different encoders never give equal states",
+            where="--exact --across-encoders",
+            remedy="Leave one of them out",
+        )
     if options.across_encoders and options.update_baseline:
-        raise InputError("a baseline is one encoder's", where="--across-encoders --update-baseline")
+        raise InputError(
+            "a baseline has the trials of one encoder only",
+            where="--across-encoders --update-baseline",
+            remedy="Leave one of them out",
+        )
     if options.address is not None and options.executor != "ray":
-        raise InputError("only Ray has an address", where="--address", remedy="Add --executor ray")
+        raise InputError(
+            "only --executor ray uses an address",
+            where="--address",
+            got=f"--executor {options.executor}",
+            remedy="Add --executor ray",
+        )
     written = {
         "--json": options.json,
         "--junit": options.junit,
@@ -323,10 +346,15 @@ def _empty_folder(folder: Path, option: str) -> None:
         full = any(folder.iterdir())
     except OSError as error:
         where = f"{option} {folder}"
-        raise InputError("no folder can be made", where=where, got=error.strerror) from None
+        raise InputError(
+            "the folder cannot be created",
+            where=where,
+            got=error.strerror,
+            remedy="Name another folder",
+        ) from None
     if full:
         raise InputError(
-            "files of an earlier run would be mixed with this one's",
+            "files in this folder would be mixed with those of this run",
             where=f"{option} {folder}",
             expected="a new or empty folder",
         )
@@ -345,17 +373,20 @@ def _executor(options: RegressOptions) -> Executor:
 def _compared_with(
     options: RegressOptions, plan: RegressionPlan, console: Console
 ) -> Baseline | None:
-    """The baseline, where there is one that may be compared with.
+    """Loads the baseline; None without one, or if it is replaced and cannot be compared.
+
+    It is checked before the run, so that an error does not cost a whole run.
 
     Raises:
-        InputError: It may not, and nobody asked to replace it: better told now than after the run.
+        InputError: The baseline cannot be compared with this run, and is not to be replaced; or the
+            file to be replaced is not a baseline.
     """
     if options.baseline is None or (options.update_baseline and not options.baseline.exists()):
         return None
     from sandbox.regress.baseline import load_baseline, replaceable
 
     if options.update_baseline:
-        # What is no baseline is told before the run.
+        # Refuse before the run to overwrite a file that is not a baseline.
         replaceable(options.baseline)
     try:
         loaded = load_baseline(options.baseline)
@@ -373,7 +404,7 @@ def _compared_with(
 def _trials_file(
     options: RegressOptions, plan: RegressionPlan, console: Console
 ) -> Iterator[TrialsFile | None]:
-    """The file of trials beside the report; None where no report is written."""
+    """Context with the file of trials beside the report; None if no report is written."""
     from sandbox.regress.trials_file import TrialsFile, identity, trials_path
 
     outputs = (p for p in (options.json, options.junit) if p not in (None, TERMINAL))
@@ -381,10 +412,11 @@ def _trials_file(
     if output is None:
         if options.resume:
             raise InputError(
-                "there is nothing to go on from",
+                "the run to be resumed is not named",
                 where="--resume",
-                expected="the --json FILE of the run, beside which its trials are",
-                remedy="Give the same command as that run",
+                expected="--json FILE or --junit FILE of that run, whose trials are in a file "
+                "beside it",
+                remedy="Repeat the command of that run and add --resume",
             )
         yield None
         return
@@ -392,15 +424,16 @@ def _trials_file(
     with TrialsFile(path, identity(plan, options.vary or ()), options.resume) as kept:
         if kept.set_aside is not None:
             console.print(
-                f"[yellow]an earlier run did not finish: its trials are in "
-                f"{escape(str(kept.set_aside))}; --resume would have gone on from them[/]",
+                f"[yellow]an earlier run did not finish. Its trials are now in "
+                f"{escape(str(kept.set_aside))}; with --resume, this run would have continued "
+                "it[/]",
                 soft_wrap=True,
             )
         if options.resume:
             crashed = len(kept.crashed_before)
-            again = f"; {crashed} more crashed and are run again" if crashed else ""
+            again = f"; {counted(crashed, 'crashed trial')} will be repeated" if crashed else ""
             console.print(
-                f"{counted(len(kept.trials) - crashed, 'trial')} ended before, in "
+                f"{counted(len(kept.trials) - crashed, 'trial')} of the earlier run in "
                 f"{escape(str(path))}{again}",
                 soft_wrap=True,
             )
@@ -408,7 +441,7 @@ def _trials_file(
 
 
 def _part_name(plan: RegressionPlan) -> str:
-    """The tasks and the variation of a part of a run, for its progress."""
+    """Returns the tasks and the variation of a part of a run, as text for the progress."""
     return f"{', '.join(plan.names)}, {plan.scene.get('vary') or 'nothing varied'}"
 
 
@@ -420,15 +453,18 @@ def _run(
     named: bool = False,
     changed: Callable[[TrialJob], TrialJob] = lambda job: job,
 ) -> list[Trial]:
-    """The trials, those of a resumed run among them; fewer where somebody breaks off.
+    """Runs the trials of a plan that a resumed run has not played yet.
 
     Args:
-        plan: The trials to run.
+        plan: The trials.
         executor: Where they run.
-        interrupt: Says whether somebody wants to break off.
-        kept: The file that they are written to, if there is one.
-        named: They are a part of a run, whose progress names its tasks and its variation.
-        changed: Changes every trial.
+        interrupt: Requests to stop, by Ctrl-C or SIGTERM.
+        kept: File of trials: it has those of a resumed run, and each trial is added; None without.
+        named: True if the progress names the tasks and the variation of this part of a run.
+        changed: Function that changes a trial before it runs.
+
+    Returns:
+        All trials of the plan; fewer if the run was stopped.
     """
     from sandbox.regress.console_report import progress_lines
 
@@ -460,7 +496,7 @@ def _run(
 
 
 def _repeated(plan: RegressionPlan, executor: Executor, interrupt: Interrupt) -> list[Trial]:
-    """Some of a plan's trials with a change that makes nothing harder."""
+    """Repeats the first trials of a plan with a change that does not make the task harder."""
     from sandbox.regress.detectable_changes import REPEATS, repeated
 
     again = replace(plan, seeds=plan.seeds[:REPEATS], record=None)
@@ -470,14 +506,14 @@ def _repeated(plan: RegressionPlan, executor: Executor, interrupt: Interrupt) ->
 def _show_power(
     options: RegressOptions, plan: RegressionPlan, baseline: Baseline, console: Console
 ) -> int:
-    """Prints what a comparison with a baseline would find, and what it would cost."""
+    """Prints which changes a comparison with a baseline would detect, and its time on one core."""
     from sandbox.regress.console_report import show_power
     from sandbox.regress.detectable_changes import power_of
     from sandbox.regress.execute import run_job
 
     rows = power_of(baseline, plan.names, plan.seeds, plan.time_limits())
     jobs = plan.jobs()[: len(plan.names)]
-    # The first trial of a process imports and compiles; later ones show how fast trials are.
+    # The first trial in a process is slow, as it imports and compiles: do not measure its time.
     run_job(jobs[0])
     seconds = 0.0
     for job in jobs:
@@ -500,19 +536,19 @@ def _update(
     repeats: Sequence[Trial],
     console: Console,
 ) -> bool | None:
-    """True if the baseline was made; None where the run broke off."""
+    """Makes the baseline; returns False if a trial crashed, None if the run is incomplete."""
     from sandbox.regress.baseline import update
 
     assert options.baseline is not None
     if not report.complete:
-        console.print("[yellow]the baseline stays as it is: the run broke off[/]")
+        console.print("[yellow]the baseline is not changed: the run was stopped[/]")
         return None
     if report.crashes.trials:
-        console.print("[bold red]no baseline is made from a run with trials that crashed[/]")
+        console.print("[bold red]the baseline is not changed: trials of this run crashed[/]")
         return False
     new = update(options.baseline, plan.origin(), plan.versions(), report.trials, repeats)
     kept = [name for name in new.tasks if name not in plan.names]
-    also = f", as they were: {', '.join(kept)}" if kept else ""
+    also = f"; unchanged tasks: {', '.join(kept)}" if kept else ""
     told = f"baseline {options.baseline}: {counted(len(report.trials), 'trial')}{also}"
     console.print(told, markup=False)
     return True
@@ -529,31 +565,35 @@ WITHOUT = (
     "across_encoders",
     "film_lost",
 )
-"""Options that mean nothing where trials are varied."""
+"""Options that have no effect with --vary, and are refused."""
 
 
 def check_vary(options: RegressOptions) -> None:
-    """Refuses what would fail at the end.
+    """Checks the options that depend on --vary.
 
     Raises:
-        InputError: An option does not go with another.
+        InputError: An option cannot be combined with --vary, or needs it.
     """
     if options.vary is None:
         if options.plot is not None:
-            raise InputError("there is nothing to plot", where="--plot", remedy="Add --vary NAME")
+            raise InputError(
+                "only results of --vary can be plotted", where="--plot", remedy="Add --vary NAME"
+            )
         return
     plain = {f.name: f.default for f in fields(options)}
     for name in WITHOUT:
         if getattr(options, name) != plain[name]:
+            option = f"--{name.replace('_', '-')}"
             raise InputError(
-                "varied trials are compared with those of the same run, and with nothing else",
-                where=f"--vary --{name.replace('_', '-')}",
+                "this option cannot be combined with --vary, which compares trials of one run only",
+                where=option,
+                remedy=f"Leave out {option} or --vary",
             )
     from sandbox.regress.sweep import parse_variations
 
     if not options.vary:
         raise InputError(
-            "--vary needs a quantity", where="--vary", remedy="`--vary size`, for instance"
+            "--vary needs a quantity", where="--vary", remedy="Name one, such as `--vary size`"
         )
     parse_variations(options.vary)
     if options.plot is not None:
@@ -569,14 +609,17 @@ def run_vary(
     run: Runner,
     console: Console,
 ) -> bool | None:
-    """Runs, prints, draws and writes; whether few enough trials crashed, None if it broke off.
+    """Runs varied trials, and prints, plots and writes the results.
 
     Args:
-        options: Checked.
+        options: Checked options.
         plan: Plan of the unvaried trials.
-        executor: Its name goes into the report.
+        executor: Executor of the trials; the report has its name.
         run: Runs a plan's trials.
-        console: For people.
+        console: Console for messages.
+
+    Returns:
+        True if no more trials crashed than are allowed; None if the run was stopped.
     """
     from sandbox.regress.console_report import show_crashes, show_sweep
     from sandbox.regress.sweep import parse_variations, sweep

@@ -80,7 +80,7 @@ def show_on_page(
     page: PageOptions,
     console: Console,
 ) -> None:
-    """Shows the trial until the program is interrupted; the page can pause and restart it.
+    """Shows the trial on a page until Ctrl-C. Requests from the page pause and restart playback.
 
     Raises:
         DeviceError: The page cannot be served.
@@ -110,17 +110,20 @@ def show_on_page(
 
 
 def study_folder(name: str, out: Path) -> Path | None:
-    """The folder of a study with this name, here or in the folder of studies; None for others."""
+    """Finds the folder of a study: `name` as a path, or `name` inside `out`.
+
+    Returns None if neither is a study.
+    """
     return next((path for path in (Path(name), out / name) if is_study(path)), None)
 
 
 def verify_study(study: Path, console: Console, seals: Path | None = None) -> int:
-    """Verifies a study, prints a line for each point and for all that is wrong.
+    """Verifies a study. Prints one line for each check (`verify.POINTS`) and for each finding.
 
     Args:
         study: Folder of the study.
-        console: Where it is printed.
-        seals: A copy of `notes/SITE.jsonl` that was kept elsewhere.
+        console: Console for the lines.
+        seals: Copy of `notes/SITE.jsonl` that was stored outside the study.
 
     Returns:
         The exit status.
@@ -140,7 +143,7 @@ def verify_study(study: Path, console: Console, seals: Path | None = None) -> in
 
 
 def verdict(verification: Verification) -> str:
-    """Returns the result of a replay in one line, with what has changed in the task since."""
+    """Returns the result of a replay in one line, with changes of the task since the recording."""
     changed = escape(verification.task_change)
     if not changed:
         return _compared(verification)
@@ -151,23 +154,26 @@ def verdict(verification: Verification) -> str:
 
 def _compared(verification: Verification) -> str:
     if verification.exact:
-        whole = "" if verification.complete else ", up to where it breaks off"
-        return f"[green]exact[/]: {verification.compared} states equal to the bit{whole}"
+        whole = "" if verification.complete else ", up to the end of the incomplete recording"
+        return f"[green]exact[/]: {verification.compared} states are equal to the bit{whole}"
     if verification.compared == 0:
-        return "[yellow]nothing to compare: the recording holds no input[/]"
+        return "[yellow]nothing to compare: the recording has no input[/]"
     differs = f"differs[/] from physics step {verification.first_difference} on"
     if verification.same_machine:
         return f"[red]{differs}"
-    return f"[yellow]{differs}, as it may: {elsewhere(verification)}"
+    return f"[yellow]{differs}, which is allowed: {elsewhere(verification)}"
 
 
 def elsewhere(verification: Verification) -> str:
-    """Differences between this machine and the recording's."""
-    return f"it was recorded elsewhere; what differs is {' and '.join(verification.differs_in)}"
+    """Returns the differences between this machine and that of the recording, in words."""
+    return f"it was recorded elsewhere; different: {' and '.join(verification.differs_in)}"
 
 
 SELDOM = 64
-"""Control periods between two updates of the progress bar, which take longer than one period."""
+"""Control periods between two updates of the progress bar.
+
+One update takes longer than simulating one period.
+"""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -175,30 +181,31 @@ class ReplayOptions:
     """Replays recordings and compares each state with the recorded one, by its hash.
 
     Exit status 1: a state differs although versions and processor are those of the recording; or
-    with --verify, something is not as it was written.
+    with --verify, a check fails.
 
         sandbox replay run.jsonl                                   a recording
         sandbox replay NAME/3B5G5T/S001/T007                       a trial of a study
-        sandbox replay NAME/3B5G5T --verify                        all of a participant's
+        sandbox replay NAME/3B5G5T --verify                        all trials of a participant
         sandbox replay NAME --verify                               a study: records, files, states
-        sandbox replay NAME/3B5G5T/T007 --view window              to look at, at real time
-        sandbox replay run.jsonl --view film --film run.mp4
+        sandbox replay NAME/3B5G5T/T007 --view window              shows it at real speed
+        sandbox replay run.jsonl --view film --film run.mp4        draws a film
     """
 
     trial: Annotated[str, Parameter(metavar="FILE|TRIAL")] = field(kw_only=False)
-    """A recording (--record); a trial of a study, NAME/PARTICIPANT/S001/T007, of which the valid
-    attempt is taken, and whose session may be left out; or a study's folder, a participant or a
-    session, which stands for all its trials."""
+    """One of: a recording (written by --record); a trial of a study, NAME/PARTICIPANT/S001/T007
+    (its valid attempt is replayed; without S001, that trial of every session); or a study,
+    participant or session, for all its trials."""
 
     verify: bool = False
     """Exit status 1 unless the recording is complete and every state is equal. States of another
-    machine's recording may differ if the outcome is the same and nothing is more than 1 mm or 2
-    degrees away. Of a whole study, also verifies records, seals, recordings, frames, tables, orders
-    and withdrawals, and names what is missing or changed."""
+    machine's recording may differ if the outcome is the same and all objects and hands are within 1
+    mm and 2 degrees of the recorded ones. For a whole study, also checks records, seals (hashes of
+    closed sessions), recordings, frames, tables, trial orders and withdrawals, and lists everything
+    that is missing or changed."""
 
     seals: Annotated[Path | None, Parameter(metavar="FILE")] = None
-    """With --verify of a study, a copy of its notes/A.jsonl that was kept elsewhere, whose seals
-    must hold, too."""
+    """With --verify of a study: a copy of its notes/SITE.jsonl (such as A.jsonl) that you stored
+    elsewhere. The study must also match the session hashes in this copy."""
 
     view: Literal["none", "window", "web", "film"] = "none"
     """Show the trial after the comparison: in a window (h shows the keys: pause, steps, jumps), on
@@ -232,12 +239,17 @@ def main(argv: list[str]) -> int:
     if options.verify and study is not None:
         return verify_study(study, console, options.seals)
     if options.seals is not None:
-        raise InputError("--seals is for --verify of a study", where="sandbox replay")
+        raise InputError(
+            "session hashes are checked only for a whole study with --verify",
+            where=f"--seals {options.seals}",
+            got=options.trial,
+            expected="the folder of a study, and --verify",
+        )
     files = find_recordings(options.trial, options.out)
     if len(files) > 1:
         files, broken = finished_only(files)
         if broken:
-            console.print(f"{broken} attempts that were broken off are left out", highlight=False)
+            console.print(f"{broken} unfinished attempts are left out", highlight=False)
     showing = options.view != "none" or options.film is not None
     if showing and len(files) > 1:
         raise InputError(
@@ -286,7 +298,7 @@ def _replay(file: Path, options: ReplayOptions, brief: bool, console: Console) -
             if keeps:
                 views.append(kept.append)
             if film is not None:
-                # Drawing loads OpenGL, which a replay without a film never needs.
+                # This import loads OpenGL, which a replay without a film does not need.
                 from sandbox.views.film import FilmView
 
                 surface = session.whole_surface
@@ -303,8 +315,8 @@ def _replay(file: Path, options: ReplayOptions, brief: bool, console: Console) -
         _report(recording, session, verification, console)
         if not keeps and film is None and took > 0 and verification.compared:
             console.print(
-                f"[dim]{session.time:.1f} s of trial compared in {took:.2f} s, "
-                f"{session.time / took:.1f} times faster than it was[/]",
+                f"[dim]{session.time:.1f} s of trial compared in {took:.2f} s: "
+                f"{session.time / took:.1f} times real time[/]",
                 highlight=False,
             )
     if film is not None:
@@ -334,7 +346,7 @@ def _show(
 
 
 def _second_verdict(agreement: Agreement) -> str:
-    """Outcome and largest differences of a replay that is not equal to the bit, in a line."""
+    """Returns outcome and largest differences of a replay whose states differ, in a line."""
     outcome = {True: "the same outcome", False: "[red]another outcome[/]", None: "no recorded end"}
     colour = "green" if agreement.holds else "red"
     return (
@@ -353,7 +365,7 @@ def _report(
     score = session.scorer.score
     console.print(verdict(verification), soft_wrap=True)
     if verification.exact and not verification.same_machine:
-        console.print(f"[yellow]{elsewhere(verification)}; every state is equal all the same[/]")
+        console.print(f"[yellow]{elsewhere(verification)}; yet every state is equal[/]")
     if verification.agreement:
         console.print(_second_verdict(verification.agreement), highlight=False)
     if (
@@ -364,12 +376,15 @@ def _report(
     ):
         score = TrialResult.from_json(recording.end["result"], str(recording.path)).score
     elif verification.complete and recording.end and score.status is Status.INPUT_ENDED:
-        # The person or a study's limit ended it, which a replay cannot see.
+        # A person or a study's limit ended the trial: only the recorded end has the reason.
         score = TrialResult.from_json(recording.end["result"], str(recording.path)).score
     if not verification.same_machine:
-        shown = "its recorded poses" if verification.shown_recorded else "what is simulated here"
-        why = "" if verification.shown_recorded else ", since it holds no poses"
-        console.print(f"shown: {shown}{why}")
+        shown = (
+            "the recorded poses"
+            if verification.shown_recorded
+            else "the poses simulated here, since the recording has none"
+        )
+        console.print(f"shown: {shown}")
     if verification.diverged:
         console.print(f"[yellow]the simulation diverged: {verification.diverged}[/]")
     how = ending(score.status, score.success)

@@ -41,8 +41,8 @@ from tasks.task import Task
 class RunOptions(LslOptions, TrialOptions):
     """Runs a task without a window, as fast as the machine can, and prints its score.
 
-    Exit status 0: the trial was played, also if it failed; `success` in --json tells. 1: an error
-    of the program, or of a task's own code. 2: bad input, and one line says what. 130: stopped by
+    Exit status 0: the trial was played, with or without success (`success` in --json). 1: an error
+    of the program, or of a task's own code. 2: bad input, reported in one line. 130: stopped by
     Ctrl-C.
 
     Try: sandbox run box-to-goal --device simulated --seed 3 --json -
@@ -90,7 +90,7 @@ def perform(options: RunOptions) -> int:
     # With `--json -`, only the result goes to standard output.
     console = Console(stderr=options.json == TERMINAL)
     try:
-        # What ends a service or closes a terminal loses no motion either.
+        # SIGTERM and SIGHUP end the run like Ctrl-C, so that the files are completed.
         with streaming(options.lsl, console), ending_as_by_ctrl_c():
             result = _run(options, chosen, events, console)
         with printing():
@@ -110,7 +110,7 @@ def perform(options: RunOptions) -> int:
 
 
 def _written(options: RunOptions) -> set[tuple[str, int]]:
-    """Name and time of change of those files that a trial which is stopped leaves."""
+    """Returns path and modification time of each existing file that a stopped trial leaves."""
     files = [path for path in (options.record, options.motion) if path is not None]
     return {(str(path), path.stat().st_mtime_ns) for path in files if path.exists()}
 
@@ -124,7 +124,7 @@ def _run(options: RunOptions, chosen: Settings, events: EventLog, console: Conso
             clock.append(RealTime())
         clock[0].wait(snapshot.time)
 
-    # A simulated user does not act on a notice: standard output is for the result.
+    # A simulated user does not act on notices: they go to stderr, and stdout has only the result.
     simulated = chosen.device.user is not None
     notices = NoticePrinter(Console(stderr=True) if simulated else console, wrap=False)
 
@@ -156,7 +156,7 @@ def _run(options: RunOptions, chosen: Settings, events: EventLog, console: Conso
             if is_live(chosen):
                 views.append(pace)
             if options.film:
-                # Drawing loads OpenGL, which a run without a film never needs.
+                # This import loads OpenGL, which a run without a film does not need.
                 from sandbox.views.film import FilmView
 
                 surface = session.whole_surface

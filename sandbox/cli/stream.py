@@ -56,7 +56,7 @@ PARTS = {
     "maya": ("guest_math", "guest_line", "maya_side"),
     "blender": ("guest_math", "guest_line", "blender_rigs", "blender_side"),
 }
-"""Modules of each script; the docstring of the last one becomes that of the script."""
+"""Modules of each script. The script has the docstring of the last module."""
 
 
 def script(program: str) -> str:
@@ -96,31 +96,32 @@ def _body(source: str) -> str:
 
 
 TASK = "box-to-goal"
-"""Task whose workspace is used unless another is named."""
+"""Default task. Only its workspace is used, except by a simulated person, who plays the task."""
 LIVE = tuple(name for name in DEVICES if name != "mouse")
 PAGE_PATIENCE = 600.0
-"""s within which somebody must open the page."""
+"""Time within which somebody must open the page, s."""
 STOP_TIMEOUT = 5.0
-"""s within which the other program must accept the command to stop."""
+"""Time within which the other program must accept the command to stop, s."""
 KEY_PATIENCE = 10.0
-"""s for which a key of a recording waits until the previous one is sent."""
+"""Longest time for which a pose of a recording waits until the previous one is sent, s."""
 
 
 @dataclass(frozen=True)
 class _File:
-    """What stands behind the command; its base comes first, as a positional argument must."""
+    """Positional argument of the command. The class is the last base of the options, so that its
+    field is the first one, as a positional argument must be."""
 
     file: Annotated[Path | None, Parameter(metavar="RECORDING|TRIAL|CAPTURE")] = None
-    """A recording (--record), a trial of a study, a capture (.npz), or a recording of a Leap, of
-    which every key is sent. Or use --device."""
+    """A recording (--record), a trial of a study, a capture (.npz), or a recording of a Leap. Or
+    use --device."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class StreamOptions(LeapCommandOptions, PageOptions, LiveTouchOptions, _File):
-    """Sends the motion of hands live to Maya or Blender, where the fingers of any rig follow.
+    """Sends the motion of hands live to Maya or Blender, where the fingers of any rig follow it.
 
-    In Maya, paste the script into the script editor (Python) and run it. Select the first joints
-    of one to five chains, thumb first, and run open_port() and start():
+    In Maya, paste the script into the script editor (Python) and run it. Select the first joint
+    of each finger, one to five, thumb first. Then run open_port() and start():
 
         sandbox stream --script maya > hand_sandbox_maya.py
         sandbox stream --device leap --maya :7002
@@ -131,8 +132,8 @@ class StreamOptions(LeapCommandOptions, PageOptions, LiveTouchOptions, _File):
         blender -P hand_sandbox_blender.py
         sandbox stream --device leap --blender :7004
 
-    Hands over a Leap come straight from PAALM, in the frame of the device, without a task and its
-    table; --hand both streams two. A recording of a Leap does as well:
+    Hands over a Leap need no task: PAALM computes their poses in the frame of the device.
+    --hand both streams both hands. A recording of a Leap is streamed in the same way:
 
         sandbox devices leap simulate --out leap.json
         sandbox stream leap.json --blender :7004
@@ -143,8 +144,9 @@ class StreamOptions(LeapCommandOptions, PageOptions, LiveTouchOptions, _File):
         sandbox stream run.jsonl --blender :7004
         sandbox stream --device leap-simulated --maya :7002
 
-    The other program may start later, stall, or be restarted. Ctrl-C ends the stream and makes the
-    other program bake the motion. --print shows the commands instead of sending them.
+    The other program may start later, stall, or be restarted. Ctrl-C ends the stream, and the
+    other program then bakes the motion into keyframes. --print shows the commands instead of
+    sending them.
     """
 
     maya: Annotated[str | None, Parameter(metavar="HOST:PORT")] = None
@@ -162,11 +164,11 @@ class StreamOptions(LeapCommandOptions, PageOptions, LiveTouchOptions, _File):
     device: Annotated[str | None, Parameter(metavar="DEVICE")] = None
     """Source of live hands: a page in a browser (web), a TUIO sender (tuio), a touch screen
     (evdev), a Leap (leap), a simulated person (simulated, leap-simulated), or a file that plays as
-    a device. Physics is simulated only for simulated persons, since they react to what they see."""
+    a device."""
 
     of: Literal["simulated", "commanded"] | None = None
-    """simulated: the hand as physics moves it, the default for a recording. commanded: the pose
-    that the input asks for, the default for a device."""
+    """simulated: the pose of the hand in the physics simulation, the default for a recording.
+    commanded: the pose computed from the input, the default for a device."""
 
     rate: Annotated[float, Parameter(metavar="HZ")] = 60.0
     """Poses per second."""
@@ -178,12 +180,12 @@ class StreamOptions(LeapCommandOptions, PageOptions, LiveTouchOptions, _File):
     """Language of Maya's command port (sourceType)."""
 
     task: str | None = None
-    """Task whose workspace is used, box-to-goal by default; a simulated person performs it. Hands
-    over a Leap need none; with one, they stay above its table."""
+    """Task whose workspace is used, box-to-goal by default; a simulated person plays the task.
+    Hands over a Leap need no task; with a task, they stay above its table."""
 
     hand: Hand | None = None
-    """Which hand of a Leap; both are for a live one, whose default is the right one. Recordings
-    stream all their hands, and only those of a Leap can stream one of them."""
+    """Hand over a Leap: right, left or both. Default: right for a live Leap, all hands for a
+    recording. Other recordings always stream all their hands."""
 
     encoder: str = DEFAULT_MODEL
     """Encoder, as for `sandbox run`."""
@@ -201,11 +203,11 @@ class StreamOptions(LeapCommandOptions, PageOptions, LiveTouchOptions, _File):
     """Folder of studies."""
 
     unit: Annotated[str, Parameter(metavar="UNIT,...")] = ""
-    """Units of a recording of a Leap, such as cm,ms. Default: those in which hand and rate are
-    possible."""
+    """Units of a recording of a Leap, such as cm,ms. Default: units for which the hand's size and
+    the frames' rate are possible."""
 
     json: Annotated[Path | None, Parameter(metavar="OUT")] = None
-    """File for counts of sent and dropped poses and of answers, as JSON; - is the terminal."""
+    """File for the numbers of sent and dropped poses and of answers, as JSON; - is the terminal."""
 
 
 def main(argv: list[str]) -> int:
@@ -241,7 +243,7 @@ def main(argv: list[str]) -> int:
             )
             with _interruptible(stop), _reporting_connection(sender, console):
                 damage = player.play(sender, stop)
-            # Where nobody ever listened, nobody is to be told to stop.
+            # After Ctrl-C without any connection, do not wait for a receiver.
             answered = sender.counts.get("connections", 0) > 0
             reached = sender.flush(STOP_TIMEOUT if answered or not stop.is_set() else 0.0)
         finally:
@@ -337,7 +339,10 @@ def _recorded(options: StreamOptions, path: Path) -> MotionSource:
     """Opens a recording."""
     if options.task is not None:
         raise InputError(
-            "a recording has its own task, or none", where="--task", remedy="Leave it out"
+            "--task does not apply to a recording, which has its own task or none",
+            where="--task",
+            got=options.task,
+            remedy="Leave it out",
         )
     _no_table(options)
     files = find_recordings(str(path), options.out)
@@ -346,6 +351,7 @@ def _recorded(options: StreamOptions, path: Path) -> MotionSource:
             "only one recording can be streamed at a time",
             where=str(path),
             got=f"{len(files)} recordings",
+            remedy=f"Name one of them, such as {files[0].stem}",
         )
     return open_source(
         files[0], options.of, options.take, options.hand, options.calibration, options.unit
@@ -361,10 +367,10 @@ def _leap_hands(options: StreamOptions) -> tuple[tuple[str, ...], dict[str, Hand
 
 
 def _no_table(options: StreamOptions) -> None:
-    """Refuses a place for the Leap where there is no scene."""
+    """Refuses a position of the Leap (--leap-at), since there is no scene without a task."""
     if options.leap_at != OverLeapOptions.leap_at:
         raise InputError(
-            "without a task the hand is in the frame of the Leap",
+            "without a task, the hand is in the frame of the Leap, so the Leap has no position",
             where="--leap-at",
             got=options.leap_at,
             remedy="Leave it out, or name a --task",
@@ -393,7 +399,9 @@ def _session(options: StreamOptions, console: Console) -> tuple[Settings, Device
 
     page = open_page_touches(picked(TouchOptions, options), console, PAGE_PATIENCE)
     if page is None:
-        raise InputError("no browser has opened the page", where="--device web")
+        raise InputError(
+            f"no browser has opened the page within {PAGE_PATIENCE:g} s", where="--device web"
+        )
     size = (page.surface.width_in, page.surface.height_in)
     return chosen.changed(size_in=size), (lambda task, surface: page,)
 
@@ -422,8 +430,10 @@ def _print(player: StreamPlayer, console: Console) -> int:
 
 @contextmanager
 def _interruptible(stop: threading.Event) -> Iterator[None]:
-    """Context in which Ctrl-C, and a request of the system to end, sets `stop`, so that the
-    receiver can still be told to stop."""
+    """Context in which Ctrl-C, SIGTERM and SIGHUP set `stop` instead of ending the program.
+
+    The caller can then still send the command to stop to the receiver.
+    """
     with heeding(lambda *_: stop.set()):
         yield
 
@@ -458,15 +468,14 @@ def _reporting_connection(sender: Sender, console: Console) -> Iterator[None]:
 
 
 def _sent(times: int, hands: int, counts: Mapping[str, int]) -> str:
-    """What came of the moments of each hand, in a sentence; what the other program answered is in
-    the JSON."""
+    """Returns a sentence with the numbers of moments (one pose of one hand) sent and dropped."""
     moments = times * hands
     sent, dropped = counts.get("moments sent", 0), counts.get("moments dropped", 0)
     if not sent:
-        return f"{moments} moments; nothing was sent"
+        return f"{moments} poses: none was sent"
     if not dropped:
-        return f"{moments} moments; all were sent"
-    return f"{moments} moments; {sent} were sent, {dropped} dropped for newer ones"
+        return f"{moments} poses: all were sent"
+    return f"{moments} poses: {sent} were sent, {dropped} were replaced by newer ones"
 
 
 def _report(
@@ -492,7 +501,7 @@ def _report(
         ""
         if reached
         else f"the command to stop was not sent: {sender.trouble or 'no data accepted'}; "
-        "run stop() there",
+        "run stop() in the receiving program",
     ):
         if warning:
             console.print(warning, style="yellow", soft_wrap=True, markup=False)

@@ -22,12 +22,13 @@ from sandbox.cli.common.command_line import parse
 class SubjectOptions:
     """Makes a capture of a SIMULATED subject: touches of its fingers, and poses of its hand.
 
-    The simulated subject replaces the motion capture of a person, since no such recording is
-    public; its data are never real. Every seed is another subject. Day 0 is the training script:
-    all 26 sets of 2 to 5 fingers, each moving, grasping, pinching and rotating, 7,083 frames.
-    Every later day is free play with newly placed markers, 2,538 frames, for tests. The same seed
-    and day make the same file. A capture is an .npz file: time (s), trial, ids, xy (m on the
-    surface, x right, y down, by finger), q (48 numbers in m and rad), and a header.
+    The simulated subject replaces the motion capture of a person, because no such recording is
+    public. Its data are simulated, not real. Every seed gives a different subject. Day 0 is the
+    training script: all 26 sets of 2 to 5 fingers, each of which moves, grasps, pinches and
+    rotates, 7,083 frames. Every later day is free play with newly placed markers, 2,538 frames, for
+    tests. The same seed and day give the same file. A capture is an .npz file: time (s), trial,
+    ids, xy (m on the surface, x right, y down, by finger), q (48 numbers in m and rad), and a
+    header.
 
     Try:
 
@@ -50,7 +51,7 @@ def main(argv: list[str]) -> int:
     options = parse(SubjectOptions, "sandbox subject", argv)
     if not options.out.absolute().parent.is_dir():
         raise InputError(
-            "no such folder", where=f"--out {options.out}", remedy="Make it, or name another"
+            "no such folder", where=f"--out {options.out}", remedy="Create it, or name another"
         )
     console = Console()
     bars = Console(stderr=True)

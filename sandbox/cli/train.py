@@ -27,8 +27,8 @@ from sandbox.cli.common.json_out import check_output, refuse_replacing
 class TrainOptions:
     """Trains an encoder, which estimates the pose of the whole hand from touches.
 
-    The encoder is the one that wins a cross-validation over takes, with the bones of the captured
-    person and a validated weight of the touches. --degree chooses a
+    By default, cross-validation over takes chooses the encoder and the weight of the touches in
+    its correction; the model has the bone lengths of the captured person. --degree trains a
     polynomial of the paper instead, and --encoder an encoder of your own
     (docs/write-an-encoder.md).
 
@@ -49,8 +49,8 @@ class TrainOptions:
     """Capture to train on. With --encoder, the default is the built-in capture."""
 
     degree: int | None = None
-    """Train a polynomial of this degree: 1, 2 (that of the paper, and the default with --ridge) or
-    3."""
+    """Train a polynomial of this degree: 1, 2 or 3. 2 is the paper's, and the default with
+    --ridge."""
 
     ridge: float | None = None
     """Ridge penalty on the polynomial's coefficients; 0 is least squares, as in the paper. Default:
@@ -70,7 +70,12 @@ def main(argv: list[str]) -> int:
             ("--ridge", options.ridge is not None),
         ):
             if given:
-                raise InputError("this option does not apply to an encoder of your own", where=name)
+                raise InputError(
+                    "this option does not apply to an encoder of your own",
+                    where=name,
+                    got=f"--encoder {options.encoder}",
+                    remedy=f"Leave out {name} or --encoder",
+                )
     elif options.capture is None:
         raise InputError("no capture to train on", where="sandbox train", expected="--capture FILE")
     console = Console()
@@ -121,8 +126,8 @@ def _report(console: Console, path: Path, model: TrainedModel) -> None:
 
 def _kind(model: TrainedModel) -> str:
     if model.correction is not None:
-        trust = f"the touches' variance trusted 1 / {model.correction.distrust:g}"
-        return f"{model.meta['winner']}, {trust}"
+        variance = f"variance of the touches times {model.correction.distrust:g}"
+        return f"{model.meta['winner']}, {variance}"
     if "degree" in model.meta:
         return f"degree {model.meta['degree']}, ridge {model.meta['ridge']:g}"
     return type(model.encoder).__qualname__

@@ -5,9 +5,9 @@ A device of this program is a folder in `sandbox/devices` with a `DeviceEntry`, 
 function that opens it: `open(options, place) -> AnyDevice`. `Place` has the surface and the person.
 
 A device overrides `poll` and the members that it supports; every other member has a default.
-Wrappers forward the members by `DeviceWrapper`. A device from another package, without these base
-classes, gets the defaults when it is opened (`sandbox.devices.own_device`). Callers therefore never
-need `hasattr`.
+`DeviceWrapper`, the base class of wrappers, forwards all members. A device from another package,
+without these base classes, gets the defaults when it is opened (`sandbox.devices.own_device`).
+Callers therefore never need `hasattr`.
 """
 
 from __future__ import annotations
@@ -79,14 +79,14 @@ class DeviceKind:
 
     Attributes:
         sees: Touches, or hands over a Leap, before a camera or in a headset.
-        source: A person or another program (`LIVE`), which plays at the clock's speed; a simulated
-            user; or a file. The last two are played as fast as the machine can.
+        source: `LIVE`: a person or another program; the session runs in real time. `SIMULATED`: a
+            simulated user. `FILE`: a file. The last two run as fast as the machine can.
         labels: The device can label the fingers; otherwise the program always labels them.
         in_scene: The device needs a scene: a window, visible objects, or a hand. Other devices can
             also be used by `sandbox touches`.
         one_hand: The device serves one hand; a task for two hands needs a second device.
-        guessed_size: The device does not report the size of its surface, which is a guess without
-            --surface.
+        guessed_size: The device does not report the size of its surface. Without --surface, the
+            size is a guess.
     """
 
     sees: Sees = Sees.TOUCHES
@@ -118,16 +118,16 @@ class Place:
 
     Attributes:
         surface: The touch surface, placed in the world.
-        argument: Text after the colon of the device's name, or the path of a file; empty without.
-        hand: Index of the hand in the scene; that of the first hand if the device serves both.
-        sides: Sides of all hands that the device serves, `right` or `left`.
-        person: The person whose hand it is.
+        argument: Text after the colon of the device's name, or the path of a file; else empty.
+        hand: Index of the hand in the scene. If the device serves both hands, index of the first.
+        sides: Side of each hand that the device serves, `right` or `left`.
+        person: The person who uses the device.
         task: The drawn task, for simulated users; None without a task.
         seed: Seed of all random numbers of a simulated user.
         labels: True if a device that can label contacts should do so.
         home: Centre (2,) of the hand's part of the surface, m in the world; None for the whole
             surface.
-        at: Place (3,) of a simulated device that tracks hands in the air, m in the world.
+        at: Position (3,) of a simulated device that tracks hands in the air, m in the world.
     """
 
     surface: Surface
@@ -155,18 +155,18 @@ class NoOptions:
 
 @dataclass(frozen=True, kw_only=True)
 class UnitOptions:
-    """Units of a recording of another program."""
+    """Option for the units of a recording made by another program."""
 
     unit: str = field(default="", metadata={"metavar": "UNIT,..."})
     """Units of a recording, such as cm,ms: m, cm, mm or in; s, ms, us or ns; px or 0..1 for places
-    in a picture. Default: the units in which the hand has a hand's size or touches lie on the
-    surface, and the recording's rate is possible. They are reported if they differ from the
+    in a picture. Default: units for which the hand has a possible size, or the touches lie on the
+    surface, and the frames have a possible rate. These units are reported if they differ from the
     format's units."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class PlayedOptions(UnitOptions):
-    """Options of a file that is played, and of a user's own device."""
+    """Options of a device that plays a file, and of a user's own device."""
 
     user: UserConfiguration | None = None
     """The simulated user who made the recording; None for a person or an unknown origin."""
@@ -196,21 +196,22 @@ class DeviceEntry(Generic[O]):
     Attributes:
         help: A phrase that describes the device, for lists.
         open: Opens the device; called with an object of `options` and the place.
-        options: Dataclass of the options, all with defaults. `--help` shows their docstrings; the
-            key `metavar` of a field's metadata names its value there. A header stores the values.
+        options: Dataclass of the options, all with defaults. `--help` shows the docstrings of the
+            fields, and `metadata["metavar"]` of a field as the placeholder of its value. A
+            recording's header stores the values.
         kind: Properties of the device.
         argument: Name of the argument that may follow the device's name and a colon, such as NODE;
-            empty without an argument.
+            empty if the device has no argument.
         check: Checks options and argument before anything is built.
         surface: Returns the surface that the device reports, from its options on the command line
             and its argument; None if it reports no surface.
-        command_options: Dataclass of the options on the command line, if these are not `options`:
-            for hands in the air, they add the placement and calibration of the device. Members of
-            the same name give the values of `options`.
+        command_options: Dataclass of the options on the command line; None if they are `options`.
+            For hands in the air, the class adds the placement and calibration of the device. Its
+            fields give the fields of `options` with the same names.
         hand_input: For a device that tracks hands in the air: returns the input settings of a hand
             from the options on the command line, the argument and the hand's side.
-        for_second: Returns the options of a second device of this kind beside the first, such as
-            another port.
+        for_second: Returns the options of a second device of this kind, from those of the first,
+            such as another port.
     """
 
     help: str
@@ -256,7 +257,7 @@ class AnyDevice(ABC):
 
         Args:
             now: Session time, seconds of simulated time. A live device ignores it; a device that
-                plays a file or a simulation returns the frames due by then.
+                plays a file or a simulation returns the frames due by `now`.
         """
 
     @default
@@ -283,7 +284,7 @@ class AnyDevice(ABC):
 
     @default
     def notices(self) -> Sequence[str]:
-        """Current messages for the person, such as the reason why nothing moves; mostly empty."""
+        """Current messages for the person, such as why the hand does not move; usually empty."""
         return ()
 
     def mode_requests(self, now: float) -> Sequence[str]:
@@ -303,7 +304,7 @@ class AnyDevice(ABC):
 
     @default
     def address(self) -> str:
-        """Address at which the device listens, as a person types it; empty without one."""
+        """Address at which the device listens, as a person types it; empty if it has none."""
         return ""
 
     @default
@@ -330,7 +331,7 @@ class AnyDevice(ABC):
     def clock_origin(self) -> float | None:
         """Origin of the frames' times on the machine's monotonic clock, s.
 
-        None if frames carry session time, which has no latency.
+        None if frames carry session time: such frames have no latency to measure.
         """
         return 0.0
 
@@ -343,7 +344,7 @@ class AnyDevice(ABC):
     def true_labels(self) -> Mapping[int, int]:
         """True finger (thumb 0 .. little 4) of each contact, by id; empty if unknown.
 
-        Only results and tables use it.
+        Only results and tables use the true labels; labellers never see them.
         """
         return _NO_TRUTH
 
@@ -392,8 +393,8 @@ class FilePlayer(AnyDevice):
 
     Args:
         frames: Frames in order of time.
-        damage: Error that ended their file early; None without damage.
-        report: Left-out data and assumptions of the file's reader.
+        damage: Error that ended the file early; None without damage.
+        report: The file reader's report on left-out data and assumptions.
     """
 
     plays_file = True
@@ -427,15 +428,16 @@ class FilePlayer(AnyDevice):
 
 
 class TouchDevice(Device):
-    """A touch device that the command line opens; a subclass has to define only `poll`.
+    """Base class of a user's own touch device; a subclass has to define only `poll`.
 
-    It runs until it is closed. A device that ends by itself sets `self.finished = True`, or
-    overrides `finished` as a property. `Device` declares the other members that it may override.
+    The device runs until it is closed. A device that ends by itself sets `self.finished = True`, or
+    overrides `finished` as a property. `Device` declares the other members that a subclass may
+    override.
 
     Args:
         surface: The touch surface.
         argument: Text after the colon that follows the device's name on the command line; empty
-            without one.
+            if there is none.
     """
 
     finished: bool = False
@@ -451,7 +453,7 @@ class TouchDevice(Device):
 
 
 class DeviceWrapper(Device):
-    """Base class of devices that wrap another one and pass every member through.
+    """Base class of devices that wrap another device and forward every member to it.
 
     A subclass overrides the members that it changes.
 
@@ -467,16 +469,16 @@ class DeviceWrapper(Device):
 
     @property
     def name(self) -> str:
-        """The wrapped device's."""
+        """Name of the wrapped device."""
         return self.device.name
 
     def poll(self, now: float) -> Sequence[Any]:
-        """The wrapped device's frames."""
+        """Returns the wrapped device's frames."""
         return self.device.poll(now)
 
     @property
     def finished(self) -> bool:
-        """The wrapped device's."""
+        """True if the wrapped device has finished."""
         return self.device.finished
 
     def close(self) -> None:
@@ -485,12 +487,12 @@ class DeviceWrapper(Device):
 
     @property
     def lift(self) -> bool:
-        """The wrapped device's."""
+        """`lift` of the wrapped device."""
         return self.device.lift
 
     @property
     def takes_snapshots(self) -> bool:
-        """The wrapped device's."""
+        """`takes_snapshots` of the wrapped device."""
         return self.device.takes_snapshots
 
     def show(self, snapshot: Snapshot) -> None:
@@ -499,16 +501,16 @@ class DeviceWrapper(Device):
 
     @property
     def notices(self) -> Sequence[str]:
-        """The wrapped device's."""
+        """`notices` of the wrapped device."""
         return self.device.notices
 
     def mode_requests(self, now: float) -> Sequence[str]:
-        """The wrapped device's."""
+        """Returns `mode_requests` of the wrapped device."""
         return self.device.mode_requests(now)
 
     @property
     def frame_ready(self) -> threading.Event | None:
-        """The wrapped device's; setting it gives the wrapped device another event."""
+        """`frame_ready` of the wrapped device; assigning it sets that of the wrapped device."""
         return self.device.frame_ready
 
     @frame_ready.setter
@@ -516,47 +518,47 @@ class DeviceWrapper(Device):
         self.device.frame_ready = frame_ready
 
     def wait(self, seconds: float) -> bool:
-        """Waits for the wrapped device."""
+        """Calls `wait` of the wrapped device."""
         return self.device.wait(seconds)
 
     @property
     def address(self) -> str:
-        """The wrapped device's."""
+        """`address` of the wrapped device."""
         return self.device.address
 
     @property
     def title(self) -> str:
-        """The wrapped device's."""
+        """`title` of the wrapped device."""
         return self.device.title
 
     @property
     def plays_file(self) -> bool:
-        """The wrapped device's."""
+        """`plays_file` of the wrapped device."""
         return self.device.plays_file
 
     @property
     def damage(self) -> Exception | None:
-        """The wrapped device's."""
+        """`damage` of the wrapped device."""
         return self.device.damage
 
     @property
     def report(self) -> ReaderReport | None:
-        """The wrapped device's."""
+        """`report` of the wrapped device."""
         return self.device.report
 
     @property
     def clock_origin(self) -> float | None:
-        """The wrapped device's."""
+        """`clock_origin` of the wrapped device."""
         return self.device.clock_origin
 
     @property
     def latency(self) -> LatencyLog | None:
-        """The wrapped device's."""
+        """`latency` of the wrapped device."""
         return self.device.latency
 
     @property
     def true_labels(self) -> Mapping[int, int]:
-        """The wrapped device's."""
+        """`true_labels` of the wrapped device."""
         return self.device.true_labels
 
     @property
@@ -566,15 +568,18 @@ class DeviceWrapper(Device):
 
 
 SILENCE = 0.5
-"""Time (s) without a frame after which the hand of a 3-D device or a camera counts as out of view.
-A working one sends many frames a second, also without a hand; touch devices send only changes."""
+"""Time (s) without a frame after which a device that tracks hands in the air sees no hand.
+
+Such a device sends many frames a second, even without a hand in view. Touch devices send only
+changes, so their silence means nothing.
+"""
 
 
 class LatestFrame:
-    """Keeps the latest frame of a device.
+    """The latest frame of a device.
 
     Args:
-        empty: Frame that stands in until the first one.
+        empty: Frame that is used until the first frame of the device.
 
     Attributes:
         frame: The latest frame, with session time.
@@ -585,9 +590,9 @@ class LatestFrame:
         self._heard = 0.0
 
     def take(self, frames: Sequence[Frame], time: float) -> bool:
-        """Takes in the frames since the last control period; True if there were any.
+        """Updates `frame` from the frames since the last control period; True if there were any.
 
-        Of several frames the last one counts; touches that were cancelled in any of them stay
+        If there are several frames, `frame` is the last of them, with the touches that any of them
         cancelled.
 
         Args:
@@ -613,7 +618,7 @@ class LatestFrame:
 
 
 def _stamped(frames: Sequence[TouchFrame], time: float) -> TouchFrame:
-    """The last frame, stamped with a time, with the touches that were cancelled in any frame."""
+    """Returns the last frame at time `time`, with the touches that any frame cancelled."""
     last = frames[-1]
     if len(frames) == 1 and last.time == time and not last.cancelled:
         return last
@@ -623,7 +628,7 @@ def _stamped(frames: Sequence[TouchFrame], time: float) -> TouchFrame:
 
 
 class Closeable(ABC):
-    """Calls its `close` at the end of a `with` block, also after an exception."""
+    """Base class of context managers that call `close` at the end of a `with` block."""
 
     @abstractmethod
     def close(self) -> None:

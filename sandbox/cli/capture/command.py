@@ -1,7 +1,7 @@
 """`sandbox capture`: makes a capture for training from recordings of touches and hands.
 
-`sandbox capture record` makes such recordings with a Leap, `sandbox capture simulate` without one;
-both have modules of their own.
+`sandbox capture record` makes such recordings with a Leap or a camera, and `sandbox capture
+simulate` makes simulated ones. They and `sandbox capture report` are in separate modules.
 """
 
 from __future__ import annotations
@@ -44,10 +44,10 @@ class CaptureOptions:
     a fingertip near the surface then counts as a touch.
 
     Touches: a recording of this program, a capture of TUIO packets (with --surface), or the output
-    of `sandbox touches show --json`. Joints: BVH, AMC (with its ASF) or Vicon V (with its VSK),
-    to which the program's skeleton is fitted, or CSV with `time`, `root_x` .. `root_rz`,
-    `index_mcp_rx` .. in m and rad. Markers: a Qualisys TSV file, plain or packed. Joints and
-    markers that are named as in Mixamo rigs or Qualisys glove recordings are recognised; others
+    of `sandbox touches show --json`. Joints: BVH, AMC (with its ASF) or Vicon V (with its VSK), to
+    which the program's skeleton is fitted. Or a CSV file with columns `time`, `root_x` ..
+    `root_rz`, `index_mcp_rx` .. in m and rad. Markers: a Qualisys TSV file, plain or packed. Names
+    of joints and markers as in Mixamo rigs or Qualisys glove recordings are recognised; other names
     need a --mapping file:
 
         [points]
@@ -58,22 +58,22 @@ class CaptureOptions:
         top_right = [197, 0, 0]
         bottom_left = [0, -148, 0]
 
-    Points are wrist, FINGER_mcp, FINGER_pip, FINGER_dip, FINGER_tip, thumb_cmc, thumb_mcp,
-    thumb_ip, thumb_tip, each but the wrist also with _skin for a marker on the skin above it, and
-    back_front, back_left, back_right on the back of the hand. The corners of the surface are in
-    the recording's own units, or names of markers that lie on them.
+    The names of points are wrist, FINGER_mcp, FINGER_pip, FINGER_dip, FINGER_tip, thumb_cmc,
+    thumb_mcp, thumb_ip, thumb_tip, and back_front, back_left, back_right for the back of the hand.
+    Each name except wrist may end in _skin, for a marker on the skin above the point. The corners
+    of the surface are positions in the recording's units, or names of markers that lie on them.
 
-    Each touch gets the finger whose tip is nearest. Dropped and counted are: frames with one
-    finger, frames without a pose, contacts shorter than 50 ms, positions that jump faster than 3
-    m/s, the ends of touches that never end, frames whose time runs backwards, contacts with no
-    fingertip within 25 mm, and contacts that are nearer to another finger for a fifth of their
-    time. docs/captures.md explains how to record.
+    Each touch is labelled with the finger whose tip is nearest. The command drops and counts:
+    frames with one finger, frames without a pose, contacts shorter than 50 ms, positions that jump
+    faster than 3 m/s, the ends of touches that never end, frames whose time runs backwards,
+    contacts without a fingertip within 25 mm, and contacts that are nearer to another finger for a
+    fifth of their time. docs/captures.md explains how to record.
 
-    With a Leap instead of motion capture, or with a camera over the surface: --recorded FOLDER, a
-    folder by `sandbox capture record`, which guides you, or by `sandbox capture simulate`. The
-    offset of the clocks is estimated from taps and the device's position from touches; --joints and
-    --mapping are not needed.
-    `sandbox capture report FOLDER` tells what a camera saw.
+    With a Leap instead of motion capture, or with a camera over the surface, use --recorded FOLDER
+    instead of --joints and --mapping. The folder comes from `sandbox capture record`, which guides
+    you, or from `sandbox capture simulate`. The offset between the clocks is estimated from taps,
+    the position of the device from touches. `sandbox capture report FOLDER` evaluates the touches
+    that a camera labelled.
 
     Try it with a simulated session, then with recordings of your own:
 
@@ -102,8 +102,7 @@ class CaptureOptions:
     """Recording of markers on the hand, in place of --joints."""
 
     recorded: Annotated[Path | None, Parameter(metavar="FOLDER")] = None
-    """Folder by `sandbox capture record`, with touches and hand of a session with a Leap or a
-    camera."""
+    """Folder by `sandbox capture record`: the touches and the hand, seen by a Leap or a camera."""
 
     hands: Annotated[Path | None, Parameter(metavar="FILE.json|.jsonl")] = None
     """Recording of the hand by a Leap, with --touches recorded at the same time."""
@@ -113,47 +112,46 @@ class CaptureOptions:
     the start of the recording, where the hand must be open."""
 
     correct: Literal["unseen", "all", "none"] = "unseen"
-    """For --hands and --recorded: fingertips that are moved to their touches: those that the Leap
+    """For --hands and --recorded: which fingertips are moved to their touches: those that the Leap
     does not see at the moment, all, or none."""
 
     sync: Literal["clock", "tap"] | None = None
     """Synchronisation. clock: the clocks differ by --offset. tap: the offset is estimated from
-    taps; an error if that fails. Default: tap for --hands and --recorded, else clock."""
+    taps; the command fails if it cannot be. Default: tap for --hands and --recorded, else clock."""
 
     offset: Annotated[float, Parameter(metavar="S")] = 0.0
-    """Seconds by which the clock of the joints is ahead of that of the touches, for --sync
-    clock."""
+    """For --sync clock: clock of the joints minus clock of the touches, in seconds."""
 
     side: Literal["right", "left"] | None = None
-    """Side of the hand. Default: that of --recorded, else right. A left hand is mirrored, since
-    encoders learn right hands only."""
+    """Side of the hand. Default: that of --recorded, else right. A left hand is mirrored, because
+    encoders are trained on right hands only."""
 
     surface: Annotated[str | None, Parameter(metavar="SIZE")] = None
     """Size of the touch surface: 7.76x5.82in, 197x148mm, or a preset such as ipad2."""
 
     mapping: Annotated[Path | None, Parameter(metavar="FILE")] = None
-    """File (TOML or JSON) with the meaning of the recording's names, and the corners of the
-    surface."""
+    """File (TOML or JSON) with the points to which the recording's names refer, and the corners of
+    the surface."""
 
     unit: Annotated[str, Parameter(metavar="UNIT,...")] = ""
     """Units of the recording, such as cm or cm,ms: m, cm, mm, in, or a number of metres; s, ms, us
-    or ns. Default: cm for BVH, mm for Vicon and markers, that of the skeleton for .amc, and
-    seconds, if the hand has a hand's size and the recording a possible rate in them; else the
-    units in which it has, which are reported."""
+    or ns. Default: cm for BVH, mm for Vicon and markers, the skeleton's unit for .amc; and seconds.
+    If these make the hand's size or the frames' rate impossible, possible units are used and
+    reported."""
 
     scale: float = 1.0
     """Size of the hand in a CSV file relative to the program's adult hand. In other formats, the
     size is fitted."""
 
     threshold: Annotated[float, Parameter(metavar="MM")] = 5.0
-    """Height in mm below which a fingertip touches the surface, if --touches is missing; also the
-    flatness required to find the surface. Soft surfaces need more."""
+    """Without --touches: height in mm below which a fingertip counts as touching. Also the largest
+    unevenness of the points from which the surface is found. Soft surfaces need a larger value."""
 
     rate: Annotated[float, Parameter(metavar="HZ")] = 30.0
     """Frames per second of the capture."""
 
     subject: str | None = None
-    """Pseudonym of the person; without it, the one in the recording, or "unnamed"."""
+    """Pseudonym of the person. Default: that in the recording, or "unnamed"."""
 
     simulated: bool = False
     """Mark the capture as simulated."""
@@ -222,7 +220,7 @@ def main(argv: list[str]) -> int:
 
 
 def _capture_from_leap(options: CaptureOptions) -> int:
-    """Makes a capture from the hand of a Leap, or from a camera's pictures."""
+    """Makes a capture from the hands that a Leap or a camera recorded."""
     from sandbox.captures.recorded import capture_of_hands, capture_of_pictures
 
     camera = options.recorded is not None and is_landmark_file(options.recorded / HANDS)
@@ -260,7 +258,11 @@ def _checked(options: CaptureOptions) -> Path:
             remedy="`sandbox capture --help` shows how",
         )
     if options.sync == "tap" and options.touches is None and options.recorded is None:
-        raise InputError("there are no touches to synchronise with", where="--sync tap")
+        raise InputError(
+            "taps are found in recorded touches, and there are none",
+            where="--sync tap",
+            remedy="Add --touches FILE, or use --sync clock",
+        )
     check_output(options.out, "--out")
     sources = {
         "--joints": options.joints,
@@ -293,7 +295,7 @@ def _meta(
     meta: dict[str, Any] = {
         "simulated": options.simulated,
         "subject": options.subject or UNNAMED,
-        # The poses are those of a right hand; a left hand was mirrored.
+        # Poses are always stored as of a right hand; a left hand was mirrored.
         "side": "right",
         "recorded_side": options.side,
         "skeleton": joints.skeleton.name,

@@ -1,4 +1,4 @@
-"""`sandbox capture record`: records touches and the hand, by a Leap or a camera, by one clock."""
+"""`sandbox capture record`: records touches, and the hand by a Leap or a camera, on one clock."""
 
 from __future__ import annotations
 
@@ -51,25 +51,25 @@ from sandbox.devices.webcam.webcam import WebcamDevice
 from sandbox.server.page_options import PageOptions
 
 Hands = HandDevice | LandmarkDevice
-"""What sees the hand."""
+"""A device that sees the hand."""
 
 _POLL_PERIOD = 0.002
-"""s between two polls of the devices, by which a time of arrival may be late."""
+"""Time between two polls of the devices, s. A recorded time of arrival is late by at most this."""
 SILENT = 10.0
-"""s without data from a device after which a hint is printed."""
+"""Time without data from a device after which a hint is printed, s."""
 
 REMEDY = {
     "touches": "`sandbox touches show` gives hints on what to check",
     "hand": "`sandbox paalm show --device leap` shows what the Leap sees",
     "camera": "The camera's page says in its one line what is missing",
 }
-"""What to look at where nothing arrives."""
+"""Kind of data -> next step if none of it arrives."""
 PICTURE_WIDTH = 640
-"""px of the picture that the page asks the camera for."""
+"""Width of the picture that the page requests from the camera, px."""
 
 
 def seer(hands: Hands) -> str:
-    """Key in `REMEDY` of what sees the hand."""
+    """Returns the key in `REMEDY` of the device that sees the hand."""
     return "camera" if isinstance(hands, LandmarkDevice) else "hand"
 
 
@@ -86,18 +86,19 @@ def record_session(
 
     Args:
         touched: Device of the touches.
-        hands: What sees the hand.
-        writer: Writes both, by one clock.
-        guide: Guides the person through sets of fingers; None records until it is stopped.
-        naming: Names touches under a camera; None under a Leap.
-        seconds: s after which recording ends.
-        late: s by which touches and hands begin after the first of two files that play as devices.
+        hands: Device that sees the hand.
+        writer: Writer of touches and hands, both with times of one clock.
+        guide: Guides the person through sets of fingers; None to record until it is stopped.
+        naming: Labels touches by the fingertips that a camera sees; None with a Leap.
+        seconds: Time after which recording ends, s.
+        late: Delays (s) of touches and of hands before their first frame, for two files of one
+            session that play as devices; one of the delays is 0.
     """
     console = Console(stderr=True)
     late_touches, late_hands = late
     for device in (touched, hands):
         if not device.plays_file:
-            # What came while the devices were opened did not arrive now.
+            # Discard frames that arrived while the devices were opened: their time is unknown.
             device.poll(0.0)
     begin = time.monotonic()
     last: TouchFrame | None = None
@@ -181,9 +182,9 @@ class RecordOptions(PageOptions, LiveTouchOptions):
     fingers, twice for some seconds. Ctrl-C stops earlier and keeps the recording. Record again on
     another day for a test set. docs/captures.md explains where to place the Leap.
 
-    With --hands webcam, a camera over the tablet sees the fingers and names each touch by the
-    fingertip that is nearest (docs/captures.md, ten minutes). Landmarks of the hand are
-    kept, pictures never.
+    With --hands webcam, a camera over the tablet sees the fingers, and each touch is labelled by
+    the nearest fingertip in the picture (docs/captures.md; it takes ten minutes). Landmarks of the
+    hand are recorded, but never pictures.
 
     Try it without devices:
 
@@ -208,15 +209,15 @@ class RecordOptions(PageOptions, LiveTouchOptions):
     of one of them."""
 
     webcam: Annotated[str, Parameter(metavar="KEY=VALUE,...")] = ""
-    """With --hands webcam: fov=DEGREES across the picture, if known; mirrored, if the camera's
-    picture is a mirror's; quiet, to open no browser."""
+    """With --hands webcam: fov=DEGREES, the horizontal field of view, if known; mirrored, if the
+    camera's picture is mirrored; quiet, to open no browser."""
 
     corners: Annotated[
         str | None, Parameter(metavar="X/Y,X/Y,X/Y,X/Y", allow_leading_hyphen=True)
     ] = None
     """With --hands webcam: the surface's corners in pixels of the picture: top left, top right,
-    bottom right, bottom left, as you call them before it. They can be marked in the camera's page
-    instead. Without them, the touches tell where the surface is."""
+    bottom right, bottom left, as seen by the person who touches it. They can be marked in the
+    camera's page instead. Without them, the touches show where the surface is."""
 
     side: Literal["right", "left"] = "right"
     """Which hand."""
@@ -225,12 +226,12 @@ class RecordOptions(PageOptions, LiveTouchOptions):
     """Pseudonym of the person."""
 
     each: float = 6.0
-    """Seconds for each set of fingers, in two parts; 6 give about as many frames as in the
-    paper."""
+    """Seconds for each set of fingers, in two parts. With 6, there are about as many frames as in
+    the paper."""
 
     free: bool = False
     """Record without guidance until Ctrl-C, for a test set. Begin with the open hand and three
-    taps, too."""
+    taps, as in a guided session."""
 
     seconds: float = math.inf
     """Stop after this many seconds."""
@@ -320,8 +321,11 @@ def _record(options: RecordOptions, opened: Opened, hands: Hands) -> int:
 
 
 def _start_offsets(options: RecordOptions) -> tuple[float, float]:
-    """Returns s by which each of two files of one session begins after the first of them; as
-    devices, each would begin at 0."""
+    """Returns how much later (s) touches and hands begin than the first of them.
+
+    It applies to two files of one session. Played as devices, both would begin at 0. For all other
+    sources it returns (0, 0).
+    """
     begin = [first_line_with_host(Path(name)) for name in (options.touches, options.hands)]
     if None in begin:
         return 0.0, 0.0
@@ -338,7 +342,7 @@ def _simulated(path: Path) -> bool:
 
 
 def _known_of_camera(options: RecordOptions) -> dict[str, Any]:
-    """What the session of a recording that plays as a device knew of its camera."""
+    """Returns field of view and corners from the session of a recording that plays as a device."""
     path = Path(options.hands)
     if not (path.is_file() and (path.parent / ABOUT).is_file()):
         return {}
@@ -348,10 +352,10 @@ def _known_of_camera(options: RecordOptions) -> dict[str, Any]:
 
 
 def parsed_corners(text: str) -> list[tuple[float, float]]:
-    """Corners (4) px of `--corners`.
+    """Returns the four corners (x, y) of `--corners`, px.
 
     Raises:
-        InputError: They are not four points.
+        InputError: The text does not have four points.
     """
     try:
         points = [tuple(map(float, part.split("/"))) for part in text.split(",")]
@@ -372,7 +376,12 @@ def _hands(options: RecordOptions) -> Hands:
     camera = kind_of(options.hands).sees is Sees.CAMERA
     for name, given in (("--webcam", options.webcam), ("--corners", options.corners)):
         if given and not camera:
-            raise InputError(f"{name} needs a camera", where=name, expected="--hands webcam")
+            raise InputError(
+                f"{name} is only for a camera",
+                where=name,
+                got=f"--hands {options.hands}",
+                expected="--hands webcam",
+            )
     if options.corners is not None:
         parsed_corners(options.corners)
     if options.hands == CAMERA:

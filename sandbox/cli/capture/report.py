@@ -28,12 +28,14 @@ SCHEMA = 1
 
 @dataclass(frozen=True)
 class RequestAgreement:
-    """Contacts that were down while the requested number of fingers touched.
+    """Agreement of labels with the fingers that the guide requested.
+
+    It is about contacts that were down while the requested number of fingers touched.
 
     Attributes:
         contacts: Number of these contacts.
-        named: Number of them with a name.
-        as_asked: Number of them whose name is one of the requested fingers.
+        named: Number of these contacts with a label.
+        as_asked: Number of these contacts with the label of a requested finger.
     """
 
     contacts: int
@@ -47,7 +49,7 @@ def report_of(
     """Returns the report as JSON values.
 
     Args:
-        named: Touches with the camera's names.
+        named: Touches, labelled by the camera.
         asked: Requests of the guide, on the touches' clock.
         simulated: True if no person took part.
     """
@@ -84,7 +86,7 @@ def report_of(
 def agreement_of(
     contacts: Sequence[NamedContact], asked: Sequence[RequestedFingers]
 ) -> RequestAgreement | None:
-    """Compares names with the requested fingers; returns None without requests."""
+    """Compares labels with the requested fingers; returns None if there were no requests."""
     if not asked:
         return None
     counted = named = right = 0
@@ -106,8 +108,11 @@ def _requested_at(asked: Sequence[RequestedFingers], time: float) -> list[int]:
 def _when_as_many(
     one: NamedContact, contacts: Sequence[NamedContact], asked: Sequence[RequestedFingers]
 ) -> float | None:
-    """Returns a time at which the requested number of fingers, with this one, has been down for
-    `SETTLED`, s; None if there is none."""
+    """Returns a time (s) at which a contact can be compared with the requested fingers.
+
+    At this time, `one` and as many contacts as requested, and no others, have been down for
+    `SETTLED`. Returns None if there is no such time.
+    """
     track = one.track
     time = track.start + SETTLED
     while time < track.end:
@@ -132,15 +137,18 @@ def lines_of(report: dict[str, Any]) -> list[str]:
     if report["simulated"]:
         out.append("SIMULATED: no person and no camera took part.")
     out.append(
-        f"{report['touches']} touches, {report['named']} named by the camera ({share:.1f} %): "
+        f"{report['touches']} touches, {report['named']} labelled by the camera ({share:.1f} %): "
         + ", ".join(f"{n} {k}" for k, n in report["by_finger"].items())
     )
-    out += [f"unnamed, {why}: {n}" for why, n in report["unnamed"].items()]
+    out += [f"not labelled, {why}: {n}" for why, n in report["unnamed"].items()]
     doubt, miss = report["doubt_percent"], report["touch_to_pad_mm"]
-    out.append(f"doubt of a name: {doubt['mean']:g} % on average, {doubt['worst']:g} % at worst")
     out.append(
-        f"a touch is {miss['median']:g} mm from its fingertip in the picture (median; 95 % within "
-        f"{miss['95_percent']:g})"
+        f"probability that a label is wrong: {doubt['mean']:g} % on average, "
+        f"{doubt['worst']:g} % at most"
+    )
+    out.append(
+        f"distance of a touch from its fingertip in the picture: {miss['median']:g} mm (median; "
+        f"95 % within {miss['95_percent']:g} mm)"
     )
     out.append(
         f"the hand was seen in {report['hand_seen_percent']:g} % of pictures, "
@@ -149,22 +157,22 @@ def lines_of(report: dict[str, Any]) -> list[str]:
     )
     asked = report["asked"]
     if asked is None:
-        out.append("nobody was asked for certain fingers, so that names have nothing to agree with")
+        out.append("no comparison with requested fingers: this recording has no requests")
     elif asked["named"]:
         out.append(
-            f"while as many fingers were down as the guide asked for: {asked['as_asked']} of "
-            f"{asked['named']} names are of an asked finger "
+            f"while the requested number of fingers was down: {asked['as_asked']} of "
+            f"{asked['named']} labels are a requested finger "
             f"({100.0 * asked['as_asked'] / asked['named']:.1f} %), "
-            f"{asked['contacts'] - asked['named']} touches unnamed"
+            f"{asked['contacts'] - asked['named']} touches are not labelled"
         )
-    out.append("right are names that somebody knows to be right: this compares, it does not prove")
+    out.append("these numbers compare labels with requests; they do not prove labels right")
     return out
 
 
 @dataclass(frozen=True, kw_only=True)
 class ReportOptions:
-    """Prints how many touches a camera over a tablet named, with which probability, and how often
-    the names were the fingers that the guide requested.
+    """Prints how many touches a camera over a tablet labelled, with which probability, and how
+    often the labels were fingers that the guide had requested.
 
     Try:
 

@@ -58,8 +58,8 @@ def write_simulated_camera(
     """Writes a session under a camera and its ground truth.
 
     Args:
-        session: The person.
-        pictures: What the camera's page said.
+        session: The simulated touches and hand.
+        pictures: Landmarks as the camera's page sends them.
         folder: Folder to create.
         subject: Pseudonym.
         corners: True if the tablet's corners were marked.
@@ -94,13 +94,13 @@ def write_simulated_camera(
 
 @dataclass(frozen=True, kw_only=True)
 class SimulateOptions:
-    """Makes a SIMULATED session like one by `sandbox capture record`: a hand touches a tablet and
-    is seen by a Leap, each with its own clock, latency and noise.
+    """Makes a SIMULATED session in the form of `sandbox capture record`. A hand touches a tablet
+    and is seen by a Leap; each device has its own clock, latency and noise.
 
-    The folder also holds the ground truth: truth.npz, a capture of the same touches with the true
+    The folder also has the ground truth: truth.npz, a capture of the same touches with the true
     fingers and poses, and truth.json, with the offset of the clocks and the position of the Leap.
-    Every seed is another person with other bones. Day 0 is the training script, later days are free
-    play.
+    Every seed gives a different person, with different bones. Day 0 is the training script; later
+    days are free play.
 
     Try:
 
@@ -118,17 +118,18 @@ class SimulateOptions:
     """Day: 0 is the training script, 1 and later are free play."""
 
     dialect: Literal["v3", "v1"] = "v3"
-    """Software of the Leap: v3 with joints and names of fingers, or v1, the first one."""
+    """Software of the Leap: v3, with joints and labelled fingers; or v1, the first version."""
 
     hand: Literal["right", "left"] = "right"
     """Side of the hand; a left hand is the mirror image."""
 
     hands: Literal["leap", "webcam"] = "leap"
-    """What sees the hand: a Leap, or a camera over the tablet, as landmarks with errors.
-    The truth then has the tablet's corners in place of the Leap's position."""
+    """Device that sees the hand. leap: a Leap. webcam: a camera over the tablet, which gives
+    landmarks with errors; truth.json then has the tablet's corners, not a position of the Leap."""
 
     corners: bool = False
-    """With --hands webcam: as if the tablet's corners had been marked."""
+    """With --hands webcam: write the tablet's corners into the session, as if they had been
+    marked."""
 
 
 def main(argv: list[str]) -> int:

@@ -51,41 +51,43 @@ FLAT = Parameter(name="*")
 """Options of a dataclass are named by its fields alone."""
 
 SEVERAL = Parameter(consume_multiple=True)
-"""An option with a list takes all words behind it, and may be repeated."""
+"""An option with a list takes all words up to the next option, and may be repeated."""
 
 
 def _default_text(default: Any) -> str | None:
-    """The default of an option for its help; None for False, 0 and what is empty."""
+    """Returns an option's default as text for the help; None for False, 0 and empty values."""
     if isinstance(default, tuple):
         default = " ".join(map(str, default))
     return str(default) if default else None
 
 
 _DEFAULTS = Parameter(negative=(), show_default=_default_text, allow_repeating=True)
-"""Flags have no `--no-...` unless they name one. Of an option given twice, the last counts."""
+"""A flag has a `--no-...` form only if it declares one. The last value of a repeated option counts.
+"""
 
 
 DEVICES = "sandbox.devices."
-"""Beginning of the modules of devices, which are named by their devices."""
+"""Prefix of the modules of devices. The rest of a module's name is the name of the device."""
 
 _NONE: Mapping[type[Any], str] = MappingProxyType({})
 
 
 def flat(options: type[T], of_devices: Mapping[type[Any], str] = _NONE) -> type[T]:
-    """Decorator of a dataclass of options: they are named by its fields alone.
+    """Decorates a dataclass of options, so that an option has the name of its field alone.
 
-    It resolves the types of the fields, each in the module of its own class. The library looks for
-    them in the module of the last class, which lacks those of inherited fields.
+    It resolves the type of each field in the module of the class that declares the field. Cyclopts
+    would look up all types in the module of `options`, where types of inherited fields may be
+    missing.
 
     Args:
         options: The dataclass.
-        of_devices: Classes of options of devices, with the headings of their options.
+        of_devices: Option classes of devices, with the headings of their options in the help.
     """
     headings = {base: heading for kind, heading in of_devices.items() for base in kind.__mro__}
     hints = get_type_hints(options, include_extras=True)
     own = inspect.get_annotations(options)
     for name in hints:
-        # The first class in order of inheritance decides: it may be shorter to type there.
+        # The first class in order of inheritance that declares the field decides.
         owner = next(kind for kind in options.__mro__ if name in inspect.get_annotations(kind))
         if owner.__name__ in OF_SETTINGS:
             heading = COMMON if name in COMMON_SETTINGS else OF_SETTINGS[owner.__name__]
@@ -101,8 +103,8 @@ def flat(options: type[T], of_devices: Mapping[type[Any], str] = _NONE) -> type[
 
 
 def _of_setting(group: type[Any], name: str, heading: Group) -> Parameter:
-    """How a field of a group of settings, or of a device's options, is an option."""
-    # What is on by default can only be switched off.
+    """Returns the option for a field of a group of settings or of a device's options."""
+    # A flag that is on by default has only its `--no-...` form.
     negative = f"--no-{name.replace('_', '-')}" if getattr(group, name) is True else ()
     is_text = get_type_hints(group)[name] is str
     metavar = name.rpartition("_")[2].upper() if is_text else None
@@ -111,18 +113,18 @@ def _of_setting(group: type[Any], name: str, heading: Group) -> Parameter:
         group=heading,
         negative=negative,
         metavar=field.metadata.get("metavar", metavar),
-        # A text may begin with a hyphen, as a place with a negative number does.
+        # A position may begin with a negative number.
         allow_leading_hyphen=field.metadata.get("metavar") == "X,Y,Z",
     )
 
 
 def picked(kind: type[T], options: DataclassInstance, **changes: Any) -> T:
-    """Returns options with the values of those of other options that have the same names.
+    """Makes options of class `kind` from the fields of other options with the same names.
 
     Args:
-        kind: Class to make.
-        options: The other options.
-        changes: Values that are not theirs.
+        kind: Class of the result.
+        options: Options whose values are copied.
+        changes: Values that replace copied ones.
     """
     given = {field.name: getattr(options, field.name) for field in fields(options)}
     names = {field.name for field in fields(kind)}
@@ -137,8 +139,8 @@ def parse(options: type[T], prog: str, argv: Sequence[str]) -> T:
 
     Args:
         options: Dataclass of the options.
-        prog: What stands before the options on the command line.
-        argv: Words behind it.
+        prog: The command, such as `sandbox run`.
+        argv: Words of the command line after the command.
 
     Raises:
         InputError: The options are invalid.
@@ -191,12 +193,13 @@ def parse(options: type[T], prog: str, argv: Sequence[str]) -> T:
 
 
 def application(name: str, about: str, *functions: Callable[..., int]) -> App:
-    """Returns a command with subcommands, whose options are the parameters of functions.
+    """Returns a command with subcommands.
 
     Args:
-        name: What stands before a subcommand on the command line.
-        about: Its help, in Markdown.
-        functions: The subcommands, named as the functions; each returns an exit status.
+        name: Words before a subcommand on the command line, such as `sandbox hand`.
+        about: Help of the command, in Markdown.
+        functions: The subcommands. A subcommand has the name of its function and the function's
+            parameters as options; the function returns an exit status.
     """
     app = App(
         name=name,
@@ -216,12 +219,12 @@ def application(name: str, about: str, *functions: Callable[..., int]) -> App:
 
 
 def run(app: App, argv: Sequence[str], devices: Iterable[str] = ()) -> Any:
-    """Parses a command line and runs it; returns what its function returns.
+    """Parses a command line and runs its function; returns the function's result.
 
     Args:
         app: The command.
-        argv: Words behind it.
-        devices: Headings of devices that the help shows.
+        argv: Words of the command line after the command.
+        devices: Headings of the devices whose options the help shows.
 
     Raises:
         InputError: The command line is invalid.
@@ -232,10 +235,10 @@ def run(app: App, argv: Sequence[str], devices: Iterable[str] = ()) -> Any:
     except CycloptsError as error:
         _refuse(error, app.name[0], argv)
     if command == app.help_print:
-        # This import loads what only the help needs.
+        # This import loads modules that only the help needs.
         from sandbox.cli.common.help_layout import HelpLayout
 
-        # Without `--help`, which is a command of its own.
+        # Cyclopts parses `--help` as a command; its tokens are the words without it.
         _, apps, _ = app.parse_commands(bound.arguments["tokens"])
         options = apps[-1].assemble_argument_collection() if apps[-1].default_command else ()
         defaults = [str(argument.field_info.default) for argument in options]
@@ -244,16 +247,16 @@ def run(app: App, argv: Sequence[str], devices: Iterable[str] = ()) -> Any:
             command(*bound.args, **bound.kwargs)
             sys.stdout.flush()
         except SystemExit:
-            # So ends `rich` a program whose reader has left, as `head` does.
+            # `rich` exits this way if the reader, such as `head`, has closed the pipe.
             print_no_more()
         raise HelpExit(0)
     return command(*bound.args, **bound.kwargs)
 
 
 def _with_terminal(argv: Sequence[str]) -> list[str]:
-    """The words with `--json -`, which is the terminal, as `--json=-`.
+    """Returns the words with `--json -` (output to the terminal) written as `--json=-`.
 
-    The library takes a word that begins with a hyphen for an option.
+    Cyclopts would take the single hyphen for an option.
     """
     words: list[str] = []
     for word in argv:
@@ -267,7 +270,7 @@ def _with_terminal(argv: Sequence[str]) -> list[str]:
 def _check_whole_numbers(
     app: App, commands: tuple[str, ...], arguments: ArgumentCollection
 ) -> None:
-    """Refuses fractions where whole numbers are expected; the library would round them."""
+    """Refuses fractions where whole numbers are expected; cyclopts would round them."""
     for argument in arguments:
         if int in _kinds(argument.hint) and float not in _kinds(argument.hint):
             for token in argument.tokens:
@@ -276,7 +279,7 @@ def _check_whole_numbers(
 
 
 def _refuse(error: CycloptsError, prog: str, argv: Sequence[str]) -> NoReturn:
-    """Raises the library's error as one of ours, with the nearest right word.
+    """Raises an `InputError` for an error of cyclopts, with the most similar valid word.
 
     Raises:
         InputError: Always.
@@ -300,7 +303,7 @@ def _refuse(error: CycloptsError, prog: str, argv: Sequence[str]) -> NoReturn:
             raise InputError(what, where=where, got=token.value, remedy=help_line) from None
         case MissingArgumentError(argument=Argument() as argument):
             if error.keyword is None and not argument.tokens:
-                # A wrong option may be the one that is missing.
+                # The missing option may have been misspelt: name the unknown option instead.
                 for word in error.unused_tokens or ():
                     if word.startswith("-") and error.app is not None:
                         known = error.app.assemble_argument_collection()
@@ -327,16 +330,16 @@ def _refuse(error: CycloptsError, prog: str, argv: Sequence[str]) -> NoReturn:
 def _no_option(
     word: str, known: ArgumentCollection, argv: Sequence[str], help_line: str
 ) -> InputError:
-    """The error of an option that there is not, with the nearest one."""
+    """Returns the error for an unknown option, with the most similar known option."""
     word = word.partition("=")[0]
     if "--device" in (name for argument in known for name in argument.names):
         from sandbox.devices.registry import devices_with_option
 
         if devices := devices_with_option(word.removeprefix("--").replace("-", "_")):
             if any(each.removeprefix("--device=") in devices for each in argv):
-                return InputError("this command has no options of devices", where=word)
+                return InputError("this command does not accept options of devices", where=word)
             return InputError(
-                "this is an option of another device",
+                "this option belongs to another device",
                 where=word,
                 expected=f"--device {' or '.join(devices)}",
                 remedy=help_line.replace("--help", f"--device {devices[0]} --help"),
@@ -347,7 +350,7 @@ def _no_option(
 
 
 def _kinds(hint: Any) -> set[Any]:
-    """The types that a value may have, without None; elements of a tuple count as its types."""
+    """Returns the types of a hint without None; for tuples and lists, those of their elements."""
     if get_origin(hint) in (Union, UnionType, tuple, list):
         return set().union(*(_kinds(part) for part in get_args(hint) if part is not type(None)))
     if get_origin(hint) is Annotated:
@@ -356,12 +359,12 @@ def _kinds(hint: Any) -> set[Any]:
 
 
 def _label(argument: Argument) -> str:
-    """What a required argument is called: the capitals of a positional one, else its option."""
+    """Returns the name of a required argument: an option, or capitals if it is positional."""
     return argument.name.lstrip("-").upper() if argument.index is not None else argument.name
 
 
 def _placeholder(argument: Argument) -> str:
-    """What stands for the value of an option, such as HOST:PORT."""
+    """Returns the placeholder for an option's value, such as HOST:PORT."""
     if argument.parameter.metavar:
         return argument.parameter.metavar
     if choices := argument.get_choices():

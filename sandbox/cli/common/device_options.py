@@ -1,4 +1,4 @@
-"""Adds the options of the devices named on the command line to those of its command."""
+"""Adds the options of the devices that the command line names to the options of the command."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ def named_options(options: type[Any], argv: Sequence[str]) -> dict[type[Any], st
             devices.append(value if equals else after)
     found: dict[type[Any], str] = {}
     for device in devices or [options.device]:
-        # The command itself refuses unknown devices later, with its other errors.
+        # The command itself refuses unknown devices later.
         if (named := find_device(device)) is None:
             continue
         shown = named.entry.on_command_line
@@ -60,7 +60,7 @@ def with_options(options: type[T], of_devices: Mapping[type[Any], str]) -> type[
         return options
     own = {each.name for each in fields(cast(Any, options))}
     for kind, heading in of_devices.items():
-        # Both may inherit options from the same class, such as the units of a file.
+        # Command and device may inherit options from the same class, such as `UnitOptions`.
         shared = [base for base in kind.__mro__ if is_dataclass(base) and issubclass(options, base)]
         same = {each.name for base in shared for each in fields(base)}
         if both := own & {each.name for each in fields(kind)} - same:
@@ -70,7 +70,7 @@ def with_options(options: type[T], of_devices: Mapping[type[Any], str]) -> type[
                 got=", ".join("--" + name.replace("_", "-") for name in sorted(both)),
                 remedy="Give it another name",
             )
-    # Base classes of another class in the list would be inherited twice: leave them out.
+    # Leave out classes that another class in the list already inherits.
     bases = [
         kind
         for kind in of_devices
@@ -130,6 +130,6 @@ def show_hidden_devices(shown: Iterable[str]) -> None:
 
 
 def _heading(options: type[Any], device: str) -> str:
-    """Returns the device's name for its heading: a folder of `sandbox.devices`, or a user's own."""
+    """Returns the heading of a device: its folder in `sandbox.devices`, or a user device's name."""
     folder, _, last = options.__module__.rpartition(".")
     return last if folder == "sandbox.devices" else device

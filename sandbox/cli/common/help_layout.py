@@ -1,4 +1,7 @@
-"""The layout of `--help`: headings of devices that are not named are left out, and pointed to."""
+"""The layout of `--help`.
+
+For a device that is not on the command line, it prints how to show the options instead of them.
+"""
 
 from __future__ import annotations
 
@@ -12,11 +15,11 @@ from sandbox.trial.trial_options import device_heading
 
 
 class HelpLayout(DefaultFormatter):
-    """The library's layout, without the headings of devices that are not named.
+    """Layout of cyclopts, without the options of devices that are not named.
 
     Args:
-        named: Words of the command line, such as `--device leap-simulated:v1`, a `leap`, and values
-            of options that are not given.
+        named: Words of the command line, and default values of options. A device is named by its
+            name, also as part of a longer one: `leap-simulated:v1` names `leap`.
     """
 
     def __init__(self, named: Iterable[str]) -> None:
@@ -26,7 +29,7 @@ class HelpLayout(DefaultFormatter):
         self._named = {*words, *names, *(name.partition("-")[0] for name in names)}
 
     def __call__(self, console: Console, options: ConsoleOptions, panel: HelpPanel) -> None:
-        """Shows the options of one heading, or where they are shown."""
+        """Shows the options of one heading, or the command that shows them."""
         title = str(panel.title)
         device = title.removeprefix(str(device_heading("").name))
         if device == title or device in self._named:

@@ -1,4 +1,4 @@
-"""Output of results: JSON to a file or the terminal, and text whose reader may have closed."""
+"""Output of results: JSON to a file or the terminal, and text to a pipe that may be closed."""
 
 from __future__ import annotations
 
@@ -18,8 +18,9 @@ from sandbox.system.files import check_whole, resolved, why, write_whole
 def prepare() -> None:
     """Prepares standard output and standard error so that any text can be printed.
 
-    A closed stream is replaced by the null device. A character that the encoding lacks is printed
-    as its number. UTF-8 lacks lone surrogates, as in a cut emoji or in file names of invalid bytes.
+    A closed stream is replaced by the null device. A character that the encoding cannot represent
+    is printed as an escape sequence. In UTF-8, these are lone surrogates, as in a cut emoji or in
+    file names of invalid bytes.
     """
     if sys.stdout is None:
         sys.stdout = open(os.devnull, "w", encoding="utf-8")  # noqa: SIM115 - for the whole run
@@ -73,7 +74,7 @@ def check_output(path: Path | None, option: str = "--json") -> None:
     try:
         if not path.absolute().parent.is_dir():
             raise InputError(
-                "no such folder", where=f"{option} {path}", remedy="Make it, or name another"
+                "no such folder", where=f"{option} {path}", remedy="Create it, or name another"
             )
         if path.is_dir():
             raise InputError("this is a folder", where=f"{option} {path}", expected="a file")
@@ -91,7 +92,7 @@ def check_output(path: Path | None, option: str = "--json") -> None:
             "this file cannot be written",
             where=f"{option} {path}",
             got=why(error),
-            remedy="Name a file in a folder of yours",
+            remedy="Name a file in a folder in which you can write",
         ) from None
     # Results are first written to a temporary file beside their file.
     check_whole(path, option)
@@ -115,7 +116,7 @@ def refuse_same(outputs: Mapping[str, Path | None]) -> None:
             raise InputError(
                 "two results would be in one file",
                 where=f"{option} {path}",
-                got=other,
+                got=f"the same file for {other}",
                 remedy="Name another file",
             )
 
@@ -123,7 +124,7 @@ def refuse_same(outputs: Mapping[str, Path | None]) -> None:
 def refuse_replacing(
     path: Path | None, sources: Mapping[str, Path | None], option: str = "--out"
 ) -> None:
-    """Checks that a result does not overwrite its own sources, which cannot be made again.
+    """Checks that a result does not overwrite the files from which it is made.
 
     Args:
         path: Path of the result; None and `-` overwrite nothing.
@@ -131,7 +132,7 @@ def refuse_replacing(
         option: Name of the result's option, for the message.
 
     Raises:
-        InputError: The result is one of these files, or is in one of these folders.
+        InputError: The result is one of these files, or an existing file in one of these folders.
     """
     if path is None or path == TERMINAL:
         return
@@ -143,9 +144,9 @@ def refuse_replacing(
         inside = source.is_dir() and target.exists() and resolved(source, name) == target.parent
         if inside or resolved(source, name) == target:
             raise InputError(
-                "the result would replace what it is made from",
+                "the result would replace a file from which it is made",
                 where=f"{option} {path}",
-                got=name,
+                got=f"the same place as {name}",
                 remedy="Name another file",
             )
 

@@ -1,4 +1,4 @@
-"""Option `--lsl`: streams of a session for other instruments, over Lab Streaming Layer."""
+"""Option `--lsl`: streams a session to other instruments over Lab Streaming Layer."""
 
 from __future__ import annotations
 
@@ -23,10 +23,11 @@ class LslOptions:
 
 @contextmanager
 def streaming(wanted: bool, console: Console) -> Iterator[dict[str, Any]]:
-    """Context in which a session is streamed, if it is wanted.
+    """Context in which a session is streamed, if `wanted` is true.
 
     Yields:
-        Offset of LSL's clock from ours; empty without streams.
+        Offset between LSL's clock and that of this program (`LslOutlets.clock`); empty if nothing
+        is streamed.
 
     Raises:
         DeviceError: pylsl or its library is missing.

@@ -1,4 +1,4 @@
-"""Options for touch devices, and how devices and files of touches are opened."""
+"""Options for touch devices, and functions that open touch devices and files of touches."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, kw_only=True)
 class LiveTouchOptions(TuioOptions, EvdevOptions):
-    """How senders of TUIO, and touch screens of this machine, are reached."""
+    """Options for TUIO senders and for touch screens of this machine."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -41,14 +41,14 @@ class TouchOptions(UnitOptions, PageOptions, LiveTouchOptions):
     device: Annotated[str, Parameter(group=COMMON, metavar="DEVICE")] = "tuio"
     """Source of the touches. tuio: senders of TUIO 1.1 and 2.0. web: a page in a browser; add
     --tablet for a tablet in the network. evdev, evdev:NODE: a touch screen or trackpad of this
-    Linux machine. FILE: a file by `touches record`, a recording of this program, or a capture of
-    TUIO packets. Or a device of your own: FILE.py:CLASS[:ARGUMENT], or its name in an installed
-    package. `sandbox touches formats` lists all."""
+    Linux machine. FILE: a file written by `sandbox touches record`, a recording of this program, or
+    a capture of TUIO packets. FILE.py:CLASS[:ARGUMENT], or a name from an installed package: a
+    device of your own. `sandbox touches formats` lists all."""
 
     surface: Annotated[str | None, Parameter(group=COMMON, metavar="SIZE")] = None
     """Size of the touch area: 7.76x5.82in, 197x148mm, or a preset (ipad2, ipad-11, ipad-13,
-    ipad-mini). TUIO does not transmit the size, so without this option inches are a guess. A
-    browser page is measured on the page, and most touch screens report their size."""
+    ipad-mini). TUIO does not transmit the size, so without this option the size is a guess. The
+    size of a browser page is measured on the page, and most touch screens report theirs."""
 
     stale_after: Annotated[float, Parameter(group=device_heading("tuio"))] = STALE_AFTER
     """Seconds without a packet after which the touches of a TUIO sender are lifted."""
@@ -66,18 +66,24 @@ class TouchOptions(UnitOptions, PageOptions, LiveTouchOptions):
 
     @property
     def is_page(self) -> bool:
-        """True if the touches come from the page, whether by --device or by where it is opened."""
+        """True if the touches come from the page: --device web, --tablet or --lan."""
         return self.device == "web" or self.tablet or self.lan is not None
 
 
 def refuse_unit(options: TouchOptions) -> None:
-    """Refuses --unit for a device that is no file.
+    """Refuses --unit for a device that does not play a file.
 
     Raises:
-        InputError: It is given.
+        InputError: --unit is given.
     """
     if options.unit:
-        raise InputError("only a file has units to choose", where="--unit", got=options.device)
+        raise InputError(
+            "units can be chosen only for a file",
+            where="--unit",
+            got=f"--device {options.device}",
+            expected="--device FILE",
+            remedy="Leave out --unit",
+        )
 
 
 def open_touches(options: TouchOptions, tap: Tap | None = None) -> Opened:
@@ -86,7 +92,7 @@ def open_touches(options: TouchOptions, tap: Tap | None = None) -> Opened:
     Raises:
         InputError: The device or file is missing or cannot be opened.
     """
-    # Commands without touches have these options, too.
+    # Commands that open no touches import this module for its options: import the readers late.
     from sandbox.devices.files.touch_files import Opened, guessed_surface, open_file
 
     given = parse_surface(options.surface) if options.surface else None
@@ -100,7 +106,7 @@ def open_touches(options: TouchOptions, tap: Tap | None = None) -> Opened:
             where="--device",
             got=options.device,
             expected=f"{', '.join(touch_devices())}, a device of your own, or a file",
-            remedy=f"`sandbox play --device {options.device}` has one",
+            remedy=f"`sandbox play --device {options.device}` plays it in a scene",
         )
     settings.check()
     guess = replace(guessed_surface(), calibrated=not named.entry.kind.guessed_size)

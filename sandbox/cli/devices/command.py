@@ -1,4 +1,4 @@
-"""`sandbox devices`: what goes with devices, each in a module that is imported when it is named."""
+"""`sandbox devices`: commands about devices, each in a module that is imported when needed."""
 
 from __future__ import annotations
 
@@ -6,21 +6,21 @@ from sandbox.cli.common.command_line import application, run
 
 PARTS = {
     "leap": "Replaces a Leap: simulated recordings, a fake service; lists the formats.",
-    "webcam": "Hands before a webcam: installs what finds them, records landmarks.",
-    "robot": "Robots' hands in the place of ours: fits one of your own, lists known ones.",
+    "webcam": "Hands in front of a webcam: installs MediaPipe, records landmarks.",
+    "robot": "Robot hands: fits a robot hand of your own, lists the known ones.",
 }
-"""Part -> its help. Each is `app` in sandbox/cli/devices/PART.py."""
-SHOW = "Shows what a device or a file sends: rate, sizes, units, what is left out and why."
+"""Subcommand -> help. Each is `app` in the module sandbox/cli/devices/SUBCOMMAND.py."""
+SHOW = "Shows the data of a device or a file: rate, sizes, units, left-out data with reasons."
 
 
 def main(argv: list[str]) -> int:
     """Runs `sandbox devices ...`; returns the exit status."""
     app = application(
         "sandbox devices",
-        "What devices send, and what goes with a Leap, a webcam and robots' hands.",
+        "Shows data of devices; commands for a Leap, a webcam and robot hands.",
     )
     if argv[:1] == ["show"]:
-        # Its own help is longer than its line in the list.
+        # Without `help`, the full docstring of `show` is its help.
         app.command("sandbox.cli.devices.show:show", name="show")
         if argv[1:] and not argv[1].startswith("-"):
             argv = ["show", "--device", *argv[1:]]

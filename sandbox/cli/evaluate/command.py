@@ -1,5 +1,4 @@
-"""`sandbox evaluate`: the paper's tables for methods of this program, as text, JSON and
-pictures."""
+"""`sandbox evaluate`: measures encoders as the paper does, as text, JSON and pictures."""
 
 from __future__ import annotations
 
@@ -30,21 +29,22 @@ class EvaluateOptions:
     paper of 2015, its Copas test, smoothness, fingertip errors, joint limits and time.
 
     Encoders: linear, quadratic, cubic (least squares, as in the paper), paper (the same as
-    quadratic), pca-ik (inverse kinematics), mean, trained (what `sandbox train` makes of the
-    training data, with the labels that ship), FILE.npz (a model by `sandbox train`), or
-    FILE.py:CLASS (an encoder of your own, docs/write-an-encoder.md).
+    quadratic), pca-ik (inverse kinematics), mean (the mean pose), trained (the encoder that
+    `sandbox train` makes from the training data, with the built-in labeller), FILE.npz (a model by
+    `sandbox train`), or FILE.py:CLASS (an encoder of your own, docs/write-an-encoder.md).
 
-    Without --capture, they are tested on another day of the same SIMULATED person that they were
-    trained on: --days of them, chosen by the subject's configuration and --day-seed. That flatters
-    them: everyone who uses this program is a stranger, and docs/encoding.md has the numbers of
-    strangers. docs/evaluation.md defines all measures.
+    Without --capture, encoders are trained on day 0 of a SIMULATED person and tested on --days
+    other days of the same person, which the subject's configuration and --day-seed choose. This
+    gives smaller errors than in use, where the hand is that of another person: docs/encoding.md has
+    the errors for other people. docs/evaluation.md defines all measures.
 
     Try:
 
         sandbox evaluate --encoders linear quadratic trained --days 1
         sandbox evaluate --days 5 --json out.json --plots pictures
 
-    The paper of 2013 instead: sandbox evaluate --paalm simulated|FOLDER [--json OUT]
+    PAALM, the method of the paper of 2013, is measured by another form of the command:
+    sandbox evaluate --paalm simulated|FOLDER [--json OUT]
     """
 
     encoders: Annotated[
@@ -62,12 +62,12 @@ class EvaluateOptions:
     capture: Annotated[
         tuple[str, ...], Parameter(metavar="builtin|FILE|DIR|LIST", consume_multiple=True)
     ] = ()
-    """Test captures: builtin, the simulated subject's test days (default); captures; a folder of
-    captures; or a text file (.txt) with one capture per line. May be repeated."""
+    """Test captures. builtin, the default: the simulated subject's test days. FILE: a capture. DIR:
+    a folder of captures. LIST: a text file (.txt) with one capture per line. May be repeated."""
 
     train: Annotated[str, Parameter(metavar="own|split|FILE")] = BUILTIN
-    """Training data: own (or builtin), day 0 of the same person; a capture; or split, four fifths
-    of the takes of the one --capture FILE, whose other fifth is the test data."""
+    """Training data. own or builtin: day 0 of the simulated subject. FILE: a capture. split: four
+    fifths of the takes of the single --capture FILE; the other fifth is the test data."""
 
     days: int = 3
     """Number of test days."""
@@ -95,7 +95,7 @@ def main(argv: list[str]) -> int:
     try:
         options = parse(EvaluateOptions, "sandbox evaluate", argv)
     except SystemExit:
-        # It was asked for help, which is about both papers.
+        # `--help` shows the options of both forms of the command.
         from sandbox.cli.evaluate.paalm_judge import PaalmJudgeOptions
 
         print("\nWith --paalm:\n", flush=True)
@@ -110,14 +110,14 @@ def measure(options: EvaluateOptions, person: Subject) -> int:
     """Measures encoders, prints and writes the report.
 
     Args:
-        options: What is measured.
-        person: The simulated subject whose days `builtin` and `own` mean.
+        options: Options of the command.
+        person: The simulated subject of `--capture builtin` and `--train own`.
 
     Returns:
         Exit status: 2 if an encoder failed and was left out.
 
     Raises:
-        InputError: Something does not exist, or a result cannot be written.
+        InputError: An option names an unknown encoder or capture, or a result cannot be written.
     """
     _check(options)
     from encoders.evaluation.measure_method import MethodResult, Tests, evaluate_method
@@ -222,4 +222,9 @@ def _writing(where: str) -> Iterator[None]:
     try:
         yield
     except OSError as error:
-        raise InputError("it cannot be written", where=where, got=str(error)) from error
+        raise InputError(
+            "the pictures cannot be written",
+            where=where,
+            got=str(error),
+            remedy="Name another folder",
+        ) from error

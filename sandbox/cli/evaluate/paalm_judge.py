@@ -25,26 +25,27 @@ SIMULATED = "simulated"
 
 @dataclass(frozen=True, kw_only=True)
 class PaalmJudgeOptions:
-    """Measures PAALM (2013): angles, names of fingers, jitter and time; recording by recording.
+    """Measures PAALM (paper of 2013) for every recording: angles, finger labels, jitter and time.
 
-    simulated: hands in the air seen by a simulated Leap, with and without drop-outs, and as joints
-    (v3). Persons follow from the frozen configuration. FOLDER: recordings; the truth is the
-    device's own bones where PIP and DIP are independent (never v2, where they are equal by
-    construction), or what `sandbox devices leap simulate` wrote beside the frames. Recordings of
-    the first software have no truth: what no real hand does is counted, as a recording and as if
-    live. The paper as printed is judged on the device that it describes.
+    simulated: a simulated Leap sees simulated hands, with and without drop-outs, and also as joints
+    (v3). The frozen configuration determines the people. FOLDER: recordings. Their ground truth is
+    either the bones that the device reports, if PIP and DIP are independent (in v2 they are equal
+    by construction), or the poses that `sandbox devices leap simulate` wrote beside the frames.
+    Recordings of the first software have no ground truth: poses that are impossible for a real hand
+    are counted, once with the whole recording known and once as for a live device. The method as
+    printed in the paper is measured only on the device of the paper.
 
     Try: sandbox evaluate --paalm simulated --takes 4 --json out.json
     """
 
     paalm: Annotated[str, Parameter(metavar="simulated|FOLDER")]
-    """What is judged on."""
+    """Data: simulated hands, or a folder of recordings."""
 
     json: Annotated[Path | None, Parameter(metavar="FILE")] = None
-    """Where all figures go."""
+    """File for all numbers as JSON; - is the terminal."""
 
     takes: int = 8
-    """How many simulated persons, 30 seconds each."""
+    """Number of simulated people, 30 seconds each."""
 
 
 def main(argv: list[str]) -> int:

@@ -1,4 +1,4 @@
-"""`sandbox hand`: what is known of a person's hand: measure, see, show and forget it."""
+"""`sandbox hand`: measures a person's hand and rest posture, shows its profile, deletes layouts."""
 
 from __future__ import annotations
 
@@ -19,15 +19,16 @@ File = Annotated[Path | None, Parameter(metavar="FILE")]
 
 def main(argv: list[str]) -> int:
     """Runs `sandbox hand ...`; returns the exit status."""
-    about = "What is known of a person's hand."
+    about = "Measures a person's hand, and shows or changes its profile."
     return int(run(application("sandbox hand", about, measure, rest, show, forget), argv) or 0)
 
 
 def show(file: File = None) -> int:
-    """Shows a profile: the hand, its size and seat, and how many layouts of five fingers it has.
+    """Shows a profile: side and size of the hand, the screen edge at which the person sits, and
+    the number of layouts of five fingers.
 
-    Layouts come from `sandbox hand measure`, and from `sandbox play --learn`. They help to label
-    two, three and four fingers.
+    A layout is the positions of five resting fingertips. Layouts come from `sandbox hand measure`
+    and `sandbox play --learn`. They help to label two, three and four fingers.
 
     Args:
         file: File of the profile. Default: this user's own profile.
@@ -38,16 +39,16 @@ def show(file: File = None) -> int:
 
 
 def forget(file: File = None) -> int:
-    """Forgets all layouts of five fingers in a profile. Hand, size and seat stay.
+    """Deletes all layouts of five fingers from a profile. All other values stay.
 
     Args:
         file: File of the profile. Default: this user's own profile.
     """
     path = file or default_path()
-    # Also layouts that cannot be used are forgotten.
+    # Layouts are not read, so a profile with unusable layouts can be repaired.
     profile = replace(load_profile(path, with_layouts=False), layouts=())
     save_profile(profile, path)
-    Console().print(f"{path}: all layouts are forgotten", soft_wrap=True, markup=False)
+    Console().print(f"{path}: all layouts are deleted", soft_wrap=True, markup=False)
     _print(path, profile)
     return 0
 

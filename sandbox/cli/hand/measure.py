@@ -44,12 +44,12 @@ _ASKED = {
 
 
 def collect_layouts(device: Device, live: bool, seconds: float, console: Console) -> list[Array]:
-    """Returns the layouts of the first three rests of five fingers, m on the screen.
+    """Returns three layouts (5, 2), one for each time that five fingers rest, m on the screen.
 
     Args:
         device: Device of the touches.
-        live: False for a file, which is played as fast as it goes.
-        seconds: s after which a live device is given up.
+        live: False for a file, which is played as fast as the machine can.
+        seconds: Timeout for a live device, s.
         console: Console for messages.
 
     Raises:
@@ -95,7 +95,7 @@ def _ask(console: Console, number: int) -> None:
 
 
 def named_layouts(layouts: list[Array], person: Person) -> Layouts:
-    """The layouts of five fingers, thumb first, that are named with certainty."""
+    """Returns the layouts whose five fingers are labelled with certainty, thumb first."""
     belief = builtin_population_belief()
     for xy in layouts:
         belief.reset()
@@ -104,7 +104,7 @@ def named_layouts(layouts: list[Array], person: Person) -> Layouts:
 
 
 def rounded_interval(size: HandSize, person: Person) -> tuple[float, float]:
-    """Returns the interval, rounded like the size and still containing it."""
+    """Returns the interval of the size, rounded, and widened if needed to contain the size."""
     low, high = round(size.low, 4), round(size.high, 4)
     return min(low, person.hand_size), max(high, person.hand_size)
 
@@ -127,14 +127,14 @@ class MeasureOptions(LiveTouchOptions):
 
     surface: Annotated[str | None, Parameter(metavar="SIZE")] = None
     """Size of the touch surface: 7.76x5.82in, 197x148mm, or a preset such as ipad2. Required if the
-    device does not report it, since an error here becomes an error of the hand's size."""
+    device does not report it: an error of this size becomes an error of the hand's size."""
 
     out: Annotated[Path | None, Parameter(metavar="FILE")] = None
     """File for the profile. Default: this user's own profile."""
 
     rest: Annotated[Path | None, Parameter(metavar="FILE")] = None
-    """Rest posture of the hand, to keep in the profile: a file of looks at the hand, or a capture
-    of it (docs/playing.md)."""
+    """Rest posture of the hand, which is copied into the profile: a file by `sandbox hand rest`, or
+    a capture of the hand (docs/playing.md)."""
 
     hand_size: Annotated[float, Parameter(metavar="RATIO")] = 1.0
     """True size of the simulated person's hand."""
@@ -149,10 +149,10 @@ class MeasureOptions(LiveTouchOptions):
 def measure(options: MeasureOptions = MeasureOptions()) -> int:
     """Measures a hand: put down five fingers three times, relaxed, close together and wide apart.
 
-    The profile stores the length of the hand relative to the trained hand, by which touches are
-    scaled, and the three layouts, which help to label fewer fingers. `sandbox play` with a touch
-    device uses the profile automatically; other commands need --profile. A profile that is there is
-    replaced; `sandbox hand show` shows it.
+    The profile stores the length of the hand relative to the hand of the training data, by which
+    touches are scaled, and the three layouts, which help to label fewer than five fingers. `sandbox
+    play` with a touch device uses the profile automatically; other commands need --profile. An
+    existing profile is replaced. `sandbox hand show` shows it.
 
     Try: sandbox hand measure --device simulated --hand-size 0.9 --out profile.json
     """
@@ -162,7 +162,7 @@ def measure(options: MeasureOptions = MeasureOptions()) -> int:
         )
     if is_in_air(options.device) or options.device == "web":
         raise InputError(
-            "this device has no fingers at rest on a surface",
+            "a hand cannot be measured with this device",
             where=f"--device {options.device}",
             expected="tuio, evdev:PATH, simulated, or a file of touches",
         )
@@ -171,13 +171,13 @@ def measure(options: MeasureOptions = MeasureOptions()) -> int:
     path = options.out or default_path()
     if options.out is None:
         with suppress(OSError):
-            # Whether it could be made is said next.
+            # `check_output` reports a folder that could not be created.
             path.parent.mkdir(parents=True, exist_ok=True)
     check_output(path, "--out")
     refuse_replacing(path, {"--device": Path(options.device), "--rest": options.rest})
     console = Console()
     simulated = options.device == "simulated"
-    # The others are about the simulated person, or come after the measurement.
+    # Hand size and seed are those of the simulated person; the rest posture is read below.
     chosen = trial_settings(
         picked(
             TrialOptions,
@@ -199,7 +199,7 @@ def measure(options: MeasureOptions = MeasureOptions()) -> int:
     surface = settings.surface.rectangle
     asked = replace(settings.hands[0].person, hand_size=1.0)
     if options.rest is not None:
-        # Nobody puts down their fingers for a file that cannot be used.
+        # Check the file before the person is asked to put down fingers.
         read_rest(options.rest, asked.hand)
     if simulated:
         person = replace(asked, hand_size=options.hand_size)
@@ -236,7 +236,7 @@ def measure(options: MeasureOptions = MeasureOptions()) -> int:
 
 
 def _opened(chosen: Settings, surface: Surface) -> Device:
-    # A device is opened for a task, since simulated users need one; others only take the surface.
+    # `device_makers` opens devices for a task; this device only uses the surface.
     task = find_task(chosen.task).draw(chosen.seed, surface)
     (make_device,) = device_makers(chosen)
     return make_device(task, surface)
@@ -252,7 +252,7 @@ def _check_surface(options: MeasureOptions, settings: Settings) -> None:
             if is_recording(file)
             else first_line(file).get("surface_calibrated")
         )
-    # What tells is in lengths already, so that a size given now has no effect.
+    # Files that state `calibrated` have lengths already, so --surface has no effect on them.
     asked = options.surface is not None or (settings.surface.calibrated and not file.is_file())
     if not (asked if told is None else told):
         raise InputError(
@@ -260,9 +260,9 @@ def _check_surface(options: MeasureOptions, settings: Settings) -> None:
             where=f"--device {options.device}",
             remedy="Measure the touch area with a ruler, for example --surface 197x148mm"
             if told is None
-            else "Its lengths are by a guess, which --surface does not change here. Record again "
-            "with a known size: hold a bank card to the page where it asks for one, or give "
-            "--surface to what records",
+            else "The recording's lengths come from a guessed size, and --surface cannot change "
+            "them. Record again with a known size: hold a bank card to the page when it asks for "
+            "one, or add --surface to the command that records",
         )
 
 

@@ -1,4 +1,4 @@
-"""`sandbox hand rest`: sees a hand for a second, and keeps its rest posture for --rest."""
+"""`sandbox hand rest`: measures the rest posture of a hand by a Leap or a camera, for --rest."""
 
 from __future__ import annotations
 
@@ -39,11 +39,11 @@ def watch_rest(
     """Waits for the samples; ends early when a recording or the time is over.
 
     Args:
-        watch: Takes the samples.
-        device: Its device.
+        watch: Takes the samples from the device.
+        device: The device.
         wanted: Number of samples.
-        seconds: s after which a live device is given up.
-        live: False for a recording, which is played as fast as it goes.
+        seconds: Timeout for a live device, s.
+        live: False for a recording, which is played as fast as the machine can.
         console: Console for messages.
     """
     clock, ticks, told = RealTime(), 0, ""
@@ -63,11 +63,11 @@ def watch_rest(
 
 
 def check_rest(watch: RestWatch, size: float, wanted: int, device: str) -> None:
-    """Checks that all samples were taken, and fit a hand of the size.
+    """Checks that all samples were taken, and that they fit a hand of the given size.
 
     Args:
-        watch: Took the samples.
-        size: Length of the hand relative to the trained one.
+        watch: Has the samples.
+        size: Length of the hand relative to the hand of the training data.
         wanted: Number of samples.
         device: Name of the device, for the message.
 
@@ -80,7 +80,7 @@ def check_rest(watch: RestWatch, size: float, wanted: int, device: str) -> None:
             "the hand was not held still, with its fingertips on one level, often enough",
             where=f"--device {device}",
             got=f"{len(samples)} of {wanted} samples" + (watch.trouble and f"; {watch.trouble}"),
-            expected="a second each, and the hand moved in between",
+            expected="the hand held still for a second for each sample, and moved between samples",
         )
     try:
         check_rest_samples(samples, size)
@@ -99,7 +99,7 @@ class RestWatch:
     Args:
         device: The device.
         reconstructor: Reconstructor of the hand.
-        person: The person, whose side and size are those of the hand.
+        person: The person, for side and size of the hand.
     """
 
     def __init__(self, device: AnyDevice, reconstructor: AirReconstructor, person: Person) -> None:
@@ -110,25 +110,25 @@ class RestWatch:
 
     @property
     def samples(self) -> RestSamples:
-        """The samples so far, as of a right hand."""
+        """The samples so far; those of a left hand are mirrored."""
         return tuple(self._seen.samples)
 
     @property
     def trouble(self) -> str:
-        """Why the last hand that was held still is not a sample; empty if it is one."""
+        """Why the hand gave no sample when it was last held still; empty if it gave one."""
         return self._seen.trouble
 
     @property
     def notice(self) -> str:
-        """Why no sample is taken; empty if the hand only has to be held still."""
+        """Why no sample can be taken now; empty if the hand only has to be held still."""
         first = next(iter(self._device.notices), "")
         return first or self._reconstructor.notice or self._seen.trouble
 
     def step(self, now: float) -> None:
-        """A control period.
+        """Processes one control period.
 
         Args:
-            now: s since the beginning.
+            now: Time since the beginning, s.
         """
         self._newest.take(self._device.poll(now), now)
         pose = self._reconstructor.step(self._newest.frame)  # type: ignore[arg-type]
@@ -144,31 +144,33 @@ class RestOptions(BeforeCameraOptions, LeapCommandOptions):
     """Options of `sandbox hand rest`."""
 
     device: Annotated[str, Parameter(metavar="leap|webcam|FILE")]
-    """What sees the hand: a Leap, a camera, or a file: a recording of a Leap, of landmarks, or of a
-    session with a Leap, a camera or a headset."""
+    """Source of the hand: a Leap (leap), a camera (webcam), or a file: a recording of a Leap, of
+    landmarks, or of a session with a Leap, a camera or a headset."""
 
     out: Annotated[Path, Parameter(metavar="FILE")]
-    """File for the rest posture; an existing one is replaced."""
+    """File for the rest posture; an existing file is replaced."""
 
     samples: int = 1
-    """Number of samples, 1 to 12. Lift the hand between two of them. More are more accurate."""
+    """Number of samples, 1 to 12. Lift the hand between samples. More samples are more accurate."""
 
     hand: Literal["right", "left"] | None = None
     """Which hand. Default: that of the recording, else right."""
 
     hand_size: Annotated[float | None, Parameter(metavar="RATIO")] = None
-    """Length of your hand relative to the trained one; `sandbox hand measure` measures it."""
+    """Length of your hand relative to the hand of the training data, as measured by `sandbox hand
+    measure`."""
 
     seconds: float = 60.0
     """Timeout for a live device, in seconds."""
 
 
 def rest(options: RestOptions) -> int:
-    """Sees your hand for a second, and writes its rest posture, for --rest of other commands.
+    """Measures the rest posture of your hand in a second, for --rest of other commands.
 
-    Touches do not show how high a wrist is held, and how far fingers bend at rest; a camera or a
-    Leap does (docs/playing.md). Hold the hand still for a second, relaxed, with all fingertips on
-    one level, as it rests on a screen. For a webcam, give its tilt: it decides what is level.
+    Touches do not show how high the wrist is and how far the fingers bend at rest; a camera or a
+    Leap does (docs/playing.md). Hold the hand still for a second, relaxed, with all fingertips at
+    the same height, as it rests on a screen. For a webcam, give its tilt, from which the direction
+    of the table is known.
 
     Try:
 
@@ -205,7 +207,7 @@ def rest(options: RestOptions) -> int:
 
 
 def _plan(options: RestOptions) -> Settings:
-    """Settings and maker of the device.
+    """Checks the options and returns the settings.
 
     Raises:
         InputError: An option has an invalid value, or the device sees no hands.
@@ -224,9 +226,10 @@ def _plan(options: RestOptions) -> Settings:
     refuse_replacing(options.out, sources)
     if options.device == HEADSET:
         raise InputError(
-            "a headset's hand is seen in a recording",
+            "a hand in a headset can be measured only from a recording",
             where=f"--device {HEADSET}",
-            remedy=f"sandbox play box-to-goal --device {HEADSET} --record FILE, then --device FILE",
+            remedy=f"Run `sandbox play box-to-goal --device {HEADSET} --record FILE`, then use "
+            "--device FILE",
         )
     entry = built_in(options.device)
     if entry is not None and (entry.kind.simulated or not entry.kind.in_air):
@@ -240,7 +243,7 @@ def _plan(options: RestOptions) -> Settings:
     )
     if chosen.hands[0].in_air is None:
         raise InputError(
-            "this recording has touches, and no hand that was seen",
+            "this recording has only touches, no hand in the air",
             where=f"--device {options.device}",
             expected="a recording of a Leap, a camera or a headset",
         )

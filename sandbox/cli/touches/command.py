@@ -36,7 +36,7 @@ from sandbox.devices.tuio.tuio import TuioDevice
 from sandbox.devices.tuio.tuio_senders import Statistics
 
 _REPORTS = 1.0
-"""s between two reports on what is left out, where stdout is no terminal."""
+"""Time between two reports on left-out data if stdout is not a terminal, s."""
 
 
 class View(Protocol):
@@ -81,10 +81,10 @@ class JsonView:
 
 
 class TextView:
-    """What the device sends, and a table of the current touches.
+    """A live table of the device's data, and one of the current touches.
 
-    If stdout is not a terminal, it has one line per frame; what is left out or assumed goes to
-    stderr when it changes, once a second at most.
+    If stdout is not a terminal, it gets one line per frame instead. Left-out data and assumptions
+    are printed on stderr when they change, at most once a second.
     """
 
     def __init__(self, seen: Device, surface: Surface) -> None:
@@ -128,7 +128,7 @@ class TextView:
             self._say(text)
 
     def _report(self) -> None:
-        """Says what has been left out and assumed since it was last said."""
+        """Prints the report on left-out data and assumptions if it has changed."""
         if time.monotonic() >= self._due and (report := self._seen.report):
             self._due = time.monotonic() + _REPORTS
             if report.line() != self._reported:
@@ -161,7 +161,7 @@ class TextView:
 
 
 def counts_of(seen: Device) -> Statistics | None:
-    """Counts of a device that receives packets."""
+    """Returns the counters of a device that receives packets; None for other devices."""
     return seen.statistics if isinstance(seen, TuioDevice | CaptureDevice) else None
 
 
@@ -170,7 +170,7 @@ def _touches(count: int) -> str:
 
 
 def _contacts(frame: TouchFrame) -> list[dict[str, Any]]:
-    """Contacts in inches from the top left corner of the surface."""
+    """Returns the contacts as JSON values, in inches from the top left corner of the surface."""
     contacts: list[dict[str, Any]] = frame_record(frame)["contacts"]
     return contacts
 
@@ -253,7 +253,7 @@ _LISTED = ("web", "tuio", "evdev")
 """Devices whose formats are listed one by one."""
 
 PATIENCE = 5.0
-"""s without a frame after which a hint on what to check is shown."""
+"""Time without a frame after which a hint on what to check is shown, s."""
 
 
 @flat
@@ -262,8 +262,8 @@ class Show(TouchOptions):
     """Options of `sandbox touches show`."""
 
     json: bool = False
-    """Print a JSON line per frame on stdout, {"time", "contacts": [{"id", "x", "y", "finger"}]},
-    and events as JSON lines on stderr, first {"event": "listening", "address"}."""
+    """Print frames as JSON lines on stdout, {"time", "contacts": [{"id", "x", "y", "finger"}]}, and
+    events as JSON lines on stderr. The first event is {"event": "listening", "address"}."""
 
     seconds: float = math.inf
     """Stop after this many seconds."""
@@ -274,7 +274,8 @@ class Show(TouchOptions):
 
 @dataclass(frozen=True)
 class _NewFile:
-    """What stands behind the command; its base comes first, as a positional argument must."""
+    """Positional argument of the command. The class is the last base of the options, so that its
+    field is the first one, as a positional argument must be."""
 
     file: Annotated[Path, Parameter(metavar="FILE")]
     """File for the recording; an existing file is never overwritten."""
@@ -304,13 +305,13 @@ def show(options: Show = Show()) -> int:
 
     x and y are in inches from the top left corner of the surface.
 
-    Try it on this machine first, with a capture of TUIO packets and two terminals:
+    Try it on this machine first, in two terminals, with a capture of TUIO packets:
 
         sandbox touches show
 
         sandbox touches send CAPTURE --to 127.0.0.1:3333
 
-    Then with a tablet in the same network, which opens the page in a browser, or whose app sends
+    Then try a tablet in the same network. It opens the page in a browser, or an app on it sends
     TUIO to the address that this command prints:
 
         sandbox touches show --device web --tablet
@@ -348,7 +349,7 @@ def record(options: Record) -> int:
         try:
             opened = open_touches_or_page(options, options.seconds, tap if packets else None)
         except BaseException:
-            # The corrected command makes a new file.
+            # A file that is left would stop the corrected command, which needs a new file.
             file.discard()
             raise
         if opened is None:
@@ -375,7 +376,7 @@ def formats() -> int:
         ("TUIO 2.0, ptr", "--device tuio", "fingers, with names if the sender gives them"),
         ("TUIO 2.0, bnd", "--device tuio", "size of the finger of the same id"),
         ("TUIO 1.1 2Dobj, 3D; 2.0 tok, sym, ...", "--device tuio", "ignored and counted"),
-        ("over UDP, TCP, WebSocket", "--tuio-transport, --tuio-connect", "all of it"),
+        ("over UDP, TCP, WebSocket", "--tuio-transport, --tuio-connect", "TUIO 1.1 and 2.0"),
         ("the page", "--device web, --tablet", "any tablet with a browser"),
         ("Linux multitouch, slots", "--device evdev[:NODE]", "touch screens, trackpads"),
         ("a device of your own", "--device FILE.py:CLASS[:ARGUMENT]", "docs/write-a-device.md"),
@@ -389,14 +390,14 @@ def formats() -> int:
             "--device FILE",
             'JSON lines {"time", "contacts": [{"id", "x", "y", "finger"}]}',
         ),
-        ("recording of sandbox", "--device FILE", "the touches in it"),
+        ("recording of this program", "--device FILE", "its touches"),
         *(
             (DEVICES[name].help, f"--device {name}", "")
             for name in touch_devices()
             if name not in _LISTED
         ),
-        *((name, f"--device {name}", "a package offers it") for name in offered_devices()),
-        ("TUIO 1.1, 2Dcur", "send --tuio", "sent, for other programs"),
+        *((name, f"--device {name}", "from a package") for name in offered_devices()),
+        ("TUIO 1.1, 2Dcur", "send --tuio", "sent to other programs"),
     ):
         table.add_row(*row)
     Console().print(table)
@@ -404,7 +405,7 @@ def formats() -> int:
 
 
 class _Recorder:
-    """A view that also writes every frame."""
+    """A view that also writes every frame to a file."""
 
     def __init__(self, shown: TextView, file: LineFile | None) -> None:
         self._view, self._file = shown, file
@@ -428,12 +429,12 @@ class _Recorder:
 def _check_end(seconds: float, frames: int | None) -> None:
     if not seconds > 0.0 or (frames is not None and frames <= 0):
         raise InputError(
-            "nothing would be shown", where="--seconds, --frames", expected="more than 0"
+            "no frames would be shown", where="--seconds, --frames", expected="above 0"
         )
 
 
 def _show_frames(opened: Opened, view: View, seconds: float, frames: int | None) -> int:
-    """Shows frames until there are enough; raises the damage of a file at its end."""
+    """Shows frames; after the end of a damaged file, raises the error."""
     device = opened.device
     try:
         with view:
@@ -450,7 +451,7 @@ def _show_frames(opened: Opened, view: View, seconds: float, frames: int | None)
 
 
 def _follow(opened: Opened, view: View, seconds: float, wanted: int | None) -> None:
-    """Reads and shows frames until there are enough, the file ends, or the time is over."""
+    """Reads and shows frames until `wanted` are shown, the file ends, or the time is over."""
     seen = opened.device
     shown, hinted = 0, False
     begin = time.monotonic()

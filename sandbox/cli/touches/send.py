@@ -27,12 +27,13 @@ MOST_SENDERS = 64
 """Number of senders of a capture that keep their sockets; a sender needs one."""
 
 _LONGEST_SLEEP = 1.0
-"""s; a capture may hold times that no clock has."""
+"""Longest single sleep, s. Times in a damaged capture may be too large for `time.sleep`."""
 
 
 @dataclass(frozen=True)
 class _File:
-    """What stands behind the command; its base comes first, as a positional argument must."""
+    """Positional argument of the command. The class is the last base of the options, so that its
+    field is the first one, as a positional argument must be."""
 
     file: Annotated[Path | None, Parameter(metavar="FILE")] = None
     """File to send. With --tuio, --device may be given instead."""
@@ -72,7 +73,7 @@ def send(options: Send = Send()) -> int:
         raise InputError(
             "the destination is missing or not unique",
             where="--to, --tuio",
-            expected="one of the two: HOST:PORT",
+            expected="--to HOST:PORT or --tuio HOST:PORT",
         )
     if not 0.0 < options.speed < math.inf:
         raise InputError(
@@ -101,7 +102,7 @@ def _send_tuio(options: Send) -> int:
         with contextlib.closing(TuioOutput(options.tuio, opened.surface)) as output:
             console.print(Text(f"sending TUIO 1.1 to {options.tuio}; Ctrl-C ends"))
             begin = time.monotonic()
-            # However it is ended, fingers that are down must be lifted at the receiver.
+            # On every kind of end, closing the output lifts all fingers at the receiver.
             with contextlib.suppress(KeyboardInterrupt), ending_as_by_ctrl_c():
                 while True:
                     elapsed = time.monotonic() - begin
@@ -116,7 +117,7 @@ def _send_tuio(options: Send) -> int:
         device.close()
     report = f"sent {frames} frames in {output.packets} packets to {options.tuio}"
     if output.refused:
-        report += f"; nobody received {output.refused} of them"
+        report += f"; no program received {output.refused} of them"
     console.print(Text(report), soft_wrap=True)
     damage = device.damage
     if damage is not None and reached_end:
@@ -125,10 +126,10 @@ def _send_tuio(options: Send) -> int:
 
 
 def _send_packets(file: Path, to: str, speed: float, seconds: float) -> int:
-    """Sends the packets of a capture at their times, each recorded sender from its own socket.
+    """Sends the packets of a capture at their times, for each recorded sender from its own socket.
 
-    A socket is closed with the connection whose packets it sends, or when too many others are in
-    use.
+    The socket is closed where the capture has the end of the sender's connection, or when
+    `MOST_SENDERS` newer senders have sockets.
     """
     capture = read_capture(file)
     console = Console(stderr=True)
@@ -136,7 +137,7 @@ def _send_packets(file: Path, to: str, speed: float, seconds: float) -> int:
     channels: dict[str, socket.socket] = {}
     with contextlib.ExitStack() as closing, _progress(console) as bar:
         with connected(to):
-            pass  # An address that cannot be is refused before the first packet.
+            pass  # Refuses an invalid address before the first packet.
         closing.callback(_close_all, channels)
         job = bar.add_task(f"sending to {to}", total=len(capture.packets))
         begin = time.monotonic()
@@ -163,7 +164,7 @@ def _send_packets(file: Path, to: str, speed: float, seconds: float) -> int:
     took = time.monotonic() - begin
     report = f"sent {sent} packets in {took:.1f} s to {to}"
     if refused:
-        report += f"; nobody received {refused} of them"
+        report += f"; no program received {refused} of them"
     console.print(Text(report))
     if capture.damage is not None:
         raise capture.damage
