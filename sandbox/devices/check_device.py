@@ -1,11 +1,11 @@
-"""Checks a device for its author: everything that a device must keep to.
+"""Checks that a device follows the rules for devices; its author runs the check.
 
     from sandbox import check_device
 
     def test_my_pad():
         check_device(MyPad)
 
-A session does not do this: it polls, and stops with one line where the device's own code fails.
+Sessions do not run this check. They poll the device, and stop with one line if its code fails.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ SIZE = Surface(10.0, 5.0)
 """Surface on which a device is opened, unless another is given."""
 
 STEPS = 60
-"""Number of polls with touches, as a session makes them."""
+"""Number of polls before each of which `make_touches` is called."""
 
 PERIOD = 1.0 / 60.0
 """Session time between two polls (s)."""
@@ -51,24 +51,24 @@ def check_device(
     make_touches: Callable[[Any, int], None] | None = None,
     surface: Surface = SIZE,
 ) -> None:
-    """Checks that a device keeps to the rules for devices; for its author, as Gymnasium's
-    `check_env`.
+    """Checks that a device follows the rules for devices, as Gymnasium's `check_env` does.
 
-    The device is opened twice, polled as a session does, and closed.
+    The device is opened twice, polled as in a session, and closed.
 
     Args:
-        open_device: A class, which is called with the surface and an empty argument; or a function
-            that opens the device on a surface; or an entry, which opens it with the defaults of its
-            options; or how it is named on the command line.
-        make_touches: Called with the device and the number of the poll, 0 to 59, before each; it
-            makes fingers do something. None lets the device act by itself.
+        open_device: A class, which is called with the surface and an empty argument; a function
+            that opens the device on a surface; an entry, opened with the defaults of its options;
+            or the device's name on the command line.
+        make_touches: Called with the device and the number of the poll, 0 to 59, before each poll,
+            to make touches. With None, the device acts by itself.
         surface: The touch surface.
 
     Raises:
-        DeviceError: The first rule that the device breaks: it fails, waits in `poll`, returns
-            something else than frames, or frames twice, or frames whose time runs backwards, or
-            that are off the surface; it uses the id of a lifted finger again; it is not finished
-            once closed, or has frames afterwards; it cannot be closed twice or opened again.
+        DeviceError: The device breaks a rule; the error is about the first one. The device raises
+            an exception, or waits in `poll`. It returns anything other than frames, a frame twice,
+            frames whose time runs backwards, or contacts off the surface. It uses the id of a
+            lifted finger again. It has not finished when closed, or still has frames then. It
+            cannot be closed twice, or opened again.
     """
     device, where = _open(open_device, surface)
     try:
@@ -90,13 +90,13 @@ def check_device(
 def check_frames(
     frames: Sequence[Frame], surface: Surface, where: str = "the device", whole: bool = True
 ) -> None:
-    """Checks that a device's frames keep to the rules.
+    """Checks that a device's frames follow the rules.
 
     Args:
         frames: All polled frames, in order.
         surface: Surface of the device.
         where: The device, for messages.
-        whole: They begin with the device's first frame, so that no finger was down before.
+        whole: True if the first frame is the device's first, so that no finger was down before.
 
     Raises:
         DeviceError: A frame breaks a rule, which the message names.
@@ -117,7 +117,7 @@ def check_frames(
                 "time runs backwards",
                 where=at,
                 got=f"after a frame at {last:g} s",
-                expected="the time of a clock that does not go back",
+                expected="times that never decrease",
             )
         last = frame.time
         if isinstance(frame, TouchFrame):
@@ -128,10 +128,10 @@ def check_frames(
 
 
 def _check_contacts(frame: TouchFrame, surface: Surface, where: str) -> None:
-    """Raises an error for a contact that is off the surface, or larger than it.
+    """Checks that contacts are on the surface and not larger than it.
 
     Raises:
-        DeviceError: There is one.
+        DeviceError: A contact is off the surface or larger than it.
     """
     width, height = (float(size) for size in surface.size)
     for contact in frame.contacts:
@@ -144,7 +144,7 @@ def _check_contacts(frame: TouchFrame, surface: Surface, where: str) -> None:
                 where=f"{where}, contact {contact.id}",
                 got=f"({x:g}, {y:g}) m",
                 expected=f"0 to {width:g} and 0 to {height:g} m",
-                remedy="A finger that is dragged over the border stays at it",
+                remedy="Move the contact of a finger that leaves the surface to its border",
             )
         if contact.size is not None and contact.size >= max(width, height):
             raise DeviceError(
@@ -158,7 +158,7 @@ def _check_contacts(frame: TouchFrame, surface: Surface, where: str) -> None:
 def _check_cancelled(
     frame: TouchFrame, ids: frozenset[int], present: frozenset[int] | None, where: str
 ) -> None:
-    """Raises an error for cancelled ids that are still down, or that never were.
+    """Checks that cancelled ids were contacts in the previous frame and no longer are.
 
     Args:
         frame: The frame.
@@ -167,7 +167,7 @@ def _check_cancelled(
         where: The frame, for messages.
 
     Raises:
-        DeviceError: There is one.
+        DeviceError: A cancelled id is still a contact, or was none before.
     """
     if both := frame.cancelled & ids:
         raise DeviceError(
@@ -180,10 +180,10 @@ def _check_cancelled(
 
 
 def _check_ids(frames: Sequence[Frame], where: str) -> None:
-    """Raises an error for the id of a lifted finger that comes again.
+    """Checks that no id of a lifted finger is used again.
 
     Raises:
-        DeviceError: There is one.
+        DeviceError: An id is used again.
     """
     down: set[int] = set()
     lifted: set[int] = set()
@@ -203,10 +203,10 @@ def _check_ids(frames: Sequence[Frame], where: str) -> None:
 
 
 def _check_words(device: AnyDevice, where: str) -> None:
-    """Checks that the device has a name and reports whether it has finished.
+    """Checks the members `name` and `finished`.
 
     Raises:
-        DeviceError: It has no name, or `finished` is neither true nor false.
+        DeviceError: `name` is not a printable text, or `finished` is neither true nor false.
     """
     name: object = device.name
     if not (isinstance(name, str) and name and name.isprintable()):
@@ -224,8 +224,8 @@ def _watch(
     """Polls a device as a session does, and returns its frames.
 
     Raises:
-        DeviceError: It fails or hangs, returns something else than a sequence, a frame twice, or a
-            frame after it had finished.
+        DeviceError: `poll` fails or hangs, or returns anything other than a sequence, a frame
+            twice, or a frame after the device had finished.
     """
     frames: list[Frame] = []
     for step in range(STEPS + 1):
@@ -244,10 +244,10 @@ def _watch(
 
 
 def _check_closed(device: AnyDevice, where: str, surface: Surface) -> None:
-    """Checks a device that was closed: it may be closed again, is empty, and has finished.
+    """Checks a closed device: it can be closed again, has no more frames, and has finished.
 
     Raises:
-        DeviceError: It fails, still has frames, or does not report that it has finished.
+        DeviceError: Closing it again fails, it still has frames, or it has not finished.
     """
     _call(device.close, where, "the second close")
     check_frames(_poll(device, where, STEPS * PERIOD), surface, where, whole=False)
@@ -272,11 +272,11 @@ def _check_waits(device: AnyDevice, where: str) -> None:
     """Checks that `poll` returns at once, also when nothing happens.
 
     Raises:
-        DeviceError: It waits, so that a session would fall behind.
+        DeviceError: `poll` waits, so that a session would fall behind.
     """
     times = [n * PERIOD for n in range(STEPS + 1, 11 * STEPS)]
     waits = _call(lambda: sorted(_wait(device, now) for now in times), where, "poll")
-    # The middle one, since on a busy machine some take long.
+    # The median, since some polls take long on a busy machine.
     middle = waits[len(waits) // 2]
     if middle >= LONGEST_WAIT:
         raise DeviceError(
@@ -284,12 +284,12 @@ def _check_waits(device: AnyDevice, where: str) -> None:
             where=where,
             got=f"{1000 * middle:.1f} ms",
             expected=f"less than {1000 * LONGEST_WAIT:g} ms",
-            remedy="Read in a thread of the device what may block",
+            remedy="Move reads that may block to a thread of the device",
         )
 
 
 def _wait(device: AnyDevice, now: float) -> float:
-    """Time (s) that a poll waits: its duration minus the computing time of its thread."""
+    """Polls a device; returns the time (s) of waiting: duration minus computing time."""
     began, busy = time.perf_counter(), time.thread_time()
     device.poll(now)
     return (time.perf_counter() - began) - (time.thread_time() - busy)
@@ -310,7 +310,7 @@ def _poll(device: AnyDevice, where: str, now: float) -> list[Frame]:
 def _open(
     open_device: Callable[[Surface], Any] | type[Any] | DeviceEntry[Any] | str, surface: Surface
 ) -> tuple[AnyDevice, str]:
-    """A device that was opened now, and its place for messages."""
+    """Opens the device; returns it, and its name for messages."""
     where = open_device if isinstance(open_device, str) else "the device"
 
     def opened() -> Any:

@@ -1,5 +1,4 @@
-"""Settings of a hand that a 3-D device or a camera drives: the device's place, and what is known of
-the hand."""
+"""Settings of a hand that is tracked in the air: position of the device, calibration of the hand."""
 
 from __future__ import annotations
 
@@ -19,25 +18,25 @@ if TYPE_CHECKING:
     from encoders.reconstruction.reconstructor import AirReconstructor
 
 UNDER = (0.0, 0.0, -0.10)
-"""Default position (m) of the device in the world: 10 cm under the centre of the table's top.
-Fingertips at a box on the table are then 12 cm above the device, and the palm 20 cm, where devices
-are most exact."""
+"""Default position (m) of the device in the world: 10 cm below the centre of the table top.
+Fingertips at a box on the table are then 12 cm above the device, and the palm is 20 cm above it,
+where such devices are most exact."""
 FARTHEST = 2.0
-"""Largest coordinate (m) of a device's position; a larger value is taken as a typing error."""
+"""Largest coordinate (m) of a device's position; a larger value must be a typing error."""
 
 
 @dataclass(frozen=True)
 class HandInput:
-    """A hand that is driven by hand frames or by landmarks; JSON values only.
+    """Settings of a hand that is driven by hand frames or by landmarks; JSON values only.
 
     Attributes:
-        at: (3,) m, position of the device in the world; its axes are the world's.
-        calibration: Calibration of this hand, as `sandbox paalm calibrate` writes it; None uses an
-            average hand, or the bone lengths that the device reports.
-        camera: The camera whose landmarks drive the hand; None for a 3-D device. With it, the rest
-            has no meaning.
-        joints: The device reports all joints, in the world, as a headset does: they are fitted
-            without a calibration.
+        at: (3,) m, position of the device in the world; the device's axes are the world's.
+        calibration: Calibration of this hand, as `sandbox paalm calibrate` writes it. With None,
+            the bone lengths that the device reports are used, or else an average hand.
+        camera: The camera whose landmarks drive the hand; None for a device that sends hand frames.
+            With a camera, the other attributes have no effect.
+        joints: True if the device reports all joints in world coordinates, as a headset does. They
+            are fitted without a calibration.
     """
 
     at: tuple[float, float, float] = UNDER
@@ -64,8 +63,7 @@ class HandInput:
     def any_reconstructor(
         self, person: Person, surface: Surface, rate: RateLimit
     ) -> AirReconstructor:
-        """The reconstructor of the device's kind; arguments and errors are `reconstructor`'s."""
-        # Each device needs a reconstructor of its own.
+        """Makes the reconstructor for the device; arguments and errors as for `reconstructor`."""
         if self.joints:
             from encoders.air.joint_reconstructor import JointReconstructor, following
 
@@ -88,7 +86,7 @@ class HandInput:
         )
 
     def reconstructor(self, person: Person, surface: Surface, rate: RateLimit) -> HandReconstructor:
-        """The reconstructor that turns hand frames into poses.
+        """Makes the reconstructor that turns a Leap's hand frames into poses.
 
         Args:
             person: The person whose hand it is.
@@ -96,7 +94,7 @@ class HandInput:
             rate: Bounds on the commanded pose's speed.
 
         Raises:
-            InputError: The person sits elsewhere, or the workspace stands upright.
+            InputError: The person does not sit at the lower edge, or the workspace is upright.
             EncoderError: The calibration is damaged.
         """
         from encoders.paalm.calibration_file import calibration_from_json
@@ -112,11 +110,15 @@ class HandInput:
 
 
 def _check_seat(person: Person, surface: Surface) -> None:
-    """Refuses what hands in the air cannot do."""
+    """Checks that the surface is flat and that the person sits at its lower edge.
+
+    Raises:
+        InputError: The surface is upright, or the person sits at another edge.
+    """
     if person.turn or surface.upright:
         raise InputError(
-            "a hand in the air works over a flat table, from its lower edge",
+            "with a hand in the air, the person must sit at the lower edge of a flat table",
             where="--turn" if person.turn else "--device",
             got=person.turn or "a task with an upright surface",
-            remedy="stack is the same task on the table" if surface.upright else None,
+            remedy="Play `stack`, the same task on a table" if surface.upright else None,
         )

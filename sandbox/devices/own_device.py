@@ -1,14 +1,14 @@
-"""Devices of one's own: opened by name or place, completed with defaults, and guarded.
+"""External devices, written by users: opening, defaults of missing members, and error handling.
 
-A package offers its devices under a name:
+A package offers a device under a name by an entry point:
 
     [project.entry-points."hand_sandbox.devices"]
     my-lab-pad = "my_lab.pad:Pad"
 
-and `--device my-lab-pad[:ARGUMENT]` opens it, as `FILE.py:CLASS[:ARGUMENT]` and
-`MODULE:CLASS[:ARGUMENT]` do. In the place of a class, which is called with the touch surface and
-the argument, there may be a `DeviceEntry`, whose options are then options of the command line. An
-error in the code is reported when the device is opened.
+`--device my-lab-pad[:ARGUMENT]` opens it. Without an entry point, a device is opened by
+`FILE.py:CLASS[:ARGUMENT]` or `MODULE:CLASS[:ARGUMENT]`. A class is called with the touch surface
+and the argument. Instead of a class, there may be a `DeviceEntry`; its options are then options of
+the command line. An error in the code is reported when the device is opened.
 """
 
 from __future__ import annotations
@@ -51,7 +51,7 @@ _FRAMES: dict[Sees, type[Any]] = {
 
 
 def own_entry(text: str) -> tuple[DeviceEntry[PlayedOptions], str] | None:
-    """The entry of an external device and its argument; None if the text does not name one.
+    """Returns the entry and the argument of an external device; None if the text names none.
 
     Args:
         text: `NAME[:ARGUMENT]` of an installed package, `FILE.py:CLASS[:ARGUMENT]` or
@@ -67,12 +67,17 @@ def own_entry(text: str) -> tuple[DeviceEntry[PlayedOptions], str] | None:
     if isinstance(found, DeviceEntry):
         return _declared(found, where), argument
     if not callable(found):
-        raise DeviceError("this is not a device", where=where, got=repr(found)[:80])
+        raise DeviceError(
+            "this is not a device",
+            where=where,
+            got=repr(found)[:80],
+            expected="a class, called with surface and argument, or a DeviceEntry",
+        )
 
     def open_class(options: PlayedOptions, place: Place) -> AnyDevice:
         if mismatch := _mismatch(found, place.surface, place.argument):
             raise DeviceError(
-                "this device cannot be opened with a surface and a text",
+                "this device cannot be opened with a surface and an argument (text)",
                 where=where,
                 got=mismatch,
                 expected="`__init__(self, surface, argument)`",
@@ -89,10 +94,10 @@ def own_entry(text: str) -> tuple[DeviceEntry[PlayedOptions], str] | None:
 
 
 def _declared(entry: DeviceEntry[Any], where: str) -> DeviceEntry[PlayedOptions]:
-    """An entry declared outside the program: its options are decoded and its device is guarded.
+    """Wraps an external entry, so that its options are decoded and its device is guarded.
 
     Raises:
-        DeviceError: Its options are not a frozen dataclass with defaults.
+        DeviceError: The options are not a frozen dataclass with defaults.
     """
     for kind in (entry.options, entry.on_command_line):
         sound = is_dataclass(kind) and kind.__dataclass_params__.frozen  # type: ignore[attr-defined]
@@ -130,7 +135,7 @@ def _declared(entry: DeviceEntry[Any], where: str) -> DeviceEntry[PlayedOptions]
 
 
 def _mismatch(device_class: Any, *given: object) -> str:
-    """Why a class does not take some arguments; empty if it does, or has no signature."""
+    """Returns why a class does not accept the arguments; empty if it does or has no signature."""
     try:
         signature(device_class).bind(*given)
     except TypeError as error:
@@ -141,10 +146,10 @@ def _mismatch(device_class: Any, *given: object) -> str:
 
 
 class AdaptedDevice(Device):
-    """A device that was written without our base class, completed with the defaults.
+    """Adapter for a device without our base class: supplies the default of each missing member.
 
-    The device needs `name`, `poll`, `finished` and `close`. A member that it has is its own, now
-    and whenever it changes; a missing one has the default of `AnyDevice`.
+    The device needs `name`, `poll`, `finished` and `close`. Each of its members is read from it at
+    every access. A missing member has the default of `AnyDevice`.
 
     Args:
         device: The external device.
@@ -172,11 +177,11 @@ class AdaptedDevice(Device):
 
 
 def adapted(device: Any, where: str) -> AnyDevice:
-    """The device with all members of the contract, in an adapter if necessary.
+    """Returns the device itself if it has our base class, else in an `AdaptedDevice`.
 
     Args:
         device: Object that external code returned as a device.
-        where: Place of that code, for error messages.
+        where: Name of that code, for error messages.
 
     Raises:
         DeviceError: A required member is missing.
@@ -197,18 +202,18 @@ def adapted(device: Any, where: str) -> AnyDevice:
 
 
 class GuardedDevice(DeviceWrapper):
-    """Converts any exception in the `poll` of an external device to one clear error.
+    """Checks the frames of an external device, and converts exceptions in its `poll` to one error.
 
-    What frames may hold, they check themselves when they are made (`models.frames`). Contacts in
-    another unit than metres are refused here, since a session would show nothing, a size that no
-    finger or hand has is an unknown size, and a hand that jumps is left out. All other rules for
-    devices are those of `check_device`, which its author runs.
+    Frames check their own values when they are made (`models.frames`). This class checks more: A
+    contact far off the surface is an error, because its unit must be wrong. An impossible size of a
+    contact becomes an unknown size. A hand that jumps is left out. All other rules for devices are
+    checked by `check_device`, which the device's author runs.
 
     Args:
         device: The device.
         surface: The touch surface.
-        where: Place of its code.
-        frames: Class of its frames.
+        where: Name of the device's code, for error messages.
+        frames: Class of the device's frames.
     """
 
     def __init__(
@@ -222,15 +227,15 @@ class GuardedDevice(DeviceWrapper):
 
     @property
     def report(self) -> ReaderReport:
-        """The wrapped device's, or what was left out here."""
+        """Report of the wrapped device; if it has none, data left out by this class."""
         return self.device.report or self._report
 
     def poll(self, now: float) -> Sequence[Any]:
-        """The wrapped device's frames.
+        """Returns the wrapped device's frames, without impossible parts.
 
         Raises:
-            DeviceError: The device fails, returns something else than frames of its kind, or a
-                contact is far off the surface.
+            DeviceError: The device raises an exception or returns anything other than frames of its
+                kind, or a contact is far off the surface.
         """
         try:
             frames = self.device.poll(now)
@@ -255,7 +260,7 @@ class GuardedDevice(DeviceWrapper):
         return [self._possible(frame) for frame in frames]
 
     def _possible(self, frame: Any) -> Any:
-        """The frame without what no hand has or does."""
+        """Returns the frame without impossible sizes, jumps and hands."""
         if isinstance(frame, TouchFrame):
             return self._sized(frame)
         if isinstance(frame, HandFrame):
@@ -268,7 +273,7 @@ class GuardedDevice(DeviceWrapper):
         return frame
 
     def _sized(self, frame: TouchFrame) -> TouchFrame:
-        """The frame without sizes that no finger or hand has."""
+        """Returns the frame with impossible sizes of contacts as unknown sizes."""
         contacts = []
         for contact in frame.contacts:
             size = contact.size, contact.extent
@@ -281,14 +286,14 @@ class GuardedDevice(DeviceWrapper):
 
 
 def is_far_off(contact: Contact, surface: Surface) -> bool:
-    """True for a contact further beyond the border than the surface's diagonal."""
+    """True if a contact is farther outside the surface than the length of its diagonal."""
     width, height = surface.size
     x, y = contact.x, contact.y
     return bool(max(-x, x - width, -y, y - height) > length(surface.size))
 
 
 def far_off(contact: Contact, surface: Surface, where: str) -> DeviceError:
-    """The error for a contact that must be in another unit than metres."""
+    """Returns the error for a contact that is far off, because its unit is not metres."""
     width, height = surface.size
     return DeviceError(
         "a contact is far off the surface",

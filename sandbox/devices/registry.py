@@ -63,8 +63,8 @@ LIVE_LEAP, LIVE_WEBCAM, LIVE_HEADSET = "leap", "webcam", "webxr"
 """Live devices for hands in the air."""
 
 _LEAP_SUFFIXES = (".json", ".lz")
-"""Suffixes of Leap recordings, which no recording of touches has; others are recognised by
-content."""
+"""Suffixes of Leap recordings. Recordings of touches never have them; files with other suffixes are
+recognised by their content."""
 
 _OWN_DEVICE = "FILE.py:CLASS[:ARGUMENT]"
 """Form of a device in a file, for error messages."""
@@ -75,7 +75,7 @@ class NamedDevice(NamedTuple):
 
     Attributes:
         entry: Registry entry of the device.
-        argument: Text after the colon of the name, or the path of a file; empty without.
+        argument: Text after the colon of the name, or the path of a file; else empty.
     """
 
     entry: DeviceEntry[Any]
@@ -95,8 +95,8 @@ def find_device(device: str) -> NamedDevice | None:
     """Finds a device by its name; returns None if there is none.
 
     Args:
-        device: `NAME[:ARGUMENT]`, built in or offered by an installed package; a file; or
-            `FILE.py:CLASS[:ARGUMENT]` or `MODULE:CLASS[:ARGUMENT]`.
+        device: `NAME[:ARGUMENT]` of a built-in device or of one from an installed package; a file;
+            or `FILE.py:CLASS[:ARGUMENT]` or `MODULE:CLASS[:ARGUMENT]`.
 
     Raises:
         DeviceError: The code of a user's own device cannot be used.
@@ -122,7 +122,7 @@ def named_device(device: str, option: str = "--device") -> NamedDevice:
         option: Option with the name, for the error.
 
     Raises:
-        InputError: There is no such device and no such file; the error names the nearest one.
+        InputError: There is no such device and no such file; the error names a similar device.
     """
     named = find_device(device)
     if named is None:
@@ -156,7 +156,12 @@ def seen_hand(device: str, given: Mapping[str, Any], side: str) -> HandInput:
     """
     entry, argument = named_device(device)
     if entry.hand_input is None:
-        raise InputError("this device sees no hands in the air", where="--device", got=device)
+        raise InputError(
+            "this device does not track hands in the air",
+            where="--device",
+            got=device,
+            expected="leap, webcam, webxr, leap-simulated, webxr-simulated, or a recording",
+        )
     return entry.hand_input(options_among(entry, given), argument, side)
 
 
@@ -177,7 +182,7 @@ def check_device_options(given: Iterable[str], devices: Sequence[str]) -> None:
         devices: Names of the devices.
 
     Raises:
-        InputError: An option is of another device; the error names that device.
+        InputError: An option belongs to another device; the error names that device.
     """
     known = {
         each.name
@@ -198,7 +203,7 @@ def unavailable_option(name: str, devices: Sequence[str]) -> InputError:
     """
     others = devices_with_option(name)
     return InputError(
-        "this is an option of another device",
+        "this option belongs to another device",
         where="--" + name.replace("_", "-"),
         got=f"--device {' and '.join(devices)}",
         expected=f"--device {' or '.join(others)}" if others else None,
@@ -206,11 +211,11 @@ def unavailable_option(name: str, devices: Sequence[str]) -> InputError:
 
 
 def given_device_options(options: Any) -> dict[str, Any]:
-    """Returns the device options among a command's options that differ from the defaults.
+    """Returns the device options, among a command's options, whose values are not the defaults.
 
     Args:
-        options: Object of a dataclass that inherits device options: those of built-in devices, and
-            those of the device in its field `device`.
+        options: Object of a dataclass that inherits the options of built-in devices, or those of
+            the device in its field `device`.
     """
     entries = list(DEVICES.values())
     if (named := find_device(getattr(options, "device", "") or "")) is not None:
@@ -253,7 +258,7 @@ def touch_devices() -> list[str]:
 
 
 def kind_of(device: str) -> DeviceKind:
-    """Returns the kind of a device by its name or its file's content; the default if unknown."""
+    """Returns the kind of a device, by name or by its file's content; the default if unknown."""
     named = find_device(device)
     return DeviceKind() if named is None else named.entry.kind
 
@@ -264,7 +269,7 @@ def is_in_air(device: str) -> bool:
 
 
 def _seen_in(path: Path) -> Sees:
-    """What was recorded in a file, by its content."""
+    """Returns the kind of input that a file has, by its content."""
     if not path.is_file():
         return Sees.TOUCHES
     state = path.stat()
@@ -273,7 +278,7 @@ def _seen_in(path: Path) -> Sees:
 
 @lru_cache(maxsize=16)
 def _sees(path: Path, changed: int, size: int) -> Sees:
-    # Readers of files are not needed for devices.
+    # Imported here, since only files need readers.
     from sandbox.devices.leap.leap_file import is_leap_recording
     from sandbox.devices.webcam.landmarks import is_landmark_file
 
@@ -288,8 +293,8 @@ class DeviceSettings:
     """A device's name and options."""
 
     name: str = "simulated"
-    """Built-in device (`DEVICES`), the name or place of a user's own device, or a file that is
-    played."""
+    """Name of a built-in device (`DEVICES`), name or `FILE.py:CLASS` of a user's own device, or
+    path of a file that is played."""
 
     options: Any = field(default_factory=SimulatedOptions)
     """Options of the device, of the class in its entry."""
@@ -347,8 +352,8 @@ class DeviceSettings:
     def decoded(self) -> DeviceSettings:
         """Returns the settings with options decoded from JSON to the named device's class.
 
-        Missing options get their defaults: an anonymous copy has no addresses, and no replay
-        depends on them.
+        Missing options get their defaults: an anonymous copy of a recording lacks the addresses,
+        on which a replay does not depend.
 
         Raises:
             RecordingError: The device has no such option, or a value has the wrong type.
@@ -375,9 +380,9 @@ def device_options(device: str) -> type[Any]:
     """Returns the class of a device's options in settings, without importing the device itself.
 
     Args:
-        device: `NAME[:ARGUMENT]` of a built-in device, a file, or the place of a user's own device.
+        device: Name of a device, as in `DeviceSettings.name`.
     """
     entry = built_in(device)
-    # A recording can be read without the file or the user's own code that it names.
+    # A recording must be readable even if the file or user's code that it names is missing.
     options: type[Any] = PlayedOptions if entry is None else entry.options
     return options

@@ -14,13 +14,13 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, kw_only=True)
 class EvdevOptions:
-    """How a touch screen or trackpad of this Linux machine is opened."""
+    """Options of a touch screen or trackpad of this Linux machine."""
 
     grab: bool = False
-    """The touches are hidden from the desktop, so that a trackpad does not move the pointer."""
+    """Hide the touches from the desktop, so that a trackpad does not move the pointer."""
 
     turned: Literal[0, 90, 180, 270] | None = None
-    """Degrees clockwise by which the panel is mounted. Without it, as udev says
+    """Degrees clockwise by which the panel is mounted. Default: the value in udev
     (LIBINPUT_CALIBRATION_MATRIX)."""
 
 

@@ -39,7 +39,7 @@ from sandbox.devices.evdev.evdev_touch import (
 
 _UDEV = Path("/run/udev/data")
 _CALIBRATION = "E:LIBINPUT_CALIBRATION_MATRIX="
-_INSTEAD = "The page reads every screen: `--device web`, in a browser on this machine"
+_INSTEAD = "Every touch screen works with `--device web`, the page in a browser on this machine"
 
 
 class Node(Protocol):
@@ -49,9 +49,9 @@ class Node(Protocol):
         name: Name of the device and its path.
         x: Horizontal axis of the panel.
         y: Vertical axis of the panel.
-        diameter: Axis of the contacts' diameters; None without one.
-        matrix: How the panel lies on the surface.
-        warning: Warning for the person; empty without any.
+        diameter: Axis of the contacts' diameters; None if the device has none.
+        matrix: Position of the panel on the surface.
+        warning: Warning for the person; empty if there is none.
     """
 
     name: str
@@ -62,14 +62,14 @@ class Node(Protocol):
     warning: str
 
     def read(self) -> Iterable[tuple[int, int, int]]:
-        """Waiting events (kind, code, value); never blocks.
+        """Yields the events (kind, code, value) that wait; never blocks.
 
         Raises:
             OSError: The device is gone.
         """
 
     def slots(self) -> Slots:
-        """Current values of the slots."""
+        """Returns the current values of the slots."""
 
     def close(self) -> None:
         """Closes the node."""
@@ -78,8 +78,8 @@ class Node(Protocol):
 class EvdevDevice(Device):
     """A touch screen or trackpad.
 
-    `poll` never blocks, so there is no thread. After a long time without a poll the kernel's buffer
-    overflows; then the slots are read again, so that no finger gets stuck.
+    `poll` never blocks, so the device needs no thread. If the kernel's buffer overflows after a
+    long time without a poll, the slots are read again, so that no finger stays down by mistake.
 
     Args:
         node: Node from `open_node`.
@@ -111,24 +111,25 @@ class EvdevDevice(Device):
 
     @property
     def report(self) -> ReaderReport:
-        """Contacts and sizes that were left out, and notes on the device."""
+        """Report on contacts and sizes that were left out, and warnings about the device."""
         return self._touch.report
 
     @property
     def notices(self) -> Sequence[str]:
-        """Notes on the device."""
+        """The node's warning, if it has one."""
         return (self._node.warning,) if self._node.warning else ()
 
     @property
     def finished(self) -> bool:
-        """True once closed; a device that was unplugged has not ended, but fails in `poll`."""
+        """True once closed. An unplugged device has not finished: its `poll` raises an error."""
         return self._closed
 
     def poll(self, now: float = 0.0) -> Sequence[TouchFrame]:
-        """Every frame since the last call, oldest first; `now` is ignored.
+        """Returns all frames since the last call, oldest first; `now` is ignored.
 
         Raises:
-            DeviceError: The device was unplugged; an earlier call cancelled its touches.
+            DeviceError: The device was unplugged. If it had touches, an earlier call has returned
+                a frame that cancels them.
         """
         if self._closed:
             return []
@@ -161,7 +162,7 @@ class EvdevDevice(Device):
         return frames
 
     def close(self) -> None:
-        """Closes the node, which other programs can use again; may be called twice."""
+        """Closes the node, so that other programs can use it again; may be called twice."""
         if not self._closed:
             self._closed = True
             self._node.close()
@@ -175,7 +176,7 @@ class EvdevDevice(Device):
 
 
 def evdev_surface(node: Node) -> Surface | None:
-    """Surface of the size that the device's driver reports; None if it reports none."""
+    """Returns a surface of the size that the driver reports; None if it reports none."""
     width, height = node.x.length, node.y.length
     if width is None or height is None:
         return None
@@ -189,12 +190,12 @@ class LinuxNode:
 
     Args:
         path: Path such as /dev/input/event5.
-        grab: Keeps events from other programs while it is open, so that a trackpad does not move
-            the pointer.
-        turned: Degrees clockwise by which the panel is turned; None takes udev's value.
+        grab: True hides the events from other programs while the node is open, so that a trackpad
+            does not move the pointer.
+        turned: Degrees clockwise by which the panel is rotated; None takes udev's value.
 
     Raises:
-        DeviceError: It cannot be opened, or its touches cannot be read.
+        DeviceError: The node cannot be opened, or its touches cannot be read.
     """
 
     def __init__(self, path: str, grab: bool = False, turned: int | None = None) -> None:
@@ -211,7 +212,7 @@ class LinuxNode:
                     where=path,
                     got=self._device.name,
                     expected="a multitouch screen or trackpad with slots and tracking ids",
-                    remedy=f"`--device evdev` alone looks for one. {_INSTEAD}",
+                    remedy=f"`--device evdev` without a node finds such a device. {_INSTEAD}",
                 )
             self._count = min(axes[ABS_MT_SLOT].high + 1, MAX_SLOTS)
             self.x, self.y = axes[ABS_MT_POSITION_X], axes[ABS_MT_POSITION_Y]
@@ -241,8 +242,8 @@ class LinuxNode:
                 yield event.type, event.code, event.value
 
     def slots(self) -> Slots:
-        """See `Node`; asks the kernel."""
-        # Only systems that have such devices have this module.
+        """See `Node`; reads the values from the kernel."""
+        # Only Unix has this module.
         import fcntl
 
         values: dict[int, dict[int, int]] = {n: {} for n in range(self._count)}
@@ -265,10 +266,11 @@ class LinuxNode:
 
 
 def open_node(path: str = "", grab: bool = False, turned: int | None = None) -> LinuxNode:
-    """Opens a node by its path; without one, the first touch screen, else the first trackpad.
+    """Opens a node.
 
     Args:
-        path: Path of the node.
+        path: Path of the node; empty: the first touch screen, or else the first trackpad. Devices
+            that report only a box around the fingers come last.
         grab: See `LinuxNode`.
         turned: See `LinuxNode`.
 
@@ -296,28 +298,28 @@ def open_node(path: str = "", grab: bool = False, turned: int | None = None) -> 
             "no touch screen or trackpad whose touches can be read",
             where="/dev/input",
             got="; ".join(unusable),
-            expected="one with slots and tracking ids",
+            expected="a device with slots and tracking ids",
             remedy=_INSTEAD,
         )
     if not nodes:
         raise DeviceError(
             "no touch screen or trackpad that this user may read",
             where="/dev/input",
-            remedy="Name one, `--device evdev:/dev/input/event5`; nodes belong to the group "
-            "`input`: `sudo usermod -aG input $USER`, then log in again",
+            remedy="Nodes belong to the group `input`: run `sudo usermod -aG input $USER`, then "
+            "log in again. Or name a node: `--device evdev:/dev/input/event5`",
         )
     return LinuxNode(min(nodes, key=lambda node: node[:2])[2], grab, turned)
 
 
 def calibration(path: str, folder: Path = _UDEV) -> Matrix | None:
-    """libinput's calibration matrix of a node; None where udev has none.
+    """Returns libinput's calibration matrix of a node; None if udev has none.
 
     Args:
         path: Path of the node.
         folder: Folder of udev's data.
 
     Raises:
-        DeviceError: It is no matrix.
+        DeviceError: udev's value is not a matrix.
     """
     try:
         device = os.stat(path).st_rdev
@@ -335,13 +337,13 @@ def calibration(path: str, folder: Path = _UDEV) -> Matrix | None:
             where=path,
             got=text[:80],
             expected="six numbers",
-            remedy="--turned 0 leaves it aside; `udevadm info` shows it",
+            remedy="--turned 0 ignores it; `udevadm info` shows it",
         )
     return matrix
 
 
 def _axes(device: Any) -> dict[int, Axis]:
-    """The absolute axes of a device, by code."""
+    """Returns the absolute axes of a device, by code."""
     return {
         code: Axis(axis.min, axis.max, axis.resolution)
         for code, axis in device.capabilities(absinfo=True).get(EV_ABS, [])
@@ -377,5 +379,6 @@ def _not_readable(path: str, error: OSError) -> DeviceError:
         where=path,
         got=error.strerror,
         expected="a node under /dev/input that this user may read and no other program has grabbed",
-        remedy="Nodes belong to the group `input`: `sudo usermod -aG input $USER`, then log in",
+        remedy="Nodes belong to the group `input`: run `sudo usermod -aG input $USER`, then log "
+        "in again",
     )

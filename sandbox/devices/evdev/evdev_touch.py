@@ -1,10 +1,10 @@
 """State machine that turns Linux multitouch events (protocol B) into contacts, without hardware.
 
-The kernel keeps a fixed number of slots. `ABS_MT_SLOT` names the slot that the following values are
-for; a tracking id of -1 empties it, another one puts a new contact in; `SYN_REPORT` ends a frame.
-Only changes are sent, and a slot keeps its values when its finger leaves: if the next finger in it
-comes down at the same x, that x is not sent. Source: the kernel's document on multi-touch
-(input/multi-touch-protocol), and that on event codes for `SYN_DROPPED`.
+The kernel has a fixed number of slots. `ABS_MT_SLOT` selects the slot of the following values. A
+tracking id of -1 empties the slot; another id puts a new contact into it. `SYN_REPORT` ends a
+frame. Only changes are sent, and a slot retains its values when its finger leaves: if the next
+finger in the slot comes down at the same x, this x is not sent. Source: the kernel's documents on
+multi-touch (input/multi-touch-protocol) and, for `SYN_DROPPED`, on event codes.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ EV_SYN, EV_ABS = 0x00, 0x03
 SYN_REPORT, SYN_DROPPED = 0, 3
 ABS_X, ABS_Y = 0x00, 0x01
 INPUT_PROP_DIRECT, INPUT_PROP_SEMI_MT = 0x01, 0x03
-"""Properties of screens, in contrast to trackpads, and of pads that report a box around fingers."""
+"""Properties of screens (not trackpads), and of pads that report only a box around the fingers."""
 ABS_MT_SLOT = 0x2F
 ABS_MT_TOUCH_MAJOR = 0x30
 ABS_MT_TOUCH_MINOR = 0x31
@@ -33,7 +33,7 @@ ABS_MT_DISTANCE = 0x3B
 
 MT_TOOL_PALM = 2
 MAX_SLOTS = 64
-"""More than any hardware has; bounds the memory that a broken driver can use."""
+"""Largest number of slots, more than any hardware has; bounds the memory for a broken driver."""
 
 SLOT_CODES = (
     ABS_MT_TOUCH_MAJOR,
@@ -44,12 +44,12 @@ SLOT_CODES = (
     ABS_MT_TRACKING_ID,
     ABS_MT_DISTANCE,
 )
-"""Codes whose values are kept for every slot."""
+"""Codes whose values are stored for every slot."""
 
 
 @dataclass(frozen=True)
 class Axis:
-    """One axis as the driver describes it; `resolution` is in units per mm, 0 if unknown."""
+    """An axis, as described by the driver; `resolution` is in units per mm, 0 if unknown."""
 
     low: int
     high: int
@@ -63,13 +63,13 @@ class Axis:
         return (self.high - self.low) / self.resolution / 1000.0
 
     def fraction(self, value: int) -> float:
-        """Position of a value on the axis, 0 to 1 from its one end to the other."""
+        """Returns the position of a value on the axis, 0 at `low` to 1 at `high`."""
         return (value - self.low) / (self.high - self.low)
 
 
 Matrix = tuple[float, float, float, float, float, float]
-"""a b c d e f: a position x, y on the panel, 0 to 1, is at ax + by + c, dx + ey + f on the surface.
-As libinput's calibration matrix."""
+"""Matrix (a b c d e f), as libinput's calibration matrix: position (x, y) on the panel, 0 to 1, is
+at (ax + by + c, dx + ey + f) on the surface."""
 
 TURNED: dict[int, Matrix] = {
     0: (1.0, 0.0, 0.0, 0.0, 1.0, 0.0),
@@ -77,7 +77,7 @@ TURNED: dict[int, Matrix] = {
     180: (-1.0, 0.0, 1.0, 0.0, -1.0, 1.0),
     270: (0.0, 1.0, 0.0, -1.0, 0.0, 1.0),
 }
-"""Matrices of panels that are mounted turned, by degrees clockwise."""
+"""Matrices of panels that are mounted rotated, by degrees clockwise."""
 
 
 def on_its_side(matrix: Matrix) -> bool:
@@ -87,7 +87,7 @@ def on_its_side(matrix: Matrix) -> bool:
 
 
 def read_matrix(text: str) -> Matrix | None:
-    """A calibration matrix from six or nine numbers; None if they are none."""
+    """Reads a calibration matrix from six or nine numbers; None if the text is not a matrix."""
     try:
         values = [float(word) for word in text.split()]
     except ValueError:
@@ -101,27 +101,27 @@ def read_matrix(text: str) -> Matrix | None:
 
 
 def why_unusable(axes: Mapping[int, Axis]) -> str:
-    """Why touches cannot be read from a device with these absolute axes; empty if they can."""
+    """Returns why touches cannot be read from a device with these axes; empty if they can."""
     place = [axes.get(ABS_MT_POSITION_X), axes.get(ABS_MT_POSITION_Y)]
     if None in place:
         return (
             "it reports one finger at most" if {ABS_X, ABS_Y} <= set(axes) else "it has no touches"
         )
     if ABS_MT_SLOT not in axes:
-        return "it speaks multitouch protocol A, without slots, which this program does not read"
+        return "it uses multitouch protocol A, without slots, which this program cannot read"
     if ABS_MT_TRACKING_ID not in axes:
-        return "it reports no tracking ids, so that no touch begins or ends"
+        return "it reports no tracking ids, so that begin and end of touches are unknown"
     if not all(axis and axis.low < axis.high for axis in place):
         return "its axes have no length"
     return ""
 
 
 def doubts(properties: Collection[int]) -> str:
-    """A note on a device with these properties; empty without any."""
+    """Returns a warning about a device with these properties; empty if there is none."""
     if INPUT_PROP_SEMI_MT in properties:
         return (
-            "this device reports not its fingers but two corners of the box around them: "
-            "two fingers may be at the other two corners, and more cannot be seen"
+            "this device does not report fingers, only two corners of the box around them: two "
+            "fingers may be at the other two corners, and more fingers are not seen"
         )
     return ""
 
@@ -141,14 +141,14 @@ class MultiTouch:
         x: Horizontal axis of the panel.
         y: Vertical axis of the panel.
         size: (2,) m, width and height of the surface, which the axes span.
-        state: Initial values of the slots. Without them, fingers that rest on the device when it is
+        state: Initial values of the slots. With None, fingers that rest on the device when it is
             opened are missed.
-        diameter: Axis of the contacts' diameters; its resolution is that of `x` where the driver
-            reports none.
-        matrix: How the panel lies on the surface.
+        diameter: Axis of the contacts' diameters. If its resolution is unknown, that of `x` is
+            used.
+        matrix: Position of the panel on the surface.
 
     Attributes:
-        lost: Events were lost; frames count again after `resync`.
+        lost: True if events were lost; no frame is complete until `resync`.
         dropped: Number of times that events were lost.
         report: Contacts and sizes that were left out.
     """
@@ -164,7 +164,8 @@ class MultiTouch:
     ) -> None:
         self._x, self._y, self._size = x, y, size
         self._matrix, self._on_side = matrix, on_its_side(matrix)
-        # The kernel's document gives diameters in units of the surface, unless they have their own.
+        # By the kernel's document, diameters are in units of the surface unless their axis has a
+        # resolution.
         self._metres = (
             0.001 / diameter.resolution
             if diameter is not None and diameter.resolution > 0
@@ -178,7 +179,7 @@ class MultiTouch:
         self._sizes = ContactSizes(self.report)
 
     def feed(self, kind: int, code: int, value: int) -> bool:
-        """Takes one event in; True if it ends a complete frame."""
+        """Processes one event; returns True if it ends a complete frame."""
         if kind == EV_SYN and code == SYN_DROPPED:
             # Everything up to the next report belongs to an incomplete frame.
             self._skipping = self.lost = True
@@ -200,7 +201,7 @@ class MultiTouch:
         self._slots, self.lost, self._skipping = state, False, False
 
     def contacts(self) -> tuple[Contact, ...]:
-        """The fingers on the surface, without palms and hovering fingers."""
+        """Returns the fingers on the surface, without palms and hovering fingers."""
         contacts: dict[int, Contact] = {}
         for _, slot in sorted(self._slots.values.items()):
             id_ = slot.get(ABS_MT_TRACKING_ID, -1)
@@ -230,7 +231,7 @@ class MultiTouch:
         return tuple(contacts.values())
 
     def palms(self) -> frozenset[int]:
-        """Ids of contacts that turned out to be palms, which count as cancelled."""
+        """Returns the ids of contacts that are now known to be palms; they count as cancelled."""
         return frozenset(
             slot[ABS_MT_TRACKING_ID]
             for slot in self._slots.values.values()

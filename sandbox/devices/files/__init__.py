@@ -1,4 +1,4 @@
-"""Files of touches as devices: recordings of this program, recorded frames, captures of TUIO."""
+"""Files of touches as devices: recordings of this program, recorded frames, TUIO captures."""
 
 from __future__ import annotations
 
@@ -23,14 +23,15 @@ T = TypeVar("T")
 
 
 def read_once(read: Callable[..., T], path: Path, unit: str = "") -> T:
-    """What a reader reads from a file; of an unchanged file that was read before, the same.
+    """Reads a file with a reader; returns the same object again while the file is unchanged.
 
-    A file is read when its device is checked, and opened for one or two hands at every trial.
+    The cache is useful because the file of a device is needed when the device is checked, and for
+    each hand at every trial.
 
     Args:
-        read: The reader; what it returns must not be changed.
+        read: The reader. Its result must not be modified.
         path: The file.
-        unit: Units that a person gave; with some, the reader's second argument.
+        unit: Units that a person gave. If not empty, it is the reader's second argument.
 
     Raises:
         InputError: The reader refuses the file.
@@ -48,11 +49,11 @@ def _read(read: Callable[..., Any], path: Path, unit: str, changed: int, size: i
 
 
 def show_report(report: ReaderReport, where: str = "") -> None:
-    """Prints what a reader left out and assumed, in one line, if there is anything.
+    """Prints a reader's report in one line, unless it is empty.
 
     Args:
-        report: The report.
-        where: The file, where several are read.
+        report: Left-out data and assumptions.
+        where: Name of the file, if several files are read.
     """
     if report:
         from rich.console import Console

@@ -3,11 +3,13 @@
     {"surface_in": [7.76, 5.82], "surface_calibrated": true, "device": "evdev"}
     {"time": 2.99, "contacts": [{"id": 0, "x": 1.21, "y": 1.21, "finger": null}]}
 
-The first line is optional; its `surface_calibrated` is false where the size is a guess. A frame may
-also have `cancelled` (ids) and `lift` (0 to 1), a contact `size`, or `width` and `height` too.
+The first line is optional; its `surface_calibrated` is false if the size is a guess. A frame may
+also have `cancelled` (ids) and `lift` (0 to 1). A contact may also have `size`, and with it `width`
+and `height`.
 
-A file is read up to a line that is no JSON. A contact, a size, a time or a name that cannot be read
-costs itself alone. Times and places are read in the units in which they are possible.
+A file is read up to a line that is not JSON. A contact, size, time or name that cannot be read is
+left out; everything else in its line is used. If times or positions are impossible in seconds and
+inches, they are read in units in which they are possible.
 """
 
 from __future__ import annotations
@@ -60,7 +62,7 @@ class LineFile(Closeable):
         lines: Number of lines written.
 
     Raises:
-        RecordingError: The file exists or cannot be made.
+        RecordingError: The file exists or cannot be created.
     """
 
     def __init__(self, path: Path) -> None:
@@ -69,7 +71,9 @@ class LineFile(Closeable):
             self._file = path.open("x", encoding="utf-8")
         except FileExistsError:
             raise RecordingError(
-                "this file exists already, and is not overwritten", where=str(path)
+                "this file exists already, and is not overwritten",
+                where=str(path),
+                remedy="Name another file",
             ) from None
         except OSError as error:
             raise RecordingError("cannot be written", where=str(path), got=error.strerror) from None
@@ -84,15 +88,15 @@ class LineFile(Closeable):
             print(json.dumps(values, separators=(",", ":")), file=self._file, flush=True)
         except OSError as error:
             raise RecordingError(
-                "the recording cannot go on",
+                "a line of the recording cannot be written",
                 where=str(self.path),
                 got=error.strerror,
-                remedy="Make room on the disk; the lines before this are kept",
+                remedy="Free space on the disk; earlier lines are in the file",
             ) from None
         self.lines += 1
 
     def discard(self) -> None:
-        """Closes the file and removes it, where nothing was to be written."""
+        """Closes the file and removes it, for a recording without content."""
         self.close()
         self.path.unlink(missing_ok=True)
 
@@ -112,7 +116,7 @@ _FORMATS = "`sandbox touches formats` lists what can be played"
 _EXPECTED = '{"time": seconds, "contacts": [{"id", "x", "y", "finger"}]}'
 
 _SAMPLE, _PLACES = 100, 40
-"""Lines by whose times, and by whose places, the units of a file are judged."""
+"""Numbers of lines from whose times, and from whose positions, the units of a file are found."""
 _LABELS = {name: label for label, name in enumerate(FINGERS)}
 
 
@@ -152,7 +156,7 @@ class FrameFile:
         frames: Frames up to the end or the damage.
         surface: Touch surface, if the file has its size; else None.
         damage: Error with file and line that ended the file early; None if it is undamaged.
-        report: What was left out and assumed.
+        report: Report on left-out data and assumptions.
     """
 
     frames: tuple[TouchFrame, ...]
@@ -166,8 +170,8 @@ class FramesDevice(FilePlayer, Device):
 
     Args:
         frames: Frames in order of time.
-        damage: Error that ended their file early; None without damage.
-        report: What was left out of their file and assumed.
+        damage: Error that ended the file early; None without damage.
+        report: Report on left-out data and assumptions.
     """
 
     name = "frames"
@@ -186,7 +190,7 @@ class FramesDevice(FilePlayer, Device):
 
 
 def frame_record(frame: TouchFrame) -> dict[str, Any]:
-    """JSON values of a frame's line, without unknown values; an unknown finger is null."""
+    """Returns the JSON values of a frame's line; unknown values are left out, except `finger`."""
     contacts = []
     for contact in frame.contacts:
         record: dict[str, Any] = {
@@ -215,17 +219,17 @@ def header_record(surface: Surface, device: str) -> dict[str, Any]:
 
 
 def read_frame_file(path: Path, unit: str = "", *, ordered: bool = True) -> FrameFile:
-    """Reads a file up to its end or to the first line that is no frame.
+    """Reads a file up to its end or to the first line that is not a frame.
 
     Args:
         path: The file.
-        unit: Units of times and lengths that a person gave; others are found.
-        ordered: Frames whose time runs backwards, or that have none, are left out. Without it,
-            one without a time ends the file: each line counts.
+        unit: Units of times and lengths that a person gave; missing ones are found.
+        ordered: True leaves out frames whose time runs backwards or is missing. False returns all
+            frames in the order of the lines, up to a frame without a time.
 
     Raises:
         RecordingError: The file does not exist, its first frame cannot be read, or its times or
-            places are impossible in any unit.
+            positions are impossible in any unit.
     """
     surface: Surface | None = None
     lines: list[FrameLine] = []
@@ -280,10 +284,10 @@ def _units(
     where: str,
     report: ReaderReport,
 ) -> Units:
-    """The units in which times and places are possible.
+    """Finds the units in which times and positions are possible.
 
     Raises:
-        RecordingError: None fits, or several.
+        RecordingError: There are no such units, or more than one possibility.
     """
     first = lines[:_SAMPLE]
     steps = touch_steps([line.time for line in first], [bool(line.contacts) for line in first])
@@ -292,13 +296,13 @@ def _units(
     if len(some) < FEWEST:
         touched = [line.contacts for line in lines if line.contacts]
         some = touched[:: len(touched) // _PLACES + 1]
-    # A single wrong place costs itself alone.
+    # With too few frames, a single wrong position could decide the unit.
     if len(some) >= FEWEST:
         seen[FINGERS_APART] = [
             math.hypot(b.x - a.x, b.y - a.y) for touches in some for a, b in pairwise(touches)
         ]
         width, height = (LARGEST_TABLE, LARGEST_TABLE) if surface is None else surface.size
-        # In each frame the touch that is farthest out, in widths of the surface.
+        # For each frame, the position of the touch that is farthest out, in widths of the surface.
         seen[Bounds("the place of a touch", 0.0, (1.0 + MARGIN) * float(width))] = [
             max(max(abs(c.x), abs(c.y) * float(width / height)) for c in touches)
             for touches in some
@@ -308,13 +312,13 @@ def _units(
 
 
 def _decoded(line: bytes, where: str, remedy: str, report: ReaderReport) -> FrameLine:
-    """Decodes a line of a file, without those of its parts that cannot be read.
+    """Decodes a line of a file; parts that cannot be read are left out.
 
     Args:
         line: The line, JSON.
         where: The file and the line's number.
         remedy: The next step for the person who reads the error.
-        report: Receives what is left out.
+        report: Left-out parts are added to it.
 
     Raises:
         RecordingError: The line is not a frame.
@@ -347,7 +351,7 @@ def _decoded(line: bytes, where: str, remedy: str, report: ReaderReport) -> Fram
 
 
 def frame_surface(line: bytes, where: str) -> Surface | None:
-    """The surface of a header line; None for a line without a surface.
+    """Returns the surface of a header line; None for a line without a surface.
 
     Raises:
         InputError: The line is not a JSON object, or its surface is invalid.
@@ -369,10 +373,10 @@ def frame_surface(line: bytes, where: str) -> Surface | None:
 
 
 def touch_surface(path: Path) -> Surface | None:
-    """The surface that a file of `touches show` or `capture record` names; None if it names none.
+    """Returns the surface in the first line of a file of touch frames; None if it has none.
 
     Raises:
-        InputError: Its first line is damaged.
+        InputError: The first line is damaged.
     """
     for number, line in numbered_lines(path, LONGEST_LINE):
         return frame_surface(line, f"{path}, line {number}")
@@ -383,10 +387,10 @@ class _Reader:
     """Makes frames from the lines of a file.
 
     Args:
-        second: s, unit of its times.
-        metre: m, unit of its lengths.
-        surface: Its surface; None if it names none.
-        report: Receives what is left out.
+        second: Unit of the file's times, s.
+        metre: Unit of the file's lengths, m.
+        surface: Surface of the file; None if it has none.
+        report: Left-out data are added to it.
     """
 
     def __init__(
@@ -397,11 +401,11 @@ class _Reader:
         if surface is not None:
             self._size = float(surface.size[0]), float(surface.size[1])
         self._sizes = ContactSizes(report)
-        # m, from here on a width is usual; none is before enough sizes were judged.
+        # Widths from this one on (m) are accepted unchecked; none until enough sizes were checked.
         self._least = math.inf
 
     def frame(self, line: FrameLine) -> TouchFrame:
-        """The frame of a line."""
+        """Makes the frame of a line."""
         contacts: dict[int, Contact] = {}
         for touch in line.contacts:
             try:
@@ -424,15 +428,15 @@ class _Reader:
         )
 
     def _contact(self, touch: TouchLine) -> Contact:
-        """The contact of a touch.
+        """Makes the contact of a touch.
 
         Raises:
-            FrameError: It is left out.
+            FrameError: The touch must be left out.
         """
         metre = self._metre
         x, y = metre * touch.x, metre * touch.y
         if self._size is None:
-            # A file that names no surface may have its origin anywhere.
+            # In a file without a surface, the origin may be anywhere.
             if not (math.isfinite(x) and math.isfinite(y)):
                 raise FrameError("positions beyond the surface")
         elif not (0.0 <= x <= self._size[0] and 0.0 <= y <= self._size[1]):

@@ -1,12 +1,13 @@
 """Paired captures: a folder of touches and hand frames that were recorded together.
 
-    touches.jsonl   as `sandbox touches record` writes it, every line with "host"
-    hands.jsonl     Leap messages, or pictures of a camera as landmarks, one per line with "host"
-    asked.jsonl     fingers that the guide asked for, from "host" on; only with a camera
-    about.json      the hand, the surface and the devices
+    touches.jsonl   as `sandbox touches record` writes it, and "host" in every frame
+    hands.jsonl     a Leap message, or the landmarks of a picture, and "host" in every line
+    asked.jsonl     fingers that the guide requests from time "host" on; only with a camera
+    about.json      side and pseudonym of the person, names of the devices
 
 "host" is the arrival time of the frame, s on the clock of the machine that wrote both files. Each
-file can be played as a device by itself; a file without "host" has its own clock.
+file of frames can be played as a device by itself. Times in a file without "host" are on the clock
+of its device.
 """
 
 from __future__ import annotations
@@ -35,7 +36,7 @@ from sandbox.devices.leap.leap_file import read_leap
 from sandbox.devices.leap.leap_write import leap_message
 
 UNNAMED = "unnamed"
-"""Pseudonym of a person who was given none."""
+"""Pseudonym of a person without a pseudonym."""
 
 TOUCHES, HANDS, ASKED, ABOUT = "touches.jsonl", "hands.jsonl", "asked.jsonl", "about.json"
 
@@ -46,10 +47,10 @@ class About(Struct):
     Attributes:
         side: Side of the recorded hand.
         subject: Pseudonym of the recorded person; None if it is not given.
-        simulated: The recording is of a simulated person.
+        simulated: True if the recording is of a simulated person.
         corners: px, the surface's corners in the camera's picture: top left, top right, bottom
-            right, bottom left; None where nobody marked them.
-        fov: Degrees across the camera's picture, where somebody said it.
+            right, bottom left; None if they were not marked.
+        fov: Horizontal field of view of the camera, degrees; None if it is unknown.
     """
 
     side: Literal["right", "left"]
@@ -59,26 +60,28 @@ class About(Struct):
     fov: float | None = None
 
     def person(self, asked: str | None) -> str:
-        """Pseudonym of the person: the requested one, or else the recorded one."""
+        """Returns the pseudonym of the person: `asked`, or else the recorded pseudonym."""
         return asked or self.subject or UNNAMED
 
 
 class _Arrival(Struct):
-    """The fields of a line that are needed for the arrival time of its frame, s."""
+    """The fields of a line that are needed to find the arrival time of its frame, s."""
 
     contacts: list[Any] | None = None
     host: float | None = None
 
 
 def check_new(folder: Path) -> None:
-    """Checks that a folder holds no session yet.
+    """Checks that a folder has no session yet.
 
     Raises:
-        RecordingError: The folder holds a session.
+        RecordingError: The folder has a session.
     """
     if any((folder / name).exists() for name in (TOUCHES, HANDS, ABOUT)):
         raise RecordingError(
-            "this folder holds a session already, which is not overwritten", where=str(folder)
+            "this folder has a session already, which is not overwritten",
+            where=str(folder),
+            remedy="Name another folder",
         )
 
 
@@ -86,17 +89,17 @@ class PairedCaptureWriter(Closeable):
     """Writes a session while it is recorded; a crash loses at most two lines.
 
     Args:
-        folder: Folder that is made; it must not hold a session already.
+        folder: Folder that is created; it must not have a session already.
         surface: Surface of the touch device.
         about: Contents of `about.json`: `side`, `subject`, `simulated` and others; JSON values.
-        camera: First line of the file of hands, where they are landmarks; None with a Leap.
+        camera: First line of the file of hands if they are landmarks; None with a Leap.
 
     Attributes:
         touches: Number of touch frames written.
         hands: Number of hand frames written.
 
     Raises:
-        RecordingError: The folder cannot be written to, or holds a session.
+        RecordingError: The folder cannot be written to, or has a session.
     """
 
     def __init__(
@@ -151,17 +154,17 @@ class PairedCaptureWriter(Closeable):
         """Writes the fingers that the guide requests from the time `host` (s) on.
 
         Raises:
-            RecordingError: It cannot be written.
+            RecordingError: The line cannot be written.
         """
         if self._asked is None:
             self._asked = LineFile(self._folder / ASKED)
         self._asked.write({"host": host, "asked": list(fingers)})
 
     def describe(self, **more: Any) -> None:
-        """Adds values found during the session to `about.json`; JSON values.
+        """Adds values (JSON) that were found during the session to `about.json`.
 
         Raises:
-            RecordingError: It cannot be written.
+            RecordingError: The file cannot be written.
         """
         self._about = self._about | more
         text = json.dumps(self._about, indent=1) + "\n"
@@ -189,7 +192,7 @@ class HandsFile:
         time: (n,) s, times on the device's clock.
         host: (n,) s, arrival times; None if they are missing in the file.
         damage: Error that ended the file early; empty if it is undamaged.
-        report: What was left out, and what is assumed.
+        report: Report on left-out data and assumptions.
     """
 
     frames: tuple[HandFrame, ...]
@@ -207,7 +210,7 @@ def read_hands(path: Path, unit: str = "") -> HandsFile:
         unit: Units that a person gave, such as `cm,ms`.
 
     Raises:
-        RecordingError: The file cannot be read, or holds no usable frame.
+        RecordingError: The file cannot be read, or has no usable frame.
     """
     recording = read_leap(path, unit)
     arrived = np.array([_number(recording.messages[i].get("host")) for i in recording.used])
@@ -221,7 +224,7 @@ def read_hands(path: Path, unit: str = "") -> HandsFile:
 
 
 def arrivals(path: Path, count: int) -> Array | None:
-    """(count,) s, arrival times of the frames in a file of touches; None if they are missing."""
+    """Returns the arrival times (count,) s of the frames in a file of touches; None if missing."""
     host: list[float] = []
     with suppress(RecordingError):
         for number, line in numbered_lines(path, LONGEST_LINE):
@@ -233,7 +236,7 @@ def arrivals(path: Path, count: int) -> Array | None:
 
 
 def picture_arrivals(path: Path, lines: Sequence[int]) -> Array | None:
-    """Arrival times (s) of the pictures in these lines of a file; None if they are missing."""
+    """Returns the arrival times (s) of the pictures in lines of a file; None if missing."""
     host: dict[int, float] = {}
     wanted = set(lines)
     with suppress(RecordingError):
@@ -246,14 +249,14 @@ def picture_arrivals(path: Path, lines: Sequence[int]) -> Array | None:
 
 
 class RequestedFingers(Struct):
-    """A line of `asked.jsonl`: fingers, thumb 0 to little 4, that are asked for from `host` on."""
+    """A line of `asked.jsonl`: fingers (thumb 0 to little 4) requested from time `host` (s) on."""
 
     host: float
     asked: list[int]
 
 
 def read_requests(folder: Path) -> tuple[RequestedFingers, ...]:
-    """Fingers that the guide requested, in order; empty without a guide.
+    """Reads the requests of the guide, in order; empty without a guide.
 
     Raises:
         RecordingError: A line is damaged.
@@ -289,7 +292,7 @@ def read_about(folder: Path) -> About:
     """Reads the description of a session.
 
     Raises:
-        RecordingError: The folder holds no session, or its description is damaged.
+        RecordingError: The folder has no session, or its description is damaged.
     """
     path = folder / ABOUT
     if not path.exists():
@@ -298,7 +301,7 @@ def read_about(folder: Path) -> About:
             where=str(folder),
             expected=f"{TOUCHES}, {HANDS} and {ABOUT}",
         )
-    data = read_bytes(path, RecordingError, what="it cannot be read")
+    data = read_bytes(path, RecordingError, what="the file cannot be read")
     return decoded(
         data,
         About,

@@ -30,10 +30,10 @@ class Opened:
 
 
 def file_surface(path: Path) -> Surface | None:
-    """The surface of a file of touches; None if it has none of its own.
+    """Returns the surface of a file of touches; None for other files.
 
-    Files of touches that do not say a size get one that is marked as a guess. A recording of this
-    program has its surface in its settings.
+    If the file does not state the size, the surface is marked as a guess. For a recording of this
+    program, None is returned: its settings have the surface.
     """
     if not path.is_file():
         return None
@@ -51,11 +51,13 @@ def open_file(
     Args:
         path: A capture of TUIO packets, recorded frames, or a recording of this program.
         surface: Touch surface; None: that of the file, or a guess.
-        stale_after: For captures of TUIO packets: s without a packet until touches are lifted.
-        unit: Units of its times and lengths that a person gave, such as `mm,ms`; others are found.
+        stale_after: For captures of TUIO packets: time (s) without a packet after which touches are
+            lifted.
+        unit: Units of times and lengths that a person gave, such as `mm,ms`; missing ones are
+            found.
 
     Raises:
-        InputError: The file is missing or has none of these formats, or its times or places are
+        InputError: The file is missing or has none of these formats, or its times or positions are
             impossible.
     """
     if not path.exists():
@@ -65,7 +67,7 @@ def open_file(
             "the name of the device class is missing",
             where="--device",
             got=str(path),
-            expected=f"such as {path}:CLASS",
+            expected=f"{path}:CLASS",
         )
     head = first_line(path) if path.is_file() else {}
     if "contacts" in head or "surface_in" in head:
@@ -96,10 +98,10 @@ def _recording(path: Path, surface: Surface | None) -> Opened | None:
 
 
 def recorded_surface(settings: Mapping[str, Any]) -> Surface | None:
-    """The surface in a recording's settings, of any version; None if they name none."""
+    """Returns the surface in a recording's settings, of any version; None if they have none."""
     surface = settings.get("surface")
     if not isinstance(surface, Mapping):
-        # In headers without groups the names are longer.
+        # Settings of earlier versions have no groups, and longer names.
         names = {"size_in": "surface_in", "calibrated": "surface_calibrated"}
         surface = {name: settings[old] for name, old in names.items() if old in settings}
     size_in = surface.get("size_in")

@@ -19,24 +19,24 @@ from sandbox.devices.tuio.touch_capture import CaptureDevice, read_capture
 from sandbox.recording.recording import is_recording, load_recording
 
 _SAME_SIZE = 0.01
-"""Share by which two sizes of one surface may differ."""
+"""Largest relative difference between the recorded and the given size of a surface."""
 
 
 def read_touch_log(path: Path, surface: Surface | None) -> tuple[TouchLog, str]:
-    """Reads the touches of a file, whose content decides the format.
+    """Reads the touches of a file; its content decides the format.
 
     Args:
         path: The file.
-        surface: Touch surface, as measured. Captures of TUIO packets need it. Places of a file
-            that guessed its surface's size are stretched to it.
+        surface: Touch surface, as measured. Captures of TUIO packets need it. If the size in a file
+            is a guess, its positions are scaled to this surface.
 
     Returns:
-        The log, and what is to be said of the file: damage at its end, or that its size is a guess;
-        empty if it is sound.
+        The log, and remarks about the file: damage at its end, left-out data, or that the size is a
+        guess; empty without remarks.
 
     Raises:
-        InputError: The file has none of the three formats, holds no touch, or is of another
-            surface.
+        InputError: The file has none of the three formats, has no touch, or states another size of
+            the surface.
     """
     if is_recording(path):
         recording = load_recording(path)
@@ -47,7 +47,7 @@ def read_touch_log(path: Path, surface: Surface | None) -> tuple[TouchLog, str]:
     if "hex" in head:
         if surface is None:
             raise InputError(
-                "a capture of TUIO packets does not say how large the surface is",
+                "a capture of TUIO packets does not contain the size of the surface",
                 where=str(path),
                 remedy="Add --surface, for example --surface ipad2 or --surface 197x148mm",
             )
@@ -57,7 +57,7 @@ def read_touch_log(path: Path, surface: Surface | None) -> tuple[TouchLog, str]:
         log = _log(device.poll(math.inf), path)
         return log, "; ".join(filter(None, (damage, device.report.line())))
     if "contacts" in head or "surface_in" in head:
-        # In the order of arrival, in which times of a device's own clock may run backwards.
+        # Lines stay in the order of arrival, in which times of the device may run backwards.
         file = read_frame_file(path, ordered=False)
         damage = f"{file.damage}. Everything before this line is used" if file.damage else ""
         said = "; ".join(filter(None, (damage, file.report.line())))
@@ -73,7 +73,18 @@ def read_touch_log(path: Path, surface: Surface | None) -> tuple[TouchLog, str]:
 def _measured(
     log: TouchLog, damage: str, recorded: Surface | None, given: Surface | None, path: Path
 ) -> tuple[TouchLog, str]:
-    """The touches at the size of `given`; `recorded` is the surface that the file names."""
+    """Scales touches from the guessed surface of a file to the given surface.
+
+    Args:
+        log: The touches.
+        damage: Remarks about the file.
+        recorded: Surface in the file; None if it has none.
+        given: Surface of --surface; None without.
+        path: The file, for the error.
+
+    Raises:
+        InputError: The file has a measured surface of another size.
+    """
     if recorded is None:
         return log, damage
     if given is None:
@@ -84,10 +95,10 @@ def _measured(
         return replace(log, xy=log.xy * factors), damage
     if np.abs(factors - 1.0).max() > _SAME_SIZE:
         raise InputError(
-            "the file says another size of the surface",
+            "the size of the surface in the file is not that of --surface",
             where=str(path),
-            got=f"{recorded.width_in:g}x{recorded.height_in:g}in",
-            expected=f"{given.width_in:g}x{given.height_in:g}in of --surface",
+            got=f"{recorded.width_in:g}x{recorded.height_in:g}in in the file",
+            expected=f"{given.width_in:g}x{given.height_in:g}in, as in --surface",
             remedy="Leave out --surface, or check which of the two is right",
         )
     return log, damage
@@ -101,7 +112,7 @@ def _log(frames: Iterable[TouchFrame], path: Path) -> TouchLog:
 
 def _arrays(times: list[float], rows: list[tuple[int, int, float, float]], path: Path) -> TouchLog:
     if not rows:
-        raise RecordingError("the file holds no touch", where=str(path))
+        raise RecordingError("the file has no touches", where=str(path))
     table = np.array(rows, float)
     # Ids may be too large for a float; they only need to differ.
     names = {id_: n for n, id_ in enumerate(dict.fromkeys(row[1] for row in rows))}

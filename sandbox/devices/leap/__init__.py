@@ -1,4 +1,4 @@
-"""A Leap: hands in the air, live over its service, of a simulated user, or from a recording."""
+"""A Leap: hands in the air, from its service, a simulated user or a recording."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ DEFAULT_ADDRESS = "ws://127.0.0.1:6437/v6.json"
 
 @dataclass(frozen=True, kw_only=True)
 class LeapOptions:
-    """How a Leap's service is reached."""
+    """Options of the connection to a Leap's service."""
 
     leap: str = field(default=DEFAULT_ADDRESS, metadata={"metavar": "URL"})
     """WebSocket address of leapd or of the Ultraleap bridge, for --device leap."""
@@ -38,15 +38,16 @@ class LeapOptions:
 
 @dataclass(frozen=True, kw_only=True)
 class OverLeapOptions:
-    """How a hand over a Leap is seen, live, simulated or recorded."""
+    """Position of a live, simulated or recorded Leap, and calibration of the hand over it."""
 
     leap_at: str = field(default=",".join(f"{c:g}" for c in UNDER), metadata={"metavar": "X,Y,Z"})
     """Position of the Leap in the scene, in m from the centre of the table top: right, away, up.
     With the default, a hand 20 cm above the device is 10 cm above the table."""
 
     calibration: Path | None = field(default=None, metadata={"metavar": "FILE"})
-    """Your hand as measured by `sandbox paalm calibrate --out FILE`; --profile FILE works, too.
-    Default: the open hand in a recording, the bones that the device reports, or an average hand."""
+    """Calibration of your hand by `sandbox paalm calibrate --out FILE`; --profile FILE accepts it,
+    too. Default: the open hand in a recording, the bones that the device reports, or an average
+    hand."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -55,12 +56,13 @@ class LeapCommandOptions(OverLeapOptions, LeapOptions):
 
 
 def over_leap(options: OverLeapOptions, side: str, live: bool = False) -> HandInput:
-    """The settings with which a live or simulated Leap drives a hand.
+    """Returns the input settings of a hand over a live or simulated Leap.
 
     Args:
         options: Position and calibration.
         side: `right` or `left`.
-        live: True for a person's hand; without a calibration, a warning states the assumed one.
+        live: True for a person's hand. Without a calibration, a warning then describes the
+            assumed bones.
 
     Raises:
         InputError: The position or the calibration is unusable.
@@ -68,8 +70,8 @@ def over_leap(options: OverLeapOptions, side: str, live: bool = False) -> HandIn
     at = _position(options)
     if options.calibration is None and live:
         _warn(
-            f"no --calibration: the {side} hand has the bones that the device reports, or those of "
-            "an average hand where it reports none"
+            f"no --calibration: the {side} hand gets the bones that the device reports, or those "
+            "of an average hand if it reports none"
         )
     return HandInput.of(at, _calibration(options, side))
 
@@ -80,10 +82,11 @@ class PlayedLeapOptions(UnitOptions, OverLeapOptions):
 
 
 def in_leap_file(options: PlayedLeapOptions, file: str, side: str) -> HandInput:
-    """The settings with which the Leap of a recording drives a hand.
+    """Returns the input settings of a hand in a recording of a Leap.
 
     Args:
-        options: Position and calibration; without one, the open hand in the recording is measured.
+        options: Position and calibration. Without a calibration, the open hand in the recording is
+            measured.
         file: Path of the recording.
         side: `right` or `left`.
 
@@ -119,7 +122,7 @@ def _calibration(options: OverLeapOptions, side: str) -> HandCalibration | None:
 
 
 def _recorded(recording: LeapRecording, side: str, name: str) -> HandCalibration:
-    """The calibration of the hand in a recording."""
+    """Returns the calibration of the hand in a recording."""
     from encoders.paalm import Paalm
     from encoders.paalm.average import calibrate_on_recording
     from sandbox.devices.leap.leap_file import check_side, doubt_of_side
@@ -164,7 +167,7 @@ def _check_file(options: PlayedOptions, argument: str) -> None:
 
 
 def _open_simulated(options: InAirOptions, place: Place) -> AnyDevice:
-    # Bodies and devices are simulated with parts of SciPy that take long to load.
+    # The simulation loads parts of SciPy, which is slow.
     from sandbox.devices.simulated.in_air import SimulatedLeap, parse_simulated
 
     dialect, trouble = parse_simulated(place.argument)

@@ -1,4 +1,4 @@
-"""A guided measurement of a person's hand over a Leap, and the file of its calibrations."""
+"""A guided measurement of a person's hand over a Leap, and writing of calibration files."""
 
 from __future__ import annotations
 
@@ -16,20 +16,20 @@ if TYPE_CHECKING:
     from encoders.paalm.calibration import HandCalibration
 
 FRAMES_PER_WANTED = 3
-"""Largest number of frames read per required frame, since many may not show an open hand."""
+"""Largest number of frames read per required frame, since not every frame shows an open hand."""
 
 
 def measure_and_save(
     address: str, side: str, path: Path, console: Console, wanted: int | None = None
 ) -> bool:
-    """Measures a hand over the service and saves it; returns False if the person skips this.
+    """Measures a hand over a live Leap and saves its calibration; False if the person skips it.
 
     Args:
         address: WebSocket address of the service.
         side: `right` or `left`.
-        path: File of calibrations. A calibration of the other hand in it is preserved.
+        path: File of calibrations. A calibration of the other hand in it stays.
         console: Console for instructions and progress.
-        wanted: Number of frames with five fingers; None takes the paper's 1000, about ten seconds.
+        wanted: Number of frames with five fingers; None: the paper's 1000, about ten seconds.
 
     Raises:
         DeviceError: The service sends nothing.
@@ -93,6 +93,6 @@ def save_calibrations(hands: dict[str, Any], path: Path) -> None:
         path.parent.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise InputError(
-            "the folder cannot be made", where=str(path.parent), got=error.strerror
+            "the folder cannot be created", where=str(path.parent), got=error.strerror
         ) from None
     write_calibration(hands, path)

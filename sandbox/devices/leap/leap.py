@@ -2,9 +2,9 @@
 
 leapd and the Ultraleap bridge serve `ws://127.0.0.1:6437/v6.json` and send frames without a
 request. The bridge reads commands into a buffer of 32 bytes and compares them as exact strings of
-up to 31 bytes, so ours are compact and short. Frames are decoded in the connection's thread, up to
-290 a second, independently of polling; frames that nobody fetches are dropped, oldest first, and
-counted.
+up to 31 bytes, so commands must be short and without spaces. Frames are decoded in the
+connection's thread, up to 290 a second, independently of polling. Frames that are not polled in
+time are dropped, oldest first, and counted.
 """
 
 from __future__ import annotations
@@ -31,15 +31,15 @@ KEPT = 600
 """Largest number of frames that wait to be fetched: two seconds at the device's highest rate."""
 
 LARGEST_MESSAGE = 1 << 20
-"""Bytes of the largest message; a frame of two hands in the newest dialect has 11 thousand."""
+"""Size of the largest message, bytes; a frame of two hands in the newest dialect has 11,000."""
 
 SILENCE = 5.0
 """Time (s) without a frame after which `follow` raises an error."""
 START_IT = "Start leapd or the Ultraleap bridge, or try `sandbox devices leap fake FILE`"
-SILENT = "the Leap service is silent: start leapd or the Ultraleap bridge, and look at its cable"
+SILENT = "the Leap service is silent: start leapd or the Ultraleap bridge, and check the cable"
 
 BACKGROUND = '{"background":true}'
-"""Command that makes leapd send frames although the client has no focus; 19 bytes."""
+"""Command that makes leapd send frames to a client without keyboard focus; 19 bytes."""
 
 GONE = 1.0
 """Time (s) without a frame after which a session reports that the service is silent."""
@@ -99,19 +99,19 @@ class LeapDevice(HandDevice):
 
     @property
     def counts(self) -> Counter[str]:
-        """Numbers of messages used, refused and dropped, and of connections, by kind."""
+        """Numbers of messages and connections, by what became of them."""
         with self._new_frame:
             return Counter(self._decoder.counts)
 
     @property
     def version(self) -> str | None:
-        """Version that the service reports; None before it does."""
+        """Version that the service reports; None before its first message."""
         return self._decoder.version
 
     @property
     def notices(self) -> Sequence[str]:
-        """Warning for the person: the service is silent, sends other units, or exchanges the
-        sides of hands. Empty without a warning."""
+        """Warnings for the person: the service is silent, sends other units, or may confuse left
+        and right hands. Empty without a warning."""
         with self._new_frame:
             silent = time.monotonic() - self._heard
             doubt = self._decoder.side_doubt
@@ -120,12 +120,12 @@ class LeapDevice(HandDevice):
         return tuple(filter(None, (self._units.notice, doubt)))
 
     def wait(self, seconds: float) -> bool:
-        """Waits until a frame can be fetched; False if none came in time."""
+        """Waits until `poll` has a frame; False if none came in time."""
         with self._new_frame:
             return self._new_frame.wait_for(lambda: bool(self._frames), seconds)
 
     def poll(self, now: float) -> Sequence[HandFrame]:
-        """All frames since the last call."""
+        """Returns all frames since the last call."""
         with self._new_frame:
             frames = tuple(self._frames)
             self._frames.clear()
@@ -179,7 +179,7 @@ class LeapDevice(HandDevice):
             heard = self._decoder.counts["frames"]
             try:
                 self._listen()
-            except Exception as error:  # of any kind, since the next connection may succeed
+            except Exception as error:  # any error: the next connection may succeed
                 self.trouble = f"{type(error).__name__}: {error}"[:200]
             finally:
                 if self.connected.is_set() and not self._stop.is_set():
@@ -232,7 +232,7 @@ class LeapDevice(HandDevice):
 
 
 class ReportingLeapDevice(LeapDevice):
-    """A live device that prints, when closed, its unusable frames and repeated connections."""
+    """A live device that prints a report when it is closed: unusable frames, new connections."""
 
     def close(self) -> None:
         """Ends the connection, once."""
@@ -243,11 +243,11 @@ class ReportingLeapDevice(LeapDevice):
 
 
 def open_leap(address: str = DEFAULT_ADDRESS, tell: bool = False) -> LeapDevice:
-    """Connects to a running Leap service and waits for its first message.
+    """Connects to a running Leap service and waits for its first frame.
 
     Args:
         address: WebSocket URL.
-        tell: True prints unusable frames and repeated connections when the device is closed.
+        tell: True to print a report when the device is closed (`ReportingLeapDevice`).
 
     Raises:
         DeviceError: The service sends nothing.

@@ -1,4 +1,4 @@
-"""A fake leapd that plays a recording, with the handshake and the frames of the service."""
+"""A fake leapd that plays a recording: it sends the handshake and the frames of the service."""
 
 from __future__ import annotations
 
@@ -18,11 +18,11 @@ from models.errors import DeviceError
 PATH = "/v6.json"
 DEFAULT_PORT = 6437
 FAKE = "0 (fake leapd)"
-"""Version that it reports, which marks recordings made from it as not real."""
+"""Version that the fake service reports. It marks recordings of its frames as not real."""
 
 
 class FakeLeapd:
-    """Sends all messages to every client, from the first one.
+    """Sends all messages to every client, beginning with the first message.
 
     Args:
         messages: JSON objects of frames.
@@ -86,7 +86,7 @@ class FakeLeapd:
                 self._stop.wait(max(0.0, due - time.monotonic()))
                 if self._stop.is_set():
                     return
-                if turn:  # When the messages repeat, their own times would run backwards.
+                if turn:  # In a repetition, the recorded times would run backwards.
                     since = sent - len(self._messages) + 1
                     message = message | {"timestamp": round(since * step_us) + self._last_time()}
                 channel.send(json.dumps(message, separators=(",", ":")))

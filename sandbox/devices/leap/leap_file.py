@@ -1,14 +1,14 @@
 """Files of Leap recordings: plain JSON, LeapJS recordings (`.json.lz`, packed or not), JSON lines.
 
-They are recognised by content, not by name:
+Files are recognised by their content, not by their names:
 
     [frame, frame, ...]                         dumps of the first Leap software
     {"metadata": {...}, "frames": [...]}        LeapJS; packed if frames[0] is a list of keys
-    {"frames": 87, "data": [...]}               any other name of the list of frames
+    {"frames": 87, "data": [...]}               the list of frames may have any key
     LZString base64 of such a text              LeapJS, `.json.lz`
-    one message per line                        messages of leapd; read up to any damage
+    one message per line                        messages of leapd; read up to the first damage
 
-LZString is a dictionary coder after LZ78 on 16-bit characters; codes grow from 3 bits, least
+LZString is a dictionary coder after LZ78 on 16-bit characters. Codes grow from 3 bits, least
 significant bit first. Source: the format of the npm package lz-string, which wrote the recordings.
 """
 
@@ -31,7 +31,7 @@ from models.reader_report import ReaderReport
 from sandbox.devices.leap.leap_json import LEAP_UNITS, LeapDecoder, canonical, find_leap_units
 
 MOST_CHARACTERS = 1 << 28
-"""Largest length of a decoded text; otherwise a small file could use any amount of memory."""
+"""Largest length of a decoded text. Without a bound, a small file could fill the memory."""
 
 _ALPHABET = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/"
 _BITS = {ord(c): f"{i:06b}" for i, c in enumerate(_ALPHABET)} | {ord("="): "000000"}
@@ -40,10 +40,10 @@ _BYTE, _WORD, _END = 0, 1, 2
 
 
 def is_json_in_base64(start: bytes) -> bool:
-    """True if a text begins as an object or list of JSON does in LZString's base64.
+    """True if a text begins like LZString's base64 of a JSON object or list.
 
-    It begins with the code of a new character (2 bits) and the character (8 bits, least significant
-    first): `{` becomes N4 to N7, `[` becomes No to Nr.
+    Such a text begins with the code of a new character (2 bits) and the character (8 bits, least
+    significant first): `{` becomes N4 to N7, `[` becomes No to Nr.
     """
     known = set(_ALPHABET.encode()) | set(b"=\r\n")
     return (
@@ -52,7 +52,7 @@ def is_json_in_base64(start: bytes) -> bool:
 
 
 def decompress_base64(text: str, limit: int = MOST_CHARACTERS) -> str:
-    """The text from which LZString's compressToBase64 made a text in base64.
+    """Decodes a text that LZString's compressToBase64 made.
 
     Raises:
         RecordingError: The text is not LZString's base64, is cut short, or is larger than `limit`.
@@ -92,7 +92,7 @@ def decompress_base64(text: str, limit: int = MOST_CHARACTERS) -> str:
 
 
 def _width(known: list[str], started: bool) -> int:
-    """Number of bits of the next code, enough for all texts so far and the next one."""
+    """Number of bits of the next code: enough for all texts so far and one more."""
     return len(known).bit_length() if started else 2
 
 
@@ -104,22 +104,22 @@ def _take(bits: str, position: int, width: int) -> tuple[int, int]:
 
 
 LARGEST = 1 << 28
-"""Bytes of the largest file that is read; an hour of two hands takes about half of it."""
+"""Size of the largest file that is read, bytes; an hour of two hands takes about half of it."""
 
 _LOOKED_AT = 1 << 16
-"""Bytes at the beginning of a file by which it is recognised."""
+"""Number of bytes at the beginning of a file by which it is recognised."""
 
 _BYTE_ORDER_MARK = b"\xef\xbb\xbf"
 """Bytes that some editors put before a text."""
 
 _UNREADABLE = (msgspec.DecodeError, UnicodeDecodeError, RecursionError)
-"""Errors that damaged JSON raises. A field name that is not UTF-8 raises no DecodeError."""
+"""Errors that damaged JSON raises. A field name that is not UTF-8 raises UnicodeDecodeError."""
 
 _FRAME = ("hands", "pointables")
-"""Keys by which a message is a frame."""
+"""A message with one of these keys is a frame."""
 
 _MARKS = (b'"pointables"', b'"palmPosition"')
-"""Keys that no other JSON has."""
+"""Keys that only Leap JSON has."""
 
 _REMEDY = "`sandbox devices leap formats` lists what can be played"
 
@@ -135,8 +135,8 @@ class LeapRecording:
         used: Index of each frame's message.
         units: Units of the messages.
         counts: Numbers of frames, fingers and hands that were used or skipped, by reason.
-        report: What was left out, and what is assumed.
-        metadata: Metadata of the file; empty without any.
+        report: Report on left-out data and assumptions.
+        metadata: Metadata of the file; empty if it has none.
         damage: Error that ended a file of JSON lines early; None if it is undamaged.
     """
 
@@ -157,7 +157,7 @@ class LeapRecording:
 
 
 def check_side(frames: Sequence[HandFrame], side: str, where: str, option: str) -> None:
-    """Checks that frames may show a hand of one side; hands without a side may be of either.
+    """Checks that frames may show a hand of the required side; a hand without a side may be it.
 
     Args:
         frames: Frames of a recording.
@@ -181,28 +181,29 @@ def check_side(frames: Sequence[HandFrame], side: str, where: str, option: str) 
 
 
 def doubt_of_side(frames: Sequence[HandFrame], side: str, option: str) -> str:
-    """Warning that, by its thumb, a recorded hand is not of the requested side.
+    """Returns a warning if the thumb of a recorded hand shows that it is of the other side.
 
     The first Leap software does not report sides.
 
     Args:
         frames: Frames of a recording.
-        side: Side that the hand is taken for.
+        side: Assumed side of the hand.
         option: Command-line option that chooses the side.
 
     Returns:
-        One line; empty where thumbs agree with the side or do not show it.
+        One line; empty if thumbs agree with the side or do not show it.
     """
     shown = side_by_thumb(frames)
     if shown in ("", side):
         return ""
-    return f"by its thumb, the recorded hand is a {shown} hand: {option} {shown} takes it for one"
+    return f"by its thumb, the recorded hand is a {shown} hand: use {option} {shown}"
 
 
 def is_leap_recording(path: Path) -> bool:
-    """True if a file is a Leap recording by its first bytes, whatever its name; it may be damaged.
+    """True if the first bytes of a file are those of a Leap recording, which may be damaged.
 
-    A recording of this program is not a Leap recording, although its lines have hands, too.
+    The file's name is ignored. A recording of this program is not a Leap recording, although its
+    lines may also have a key `hands`.
     """
     try:
         with path.open("rb") as file:
@@ -225,16 +226,16 @@ def is_leap_recording(path: Path) -> bool:
 
 
 def read_leap(path: Path, unit: str = "") -> LeapRecording:
-    """Reads a recording in any of these forms.
+    """Reads a recording in any of the forms of this module.
 
     Args:
         path: The file.
-        unit: Units that a person gave, such as `cm,ms`; others are found by the hand's size and the
-            frames' rate.
+        unit: Units that a person gave, such as `cm,ms`. Missing ones are found from the hand's size
+            and the frames' rate.
 
     Raises:
-        RecordingError: The file does not exist, is of another program or cut short, or has no
-            usable frame, no finger, or sizes that no hand has.
+        RecordingError: The file does not exist, is not a Leap recording, or is cut short; or it has
+            no usable frame, no finger, or sizes that are impossible for a hand.
     """
     where, report = str(path), ReaderReport()
     try:
@@ -278,7 +279,7 @@ def read_leap(path: Path, unit: str = "") -> LeapRecording:
 
 
 def no_frame(where: str, report: ReaderReport) -> RecordingError:
-    """The error of a recording without a frame that can be used."""
+    """Returns the error for a recording without a usable frame."""
     return RecordingError(
         "the file contains no usable Leap frames",
         where=where,
@@ -289,7 +290,7 @@ def no_frame(where: str, report: ReaderReport) -> RecordingError:
 
 
 def no_finger(where: str, report: ReaderReport) -> RecordingError:
-    """The error of a recording in which hands have no fingers."""
+    """Returns the error for a recording whose hands have no fingers."""
     return RecordingError(
         "no finger in any frame",
         where=where,
@@ -302,7 +303,7 @@ def no_finger(where: str, report: ReaderReport) -> RecordingError:
 def _messages(
     data: bytes, where: str, report: ReaderReport
 ) -> tuple[list[dict[str, Any]], dict[str, Any], RecordingError | None]:
-    """JSON objects of the file, its metadata, and the damage that ended it early."""
+    """Returns the JSON objects of a file, its metadata, and the damage that ended it early."""
     start = data.lstrip()[:1]
     if not start:
         raise RecordingError("the file is empty")
@@ -322,7 +323,11 @@ def _messages(
     if isinstance(whole, list):
         return _objects(whole), {}, None
     if not isinstance(whole, dict):
-        raise RecordingError("this is not a Leap recording", got=str(whole)[:40])
+        raise RecordingError(
+            "this is not a Leap recording",
+            got=str(whole)[:40],
+            expected="a JSON object or list of frames",
+        )
     if _is_frame(whole):
         return [whole], {}, None
     frames = _list_of_frames(whole)
@@ -336,7 +341,7 @@ def _messages(
 
 
 def _list_of_frames(whole: Mapping[str, Any]) -> list[Any]:
-    """The frames of a file that wraps them: `frames`, or else the only list of objects in it."""
+    """Returns the frames of a file: its list `frames`, or else its only list with Leap frames."""
     if isinstance(whole.get("frames"), list):
         return list(whole["frames"])
     framed = [v for v in whole.values() if isinstance(v, list) and any(map(_is_frame, v))]
@@ -387,12 +392,12 @@ def _lines(data: bytes, where: str) -> tuple[list[dict[str, Any]], RecordingErro
 
 
 def _objects(items: Iterable[Any]) -> list[dict[str, Any]]:
-    """The items as objects; the decoder counts those that stand for other values."""
+    """Returns the items; each that is not an object becomes one, which the decoder counts."""
     return [i if isinstance(i, dict) else {"damaged": str(i)[:40]} for i in items]
 
 
 def _unpacked(keys: Sequence[Any], rows: Sequence[Any]) -> list[Any]:
-    """Objects of a packed recording's rows; a row that does not fit the keys becomes None."""
+    """Returns the rows of a packed recording as objects; a row that does not fit becomes None."""
 
     def fitted(row: Any) -> Any:
         try:
@@ -420,7 +425,7 @@ def _named(keys: Sequence[Any], row: Any) -> dict[str, Any]:
 
 
 def rate_in(metadata: Mapping[str, Any]) -> float | None:
-    """Frame rate (Hz) from the metadata, where it is written as text; None if it is missing."""
+    """Returns the frame rate (Hz) in the metadata, number or text; None if missing or invalid."""
     try:
         rate = float(metadata["frameRate"])
     except (KeyError, TypeError, ValueError):

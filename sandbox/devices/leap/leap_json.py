@@ -8,19 +8,20 @@ leapd and its successors send JSON over a WebSocket. The dialects differ in a po
     bridge  UltraleapTrackingWebSocket: v3 without palm sphere, and `length` is a width by mistake
 
 Leap: millimetres, microseconds, x right, y up, z towards the person. HandFrame: metres, seconds, x
-right, y away from the person, z up. Both are right-handed, so nothing is mirrored. If joints are
-given, a finger's length is the sum of its bones, as v2 and v3 define it; the bridge's is wrong.
+right, y away from the person, z up. Both are right-handed, so the conversion does not mirror. If
+joints are given, a finger's length is the sum of its bones, as v2 and v3 define it; the `length`
+that the bridge sends is not used.
 
-The last bone ends at `btipPosition`. `tipPosition` is the centre of a sphere at the fingertip: on
-33,262 real v3 hands the two are 6.5 mm apart on average. Software before 2.0 sends no
+The last bone ends at `btipPosition`. `tipPosition` is the centre of a sphere at the fingertip: in
+33,262 real v3 hands, the two positions are 6.5 mm apart on average. Software before 2.0 sends no
 `btipPosition`; its bones end at `tipPosition`.
 
 Other programs store the same values in other shapes: fingers inside their hands, and frames inside
 an envelope. `canonical` converts these. Units other than the Leap's follow from the size of the
 hand and the time between frames (`models.plausible`).
 
-Fields are checked here and not by structs. A struct would refuse a whole finger for a wrong
-optional field (side, hand, confidence); here its other fields are used.
+Fields are checked one by one, not by a `msgspec.Struct`: a struct would refuse a whole finger for
+one wrong optional field.
 """
 
 from __future__ import annotations
@@ -61,35 +62,38 @@ NORMAL_COUNTS = ("frames", "handshakes", "events", "connections")
 """Counts of a decoder or a device that are no losses."""
 
 RESTART = 1.0
-"""Largest step back in time (s) of a late frame. After a larger one the service was restarted."""
+"""Largest step back in time (s) of a late frame. A larger step means a restart of the service."""
 LEAP = 2.0
-"""Largest step ahead in time (s) that is accepted at once. A larger step, or that of a restart, is
-accepted only if the next frame's time follows it; a single wrong time would lengthen a recording.
-"""
+"""Largest step ahead in time (s) that is accepted at once. A larger step, or the step back of a
+restart, is accepted only if the time of the next frame continues from it. A single wrong time would
+otherwise lengthen a recording."""
 
 _JOINTS = ("mcpPosition", "pipPosition", "dipPosition")
 _END = "btipPosition"
 _TOO_LARGE = 2**53
-"""Smallest integer from which on integers are not exact as a float."""
+"""Integers from this value on are not exact as floats."""
 _LATEST = 1e-6 * _TOO_LARGE
-"""Time (s) beyond every clock in use; 1970 is 2e9 s ago."""
+"""Upper bound of valid times (s). Clocks that count from 1970 are below 2e9 s."""
 _FARTHEST = DISTANCE.most
 """Largest coordinate (m) of a valid position; the device's range is about one metre."""
 _MOST_HANDS = 8
 _PALM = 0.1
 """Approximate size of a palm (m)."""
 _FARTHEST_TIP = 1.4 * REACH.most
-"""Largest distance (m) from a palm to a fingertip in a single frame, where positions are less
-exact."""
+"""Largest distance (m) from a palm to a fingertip in a single frame. It is larger than `REACH`,
+because single frames are less exact."""
 _OUT_OF_REACH = "fingers skipped: the tip is beyond a hand's reach of the palm"
 _NO_HAND = "none of its hands can be used"
 _FINGER_WORDS = {"thumb": 0, "index": 1, "middle": 2, "ring": 3, "pinky": 4, "little": 4}
-"""Words in the names of fingers, for files with names in place of numbers."""
+"""Words in the names of fingers, for files with names instead of numbers."""
 
 
 def canonical(message: Mapping[str, Any]) -> Mapping[str, Any]:
-    """Converts a frame in an envelope, or with fingers inside its hands, to the form that leapd
-    sends; returns any other message unchanged."""
+    """Converts a frame to the form that leapd sends.
+
+    Frames of other programs may be inside an envelope, or have their fingers inside their hands.
+    Any other message is returned unchanged.
+    """
     if "hands" not in message and "pointables" not in message:
         inner = [canonical(v) for v in message.values() if isinstance(v, dict)]
         inner = [v for v in inner if "hands" in v]
@@ -112,13 +116,13 @@ def canonical(message: Mapping[str, Any]) -> Mapping[str, Any]:
 
 
 def _inner(items: Any) -> list[dict[str, Any]]:
-    """The objects in a list, or the values of an object whose keys are names or numbers."""
+    """Returns the objects in a list, or the objects that are values of an object."""
     values = items.values() if isinstance(items, dict) else items
     return [i for i in values if isinstance(i, dict)] if isinstance(values, Iterable) else []
 
 
 def _with_joints(finger: dict[str, Any]) -> dict[str, Any]:
-    """A finger with joints in place of its four bones, if it has bones."""
+    """Returns a finger with the joints of its four bones, if it has bones and no joints."""
     bones = _inner(finger.get("bones"))
     if len(bones) != 4 or _JOINTS[0] in finger:
         return finger
@@ -127,7 +131,10 @@ def _with_joints(finger: dict[str, Any]) -> dict[str, Any]:
 
 
 def quantities(message: Mapping[str, Any]) -> dict[Bounds, float]:
-    """Sizes of the first hand of a canonical message in its own units; empty without one."""
+    """Returns sizes of the first hand of a canonical message, in the message's units.
+
+    Returns an empty dictionary for a message without a hand.
+    """
     try:
         hand = message["hands"][0]
         palm = hand["palmPosition"]
@@ -149,29 +156,30 @@ def quantities(message: Mapping[str, Any]) -> dict[Bounds, float]:
 
 
 _SAMPLE = 48
-"""Largest numbers of frames, and of frames with a hand, by which a file's units are found."""
+"""Units of a file are found from this number of frames (times) and of frames with a hand (sizes).
+"""
 _APART = 8
-"""One in this number of frames with a hand is measured."""
+"""One of this number of frames with a hand is measured."""
 _REGULAR = 0.8
-"""Share of the differences of frame numbers that are equal where frames are numbered."""
+"""Frames count as numbered if this share of the differences between their numbers is equal."""
 
 
 def find_leap_units(
     messages: Iterable[Any], given: Units | None, where: str, report: ReaderReport
 ) -> tuple[Units, int]:
-    """Units of a recording, and the difference between the numbers of two frames.
+    """Finds the units of a recording, and the difference between successive frame numbers.
 
     Args:
-        messages: All messages; no more are taken than are needed.
+        messages: All messages; only as many as needed are taken.
         given: Units that a person gave.
         where: The file, for the error.
-        report: Receives what is assumed.
+        report: Assumptions are added to it.
 
     Returns:
-        The units, and 0 for frames that are not numbered.
+        The units, and the difference; 0 if frames are not numbered.
 
     Raises:
-        RecordingError: No hand has such sizes in any unit, or times do not increase.
+        RecordingError: The hand's sizes are impossible in any unit, or times do not increase.
     """
     seen: dict[Bounds, list[float]] = {}
     stamps: list[float] = []
@@ -209,11 +217,11 @@ class LeapDecoder:
 
     Args:
         source: Name written into the frames.
-        rate: Hz, frame rate of recordings without times and rate; None: `USUAL_RATE`, which is
-            reported.
+        rate: Hz, frame rate for messages without times and rate. With None, `USUAL_RATE` is
+            assumed, and reported.
         units: Units of the messages.
-        stride: Difference between the numbers of two frames of a recording; 0 if they have none.
-        live: Units of a running device, which change as it is measured; None for a file.
+        stride: Difference between successive frame numbers of a recording; 0 without numbers.
+        live: Units of a running device, which are found from its first frames; None for a file.
     """
 
     def __init__(
@@ -231,12 +239,12 @@ class LeapDecoder:
         self._source, self._stride, self._live = source, stride, live
         self._no_rate, self._rate = rate is None, rate or USUAL_RATE
         self._time: float | None = None
-        # Time and number of the last frame by the device's own count.
+        # Time stamp and number of the last frame, as sent by the device.
         self._stamp: float | None = None
         self._number: int | None = None
         # Time (s) of the previous frame, if it was refused for its step in time.
         self._leapt: float | None = None
-        # Time of the last message by the device's own count, used or not.
+        # Time stamp of the last message, as sent by the device, whether used or not.
         self._latest: float | None = None
         self._offset, self._stamped = 0.0, False
         self._jumps, self._doubt = HandJumps(), SideDoubt()
@@ -255,11 +263,11 @@ class LeapDecoder:
 
     @property
     def side_doubt(self) -> str:
-        """Doubts about the sides of hands; empty without any."""
+        """Warning that the reported sides of hands may be wrong; empty without doubt."""
         return self._doubt.sentence
 
     def feed(self, message: Any) -> HandFrame | None:
-        """The frame of a decoded JSON message; None if it contains no usable frame."""
+        """Converts a decoded JSON message; returns None if it contains no usable frame."""
         if not isinstance(message, Mapping):
             self.counts["messages that are not JSON objects"] += 1
             return None
@@ -300,7 +308,7 @@ class LeapDecoder:
         return frame
 
     def _count(self, number: int | None) -> None:
-        """Counts frames that are missing before a frame, by its number."""
+        """Counts frames that are missing before the frame of this number."""
         before = self._number
         if number is not None and (before is None or number > before):
             if before is not None:
@@ -309,7 +317,7 @@ class LeapDecoder:
             self._number = number
 
     def _measure(self, message: Mapping[str, Any]) -> None:
-        """Measures a frame of a running device; units found by it hold from this frame on."""
+        """Measures a frame of a running device; units found from it apply from this frame on."""
         assert self._live is not None
         seen, stamp = quantities(message), message.get("timestamp")
         if _is_time(stamp):
@@ -320,12 +328,15 @@ class LeapDecoder:
         if self._live.decided and self._live.units != LEAP_UNITS:
             self._use(self._live.units)
             if self._time is not None and self._stamp is not None:
-                # Times go on from the last frame.
+                # In the new units, times continue from the last frame.
                 self._offset = self._time - self._stamp * self._second
 
     def _moment(self, message: Mapping[str, Any]) -> float | None:
-        """Time (s) of a message on a clock that never runs backwards; None, which is counted, for a
-        late frame and for a single frame whose time is far behind or ahead."""
+        """Returns the time (s) of a message on a clock that never runs backwards.
+
+        Returns None for a late frame, and for a single frame whose time is far behind or ahead;
+        both are counted.
+        """
         stamp = message.get("timestamp")
         if stamp is None and not self._stamped:
             rate = message.get("currentFrameRate")
@@ -353,7 +364,7 @@ class LeapDecoder:
             self._leapt = time
             return None
         if time < self._time or self.counts["frames"] == 1:
-            # After a single frame, the time of that frame was wrong.
+            # A step ahead after only one frame: the time of that first frame was wrong.
             self.counts["restarts of the device's clock"] += 1
             self._jumps.forget()
             self._offset += self._time + 1.0 / self._rate - time
@@ -438,7 +449,7 @@ def _finger(record: Mapping[str, Any], metre: float) -> TrackedFinger:
 
 
 def _name(record: Mapping[str, Any], kind: Any) -> int | None:
-    """Label of the finger; without `type` it follows from the id, 10 times the hand's plus it."""
+    """Returns the label of a finger. Without `type`, the finger's id is 10 x hand's id + label."""
     if kind is None and _is_identity(record.get("handId")):
         kind = record["id"] - 10 * record["handId"]
     if isinstance(kind, str):
@@ -464,7 +475,7 @@ def _hand(
 
 
 def side_named(name: Any) -> str | None:
-    """The side that a device names, in any case of letters; None for anything else."""
+    """Returns the side that a device names, in upper or lower case; None for other values."""
     side = name.lower() if isinstance(name, str) else None
     return side if side in SIDES else None
 
@@ -490,7 +501,7 @@ def _is_identity(value: Any) -> TypeGuard[int]:
 
 
 def _is_time(value: Any) -> TypeGuard[float]:
-    """True for a number; those of a clock that counts ns since 1970 are larger than others."""
+    """True for a number; also for larger integers, such as nanoseconds since 1970."""
     return _is_number(value) or (type(value) is int and abs(value) < 2**63)
 
 
@@ -511,7 +522,7 @@ def _vector(record: Mapping[str, Any], name: str) -> Vector:
     value = record.get(name)
     if type(value) is list and len(value) == 3:
         x, y, z = value
-        # Nearly all vectors: a sum is finite only if all its parts are.
+        # Fast path for nearly all vectors: a sum is finite only if all its parts are.
         if type(x) is type(y) is type(z) is float and math.isfinite(x + y + z):
             return x, -z, y
     if isinstance(value, Mapping) and value.keys() >= {"x", "y", "z"}:

@@ -1,9 +1,9 @@
-"""Writes hand frames as a Leap service sends them, and files of simulated recordings.
+"""Writes hand frames as JSON messages of a Leap service, and files of simulated recordings.
 
-A message is in JSON, v1 or with joints (v2, v3): the inverse of `sandbox.devices.leap.leap_json`.
-Every frame of a simulated recording has a key `truth`, too: `angles` (5 x 4 degrees, see
+Messages have the form of v1, v2 or v3; this is the inverse of `sandbox.devices.leap.leap_json`.
+Every frame of a simulated recording also has a key `truth`: `angles` (5 x 4 degrees, see
 `encoders.paalm.angles`), `fingers` (id -> 0 to 4) and `open` (true while the hand is held open for
-calibration). Playback ignores it.
+calibration). Playback ignores this key.
 """
 
 from __future__ import annotations
@@ -25,10 +25,10 @@ METRES_PER_MM, SECONDS_PER_US = 1e-3, 1e-6
 
 
 def leap_message(frame: HandFrame, number: int) -> dict[str, Any]:
-    """The message that a Leap service would send.
+    """Returns the message that a Leap service would send for a frame.
 
-    Fingers with joints have the fields of v2, and of v3 if that is the frame's dialect; others have
-    those of v1.
+    Fingers with joints have the fields of v2, and of v3 if that is the frame's dialect. Fingers
+    without joints have the fields of v1.
 
     Args:
         frame: The hand frame.
@@ -82,9 +82,10 @@ def _pointable(hand: TrackedHand, finger: TrackedFinger, dialect: str | None) ->
 
 
 def _bases(hand: TrackedHand, joints: Sequence[Vector]) -> list[list[list[float]]]:
-    """Axes of a finger's four bones, from the palm outwards: z is against the bone, y dorsal.
+    """Returns the axes of a finger's four bones, from the palm outwards.
 
-    The bone in the palm has the palm's axes, and a bone of length 0 those of the one before.
+    z points against the bone, y to the back of the hand. The bone in the palm has the palm's axes.
+    A bone of length 0 has the axes of the previous bone.
     """
     dorsal, back = -np.array(hand.normal), -np.array(hand.direction)
     bases = []
@@ -140,14 +141,16 @@ def write_take(take: LeapTake, path: Path, made_from: dict[str, Any]) -> None:
         with path.open("w", encoding="utf-8") as file:
             json.dump({"metadata": metadata, "frames": frames}, file, separators=(",", ":"))
     except OSError as error:
-        raise RecordingError(f"it cannot be written: {error}", where=str(path)) from error
+        raise RecordingError(
+            f"the recording cannot be written: {error}", where=str(path)
+        ) from error
 
 
 def take_with_truth(recording: LeapRecording, where: str) -> LeapTake | None:
-    """The take of a simulated recording; None for a recording without the truth.
+    """Returns the take of a simulated recording; None for a recording without ground truth.
 
     Raises:
-        RecordingError: The truth is damaged.
+        RecordingError: The ground truth is damaged.
     """
     if recording.metadata.get("generatedBy") != GENERATOR:
         return None
@@ -164,5 +167,9 @@ def take_with_truth(recording: LeapRecording, where: str) -> LeapTake | None:
         if side not in ("right", "left") or dialect not in ("v1", "v3"):
             raise ValueError("side or dialect is unknown")
     except (KeyError, TypeError, ValueError, AttributeError, IndexError) as error:
-        raise RecordingError(f"its truth is damaged: {error}", where=where) from error
+        raise RecordingError(
+            f"the ground truth of this recording is damaged: {error}",
+            where=where,
+            remedy="Make the recording again with `sandbox devices leap simulate`",
+        ) from error
     return LeapTake(recording.frames, fingers, angles, is_open, side, dialect)

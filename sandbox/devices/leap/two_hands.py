@@ -1,6 +1,6 @@
-"""Two hands over one Leap: each gets the frames of its own side.
+"""Two hands over one Leap: each hand of the scene gets the frames of its own side.
 
-Apart from the live device, so that exports of recordings load no network library.
+This module is separate from the live device, so that exports of recordings load no network library.
 """
 
 from __future__ import annotations
@@ -21,14 +21,14 @@ from sandbox.devices.wrappers.shared import MergedUsers, Split
 class SplitBySide(Split):
     """Splits the hands of a Leap by side.
 
-    If one hand is above the other, both are removed from the frame, since the device confuses their
-    fingers.
+    While one hand is above the other, both are left out, because the device confuses their fingers.
 
     Args:
         sides: Sides of the scene's hands, one `right` and one `left`.
 
     Attributes:
-        counts: Numbers of frames in which one hand was above the other, and of hands left out.
+        counts: Number of frames in which one hand was above the other, and numbers of hands left
+            out, by reason.
     """
 
     at_every_poll = True
@@ -40,7 +40,7 @@ class SplitBySide(Split):
         self._choose = HandSides((first, second), self.counts)
 
     def divide(self, frame: HandFrame, now: float) -> tuple[HandFrame, HandFrame]:
-        """A frame for each of the two sides; it is empty while no hand of that side is in view."""
+        """Returns a frame for each side; a frame has no hand while that side is not in view."""
         hands = frame.hands
         hidden = any(stacked(a, b) for i, a in enumerate(hands) for b in hands[:i])
         self.counts["one hand above the other"] += hidden
@@ -55,7 +55,7 @@ class SplitBySide(Split):
         return first, second
 
     def notices(self, now: float) -> Sequence[str] | None:
-        """A message while one hand is above the other, and for a moment after."""
+        """Returns a message while one hand is above the other and shortly after; else None."""
         if now - self._hidden >= NOTICE_LASTS:
             return None
         return (Message("hand_above", "one hand is above the other: hold them apart"),)
@@ -65,7 +65,7 @@ class MergedLeaps(MergedUsers):
     """Two simulated people over one Leap.
 
     Args:
-        devices: Two devices that return frames of the same times.
+        devices: Two devices whose frames have the same times.
     """
 
     clock_origin = 0.0
@@ -76,7 +76,7 @@ class MergedLeaps(MergedUsers):
         return any(device.finished for device in self.parts)
 
     def poll(self, now: float) -> Sequence[HandFrame]:  # type: ignore[override]
-        """Frames with the hands of both devices, with distinct ids."""
+        """Returns frames with the hands of both devices; the ids are made distinct."""
         return [
             replace(
                 frames[0],

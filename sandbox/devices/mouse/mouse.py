@@ -1,8 +1,8 @@
 """The mouse as a touch device: one pointer puts down, opens, turns and moves a whole hand.
 
 A mouse has only one pointer, so fingers can be *pinned*: they stay on the surface when the button
-is released. The window converts pixels to metres on the surface and calls the methods here; the
-frames are the same as those of a tablet.
+is released. The window converts pixels to metres on the surface and calls the methods of
+`MouseDevice`; the frames are the same as those of a tablet.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ from sandbox.devices.device import Device
 GRAB_RADIUS = 0.010
 """Radius (m) around a pinned finger in which a click grabs it."""
 OPENING = 0.075
-"""Distance (m) between the thumb and the centre of the other fingers of a hand just put down: wide
+"""Distance (m) between thumb and centre of the other fingers, when a hand is put down. It is wide
 enough for a 5 cm box between two fingertips, and comfortable for an adult hand."""
 FINGER_BREADTH = 0.019
 """Distance (m) between adjacent fingertips: an adult's finger is 16 to 20 mm wide."""
@@ -41,8 +41,8 @@ WHEEL_TURN = np.deg2rad(3.0)
 NARROWEST, WIDEST = 0.008, 0.200
 """Limits (m) of the opening."""
 PENDING = 4096
-"""Largest number of frames that wait for the session, a minute of moving; beyond it the oldest are
-dropped."""
+"""Largest number of frames that wait for the session, from a minute of moving; if there are more,
+the oldest are dropped."""
 
 
 @dataclass
@@ -92,7 +92,7 @@ class MouseDevice(Device):
             return sum(f.pinned for f in self._fingers.values())  # any order: whole numbers
 
     def poll(self, now: float) -> Sequence[TouchFrame]:
-        """One frame for every change since the last call, with the machine's monotonic time."""
+        """Returns a frame for each change since the last call, with the machine's monotonic time."""
         with self._lock:
             self.frame_ready.clear()
             frames = list(self._frames)
@@ -107,9 +107,11 @@ class MouseDevice(Device):
     def press(self, xy: ArrayLike, pin: bool = False, together: bool = False) -> None:
         """Presses the button: grabs a pinned finger at this place, else puts down a finger.
 
+        If the pinned fingers are a hand (`hand`), a press beside them grabs all of them.
+
         Args:
             xy: (2,) m, position of the pointer.
-            pin: Pins the new finger; on a pinned finger, lifts it instead.
+            pin: Pins the new finger; if a pinned finger is at the place, lifts it instead.
             together: Grabs all pinned fingers, wherever the press is.
         """
         place = np.asarray(xy, float)
@@ -135,14 +137,15 @@ class MouseDevice(Device):
                 self._emit()
 
     def move(self, xy: ArrayLike) -> None:
-        """Moves the pointer to (2,) m, together with the fingers that the button holds."""
+        """Moves the pointer to `xy` (2,) m, together with the fingers that the button holds."""
         place = np.asarray(xy, float)
         with self._lock:
             step, self._last = place - self._last, place
             if not self._held:
                 return
             if len(self._held) == 1 and not self._fingers[self._held[0]].pinned:
-                # A finger at the pointer returns to it when it comes back over the border.
+                # The finger stays at the border while the pointer is outside, and then returns to
+                # the pointer.
                 self._fingers[self._held[0]].xy = np.clip(place, 0.0, self._size)
             else:
                 self._shift(step)
@@ -161,7 +164,8 @@ class MouseDevice(Device):
 
         Args:
             steps: Steps of the wheel; touch pads give fractions.
-            turn: Turns instead, counterclockwise for steps above 0, as seen by the person.
+            turn: Turns the fingers instead, counterclockwise for steps above 0, as seen by the
+                person.
         """
         with self._lock:
             pins = [f for f in self._fingers.values() if f.pinned]
@@ -193,9 +197,10 @@ class MouseDevice(Device):
         The same number again lifts the hand; another number replaces it.
 
         Args:
-            fingers: 1 (index) to 5; from 2 on with the thumb.
-            xy: (2,) m, midpoint between thumb and the others; moved so that all fingers are on the
-                surface.
+            fingers: Number of fingers, 1 to 5. One is the index finger; two or more include the
+                thumb.
+            xy: (2,) m, midpoint between the thumb and the other fingers. It is shifted so that all
+                fingers are on the surface.
 
         Raises:
             InputError: The number of fingers is not 1 to 5.
@@ -234,7 +239,7 @@ class MouseDevice(Device):
         return self._next_id - 1
 
     def _release(self) -> bool:
-        """Releases the held fingers; True if that lifted a finger."""
+        """Releases the held fingers; returns True if a finger was lifted."""
         lifted = [i for i in self._held if not self._fingers[i].pinned]
         for i in lifted:
             del self._fingers[i]
@@ -247,7 +252,7 @@ class MouseDevice(Device):
         return near if near is not None and off[near] <= GRAB_RADIUS else None
 
     def _shift(self, step: Array) -> None:
-        """Moves all held fingers by the same step, as far as all stay on the surface."""
+        """Moves all held fingers by the same step, shortened so that all stay on the surface."""
         places = np.array([self._fingers[i].xy for i in self._held])
         step = np.clip(step, -places.min(axis=0), self._size - places.max(axis=0))
         for i in self._held:
@@ -263,20 +268,20 @@ class MouseDevice(Device):
 
 
 def default_hand(fingers: int) -> dict[int, Array]:
-    """Positions of the fingertips of a hand about to grip, by label.
+    """Returns the positions of the fingertips of a hand about to grip, by label.
 
-    The fingers lie side by side, as on the face of a box, and the thumb opposes them in the
+    The fingers are side by side, as on the face of a box. The thumb is opposite to them, in the
     direction in which it opposes the index finger in the skeleton's reference pose.
 
     Returns:
-        (2,) m each, x right and y down, from the midpoint between thumb and the others; for one
-        finger: the index finger at zero.
+        (2,) m each, x right and y down, from the midpoint between the thumb and the other fingers.
+        For one finger: the index finger at zero.
     """
     if fingers == 1:
         return {1: np.zeros(2)}
     tips = Kinematics(ADULT).tips(np.zeros(POSE_SIZE))[:, :2] * np.array([1.0, -1.0])
     across = (tips[1] - tips[0]) / length(tips[1] - tips[0])
-    # From the index finger towards the little one.
+    # From the index finger towards the little finger.
     aside = np.array([-across[1], across[0]])
     order = np.arange(1, fingers)
     places = OPENING / 2 * across + np.outer(order - order.mean(), FINGER_BREADTH * aside)
@@ -284,7 +289,8 @@ def default_hand(fingers: int) -> dict[int, Array]:
 
 
 def _opposing(fingers: list[_Finger]) -> list[list[_Finger]]:
-    """Groups that move against each other: the thumb and the rest, or every finger by itself."""
+    """Groups fingers that move against each other: thumb and other fingers; without a single
+    thumb, every finger by itself."""
     thumbs = [f for f in fingers if f.label == 0]
     if len(thumbs) == 1:
         return [thumbs, [f for f in fingers if f.label != 0]]

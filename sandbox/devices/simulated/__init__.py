@@ -1,4 +1,5 @@
-"""A simulated user at a tablet; those over a Leap and in a headset have their entries there."""
+"""A simulated user at a tablet. Simulated users over a Leap and in a headset are entries of
+`sandbox.devices.leap` and `sandbox.devices.webxr`."""
 
 from __future__ import annotations
 
@@ -19,7 +20,7 @@ from tasks.user import UserConfiguration
 NEXT_PERSON = 1_000_003
 """Added to the seed for the user of the second hand; larger than all seeds of trials."""
 MOST_DROP_OUTS = 10.0
-"""1/s, largest rate at which a simulated screen loses each touch."""
+"""Largest rate at which a simulated screen loses each touch, 1/s."""
 
 
 @dataclass(frozen=True)
@@ -30,7 +31,7 @@ class SimulatedOptions:
     """The simulated user."""
 
     drop_outs: float = 0.0
-    """Times per second that the user's screen loses each touch, 0 to 10."""
+    """Rate at which the user's screen loses each touch, 0 to 10 times per second."""
 
     def __post_init__(self) -> None:
         if not 0.0 <= self.drop_outs <= MOST_DROP_OUTS:

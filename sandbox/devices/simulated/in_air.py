@@ -42,17 +42,18 @@ _NOISY = (
     "lost_rate",
 )
 MOST_NOISE, LONGEST = 20.0, 10.0
-"""Largest factor on the noise, and longest loss (s)."""
+"""Largest factor on the noise, and longest time (s) for which the hand may be lost."""
 
 
 @dataclass(frozen=True)
 class LeapDisturbance:
-    """Disturbances that are added to a simulated device.
+    """Disturbances that are added to a simulated Leap.
 
     Attributes:
-        noise: Factor on the noise of positions, lengths and directions, and on lost fingers.
-        lose: Time (s) for which the whole hand leaves the device's view, once, while it carries an
-            object; 0 means never.
+        noise: Factor on the noise of positions, lengths and directions, and on the rate of lost
+            fingers.
+        lose: Time (s) for which the whole hand is out of the device's view, once, while it carries
+            an object; 0 means never.
     """
 
     noise: float = 1.0
@@ -70,7 +71,7 @@ class LeapDisturbance:
                 )
 
     def applied(self, to: LeapConfiguration) -> LeapConfiguration:
-        """The configuration with the factor on its noise."""
+        """Returns the configuration with its noise multiplied by `noise`."""
         if self.noise == 1.0:
             return to
         return replace(to, **{name: self.noise * getattr(to, name) for name in _NOISY})
@@ -126,10 +127,10 @@ class SimulatedLeap(HandDevice):
         dialect: `v3` or `v1`.
         person: Side and size of the drawn hand.
         hand: Index of the user's hand in the scene.
-        habits: Parameters of the user's way of working.
-        patient: The user works as `PatientPerson` does, by default with the habits `PATIENT`; for
-            tasks of one hand.
+        habits: Parameters of the user's way of working; None: the defaults.
         trouble: Disturbances of the device.
+        patient: True: the user is a `PatientPerson`, by default with the habits `PATIENT`. Only for
+            tasks of one hand.
 
     Raises:
         InputError: The user cannot hold one of the task's objects.
@@ -163,7 +164,7 @@ class SimulatedLeap(HandDevice):
         for thing in task.objects:
             check_holdable(thing)
         make = AirCarrier if two else PatientPerson if patient else AirPerson
-        # A left hand is simulated as a mirrored right one, with its home on the right.
+        # A left hand is simulated as a mirrored right hand, with its home on the right.
         home = (HOME_OF_TWO, 0.0) if two or hand else (0.0, 0.0)
         radius = person.skeleton(ADULT).tip_radius
         if patient:
@@ -189,7 +190,7 @@ class SimulatedLeap(HandDevice):
         self.user.observe(Sight(snapshot.time, tips, bool(hand.solid), seen, goals, done))
 
     def poll(self, now: float) -> Sequence[HandFrame]:
-        """The device's hand frame now."""
+        """Returns the Leap's hand frame at the time `now`."""
         if self.finished:
             return []
         origin, rotation, joints = self.own_hand(now)
@@ -197,15 +198,19 @@ class SimulatedLeap(HandDevice):
         return [replace(frame, hands=()) if self._gone(now) else frame]
 
     def own_hand(self, now: float) -> tuple[Array, Array, Array]:
-        """Palm centre (3,) m and rotation (3, 3) in the world, and joints (5, 4, 3) m in the palm,
-        of the user's own hand now; the rotation of a left hand is a reflection."""
+        """Returns the pose of the user's own hand at the time `now`.
+
+        Returns:
+            Palm centre (3,) m and rotation (3, 3) in the world, and joints (5, 4, 3) m in palm
+            coordinates. For a left hand, the rotation matrix includes a reflection.
+        """
         origin, rotation, joints = self.user.hand(now)
         if self._left:
             origin, rotation = _MIRROR * origin, _MIRROR[:, None] * rotation
         return origin, rotation, joints
 
     def _gone(self, now: float) -> bool:
-        """True while the whole hand is out of view: once, after a moment of carrying."""
+        """True while the whole hand is out of view: once, after `_CARRIED` of carrying."""
         if self._trouble.lose <= 0.0:
             return False
         if self._carried is None:
@@ -234,8 +239,8 @@ def _mirrored_goal(goal: Goal) -> Goal:
 
 
 NOISE = 0.0005
-"""Standard deviation (m) of every joint along every axis, from frame to frame. Assumed: no headset
-was measured."""
+"""Standard deviation (m) of the noise of every joint along every axis, independent for each frame.
+The value is assumed: no headset was measured."""
 _METACARPALS = (5, 10, 15, 20)
 
 
@@ -268,7 +273,7 @@ class SimulatedHeadset(SimulatedLeap):
         self._rng = np.random.default_rng([seed + hand * NEXT_PERSON, 0x4E5E])
 
     def joints(self, now: float) -> SeenJoints:
-        """WebXR's 25 joints of the user's hand in the world, m, as the headset reports them now."""
+        """Returns the 25 joints (WebXR) of the user's hand, m in the world, with noise."""
         origin, rotation, joints = self.own_hand(now)
         places = webxr_joints(origin, rotation, joints)
         places += self._rng.normal(0.0, NOISE, places.shape)
@@ -278,7 +283,7 @@ class SimulatedHeadset(SimulatedLeap):
         )
 
     def poll(self, now: float) -> Sequence[HandFrame]:
-        """The headset's hand frame now."""
+        """Returns the headset's hand frame at the time `now`."""
         if self.finished:
             return []
         hand = seen_hand(self.joints(now))
@@ -286,12 +291,13 @@ class SimulatedHeadset(SimulatedLeap):
 
 
 def webxr_joints(origin: Array, rotation: Array, joints: Array) -> Array:
-    """(25, 3) m in the world, WebXR's joints of a hand.
+    """Returns WebXR's joints (25, 3) of a hand, m in the world.
 
     Args:
         origin: (3,) m, centre of the palm.
-        rotation: (3, 3) world from palm; a reflection for a left hand.
-        joints: (5, 4, 3) m in the palm; a thumb without an IP joint has its tip twice.
+        rotation: (3, 3) world from palm; with a reflection for a left hand.
+        joints: (5, 4, 3) m in palm coordinates. The thumb has no IP joint: its third joint is
+            replaced by the midpoint between the second joint and the tip.
     """
     own = joints.copy()
     own[0, 2] = 0.5 * (own[0, 1] + own[0, 3])

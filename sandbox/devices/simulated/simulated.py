@@ -1,4 +1,4 @@
-"""The simulated user as a device: gets snapshots as a window does, touches as on a tablet."""
+"""The simulated user as a device: it gets the same snapshots as a window, and returns touches."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ _USERS: Registry[Callable[..., User]] = Registry(
         "random, lifting": "tasks.simulated_user.user:RandomLiftUser",
     }
 )
-"""Simulated users by kind, and by the movement that a task requires."""
+"""Simulated users, by kind and by the movement that a task requires."""
 
 
 class SimulatedDevice(Device):
@@ -46,8 +46,8 @@ class SimulatedDevice(Device):
         task: The drawn task, for the shapes of its objects; the user does not get the task itself.
         configuration: Configuration of the simulated user.
         surface: The tablet's touch surface.
-        seed: Seed of everything random about the person.
-        labels: Labels each contact with its finger (an upper bound for labelling).
+        seed: Seed of all random numbers of the user.
+        labels: True labels each contact with its true finger (an upper bound for labelling).
         drop_outs: 1/s, rate at which the screen loses each touch for a moment.
         person: Side of the hand, its size, and where the person sits.
         hand: Index of the user's hand in the scene.
@@ -96,13 +96,13 @@ class SimulatedDevice(Device):
         carried = any(isinstance(thing, Tray) for thing in task.objects)
         if own is None and skilled and hands_of(task) > 1 and not carried:
             raise InputError(
-                "two simulated users can only carry a tray",
+                "the only task that two simulated users know is to carry a tray",
                 where=task.name,
                 remedy="Define the task's own simulated user (`user`)",
             )
         if own is None and skilled and not task.goals:
             raise InputError(
-                "the simulated user needs goals to bring objects to, and this task has none",
+                "the simulated user brings objects to goals, and this task has no goals",
                 where=task.name,
                 remedy="Give the task goals, or its own simulated user (`user`)",
             )
@@ -132,7 +132,7 @@ class SimulatedDevice(Device):
                 configuration, used, seed
             )
         )
-        # The user, or a user who is moved to another seat.
+        # A user at another seat, or with another hand, is the same user behind a wrapper.
         self._seated: User = self.user if plain else SeatedUser(self.user, seat)
         if upright:
             self._seated = FrontUser(self._seated, view)
@@ -156,7 +156,7 @@ class SimulatedDevice(Device):
                 "`touch` of the simulated user did not return a TouchFrame",
                 where=type(self.user).__name__,
                 got=repr(frame)[:80],
-                expected="TouchFrame(now) where nothing touches",
+                expected="TouchFrame(now) if nothing touches",
                 remedy="Every branch of `touch` needs a `return`",
             )
         if not isinstance(self.user, FingersKnown):
@@ -177,7 +177,7 @@ class SimulatedDevice(Device):
 def _sight(
     snapshot: Snapshot, hand: int, shapes: Mapping[str, SceneObject], own_id: Callable[[int], int]
 ) -> Sight:
-    """The part of a snapshot that the person with one of its hands sees."""
+    """Returns the part of a snapshot that the person with this hand sees."""
     mine = snapshot.hands[hand]
     return Sight(
         snapshot.time,

@@ -1,4 +1,4 @@
-"""A simulated person's five fingers in three spreads, as a device for testing the calibration."""
+"""A simulated person who puts down five fingers in three spreads, to test `sandbox hand measure`."""
 
 from __future__ import annotations
 
@@ -18,23 +18,26 @@ from models.surface import Surface
 from sandbox.devices.device import Device
 
 _SPREADS = ((0.0, 0.0, 0.0), (-22.0, -7.0, 25.0), (20.0, 9.0, -10.0))
-"""Extension of the fingers, their spreading about the middle finger, and the thumb's rotation
-towards them, in degrees from the middle of all ranges, for a relaxed, a closed and a wide hand."""
+"""For a relaxed, a closed and a wide hand: extension of the fingers, their spreading about the
+middle finger, and rotation of the thumb towards them, in degrees from the middle of each range."""
 
 _TIP_HEIGHT = 0.006
-"""Height (m) above the screen of the centre of a touching fingertip of the trained hand."""
+"""Height (m) above the screen of the centre of a touching fingertip, for a hand of size 1."""
 _LOOSE = (0.1, np.deg2rad(15.0), np.deg2rad(8.0))
-"""Compliance of the hand's height (m), its tilt (rad) and its joints (rad) to the screen."""
+"""Scales of the changes by which the hand adapts to the screen: height (m), tilt (rad), joints
+(rad)."""
 _ROUNDS = 15
 
 _REST, _PAUSE, _FIRST = 1.0, 0.8, 0.3
-"""Times (s) for which the fingers rest, are off the screen, and wait before the first spread."""
+"""Durations (s): rest of the fingers, pause off the screen, and wait before the first spread."""
 _NOISE = 0.0004
 """Noise (m) of each touch in every frame."""
 
 
 def spread_layout(skeleton: Skeleton, extension: float, spreading: float, thumb: float) -> Array:
-    """Fingertips (5, 2) m of a right hand on a screen, x right and y up, relative to their middle.
+    """Returns the fingertips (5, 2) m of a right hand on a screen, relative to their mean.
+
+    x is right and y up.
 
     Args:
         skeleton: The hand's skeleton.
@@ -47,7 +50,7 @@ def spread_layout(skeleton: Skeleton, extension: float, spreading: float, thumb:
             joints[i] = (0.0, 0.0, 0.5 * thumb)
             continue
         first = i == skeleton.first_bone[bone.finger]
-        # From the middle finger outwards; index to one side, ring and little to the other.
+        # Spreading from the middle finger: index to one side, ring and little to the other.
         side = (2 - bone.finger) * spreading if first else 0.0
         joints[i] = (extension, 0.0, side)
     kinematics = Kinematics(skeleton)
@@ -89,11 +92,11 @@ class SpreadingPerson:
 
     @property
     def ends(self) -> float:
-        """Time in s when the last finger has left."""
+        """Time (s) at which the last finger has left the screen."""
         return _FIRST + len(_SPREADS) * (_REST + _PAUSE)
 
     def touch(self, now: float) -> TouchFrame:
-        """Touches on the screen at a time, s."""
+        """Returns the touches on the screen at the time `now`, s."""
         number, since = divmod(now - _FIRST, _REST + _PAUSE)
         if not (0 <= number < len(self._layouts) and since < _REST):
             return TouchFrame(now, (), source="simulated person")
@@ -121,7 +124,7 @@ class SimulatedSpreads(Device):
         self._now = 0.0
 
     def poll(self, now: float) -> Sequence[TouchFrame]:
-        """The touches now."""
+        """Returns the touches at the time `now`."""
         if self.finished:
             return []
         self._now = now

@@ -28,7 +28,7 @@ message of a WebSocket."""
 
 @dataclass(frozen=True, kw_only=True)
 class TuioOptions:
-    """How TUIO senders are reached."""
+    """Options of the connection to TUIO senders."""
 
     bind: str = LOOPBACK
     """Address on which this program listens: 127.0.0.1 from this machine only, 0.0.0.0 from the
@@ -50,11 +50,11 @@ class TuioOptions:
 def open_tuio(
     options: TuioOptions, place: Place, tap: Tap | None = None, stale_after: float = STALE_AFTER
 ) -> TuioDevice:
-    """Opens the ports of TUIO senders.
+    """Opens the ports for TUIO senders.
 
     Args:
-        options: How they are reached.
-        place: Where the device is opened.
+        options: Addresses, ports and transports.
+        place: Surface of the device.
         tap: Called with every packet; see `TuioDevice`.
         stale_after: Time (s) without a packet after which the touches of a sender are lifted.
 

@@ -1,9 +1,10 @@
-"""Decoder of OSC packets, which reads every message that is readable and raises one kind of error.
+"""Decoder of OSC packets; it reads every readable message and raises one kind of error.
 
-Ready-made readers do not return from a bundle whose element claims a negative size, and raise
-errors of the interpreter on nested bundles and on text that is not UTF-8. The walk below is a loop
-over an explicit stack in which every turn consumes bytes, so its work is bounded by the size of the
-packet. Only a message that cannot be read is lost. Text in any bytes is read.
+It is our own because of hostile packets. python-osc never returns from a bundle with an element of
+negative size, and raises errors of the interpreter for nested bundles and for text that is not
+UTF-8. This decoder is a loop with an explicit stack. Every step consumes bytes, so the work is
+bounded by the size of the packet. A message that cannot be read is left out, the other messages of
+the packet are read. Text need not be UTF-8.
 """
 
 from __future__ import annotations
@@ -25,7 +26,7 @@ MAX_ELEMENTS = 1024
 """Largest number of elements in a packet; 64 touches in each of three profiles take about 200."""
 
 MAX_ARGUMENTS = 256
-"""Largest number of arguments in a message; a list of 64 living touches takes 65."""
+"""Largest number of arguments in a message; a list of 64 current touches takes 65."""
 
 _BUNDLE = b"#bundle\x00"
 _BUNDLE_HEADER = len(_BUNDLE) + 8
@@ -46,7 +47,7 @@ class MalformedPacket(DeviceError):  # noqa: N818  (names the packet)
 
 
 class Message(NamedTuple):
-    """One OSC message; the values of arrays stand among the others."""
+    """One OSC message; values of arrays are arguments like all others."""
 
     address: str
     arguments: tuple[object, ...]
@@ -67,10 +68,10 @@ def decode(data: bytes, report: ReaderReport) -> Packet:
 
     Args:
         data: The datagram.
-        report: Receives the messages that are left out because they cannot be read.
+        report: Messages that cannot be read are added to it as left out.
 
     Raises:
-        MalformedPacket: Its messages cannot be found; this function raises no other exception.
+        MalformedPacket: The packet cannot be split into messages. No other exception is raised.
     """
     if len(data) > MAX_PACKET_BYTES:
         raise MalformedPacket(
@@ -91,7 +92,7 @@ def decode(data: bytes, report: ReaderReport) -> Packet:
 
 
 def _bundle_messages(data: bytes) -> list[bytes]:
-    """The bytes of every message in a bundle, in order."""
+    """Returns the bytes of every message in a bundle, in order."""
     if len(data) < _BUNDLE_HEADER:
         raise MalformedPacket("a bundle ends before its time tag", got=f"{len(data)} bytes")
     messages: list[bytes] = []
@@ -134,7 +135,7 @@ def _message(data: bytes, report: ReaderReport) -> Message:
     """Reads one message.
 
     Raises:
-        MalformedPacket: It ends before its arguments do, or has one of unknown type.
+        MalformedPacket: The message is cut short, or has an argument of unknown type.
     """
     if not data.startswith(b"/"):
         raise MalformedPacket("an OSC address must begin with a slash", got=data[:16])
@@ -189,7 +190,7 @@ def _message(data: bytes, report: ReaderReport) -> Message:
 
 
 def _text(data: bytes, begin: int, report: ReaderReport) -> tuple[str, int]:
-    """A zero-terminated text in any bytes, and the index of the word after it."""
+    """Returns a zero-terminated text, and the index of the 4-byte word after it."""
     zero = data.find(0, begin)
     after = zero + 4 - zero % 4
     if zero < 0 or after > len(data):

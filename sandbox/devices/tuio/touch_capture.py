@@ -1,11 +1,11 @@
 """Packet captures of touch senders: JSON lines `{"t": seconds, "hex": "23627564..."}`.
 
-A capture holds packets as they came from the network, invalid ones included, so that a problem can
-be reproduced. `"from"` may name the sender of a packet; `{"t": seconds, "closed": "..."}` says that
-a sender's connection has ended.
+A capture has all packets from the network, including invalid ones, so that a problem can be
+reproduced. `"from"` may name the sender of a packet. `{"t": seconds, "closed": "..."}` marks the
+end of a sender's connection.
 
-A file is read up to a line that is not JSON. Only packets without bytes or a time are left out.
-Times are read in the unit in which they are possible.
+A file is read up to a line that is not JSON. Packets without bytes or time are left out. If the
+times are impossible in seconds, they are read in a unit in which they are possible.
 """
 
 from __future__ import annotations
@@ -43,7 +43,7 @@ from sandbox.devices.tuio.tuio import touch_frame
 from sandbox.devices.tuio.tuio_senders import Commit, Statistics, Tuio
 
 _MAX_LINE = 2 * MAX_PACKET_BYTES + 4096
-"""Largest number of bytes in a line: the largest packet in hex, and room for other keys."""
+"""Largest number of bytes in a line: the largest packet in hex, and space for other keys."""
 
 _MAX_PEER = 200
 """Largest number of characters in a sender's address."""
@@ -57,7 +57,7 @@ _FORMATS = "`sandbox touches formats` lists what can be played"
 _SAMPLE = 500
 """Number of packets from which the unit of time is found."""
 _DENSE = 0.2
-"""Largest mean time between two packets for which their times are in seconds."""
+"""If the mean time between two packets is at most this, the unit of the times is seconds."""
 
 
 class _PacketLine(Struct):
@@ -108,7 +108,7 @@ def read_capture(path: Path, unit: str = "") -> TouchCapture:
 
     Args:
         path: The file.
-        unit: Unit of its times, as a person gave it; without it, the unit is found.
+        unit: Unit of the times that a person gave; empty: the unit is found.
 
     Raises:
         RecordingError: The file does not exist, its first packet cannot be read, or its times are
@@ -143,14 +143,14 @@ def read_capture(path: Path, unit: str = "") -> TouchCapture:
 def _second(
     packets: Sequence[CapturedPacket], given: Units, where: str, report: ReaderReport
 ) -> float:
-    """Unit (s) of the packets' times.
+    """Returns the unit (s) of the packets' times.
 
     Raises:
-        RecordingError: They are impossible in any unit.
+        RecordingError: The times are impossible in any unit.
     """
     gaps = steps_of([packet.time for packet in packets[:_SAMPLE]])
     if not given and gaps and TOUCH_STEP.least <= fmean(gaps) <= _DENSE:
-        # In no other unit are so many packets possible, so they need not be decoded.
+        # Only seconds are possible for such gaps, so packets need not be decoded.
         return 1.0
     tuio = Tuio(math.inf)
     times: list[float] = []
@@ -166,10 +166,10 @@ def _second(
 
 
 def _decoded(line: bytes, where: str, remedy: str) -> _PacketLine:
-    """Decodes a line, without those of its values that cannot be read.
+    """Decodes a line; values that cannot be read are left out.
 
     Raises:
-        RecordingError: It is not a line of a capture.
+        RecordingError: The line is not one of a capture.
     """
     try:
         return decoded(
@@ -195,7 +195,7 @@ def _decoded(line: bytes, where: str, remedy: str) -> _PacketLine:
 
 
 def _packet(line: _PacketLine, report: ReaderReport) -> CapturedPacket | None:
-    """The packet of a line; None for one that is left out."""
+    """Returns the packet of a line; None if it is left out, which is reported."""
     data: bytes | None = None
     reason = "" if math.isfinite(line.t) else "packets without a time"
     if line.closed is None:
@@ -251,7 +251,7 @@ class CaptureDevice(Device):
 
     @property
     def report(self) -> ReaderReport:
-        """The decoder's report on values left out, and on assumptions."""
+        """The decoder's report on left-out data and assumptions."""
         return self._tuio.report
 
     @property
@@ -265,7 +265,7 @@ class CaptureDevice(Device):
         while not self.finished:
             packet = self._packets[self._next]
             time = packet.time - self._packets[0].time
-            # A source becomes stale at a time between two packets, so this is checked before each.
+            # A source may become stale before this packet; that comes first.
             silence = self._silence_ends()
             if silence < min(time, now):
                 frames += self._frames(self._tuio.expire(silence), silence)

@@ -1,8 +1,9 @@
 """Touch surfaces and tablet apps that send TUIO 1.1 or 2.0 over UDP, TCP or WebSocket.
 
-UDP uses one thread and one plain socket: with a thread per packet, as in ready-made OSC servers,
-packets lose their order, and a few thousand of them a second are too many. Connections run in a
-second thread (see `sandbox.devices.tuio.tuio_streams`), which is started only if needed.
+UDP uses one thread and one plain socket. Ready-made OSC servers use a thread per packet: packets
+then lose their order, and a few thousand packets a second are too many. Connections (TCP and
+WebSocket) run in a second thread, which is started only if needed
+(`sandbox.devices.tuio.tuio_streams`).
 """
 
 from __future__ import annotations
@@ -37,7 +38,7 @@ _SOCKETS: dict[Transport, tuple[socket.SocketKind, ...]] = {
 }
 
 _PORTS_TRIED = 64
-"""Largest number of ports, free for UDP, that are tried until a port is free for TCP as well."""
+"""Largest number of ports free for UDP that are tried until one is free for TCP as well."""
 
 Tap = Callable[[float, str, bytes | None], None]
 
@@ -52,18 +53,18 @@ _SOCKET_BUFFER = 1 << 20
 
 
 class TuioDevice(Device, Closeable):
-    """A port on which any number of TUIO senders report touches, in version 1.1 or 2.0.
+    """A port at which any number of TUIO senders report touches, in version 1.1 or 2.0.
 
-    All senders share the surface, so every frame holds the touches of all of them; their ids are
-    made unique. Invalid packets raise no error; `statistics` counts them.
+    All senders share the surface, so every frame has the touches of all senders; their ids are made
+    unique. Invalid packets raise no error; `statistics` counts them.
 
     Args:
         surface: The touch surface, which the senders' coordinates 0 to 1 span.
-        bind: IPv4 address of the network card to listen on. The default can only be reached from
-            this machine; 0.0.0.0 accepts packets from every network.
-        port: UDP or TCP port; 0 lets the system choose, and the attribute `port` has the choice.
-        transport: Transport to listen for. `all` also takes TCP at the same port, and WebSockets at
-            their own.
+        bind: IPv4 address of this machine to listen on. The default can only be reached from this
+            machine; 0.0.0.0 accepts packets from every network.
+        port: UDP or TCP port; with 0 the system chooses one, which the attribute `port` then has.
+        transport: Transport to listen for. `all`: UDP and TCP at `port`, and WebSockets at
+            `websocket_port`.
         websocket_port: Port for WebSockets; 0 lets the system choose.
         connect: Address of a sender that accepts connections, as the reference implementations do
             for TCP and WebSockets: `tcp://HOST:PORT` or `ws://HOST:PORT`. The device connects to it
@@ -72,8 +73,8 @@ class TuioDevice(Device, Closeable):
             connection has ended. It runs in the receiving thread and must return quickly. An
             InputError that it raises ends the device: `poll` raises this error.
         stale_after: Time (s) of silence after which the touches of a source are lifted.
-        queue_frames: Number of frames kept for `poll`; when full, the oldest is dropped and
-            counted.
+        queue_frames: Largest number of frames that wait for `poll`; if there are more, the oldest
+            are dropped and counted.
 
     Raises:
         DeviceError: The port is taken, or the address is not one of this machine.
@@ -136,7 +137,7 @@ class TuioDevice(Device, Closeable):
         self._open(transport, connect)
 
     def _open(self, transport: Transport, connect: str) -> None:
-        """Listens, or connects to the sender."""
+        """Begins to listen, or to connect to the sender."""
         if connect:
             self._streams = Streams(self, target=parse_target(connect))
             self._address = connect
@@ -162,17 +163,17 @@ class TuioDevice(Device, Closeable):
 
     @property
     def address(self) -> str:
-        """Address at which it listens, as HOST:PORT, or that of the sender to which it connects."""
+        """HOST:PORT at which the device listens, or the address of the sender to connect to."""
         return self._address
 
     @property
     def announced_port(self) -> int:
-        """The port at which it listens, for display: the port of `address`."""
+        """Port of `address`: that of UDP or TCP, or else of WebSockets."""
         return self.port if self._socket is not None or self._listens_tcp else self.websocket_port
 
     @property
     def transports(self) -> str:
-        """The transports it listens for, as text for people."""
+        """Transports for which the device listens, as text for people."""
         listens = [
             "UDP" if self._socket is not None else "",
             "TCP" if self._listens_tcp else "",
@@ -190,7 +191,7 @@ class TuioDevice(Device, Closeable):
 
     @property
     def report(self) -> ReaderReport:
-        """A copy of the report on values left out, and on assumptions."""
+        """A copy of the report on left-out data and assumptions."""
         with self._news:
             return self._tuio.report.copy()
 
@@ -202,17 +203,16 @@ class TuioDevice(Device, Closeable):
 
     @property
     def finished(self) -> bool:
-        """True once it is closed or has failed, every frame is fetched, and `poll` has raised the
-        failure."""
+        """True if the device is closed or has failed, and `poll` has returned all frames and raised
+        the failure."""
         with self._news:
             return not self._queue and not self._alive and (self._failure is None or self._told)
 
     def poll(self, now: float = 0.0) -> Sequence[TouchFrame]:
-        """Every frame committed since the last call, oldest first; `now` is ignored.
+        """Returns all frames since the last call, oldest first; `now` is ignored.
 
         Raises:
-            InputError: The socket has failed, or the tap cannot take packets, and all earlier
-                frames were fetched.
+            InputError: The socket or the tap has failed, and all earlier frames were returned.
         """
         with self._news:
             frames = list(self._queue)
@@ -331,11 +331,11 @@ class TuioDevice(Device, Closeable):
 def touch_frame(commit: Commit, surface: Surface, now: float, sizes: ContactSizes) -> TouchFrame:
     """Converts touches in 0..1 of the surface to a frame in metres.
 
-    Touches of a silent source end as lifted, not as cancelled: most likely a finger was lifted and
-    the last packet lost, so the hand must release what it held.
+    Touches of a silent source are lifted, not cancelled: most likely a finger was lifted and the
+    last packet was lost, so the hand must release the object.
 
-    The width and height of a touch become its extent, and its size is that of the circle of equal
-    area, as far as these are plausible for a finger or hand.
+    The width and height of a touch become its extent. Its size is the diameter of a circle of equal
+    area. Impossible values for a finger or hand are left out.
     """
     width, height = (float(length) for length in surface.size)
     contacts = []
@@ -355,8 +355,8 @@ def _listen(
 ) -> dict[socket.SocketKind, socket.socket]:
     """Opens one socket of each kind, all at one port; port 0 takes a port that is free for all.
 
-    A port that is free for one kind only is held until the search ends; otherwise the system might
-    offer it again.
+    During the search, a socket at a port that is free for one kind only stays open, so that the
+    system does not offer this port again.
     """
     with contextlib.ExitStack() as held:
         for tries_left in reversed(range(_PORTS_TRIED)):
@@ -375,7 +375,7 @@ def _listen(
 
 
 def _bound(kind: socket.SocketKind, bind: str, port: int) -> socket.socket:
-    """Opens a socket at an address; a UDP socket returns from `recvfrom` at least every tick."""
+    """Opens a socket at an address; `recvfrom` of a UDP socket waits for at most `_TICK`."""
     sock = socket.socket(socket.AF_INET, kind)
     try:
         if kind == socket.SOCK_DGRAM:

@@ -1,14 +1,15 @@
 """Decoders of TUIO datagrams: they turn messages of version 1.1 and 2.0 into frames, without state.
 
-Version 1.1, profiles 2Dcur and 2Dblb: a sender counts the frames of a profile (`fseq`), lists in
-each the ids of all living touches (`alive`), and gives the position of those that changed (`set`);
-`source` names the sender. Positions are 0 to 1 over the sensor, origin top left, y down. Cursors
-(2Dcur) are the touches; blobs (2Dblb) give their sizes. Specification: TUIO 1.1 (tuio.org).
+Version 1.1, profiles 2Dcur and 2Dblb. Each frame of a profile has: `alive`, the ids of all current
+touches; a `set` for each touch that has changed, with its position; and `fseq`, the number of the
+frame. `source` names the sender. Positions are 0 to 1 over the sensor, origin top left, y down.
+Cursors (2Dcur) are the touches; blobs (2Dblb) give their sizes. Specification: TUIO 1.1 (tuio.org).
 
-Version 2.0, pointers: `frm` opens a frame (its number, a time, the sensor's size, the source's
-name), `ptr` gives the position of a pointer that has changed, `bnd` the size of the component with
-the same id, `alv` lists all living ids and closes the frame. A large frame comes in several bundles
-that all begin with the same `frm`; only the last has `alv`. Specification: TUIO 2.0 (tuio.org).
+Version 2.0, pointers. `frm` opens a frame (its number, a time, the sensor's size, the source's
+name). `ptr` gives the position of a pointer that has changed, `bnd` the size of the component with
+the same id. `alv` lists all current ids and closes the frame. A large frame comes in several
+bundles that all begin with the same `frm`; only the last has `alv`. Specification: TUIO 2.0
+(tuio.org).
 """
 
 from __future__ import annotations
@@ -23,13 +24,14 @@ from models.reader_report import ReaderReport
 from sandbox.devices.tuio.osc import MalformedPacket, Message, Packet
 
 MAX_IDS = 64
-"""Largest number of living touches of one source; bounds memory."""
+"""Largest number of current touches of one source, to bound the memory."""
 
 MAX_FRAMES = 16
-"""Largest number of frames in a packet; regular senders use one. Bounds the work per packet."""
+"""Largest number of frames in a packet, to bound the work; regular senders use one frame."""
 
 SMALLEST = 1e-6
-"""Smallest length of a touch, in widths of the surface; smaller ones become 0 in metres."""
+"""Smallest width or height of a touch, as a share of the surface; smaller ones could become 0 in
+metres."""
 
 MAX_NAME = 200
 """Largest number of characters in a source's name."""
@@ -60,10 +62,10 @@ class TuioFrame:
     Attributes:
         source: Name of the sender.
         profile: Address of the profile, such as `/tuio/2Dcur`.
-        alive: Ids of all living touches.
+        alive: Ids of all current touches.
         places: Positions of the touches that have changed, by id.
         number: Number of the frame.
-        sizes: Widths and heights that were sent apart from the positions, by id.
+        sizes: Widths and heights that were sent in messages of their own, by id.
     """
 
     source: str | None
@@ -90,7 +92,7 @@ class TuioFrame:
 
 
 def read_int32(value: object) -> int:
-    """Reads a 32-bit integer; a whole number that is sent as a float counts as an integer.
+    """Reads a 32-bit integer; a float without a fraction is accepted.
 
     Raises:
         MalformedPacket: The value is not an integer.
@@ -103,7 +105,7 @@ def read_int32(value: object) -> int:
 
 
 def read_ids(values: Iterable[object], most: int, report: ReaderReport) -> tuple[int, ...]:
-    """Ids of the living touches, each once; invalid and surplus ids are left out."""
+    """Returns the ids of the current touches, each once; invalid and surplus ids are left out."""
     ids: dict[int, None] = {}
     for value in values:
         try:
@@ -115,10 +117,10 @@ def read_ids(values: Iterable[object], most: int, report: ReaderReport) -> tuple
 
 
 def read_position(x: object, y: object) -> tuple[float, float]:
-    """A position on the surface; a position in the margin is moved onto the edge.
+    """Returns a position on the surface; a position in the margin is moved onto the edge.
 
     Raises:
-        MalformedPacket: It is not two numbers, or lies beyond the margin.
+        MalformedPacket: x or y is not a number, or the position is beyond the margin.
     """
     places = [
         on_surface(value)
@@ -132,7 +134,7 @@ def read_position(x: object, y: object) -> tuple[float, float]:
 
 
 def read_size(width: object, height: object, report: ReaderReport) -> Size:
-    """Width and height in 0..1; None where the sender does not measure both (0).
+    """Returns width and height in 0..1; (None, None) if the sender does not measure both (0).
 
     Lengths that are not shares of the surface, such as pixels, are left out.
     """
@@ -149,7 +151,7 @@ def read_size(width: object, height: object, report: ReaderReport) -> Size:
 
 
 def printable_name(name: object) -> str:
-    """The name of a source as text that can be shown."""
+    """Returns the name of a source as printable text."""
     text = str(name)[:MAX_NAME]
     return "".join(c if c.isprintable() else "\ufffd" for c in text)
 
@@ -166,7 +168,7 @@ def _put(touches: dict[int, T], touch: int, value: T, most: int = MAX_IDS) -> No
 
 
 def _limited(frames: list[TuioFrame], report: ReaderReport) -> list[TuioFrame]:
-    """The last frames of a packet."""
+    """Returns the last `MAX_FRAMES` frames of a packet."""
     report.leave_out("frames beyond 16 in a packet", max(len(frames) - MAX_FRAMES, 0))
     return frames[-MAX_FRAMES:]
 
@@ -178,7 +180,7 @@ class Reading(NamedTuple):
     """The contents of a datagram.
 
     Attributes:
-        frames: Frames in order; an unclosed one has no number.
+        frames: Frames in order; an unclosed frame has no number.
         names: Names of the sources in the order of their last messages; None for a source without
             a name.
         ignored: Addresses of messages that are not used.
@@ -192,12 +194,12 @@ class Reading(NamedTuple):
 def read_frames(packet: Packet, report: ReaderReport) -> Reading:
     """Sorts a packet's messages into frames, without changing any state.
 
-    Messages may come in any order: those after the last `fseq` of a packet belong to its frame, and
-    the first `source` also names the messages before it.
+    Messages may come in any order. Messages after the last `fseq` of a packet belong to its frame,
+    and the first `source` also names the messages before it.
 
     Args:
         packet: The packet.
-        report: Receives what is left out, message by message.
+        report: Each left-out message is added to it.
     """
     named = [_source_name(message) for message in packet.messages]
     name = next((n for n in named if n is not None), None)
@@ -209,7 +211,7 @@ def read_frames(packet: Packet, report: ReaderReport) -> Reading:
         if message.address.startswith("/tuio/"):
             name = name if new_name is None else new_name
             names.pop(name, None)
-            names[name] = None  # in the order of their last messages
+            names[name] = None  # keeps the names in the order of their last messages
         if new_name is not None:
             if message.address not in (CURSORS, BLOBS):
                 ignored.append(_named(message))
@@ -237,7 +239,7 @@ def read_frames(packet: Packet, report: ReaderReport) -> Reading:
 
 
 def _source_name(message: Message) -> str | None:
-    """The name in a `source` message of any profile, since all profiles share the sender's name."""
+    """Returns the sender's name in a `source` message of any profile; None for other messages."""
     if not message.address.startswith("/tuio/") or message.arguments[:1] != ("source",):
         return None
     return printable_name("".join(map(str, message.arguments[1:2])))
@@ -251,13 +253,13 @@ def _read_command(arguments: Sequence[object], frame: TuioFrame, report: ReaderR
     """Adds one alive, set or fseq message to a frame.
 
     Raises:
-        MalformedPacket: The message breaks the protocol; only this message is left out.
+        MalformedPacket: The message is invalid; the caller leaves out this message only.
     """
     command, values = (arguments[0], arguments[1:]) if arguments else (None, ())
     if command == "alive":
         frame.alive = read_ids(values, MAX_IDS, report)
     elif command == "set":
-        # Some senders leave out speed and acceleration; they are neither used nor checked.
+        # Speed and acceleration are neither used nor checked; some senders leave them out.
         if len(values) < 3:
             raise MalformedPacket("set messages without id, x and y")
         place = _place(values, frame.profile, report)
@@ -269,7 +271,7 @@ def _read_command(arguments: Sequence[object], frame: TuioFrame, report: ReaderR
 
 
 def _number(values: Sequence[object], uncounted: int, report: ReaderReport) -> int:
-    """The number of a frame; `uncounted` if it cannot be read."""
+    """Returns the number of a frame; `uncounted` if it cannot be read."""
     try:
         return read_int32(values[0] if values else None)
     except MalformedPacket as error:
@@ -278,7 +280,7 @@ def _number(values: Sequence[object], uncounted: int, report: ReaderReport) -> i
 
 
 def _place(values: Sequence[object], profile: str, report: ReaderReport) -> TuioPlace:
-    """The position in a `set` message: id x y ...; for a blob id x y angle width height area ..."""
+    """Returns the position in a `set` message: id x y ...; blob: id x y angle width height ..."""
     position = read_position(values[1], values[2])
     if profile == CURSORS or len(values) < 6:
         return TuioPlace(*position)
@@ -292,16 +294,15 @@ MAX_ALIVE = 255
 """Largest number of ids in one `alv`, which lists tokens, symbols and bounds besides pointers."""
 
 FINGER_TYPES = {1: 1, 2: 2, 3: 3, 4: 4, 5: 0, 6: 1, 7: 2, 8: 3, 9: 4, 10: 0}
-"""Label of a finger by type of pointer: 1 to 5 are index, middle, ring, little finger and thumb of
-a right hand, 6 to 10 those of a left one. 0 is unknown; from 11 on there are pens, mice and
-hands."""
+"""Label of a finger by type of pointer. 1 to 5 are index, middle, ring, little finger and thumb of
+a right hand, 6 to 10 those of a left hand. 0 is unknown; 11 and more are pens, mice and hands."""
 
 
 class Reading20(NamedTuple):
     """The contents of a datagram.
 
     Attributes:
-        frames: Frames in order; one without a `number` continues the sender's last frame.
+        frames: Frames in order; a frame without `number` continues the sender's last frame.
         ignored: Addresses of the messages that do not concern pointers.
     """
 
@@ -316,7 +317,7 @@ def read_frames20(packet: Packet, report: ReaderReport) -> Reading20:
 
     Args:
         packet: The packet.
-        report: Receives what is left out, message by message.
+        report: Each left-out message is added to it.
     """
     frames: list[TuioFrame] = []
     ignored: list[str] = []
@@ -345,12 +346,15 @@ def read_frames20(packet: Packet, report: ReaderReport) -> Reading20:
 
 
 def label_of(type_and_user: int) -> int | None:
-    """Label of the finger in a pointer's type (lower 16 bits) and user (upper 16 bits)."""
+    """Returns the finger's label, from a pointer's type (lower 16 bits) and user (upper 16 bits).
+
+    Returns None if the type is not a finger.
+    """
     return FINGER_TYPES.get(type_and_user & 0xFFFF)
 
 
 def _opening(values: Sequence[object], report: ReaderReport) -> tuple[int, str]:
-    """Number and source of a `frm`; the sender's time and the sensor's size are not used."""
+    """Returns number and source of a `frm`; the sender's time and the sensor's size are not used."""
     return _number(values, 0, report) & 0xFFFFFFFF, printable_name("".join(map(str, values[3:4])))
 
 
@@ -358,7 +362,7 @@ def _read(message: Message, frame: TuioFrame, report: ReaderReport) -> None:
     """Adds one ptr, bnd or alv message to a frame.
 
     Raises:
-        MalformedPacket: The message breaks the protocol; only this message is left out.
+        MalformedPacket: The message is invalid; the caller leaves out this message only.
     """
     values = message.arguments
     if message.address == _ALIVE:

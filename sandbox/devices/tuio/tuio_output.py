@@ -15,11 +15,12 @@ from models.surface import Surface
 from sandbox.devices.tuio.tuio_frames import CURSORS
 
 PERIOD = 1.0
-"""Time (s) between two redundant bundles, which repeat the current state after lost packets."""
+"""Time (s) between two redundant bundles. They repeat the current state, in case packets were lost.
+"""
 
 SETS_PER_BUNDLE = 12
-"""Largest number of touches in a bundle, which must fit into one packet of any network (about 1,000
-of 1,500 bytes)."""
+"""Largest number of touches in a bundle. A bundle of about 1,000 bytes fits into one packet of any
+network (1,500 bytes)."""
 
 SOURCE = "hand-sandbox"
 
@@ -30,7 +31,7 @@ PASSING = {
     errno.EHOSTDOWN,
     errno.ENOBUFS,
 }
-"""Errors of a network that may recover. The receiver then gets the state with the next redundant
+"""Errors of a network that may recover. The receiver then gets the state from the next redundant
 bundle."""
 
 _FSEQ_MODULUS = 2**31 - 1
@@ -52,8 +53,8 @@ class _Sent(NamedTuple):
 class TuioEncoder:
     """Encodes touch frames as bundles.
 
-    A touch gets a new session id when it comes down, so that ids of any device fit into the
-    protocol's 32 bits and are never used twice. Speeds are in surface lengths per second.
+    Each touch gets a new session id: ids of a device may not fit into the protocol's 32 bits, or
+    may be used again. Speeds are in surface widths and heights per second.
 
     Args:
         surface: Touch surface that the coordinates 0 to 1 span.
@@ -68,7 +69,7 @@ class TuioEncoder:
         self._fseq = 0
 
     def bundles(self, frame: TouchFrame) -> list[bytes]:
-        """Encodes a frame as one packet, or as several with the same number if it is large."""
+        """Encodes a frame as one packet; a large frame as several packets with the same number."""
         self._fseq = self._fseq % _FSEQ_MODULUS + 1
         now: dict[int, _Sent] = {}
         sets: list[bytes] = []
@@ -81,7 +82,7 @@ class TuioEncoder:
         return self._packed(sets, self._fseq)
 
     def redundant(self) -> list[bytes]:
-        """Encodes the current state, to be sent periodically; it is not numbered as a frame."""
+        """Encodes the current state, to be sent periodically, without a frame number."""
         return self._packed([_set(touch, 0.0) for touch in self._touches.values()], -1)
 
     def _moved(self, contact: Contact, before: _Sent | None, time: float) -> tuple[_Sent, float]:
@@ -126,7 +127,7 @@ class TuioOutput:
         self._due = -math.inf
 
     def send(self, frames: Sequence[TouchFrame], now: float) -> None:
-        """Sends frames, and the current state once a second; `now` is any steady clock, s."""
+        """Sends frames, and the current state once a second; `now`: time (s) of a steady clock."""
         packets = [packet for frame in frames for packet in self._encoder.bundles(frame)]
         if now >= self._due:
             self._due = now + PERIOD
@@ -144,7 +145,7 @@ class TuioOutput:
 
 
 def connected(to: str) -> socket.socket:
-    """A UDP socket that sends to HOST:PORT.
+    """Returns a UDP socket that sends to HOST:PORT.
 
     Raises:
         DeviceError: The address is not valid.
@@ -155,7 +156,7 @@ def connected(to: str) -> socket.socket:
         # Connected, so that the system reports a missing receiver.
         if not host:
             raise ValueError("the host is missing")
-        # RFC 6761: this name is always the loopback address; a bare machine may not resolve it.
+        # RFC 6761: localhost is always the loopback address; some machines do not resolve it.
         channel.connect(("127.0.0.1" if host == "localhost" else host, int(port)))
     except (OSError, ValueError, OverflowError) as error:
         channel.close()
@@ -171,7 +172,7 @@ def send_packet(channel: socket.socket, data: bytes, to: str) -> bool:
     """Sends a packet; True if the system reports that no program received it or an earlier packet.
 
     Raises:
-        DeviceError: It cannot be sent, for another reason than a network that may recover.
+        DeviceError: The packet cannot be sent, and the network will not recover (`PASSING`).
     """
     try:
         try:

@@ -1,17 +1,18 @@
 """Tracking of the touches of all TUIO 1.1 and 2.0 senders over time.
 
-TUIO has no messages for touch-down and touch-up: a touch begins with the first position of a living
-id and ends when its id is missing from the list of living ids. State and counters are kept per
-source and profile, so that a frame of one sender is never late by the counter of another sender.
+TUIO has no messages for touch-down and touch-up. A touch begins with the first position of an alive
+id, and ends when its id is missing from the list of alive ids. Each source and profile has its own
+state and frame counter, so frames of different senders are never compared.
 
-A source is identified by host and name. Two senders of one host may have the same name, or none,
-and then differ by their ports; but some libraries send every packet from another port. So a packet
-from a new port belongs to the source whose frames it continues; if it continues none, it belongs to
-a new source. If packets arrive again from the old port of a source that moved to a new port, the
+A source is identified by host and name. Two senders of one host may have the same name, or none;
+then their ports differ. But some libraries send every packet from another port. So a packet from a
+new port belongs to the source whose frames it continues. If it continues none, it belongs to a new
+source. If packets arrive again from the former port of a source that moved to a new port, the
 source was two senders, and each gets its own touches back.
 
 A program that sends both versions, or over two transports, reports every finger twice. Two such
-sources of one host whose touches all lie at the same places are one sender, and count once.
+sources of one host are one sender if all their touches have the same positions; the touches then
+count once.
 """
 
 from __future__ import annotations
@@ -34,28 +35,28 @@ from sandbox.devices.tuio.tuio_frames import (
 )
 
 RESTART_GAP = 100
-"""Fall of a TUIO 1.1 frame counter above which the sender was restarted (as in the reference
-clients); a smaller fall means that a packet was overtaken."""
+"""Decrease of a TUIO 1.1 frame counter above which the sender was restarted (as in the reference
+clients). After a smaller decrease, the packet is late: a later packet has overtaken it."""
 
 RESTART_FRAMES = 4
-"""Number of consecutive frames, counted upwards, after which a counter that fell has restarted:
-some senders count to 63 or 255 only. An overtaken packet comes alone."""
+"""Number of consecutive frames with increasing numbers that show a restart of a counter that has
+decreased: some senders count only to 63 or 255. A late packet comes alone."""
 
 RECONNECTION = 0.25
-"""Time (s) in which a sender whose connection has ended may return with its touches."""
+"""Time (s) in which a sender whose connection has ended may reconnect without losing touches."""
 
 RESTART_TIME = 1.0
-"""Time (s) after the last frame from which a fall of a TUIO 2.0 counter means a restart."""
+"""After this time (s) without a frame, a decrease of a TUIO 2.0 counter means a restart."""
 
 ID_STRIDE = 2**32
 """Offset between the ids of two sources, as ids are int32 and unique per source only."""
 
 
 class Touch(NamedTuple):
-    """A living touch: an id unique among all sources, x and y in 0..1 of the surface.
+    """An alive touch.
 
-    Width and height are in 0..1 of the surface too; `label` is the finger, 0 (thumb) to 4. They are
-    None if the sender does not report them.
+    `id` is unique among all sources. x, y, width and height are in 0..1 of the surface. `label` is
+    the finger, 0 (thumb) to 4. Width, height and label are None if the sender does not report them.
     """
 
     id: int
@@ -71,18 +72,19 @@ class TuioSource:
     """The state of one sender.
 
     Attributes:
-        name: Name that it sends.
-        peer: Network address of its packets: transport other than UDP, host and port.
+        name: Name that the sender sends.
+        peer: Network address of the packets: host and port, and before them the transport if it is
+            not UDP.
         version: Version of the protocol, `1.1` or `2.0`.
-        heard: s, time of its last packet.
-        turn: Number of its last message among those of all sources.
-        stale: True if it has been silent for too long.
+        heard: Time of the last packet, s.
+        turn: Number of the source's last message among the messages of all sources.
+        stale: True if the source has been silent for too long.
         left: True if its connection has ended.
-        slot: Number among the sources with touches; None before its first touch.
-        places: Positions of its living touches, by id.
+        slot: Number of the source among those with touches; None before its first touch.
+        places: Positions of the alive touches, by id.
         open: Unclosed frame by profile.
-        before: The source before it moved to its present port; None if it never moved.
-        twin: Another source that reports the same touches, and whose touches are shown instead.
+        before: State of the source before it moved to its present port; None if it never moved.
+        twin: Another source that reports the same touches, which are shown instead; None without.
     """
 
     name: str
@@ -106,11 +108,11 @@ class TuioSource:
 
     @property
     def host(self) -> str:
-        """Its peer without the port."""
+        """`peer` without the port."""
         return _without_port(self.peer)
 
     def continues(self, frame: TuioFrame | None) -> bool:
-        """True if a packet from another port of its host comes from this source.
+        """True if a packet from another port of the same host comes from this source.
 
         Args:
             frame: First frame of the packet about touches; None if it has none.
@@ -131,7 +133,7 @@ class TuioSource:
         return step == 1 or (0 <= step <= RESTART_GAP and (shared or not (mine or alive)))
 
     def moved(self, peer: str) -> TuioSource:
-        """The same source at another port."""
+        """Returns the same source at another port."""
         self.before = None
         return replace(
             self,
@@ -144,14 +146,14 @@ class TuioSource:
         )
 
     def settle(self) -> TuioSource:
-        """Marks it as a source with a port of its own, to which it has returned."""
+        """Marks the source as one that always sends from its own port; returns it."""
         self._settled, self.slot, self.twin = True, None, None
         return self
 
     def late(self, frame: TuioFrame, now: float) -> str:
-        """Reason why a closed frame is late; empty if it is in time, and its number is stored."""
+        """Returns why a closed frame is late; if it is not, stores its number and returns ""."""
         number, last = frame.number, self._numbers.get(frame.profile)
-        if number is None or number <= 0:  # unnumbered, usually -1, in 2.0 0: never late
+        if number is None or number <= 0:  # no number (usually -1, in 2.0 0): never late
             return ""
         if last is not None and number < last:
             recent = now - self._counted_at < RESTART_TIME
@@ -166,11 +168,11 @@ class TuioSource:
         return ""
 
     def completes(self, frame: TuioFrame) -> bool:
-        """True if a part without `alv` belongs to the frame that was closed last."""
+        """True if a part without `alv` belongs to the last closed frame."""
         return bool(frame.number) and frame.number == self._numbers.get(frame.profile)
 
     def commit(self, frame: TuioFrame, report: ReaderReport) -> None:
-        """Updates the living touches from a closed frame."""
+        """Updates the alive touches from a closed frame."""
         if frame.alive is not None:
             self._alive[frame.profile] = frame.alive
         alive = self._alive.get(frame.profile)
@@ -191,9 +193,9 @@ class TuioSource:
                 self.places[touch] = known[touch]._replace(width=width, height=height)
 
     def silence(self) -> None:
-        """Marks it stale: removes its touches, counters and unclosed frames.
+        """Marks the source as stale: it shows no touches, and loses counters and unclosed frames.
 
-        The positions are kept, because a resting finger is alive in the next frame.
+        Positions stay stored, because a resting finger may be alive in the next frame.
         """
         self.stale, self.slot, self.twin = True, None, None
         self.open.clear()
@@ -201,7 +203,7 @@ class TuioSource:
         self._behind.clear()
 
     def touches(self) -> Iterable[Touch]:
-        """The living touches, none while the source is silent."""
+        """Yields the alive touches; none while the source shows none."""
         if self.slot is None:
             return
         # A sender that labels every pointer as a right index finger cannot distinguish fingers.
@@ -212,7 +214,10 @@ class TuioSource:
             yield Touch(touch + self.slot * ID_STRIDE, place.x, place.y, *size, label)
 
     def _size(self, place: TuioPlace) -> tuple[float | None, float | None]:
-        """Width and height of the blob around a cursor; ids need not match, as senders differ."""
+        """Returns width and height of the blob around a cursor, found by position.
+
+        Ids of cursors and blobs need not match.
+        """
         nearest = 1.0
         size: tuple[float | None, float | None] = (None, None)
         for blob in self._blobs.values():
@@ -226,19 +231,19 @@ class TuioSource:
 
 
 MAX_SOURCES = 64
-"""Largest number of sources; beyond it, the source that was silent for longest is removed."""
+"""Largest number of sources; if there are more, the one with the oldest packet is removed."""
 
 MAX_TOUCHES = 128
-"""Largest number of touches of all sources in one frame; bounds the memory for many senders."""
+"""Largest number of touches of all sources in one frame, to bound the memory."""
 
 
 SAME_PLACE = 0.002
-"""Distance below which two sources report one touch, in widths of the surface: 0.4 mm of a
-tablet."""
+"""Distance below which touches of two sources are the same touch, in widths of the surface; 0.4 mm
+on a tablet."""
 
 
 class Commit(NamedTuple):
-    """A committed frame: the name of its source, and the touches of all sources after it.
+    """A committed frame: the name of its source, and the touches of all sources at that time.
 
     `cancelled` has the ids of touches that ended because their sender disconnected.
     """
@@ -252,11 +257,10 @@ class Commit(NamedTuple):
 class Statistics:
     """Counters of packets, frames and problems.
 
-    Malformed: packets with parts that were left out, or of which nothing could be read. Late:
-    overtaken frames. Unfinished: frames that were never closed. Ignored: messages of other
-    profiles and programs. Evicted: sources removed to make room. Surplus: touches beyond
-    `MAX_TOUCHES`. Dropped: frames that were not fetched in time. Refused: connections that were
-    refused.
+    Malformed: packets of which parts, or all, could not be read. Late: frames that arrived after a
+    later frame. Unfinished: frames that were never closed. Ignored: messages of other profiles and
+    programs. Evicted: sources removed to make room. Surplus: touches beyond `MAX_TOUCHES`. Dropped:
+    frames that were not polled in time. Refused: connections that were refused.
     """
 
     packets: int = 0
@@ -301,8 +305,8 @@ class Tuio:
 
     Args:
         stale_after: Time (s) without a packet after which a source's touches are lifted. The
-            protocol has no such rule, and a finger whose last packet is lost would stay down for
-            ever. The time must not be short, because a resting finger may send nothing.
+            protocol has no such rule; without it, a finger whose last packet is lost would stay
+            down forever. The time must not be short, because a resting finger may send nothing.
     """
 
     def __init__(self, stale_after: float = 2.0) -> None:
@@ -344,14 +348,14 @@ class Tuio:
         self._count_ignored([a for a in ignored if not _is_tuio20(a)] + also_ignored)
         commits: list[Commit] = []
         if not packet.messages:
-            # An empty bundle shows that its sender is alive.
+            # An empty bundle shows that its sender is still running.
             for source in self._sources:
                 if source.peer == peer and not source.stale:
                     source.heard = now
         for frame in frames:
             source = self._hear(peer, frame.source, "1.1", frame, now, commits)
             self._apply(frame, source, packet, now, commits)
-        for name in names:  # a packet without touches shows that the source is alive, too
+        for name in names:  # a packet without touches also shows that the sender is running
             self._hear(peer, name, "1.1", None, now, commits)
         for frame in pointers:
             if frame.source is None and self._find(peer, None, "2.0", frame) is None:
@@ -362,9 +366,9 @@ class Tuio:
         return commits
 
     def expire(self, now: float) -> list[Commit]:
-        """Lifts the touches of sources that have been silent for too long.
+        """Ends the touches of sources that have been silent for too long.
 
-        Those of a sender that has left are cancelled, not lifted.
+        They are lifted; touches of a sender whose connection has ended are cancelled.
         """
         commits: list[Commit] = []
         for source in [s for s in self._sources if not s.stale]:
@@ -373,14 +377,14 @@ class Tuio:
         return commits
 
     def end(self) -> list[Commit]:
-        """Cancels the touches of senders that have left for good."""
+        """Cancels the touches of senders whose connection has ended and that will not return."""
         commits: list[Commit] = []
         for source in [s for s in self._sources if s.left]:
             self._end(source, commits)
         return commits
 
     def _end(self, source: TuioSource, commits: list[Commit]) -> None:
-        """Lifts the touches of a silent source, or cancels those of a source that has left."""
+        """Lifts the touches of a silent source; cancels them if its connection has ended."""
         shown = frozenset(touch.id for touch in source.touches())
         if source.left:
             self._forget(source)
@@ -391,8 +395,11 @@ class Tuio:
             self._commit(source, commits, shown if source.left else frozenset())
 
     def disconnect(self, peer: str, now: float) -> None:
-        """Processes the end of a connection. A sender that returns at once keeps its touches, since
-        some senders connect for every packet."""
+        """Processes the end of a connection.
+
+        Touches are cancelled only after `RECONNECTION`, since some senders connect for every
+        packet.
+        """
         for source in [s for s in self._sources if s.peer == peer]:
             if source.slot is None:
                 self._forget(source)
@@ -446,7 +453,7 @@ class Tuio:
             self._commit(source, commits)
 
     def _in_time(self, frame: TuioFrame, source: TuioSource, now: float) -> bool:
-        """Commits a closed frame; False if it is late and changes nothing."""
+        """Updates the source from a closed frame; returns False for a late frame, which is ignored."""
         reason = source.late(frame, now)
         if reason:
             self.statistics.late += 1
@@ -476,9 +483,10 @@ class Tuio:
         commits.append(Commit(source.name, tuple(touches), cancelled))
 
     def _find_twin(self, source: TuioSource) -> None:
-        """Finds another source of its host that reports the same touches.
+        """Finds another source of the same host that reports the same touches.
 
-        The source of version 2.0 is shown, which has more data, under the ids shown before.
+        The touches of version 2.0 are shown, since they have more data. Their ids do not change if
+        the other source was shown before.
         """
         if source.twin is not None or source.stale or not source.places:
             return
@@ -496,7 +504,7 @@ class Tuio:
                     shown.slot = hidden.slot
                 hidden.slot, hidden.twin = None, shown
                 self.report.assume(
-                    f"{shown.name or shown.host} sends every touch twice, which counts once"
+                    f"{shown.name or shown.host} sends every touch twice; each counts once"
                 )
                 return
 
@@ -509,7 +517,10 @@ class Tuio:
         now: float,
         commits: list[Commit],
     ) -> TuioSource:
-        """The source of a message; without a name, the last source at that address."""
+        """Returns the source of a message, a new one if necessary, and marks it as running.
+
+        A message without a name belongs to the last source at its address.
+        """
         source = self._find(peer, name, version, frame)
         if source is None:
             if len(self._sources) >= MAX_SOURCES:
@@ -528,7 +539,7 @@ class Tuio:
     def _find(
         self, peer: str, name: str | None, version: str, frame: TuioFrame | None
     ) -> TuioSource | None:
-        """The source of a message, perhaps with another port; None if it is unknown.
+        """Finds the source of a message, perhaps with another port; None if it is unknown.
 
         Args:
             peer: Address of the packet.
@@ -552,7 +563,11 @@ class Tuio:
         return max(found, key=lambda s: s.turn, default=None)
 
     def _at_new_port(self, source: TuioSource, peer: str) -> TuioSource:
-        """The source at another port of its host. At its former port, it is the former sender."""
+        """Moves a source to another port of its host.
+
+        If `peer` is the port from which the source had moved, there are two senders: the former
+        source is restored and returned.
+        """
         index = self._sources.index(source)
         if source.before is not None and source.before.peer == peer:
             back, source.before = source.before.settle(), None
@@ -575,7 +590,7 @@ class Tuio:
         self._part(source)
 
     def _part(self, source: TuioSource, heir: TuioSource | None = None) -> None:
-        """Assigns the sources whose touches a source showed to another source, or to none."""
+        """Replaces a source as the `twin` of other sources, by `heir` or by none."""
         for other in self._sources:
             if other.twin is source:
                 other.twin = heir
@@ -588,13 +603,15 @@ def _without_port(peer: str) -> str:
 
 
 def _bare(host: str) -> str:
-    """A host without its transport."""
+    """Returns a host without its transport."""
     return host.rpartition(" ")[2]
 
 
 def _same_places(some: Mapping[int, TuioPlace], others: Mapping[int, TuioPlace]) -> bool:
-    """True if every touch of each of two sources lies at a touch of the other. Two fingers cannot
-    be at one place."""
+    """True if two sources have touches at the same positions.
+
+    Two fingers of different senders cannot be at the same position.
+    """
     return len(some) == len(others) and all(
         any(max(abs(a.x - b.x), abs(a.y - b.y)) < SAME_PLACE for b in others.values())
         for a in some.values()

@@ -1,8 +1,9 @@
 """TUIO over connections: TCP with a length before each packet, and WebSockets.
 
-One thread with its own event loop either listens, or connects to one sender and reconnects when the
-connection ends, since the reference implementations of senders accept connections. TUIO has no
-authentication, but a web page in this machine's browser must not be able to send touches.
+One thread has its own event loop. Either it listens, or it connects to one sender, and reconnects
+when the connection ends; the reference implementations of senders accept connections. TUIO has no
+authentication. Requests from web pages of other sites are refused, so that a page in this machine's
+browser cannot send touches.
 """
 
 from __future__ import annotations
@@ -34,8 +35,8 @@ MAX_CONNECTIONS = 32
 """Largest number of simultaneous connections; a sender needs one."""
 
 SILENT = 10.0
-"""Time (s) of silence after which a TCP connection is ended if another connection needs its place:
-a tablet that falls asleep sends no message about it."""
+"""Time (s) of silence after which a TCP connection may be ended to make room for another one. A
+tablet that falls asleep does not end its connection."""
 
 _TICK = 0.1
 _REDIAL = 0.5
@@ -81,7 +82,7 @@ def parse_target(text: str) -> SenderAddress:
     try:
         parts = urlsplit(text)
         scheme, host, port = parts.scheme, parts.hostname or "", parts.port
-        host.encode("idna")  # as connecting does, which fails for a name with an empty part
+        host.encode("idna")  # refuses names with an empty part, for which connecting would fail
     except ValueError:
         scheme, host, port = "", "", None
     if scheme not in ("tcp", "ws", "wss") or not host or port == 0:
@@ -101,8 +102,8 @@ class Streams:
     Args:
         receiver: Receiver of the packets.
         bind: Address to listen on for WebSockets.
-        tcp: Bound socket to listen on for TCP, which is closed with the connections. With None, it
-            does not listen for TCP.
+        tcp: Bound socket to listen on for TCP; it is closed at the end. None does not listen for
+            TCP.
         websocket_port: Port for WebSockets; 0 takes a free one, None does not listen for them.
         target: Address of a sender to connect to, instead of listening.
 
@@ -155,7 +156,7 @@ class Streams:
         asyncio.set_event_loop(self._loop)
         try:
             self._loop.run_until_complete(self._work())
-        except Exception as error:  # reported, so that it is not lost with the thread
+        except Exception as error:  # passed on, since it would end only this thread
             self._receiver.fail(error, "TCP")
         finally:
             self._loop.close()
@@ -242,15 +243,17 @@ class Streams:
             return
         self._connections += 1
         try:
-            # Cancelled by `close`; asyncio's own server would print a traceback.
+            # `close` cancels this task; asyncio's own server would print a traceback.
             with contextlib.suppress(asyncio.CancelledError):
                 await self._read_tcp(reader, writer, f"tcp {host}:{port}")
         finally:
             self._connections -= 1
 
     def _end_silent_connection(self) -> bool:
-        """Ends the TCP connection that has been silent for longest; False if none has been silent
-        for the time `SILENT`."""
+        """Ends the TCP connection that has been silent for longest.
+
+        Returns False if no connection has been silent for `SILENT`.
+        """
         silent = min(self._heard, key=lambda writer: self._heard[writer], default=None)
         if silent is None or time.monotonic() - self._heard[silent] < SILENT:
             return False
@@ -313,8 +316,8 @@ class Streams:
 def refusal(hosts: list[str], origins: list[str]) -> str:
     """Reason for refusing a request for a WebSocket; empty if it is accepted.
 
-    A host name that is neither an address nor localhost means DNS rebinding. A foreign `Origin`
-    means a web page in a browser on this machine; other programs send none.
+    A host name that is neither an address nor localhost is a sign of DNS rebinding. A foreign
+    `Origin` is that of a web page in a browser on this machine; other programs send no `Origin`.
 
     Args:
         hosts: Values of the `Host` header.
@@ -351,7 +354,7 @@ def _is_address(host: str) -> bool:
 
 
 def _silent_logger() -> logging.Logger:
-    """A silent logger: errors of foreign connections are counted, not printed."""
+    """Returns a silent logger: errors of foreign connections are counted, not printed."""
     logger = logging.Logger("hand_sandbox.tuio")
     logger.addHandler(logging.NullHandler())
     return logger

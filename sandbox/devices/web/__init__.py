@@ -12,7 +12,7 @@ def _open(options: NoOptions, place: Place) -> AnyDevice:
 
 
 DEVICE = DeviceEntry(
-    "our page in a browser, on this machine or a tablet: fingers, or a mouse",
+    "the program's page in a browser, on this machine or a tablet: fingers, or a mouse",
     _open,
     NoOptions,
     DeviceKind(one_hand=True),

@@ -1,4 +1,4 @@
-"""A camera that sees hands: a page in a browser of this machine finds them in its pictures."""
+"""A camera: a page in a browser on this machine finds hands in its pictures."""
 
 from __future__ import annotations
 
@@ -30,26 +30,26 @@ _FORM = "fov=60 or sees=0.58/0.5,at=0/0.45/0.1,tilt=0,roll=0,pan=0,mirrored,quie
 
 @dataclass(frozen=True)
 class WebcamOptions:
-    """How a camera's page is opened; where the camera stands is a setting of the hand."""
+    """How a camera's page is opened. The position of the camera is a setting of the hand."""
 
     mirrored: bool = False
-    """The picture is a mirror's."""
+    """The camera's picture is mirrored."""
 
     quiet: bool = False
-    """The page's address is printed, and no browser is opened."""
+    """Only print the page's address; open no browser."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class BeforeCameraOptions:
-    """The camera before which a hand is, live or in a recording."""
+    """Options of the camera, live or in a recording, that sees a hand."""
 
     webcam: str = field(default="", metadata={"metavar": "KEY=VALUE,..."})
-    """The camera of --device webcam, by any of: fov=DEGREES across its picture, which with your
-    hand's size gives its distance (default 60), or sees=ACROSS/AWAY, how many m of a ruler it sees
-    from edge to edge, and how far away the ruler is held; at=X/Y/Z, where the camera is, m from the
-    centre of the table top: right, away, up (default 0/0.45/0.1, facing you); tilt=DEGREES down;
-    pan=DEGREES and roll=DEGREES; mirrored, if its picture is a mirror's; quiet, to open no
-    browser."""
+    """Settings of the camera of --device webcam: fov=DEGREES, the horizontal field of view (default
+    60), or sees=ACROSS/AWAY, the length of a ruler that fills the picture's width and its distance
+    from the camera, in m. at=X/Y/Z: position of the camera in m from the centre of the table top:
+    right, away, up (default 0/0.45/0.1, facing you). tilt=DEGREES down; pan=DEGREES; roll=DEGREES.
+    mirrored: the camera's picture is mirrored. quiet: open no browser. The distance of the hand
+    follows from the field of view and the hand's size."""
 
     @cached_property
     def _choice(self) -> WebcamChoice:
@@ -57,12 +57,12 @@ class BeforeCameraOptions:
 
     @property
     def mirrored(self) -> bool:
-        """The picture is a mirror's."""
+        """True if the camera's picture is mirrored."""
         return self._choice.mirrored
 
     @property
     def quiet(self) -> bool:
-        """No browser is opened."""
+        """True if no browser is opened."""
         return self._choice.quiet
 
 
@@ -72,8 +72,8 @@ class WebcamChoice:
 
     Attributes:
         camera: The camera.
-        mirrored: Its picture is a mirror's.
-        quiet: The page's address is printed, and no browser is opened.
+        mirrored: True if the camera's picture is mirrored.
+        quiet: True if the page's address is only printed, and no browser is opened.
     """
 
     camera: Camera
@@ -86,10 +86,10 @@ def webcam_choice(text: str, camera: Camera | None = None) -> WebcamChoice:
 
     Args:
         text: The option's value.
-        camera: Camera whose values hold if the text does not set them; None is the default camera.
+        camera: Camera with the values that the text does not set; None: the default camera.
 
     Raises:
-        InputError: A part of it is unknown or impossible.
+        InputError: A part of the text is unknown or has an impossible value.
     """
     values: dict[str, Any] = {}
     words: dict[str, bool] = {}
@@ -115,10 +115,10 @@ def webcam_choice(text: str, camera: Camera | None = None) -> WebcamChoice:
 
 
 def before_camera(options: BeforeCameraOptions, argument: str, side: str) -> HandInput:
-    """The settings with which a live camera drives a hand.
+    """Returns the input settings of a hand in front of a live camera.
 
     Raises:
-        InputError: The camera is impossible.
+        InputError: A setting of the camera is impossible.
     """
     return HandInput(camera=webcam_choice(options.webcam).camera)
 
@@ -129,10 +129,10 @@ class PlayedCameraOptions(UnitOptions, BeforeCameraOptions):
 
 
 def in_landmark_file(options: PlayedCameraOptions, file: str, side: str) -> HandInput:
-    """The settings with which the camera of a recording drives a hand.
+    """Returns the input settings of a hand in a recording of landmarks.
 
     Raises:
-        InputError: The camera is impossible, or the recording cannot be read.
+        InputError: A setting of the camera is impossible, or the recording cannot be read.
     """
     from sandbox.devices.files import read_once
     from sandbox.devices.webcam.landmarks import read_landmarks
@@ -176,7 +176,7 @@ def _check_file(options: PlayedOptions, argument: str) -> None:
 
 
 DEVICE: DeviceEntry[Any] = DeviceEntry(
-    "a hand before a camera, by a page that opens in a browser of this machine",
+    "a hand in front of a camera, by a page that opens in a browser of this machine",
     _open,
     WebcamOptions,
     DeviceKind(Sees.CAMERA, labels=True, in_scene=True),

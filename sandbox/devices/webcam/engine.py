@@ -1,4 +1,4 @@
-"""The engine that finds hands in pictures: its folder, and its installation."""
+"""The engine that finds hands in pictures (MediaPipe): its folder and its installation."""
 
 from __future__ import annotations
 
@@ -40,11 +40,11 @@ FILES: Mapping[str, str] = {
 }
 """Name of each required file -> its SHA-256."""
 
-INSTALL = "`sandbox devices webcam install` brings it, once, with the network"
+INSTALL = "`sandbox devices webcam install` installs it; this needs the network once"
 
 
 def data_folder() -> Path:
-    """The folder for this user's data, in the system's place for such folders."""
+    """Returns the folder for this user's data, as usual on this system."""
     if sys.platform == "win32":
         base = os.environ.get("LOCALAPPDATA") or str(home() / "AppData" / "Local")
     elif sys.platform == "darwin":
@@ -55,12 +55,12 @@ def data_folder() -> Path:
 
 
 def engine_folder() -> Path:
-    """The engine's folder, whether it is installed or not."""
+    """Returns the engine's folder, whether it is installed or not."""
     return data_folder() / f"webcam-{ENGINE_VERSION}-{MODEL_VERSION}"
 
 
 def digest(path: Path) -> str:
-    """SHA-256 of a file; empty if it cannot be read."""
+    """Returns the SHA-256 of a file; empty if it cannot be read."""
     try:
         return sha256(path.read_bytes()).hexdigest()
     except OSError:
@@ -68,34 +68,34 @@ def digest(path: Path) -> str:
 
 
 def missing(folder: Path) -> list[str]:
-    """Files of the engine that are missing in a folder."""
+    """Returns the engine's files that are missing in a folder."""
     return [name for name in FILES if not (folder / name).is_file()]
 
 
 def damaged(folder: Path) -> list[str]:
-    """Files of the engine that are missing in a folder, or whose contents are not as published."""
+    """Returns the engine's files that are missing in a folder, or not as published."""
     return [name for name, wanted in FILES.items() if digest(folder / name) != wanted]
 
 
 def installed_engine() -> Path:
-    """The folder of the installed engine.
+    """Returns the folder of the installed engine.
 
     Raises:
-        DeviceError: It is not installed, or damaged.
+        DeviceError: The engine is not installed, or damaged.
     """
     folder = engine_folder()
     if lacking := missing(folder):
         raise DeviceError(
-            "what finds hands in pictures is not installed",
+            "the engine that finds hands in pictures (MediaPipe) is not installed",
             where="--device webcam",
             got=f"no {lacking[0]} in {folder}",
             remedy=INSTALL,
         )
     if wrong := damaged(folder):
         raise DeviceError(
-            "what finds hands in pictures is damaged",
+            "the engine that finds hands in pictures (MediaPipe) is damaged",
             where=str(folder / wrong[0]),
-            got="another SHA-256",
+            got="another SHA-256 than published",
             remedy=INSTALL,
         )
     return folder
@@ -106,7 +106,8 @@ ARCHIVE = f"mediapipe-tasks-vision-{ENGINE_VERSION}.tgz"
 ARCHIVE_SHA256 = "84597a25e13d123b5f4cbe768bb72e97a2c28c7a465f0ace287d8cbe5246bff0"
 WHEEL = f"mediapipe-{MODEL_VERSION}-cp311-cp311-manylinux_2_28_x86_64.whl"
 WHEEL_SHA256 = "05dc4a9e593655a79558d05d6227d31018c2537a4bd3362b51e230cf22aecfe3"
-"""One wheel for all machines: only its model is used, which is the same in all of them."""
+"""The wheel that is used on all machines. Only its model is needed, and all wheels have the same.
+"""
 
 _IN_MODEL = {
     "hand_detector.tflite": "mediapipe/modules/palm_detection/palm_detection_full.tflite",
@@ -116,9 +117,9 @@ _IN_MODEL = {
 _LICENCE_IN_WHEEL = f"mediapipe-{MODEL_VERSION}.dist-info/LICENSE"
 
 _LONGEST = 600.0
-"""Time (s) after which a fetch is given up."""
+"""Timeout of a download, s."""
 _LARGEST = 1 << 27
-"""Bytes of the largest answer that is read."""
+"""Largest number of bytes that is read of a download."""
 _NPM, _PYPI = "https://registry.npmjs.org/", "https://pypi.org/simple/"
 _LINK = re.compile(r'href="([^"]+)"')
 
@@ -126,13 +127,13 @@ Say = Callable[[str], None]
 
 
 def install(say: Say) -> Path:
-    """Fetches, checks and stores the engine; returns its folder.
+    """Downloads, checks and stores the engine; returns its folder.
 
     Args:
-        say: Receives lines on the progress.
+        say: Called with each line about the progress.
 
     Raises:
-        DeviceError: A package cannot be fetched or stored, or its contents are not as published.
+        DeviceError: A package cannot be downloaded or stored, or is not as published.
     """
     folder = engine_folder()
     if not damaged(folder):
@@ -145,30 +146,36 @@ def install(say: Say) -> Path:
         wheel = checked(_from_pypi(Path(place)), WHEEL_SHA256, "mediapipe")
     keep(engine_files(archive) | model_files(wheel), folder)
     if wrong := damaged(folder):
-        raise DeviceError("what was kept is damaged", where=str(folder / wrong[0]))
+        raise DeviceError(
+            "the stored engine is damaged",
+            where=str(folder / wrong[0]),
+            got="another SHA-256 than published",
+            remedy="Check the disk, and install again",
+        )
     return folder
 
 
 def checked(data: bytes, wanted: str, name: str) -> bytes:
-    """The data, if its SHA-256 is the expected one.
+    """Returns the data after a check of its SHA-256.
 
     Raises:
-        DeviceError: It has another SHA-256.
+        DeviceError: The SHA-256 is not `wanted`.
     """
     digest = sha256(data).hexdigest()
     if digest != wanted:
         raise DeviceError(
-            "the index has another package of this version",
+            "the package in the index is not as published",
             where=name,
             got=f"SHA-256 {digest[:16]}...",
             expected=f"{wanted[:16]}...",
-            remedy="Nothing was kept. Ask whoever runs the index that npm and pip are set to",
+            remedy="Nothing was installed. Ask the operator of the package index that npm or pip "
+            "uses",
         )
     return data
 
 
 def engine_files(archive: bytes) -> dict[str, bytes]:
-    """The required files of npm's archive, by the names under which they are stored."""
+    """Returns the required files of npm's archive, by the names under which they are stored."""
     with tarfile.open(fileobj=io.BytesIO(archive)) as tar:
         names = [name for name in FILES if name not in (MODEL, LICENCE)]
         files = {}
@@ -181,7 +188,7 @@ def engine_files(archive: bytes) -> dict[str, bytes]:
 
 
 def model_files(wheel: bytes) -> dict[str, bytes]:
-    """The model, put together from PyPI's wheel, and the licence."""
+    """Returns the model, made from two files of PyPI's wheel, and the licence."""
     made = io.BytesIO()
     with zipfile.ZipFile(io.BytesIO(wheel)) as source:
         with zipfile.ZipFile(made, "w", zipfile.ZIP_STORED) as model:
@@ -194,10 +201,10 @@ def model_files(wheel: bytes) -> dict[str, bytes]:
 
 
 def keep(files: dict[str, bytes], folder: Path) -> None:
-    """Writes files into a folder, which then has all of them or is as it was.
+    """Replaces a folder by one with these files; after an error, the folder is unchanged.
 
     Raises:
-        DeviceError: They cannot be written.
+        DeviceError: The files cannot be written.
     """
     try:
         folder.parent.mkdir(parents=True, exist_ok=True)
@@ -212,7 +219,10 @@ def keep(files: dict[str, bytes], folder: Path) -> None:
             fresh.rename(folder)
     except OSError as error:
         raise DeviceError(
-            "the engine cannot be kept", where=str(folder), got=error.strerror or str(error)
+            "the engine cannot be stored",
+            where=str(folder),
+            got=error.strerror or str(error),
+            remedy="Check the permissions of the folder, and free space on the disk",
         ) from None
 
 
@@ -261,7 +271,7 @@ def _run(command: list[str], place: Path, name: str) -> None:
     except (OSError, subprocess.TimeoutExpired) as error:
         raise _unfetched(name, type(error).__name__) from None
     if done.returncode:
-        # The last line that is not advice describes the error.
+        # Show the first line that mentions an error.
         lines = [line.strip() for line in done.stderr.splitlines() if line.strip()]
         told = [line for line in lines if "error" in line.lower()] or lines
         raise _unfetched(name, told[0][:160] if told else f"exit status {done.returncode}")
@@ -269,7 +279,11 @@ def _run(command: list[str], place: Path, name: str) -> None:
 
 def _fetched(address: str) -> bytes:
     if not address.startswith("https://"):
-        raise DeviceError("only https is asked", where=address)
+        raise DeviceError(
+            "the package index is not used, because its address is not https",
+            where=address,
+            expected="https://...",
+        )
     try:
         asked = Request(address, headers={"User-Agent": "hand-sandbox"})
         with urlopen(asked, timeout=_LONGEST) as answer:
@@ -282,8 +296,8 @@ def _fetched(address: str) -> bytes:
 
 def _unfetched(where: str, got: str) -> DeviceError:
     return DeviceError(
-        "the engine cannot be fetched",
+        "the engine cannot be downloaded",
         where=where,
         got=got,
-        remedy="Is this machine in the network? Nothing was kept; the next try begins anew",
+        remedy="Check the network connection, and install again. Nothing was installed",
     )

@@ -1,4 +1,4 @@
-"""Landmarks of hands in pictures as JSON: the page's messages, and files that play as a camera."""
+"""Landmarks of hands in pictures as JSON: messages of the page, and files that can be played."""
 
 from __future__ import annotations
 
@@ -74,8 +74,9 @@ class PictureMessage(msgspec.Struct):
     """The hands in a picture (`models.frames.LandmarkFrame`), or the reason for a missing picture.
 
     Attributes:
-        time: Time at which the page had found the hands, on its own clock, s; None with `trouble`.
-        taken: Time at which the picture was taken, on the same clock, s; without it, `time`.
+        time: Time at which the page had found the hands, on the page's clock, s; None with
+            `trouble` or `corners`.
+        taken: Time at which the picture was taken, on the same clock, s; None: `time` is used.
         size: Width and height of the picture, px; None if it is not stated.
         seen: Hands in the picture.
         trouble: Reason for a missing picture; None with a picture.
@@ -102,7 +103,8 @@ def picture_message(text: bytes | str, where: str = SOURCE) -> PictureMessage:
     """Reads a message of the page, or a line of a file.
 
     Raises:
-        DeviceError: The message has neither a picture nor a reason for a missing one.
+        DeviceError: The message has neither a picture, nor a reason for a missing picture, nor
+            corners.
     """
     data = text.encode() if isinstance(text, str) else text
     try:
@@ -125,7 +127,7 @@ def picture_message(text: bytes | str, where: str = SOURCE) -> PictureMessage:
 
 
 def _readable(data: bytes) -> PictureMessage | None:
-    """Reads a message without its unreadable hands; returns None if the rest is unreadable."""
+    """Reads a message without its unreadable hands; None if the rest cannot be read either."""
     loose = loosely_decoded(data)
     if not (isinstance(loose, dict) and isinstance(loose.get("seen"), list)):
         return None
@@ -233,8 +235,8 @@ OUTSIDE = "hands that are wholly beyond the picture"
 
 
 _STAYS = 0.02
-"""Largest common movement of wrist and knuckle of a hand that hardly moves, as a share of the
-picture's width."""
+"""A hand hardly moves if wrist and knuckle together move by less than this share of the picture's
+width."""
 _MIDDLE = 9
 """Landmark of the middle finger's knuckle."""
 _NOWHERE = (math.inf, math.inf)
@@ -251,7 +253,7 @@ class PossibleHands:
     def __init__(self) -> None:
         self.side = SideDoubt()
         self._jumps = HandJumps()
-        # Wrist and middle knuckle of the only hand in the previous picture, px.
+        # Wrist and middle knuckle of the single hand in the previous picture, px.
         self._wrist, self._knuckle = _NOWHERE, _NOWHERE
         # The previous picture, if it was not checked for jumps.
         self._stayed: LandmarkFrame | None = None
@@ -261,12 +263,12 @@ class PossibleHands:
 
         Args:
             frame: The picture, in `LANDMARK_UNITS`.
-            left_out: Receives the number of removed hands, by reason.
+            left_out: The number of removed hands is added to it, by reason.
         """
         hands = frame.hands
         if len(hands) == 1:
-            # Most pictures have a single hand, inside the picture, of a hand's size, that hardly
-            # moved; this case has a quick test.
+            # Quick test for most pictures: a single hand, inside the picture and of a possible
+            # size, that hardly moved.
             hand = hands[0]
             world, wrist, knuckle = hand.world, hand.image[0], hand.image[_MIDDLE]
             moved = math.dist(wrist, self._wrist) + math.dist(knuckle, self._knuckle)
@@ -340,11 +342,11 @@ def _is_twice(hand: SeenHand, other: SeenHand) -> bool:
 
 
 _ACROSS = (0, 5, 17)
-"""Landmarks that are fixed in the palm: the wrist, and two knuckles."""
+"""Landmarks of the palm: the wrist and two knuckles."""
 
 
 def _rough_place(hand: SeenHand, size: tuple[int, int]) -> Vector:
-    """Returns the rough place of a hand before a usual camera, from its size in the picture, m."""
+    """Returns the rough position (m) of a hand, from its size in the picture of a usual camera."""
     wrist, index, little = (hand.image[n] for n in _ACROSS)
     a, b, c = (hand.world[n][:2] for n in _ACROSS)
     in_space = math.dist(b, a) + math.dist(c, a) + math.dist(c, b)
@@ -357,9 +359,9 @@ def _rough_place(hand: SeenHand, size: tuple[int, int]) -> Vector:
 
 
 def _places(frame: LandmarkFrame) -> dict[Hashable, Vector]:
-    """Returns the places of the hands by their key.
+    """Returns the rough positions of the hands, by key.
 
-    A single hand has the same key in all pictures, whichever side it is given.
+    A single hand has the same key in all pictures, even if its reported side changes.
     """
     numbers: Counter[str] = Counter()
     places: dict[Hashable, Vector] = {}
@@ -385,7 +387,7 @@ def message_of(frame: LandmarkFrame) -> dict[str, Any]:
 
 VERSION = 1
 LONGEST_LINE = 1 << 16
-"""Largest length of a line, bytes; four hands have about five thousand."""
+"""Largest length of a line, bytes; a line with four hands has about 5,000."""
 
 
 class Header(msgspec.Struct):
@@ -405,11 +407,11 @@ class LandmarkRecording:
     """The pictures of a file.
 
     Attributes:
-        frames: In order of time.
+        frames: Frames in order of time.
         camera: The camera that took the pictures; None if the file does not state it.
         damage: Error that ended the file early; None if it is undamaged.
         lines: Number of each frame's line.
-        report: What was left out, and what is assumed.
+        report: Report on left-out data and assumptions.
     """
 
     frames: tuple[LandmarkFrame, ...]
@@ -420,7 +422,7 @@ class LandmarkRecording:
 
 
 def header_record(camera: Camera) -> dict[str, Any]:
-    """JSON values of a file's first line."""
+    """Returns the JSON values of a file's first line."""
     return {"landmarks": VERSION, "camera": asdict(camera)}
 
 
@@ -445,13 +447,13 @@ def read_landmarks(path: Path, unit: str = "") -> LandmarkRecording:
 
     Args:
         path: The file.
-        unit: Units that a person gave, such as `cm,ms`; others are found by the hand's size and the
-            frames' rate.
+        unit: Units that a person gave, such as `cm,ms`. Missing ones are found from the hand's size
+            and the frames' rate.
 
     Raises:
-        RecordingError: It cannot be read, has no picture that can be used, or sizes that no hand
-            has.
-        InputError: Its camera is impossible.
+        RecordingError: The file cannot be read, has no usable picture, or has sizes that are
+            impossible for a hand.
+        InputError: A setting of the file's camera is impossible.
     """
     report = ReaderReport()
     header, messages, damage = _messages(path, report)
@@ -508,20 +510,24 @@ def read_landmarks(path: Path, unit: str = "") -> LandmarkRecording:
 
 
 _SAMPLE, _APART = 96, 16
-"""Number of pictures from which units are found; one in the second number is measured."""
+"""Units are found from the first `_SAMPLE` pictures, of which one in `_APART` is measured."""
 
 
 _MIRRORED = -0.8
-"""Correlation below which the points in the picture are mirrored against those in space."""
+"""Below this correlation, the points in the picture are mirrored relative to those in space."""
 _STRETCHED = 1.4
-"""Largest factor by which a hand is wider in the picture than in space, relative to its height. For
-pictures of 5:4, the nearest to a square, with exchanged width and height the factor is 1.6."""
+"""Largest plausible factor between the ratios width / height of a hand in the picture and in space.
+If width and height of the picture are exchanged, the factor is at least 1.6: that of a 5:4 picture,
+the format nearest to a square."""
 _WIDE = 0.01
-"""Least standard deviation (m) of points in space along an axis for comparing their directions."""
+"""Axes are compared only if the standard deviation of points in space is larger than this, m."""
 
 
 def _doubt_pictures(messages: Sequence[PictureMessage], report: ReaderReport) -> None:
-    """Reports hands that lie in the picture otherwise than in space."""
+    """Reports pictures that seem to be mirrored, or to have exchanged width and height.
+
+    It compares the landmarks in the picture with those in space.
+    """
     agreements: list[float] = []
     stretches: list[float] = []
     for message in messages:
@@ -554,8 +560,8 @@ def _doubt_pictures(messages: Sequence[PictureMessage], report: ReaderReport) ->
 def _messages(
     path: Path, report: ReaderReport
 ) -> tuple[Header | None, list[tuple[int, PictureMessage]], RecordingError | None]:
-    """The header, the pictures with the numbers of their lines, and the damage that ended the
-    file."""
+    """Returns the header, the pictures with the numbers of their lines, and the damage that ended
+    the file early."""
     messages: list[tuple[int, PictureMessage]] = []
     header: Header | None = None
     try:
@@ -602,7 +608,7 @@ def _header(line: bytes, where: str) -> Header:
     )
     if header.landmarks != VERSION:
         raise RecordingError(
-            "another version of the format",
+            "the file has an unknown version of the format",
             where=where,
             got=header.landmarks,
             expected=str(VERSION),
@@ -617,7 +623,7 @@ class LandmarkFileDevice(FilePlayer, LandmarkDevice):
         recording: A recording from `read_landmarks`.
 
     Attributes:
-        camera: The camera that took it; None if the recording does not state it.
+        camera: The camera that took the pictures; None if the recording does not state it.
     """
 
     name = "landmark recording"

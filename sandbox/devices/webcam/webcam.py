@@ -1,4 +1,4 @@
-"""The live camera: a page in a browser of this machine finds hands and sends their landmarks."""
+"""The live camera: a page in a browser on this machine finds hands and sends their landmarks."""
 
 from __future__ import annotations
 
@@ -41,11 +41,11 @@ from sandbox.server.static import TOKEN_PLACE, answered, plain
 
 STATIC = Path(__file__).resolve().parent / "static"
 ENGINE = "/engine/"
-"""Where the page finds the engine and its model."""
+"""Path at which the page finds the engine and its model."""
 LARGEST_MESSAGE = 1 << 16
-"""Bytes of the largest message; three hands have about four thousand."""
+"""Size of the largest message, bytes; a message with three hands has about 4,000."""
 PATIENCE = 20
-"""Number of damaged messages after which a page is disconnected, since it is not ours."""
+"""A page is disconnected after more damaged messages than this: it is not this program's page."""
 REPLACED = "Another page has taken the camera's place. This one can be closed."
 ENDED = "The session is over: the camera is off. This page can be closed."
 
@@ -64,9 +64,9 @@ class LandmarkServer(ServerThread):
 
     Args:
         engine: Folder with the engine and its model (`sandbox.devices.webcam.engine`).
-        wanted: The first message to the page: the sides that the session follows, and so on.
+        wanted: Values of the first message to the page, such as the sides of the hands.
         take: Called in the server's thread with every message of the page.
-        gone: Called in the server's thread when the page has left.
+        gone: Called in the server's thread when the page has disconnected.
         port: TCP port; 0 uses a free one.
 
     Raises:
@@ -115,7 +115,9 @@ class LandmarkServer(ServerThread):
         try:
             body = path.read_bytes()
         except OSError:
-            return plain(HTTPStatus.NOT_FOUND, "The engine is gone: sandbox devices webcam install")
+            return plain(
+                HTTPStatus.NOT_FOUND, "The engine is missing: run sandbox devices webcam install"
+            )
         if name == "/index.html":
             body = body.replace(TOKEN_PLACE, quote(self.access.token).encode())
         policy = (
@@ -127,7 +129,7 @@ class LandmarkServer(ServerThread):
         return answered(HTTPStatus.OK, headers, body)
 
     async def _handle(self, page: ServerConnection) -> None:
-        """Processes the messages of a page; the newest page is the camera's."""
+        """Processes the messages of a page; a new page replaces the previous one."""
         before, self._page = self._page, page
         if before is not None:
             await _send_away(before, REPLACED)
@@ -154,25 +156,25 @@ async def _send_away(page: ServerConnection, why: str) -> None:
 
 
 def _page_files(engine: Path) -> dict[str, Path]:
-    """Path that a page may ask for -> file; nothing else is served."""
+    """Returns path -> file for all files that a page may request; others are not served."""
     ours = {f"/{p.name}": p for p in STATIC.iterdir() if p.suffix in _TYPES}
     return ours | {ENGINE + name: engine / name for name in served_names(engine)}
 
 
 def served_names(engine: Path) -> Sequence[str]:
-    """Names of the engine's files that a page may ask for, in its folder."""
+    """Returns the paths, in the engine's folder, of the files that a page may request."""
     files = sorted(p for p in engine.rglob("*") if p.suffix in _TYPES)
     return [p.relative_to(engine).as_posix() for p in files]
 
 
 BACK = 1.0
-"""Least step back in time (s) that shows that another page has replaced the page."""
+"""A step back in time by more than this (s) shows that another page has replaced the page."""
 
 
 class PageClock:
-    """Moves the times of later pages so that they go on from those of the first one.
+    """Shifts the times of later pages, so that they continue from those of the first page.
 
-    Times of the first page are kept as they are.
+    Times of the first page are not changed.
     """
 
     def __init__(self) -> None:
@@ -182,20 +184,20 @@ class PageClock:
         self._anew = False
 
     def begin_anew(self) -> None:
-        """Called when the page has left; the next frame is of another page."""
+        """Called when the page has disconnected: the next frame is of another page."""
         self._anew = True
 
     def moved(self, frame: LandmarkFrame, arrived: float) -> LandmarkFrame:
-        """A frame with times that go on.
+        """Returns the frame with times that continue from those of earlier pages.
 
         Args:
             frame: A frame with the times of its page.
-            arrived: s, time of its arrival, on a clock of this machine that never runs backwards.
+            arrived: Time of its arrival, s, on a clock of this machine that never runs backwards.
         """
         last = self._last
         if last and (self._anew or frame.time + self._offset < last.time - BACK):
             gone = arrived - self._arrived
-            # No picture was taken before the other page's last one.
+            # No picture may seem to be older than the last picture of the previous page.
             self._offset = max(last.time + gone - frame.time, last.taken - frame.taken)
         self._anew, self._arrived = False, arrived
         if self._offset:
@@ -205,18 +207,18 @@ class PageClock:
 
 
 KEPT = 600
-"""Largest number of frames that wait to be fetched: 20 s of pictures."""
+"""Largest number of frames that wait for `poll`: 20 s of pictures."""
 HANDS = 3
-"""Number of hands that the engine detects: more than a person has, to notice a second person."""
+"""Largest number of hands that the engine detects: three, to notice a second person."""
 
 NOTICES = {
     "absent": "no camera: see its page in the browser",
     "in use": "another program uses the camera: see its page in the browser",
     "refused": "the browser does not let the page see the camera: see the page",
-    "engine": "what finds hands does not run: see the camera's page in the browser",
-    "hidden": "the camera's page is hidden: bring its window beside this one",
+    "engine": "the detection of hands does not run: see the camera's page in the browser",
+    "hidden": "the camera's page is hidden: move its window beside this one",
 }
-"""Message for the person at the session, by the page's report."""
+"""Reason that the page reports -> message for the person at the session."""
 CLOSED = "the camera's page is closed: open its link again"
 WAITING = "open the camera's page in a browser of this machine"
 
@@ -227,7 +229,7 @@ class WebcamDevice(LandmarkDevice):
     Args:
         engine: Folder of the engine (`sandbox.devices.webcam.engine`).
         sides: Sides of the hands that the session follows.
-        mirrored: True if the camera's picture is a mirror's; the page then turns it back.
+        mirrored: True if the camera's picture is mirrored; the page then mirrors it again.
         port: TCP port of the page; 0 uses a free one.
         marks: True if the page lets the person mark the corners of a surface.
 
@@ -236,9 +238,9 @@ class WebcamDevice(LandmarkDevice):
 
     Attributes:
         server: The page's server.
-        counts: Numbers of pictures, and of what could not be used, by kind.
-        corners: (4, 2) px, the corners that the person marked last: top left, top right, bottom
-            right, bottom left, of the picture that is not mirrored; empty before.
+        counts: Number of pictures, and numbers of unusable data and of reported problems, by kind.
+        corners: (4, 2) px in the unmirrored picture, the surface's corners as the person marked
+            them last: top left, top right, bottom right, bottom left; empty before.
     """
 
     name = "webcam"
@@ -278,12 +280,12 @@ class WebcamDevice(LandmarkDevice):
 
     @property
     def title(self) -> str:
-        """Its name and link."""
+        """Name of the device and link of its page."""
         return f"{self.name} at {self.address}"
 
     @property
     def notices(self) -> Sequence[str]:
-        """Reason for a missing picture, or assumptions on it; empty without either."""
+        """Reason for missing pictures; without one, assumptions about the pictures."""
         with self._lock:
             notices = (self._notice,) if self._notice else self._assumed
         return tuple(filter(None, notices))
@@ -303,12 +305,12 @@ class WebcamDevice(LandmarkDevice):
         return report
 
     def wait(self, seconds: float) -> bool:
-        """Waits until a frame can be fetched; False if none came in time."""
+        """Waits until `poll` has a frame; False if none came in time."""
         with self._came:
             return self._came.wait_for(lambda: bool(self._frames), seconds)
 
     def poll(self, now: float) -> Sequence[LandmarkFrame]:
-        """All frames since the last call."""
+        """Returns all frames since the last call."""
         with self._lock:
             frames = tuple(self._frames)
             self._frames.clear()
@@ -343,7 +345,7 @@ class WebcamDevice(LandmarkDevice):
             with self._lock:
                 self.counts["pictures that are not valid"] += 1
             if message.unread:
-                # It is our page, whose engine gave an invalid position of a hand.
+                # The page is this program's; its engine gave an invalid position of a hand.
                 return
             raise
         with self._came:
@@ -364,7 +366,7 @@ class WebcamDevice(LandmarkDevice):
         self._units.look(seen)
 
     def _gone(self) -> None:
-        """The page has left; called in the server's thread."""
+        """Called in the server's thread when the page has disconnected."""
         with self._lock:
             self._notice = CLOSED
             self.counts["pages closed"] += 1

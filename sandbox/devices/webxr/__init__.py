@@ -1,4 +1,4 @@
-"""A headset whose page draws the table and sends the joints of hands."""
+"""A headset: its browser shows a page that draws the table and sends the joints of hands."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from sandbox.devices.simulated import InAirOptions
 
 
 def joints_in_world(options: object, argument: str, side: str) -> HandInput:
-    """How a headset sees a hand: all its joints, in the world of the table."""
+    """Returns the input settings of a hand in a headset: all joints, in world coordinates."""
     return HandInput(at=(0.0, 0.0, 0.0), joints=True)
 
 
@@ -29,14 +29,14 @@ def _open(options: NoOptions, place: Place) -> AnyDevice:
 
 
 def _open_simulated(options: InAirOptions, place: Place) -> AnyDevice:
-    # Bodies are simulated with parts of SciPy that take long to load.
+    # The simulation loads parts of SciPy, which is slow.
     from sandbox.devices.simulated.in_air import SimulatedHeadset
 
     return SimulatedHeadset(place.drawn_task, options.user, place.seed, place.person, place.hand)
 
 
 DEVICE = DeviceEntry(
-    "hands in a headset, or controllers: a page that enters VR draws the table and sends them",
+    "hands or controllers in a headset, whose browser opens a page that draws the table",
     _open,
     NoOptions,
     DeviceKind(Sees.HEADSET, labels=True, in_scene=True),

@@ -1,4 +1,4 @@
-"""Messages in which a headset's page sends hands in the air: WebXR's 25 joints, or a controller."""
+"""Hands from the messages of a headset's page: 25 joints (WebXR), or a controller."""
 
 from __future__ import annotations
 
@@ -26,28 +26,28 @@ FINGER_JOINTS = (
     (16, 17, 18, 19),
     (21, 22, 23, 24),
 )
-"""Joints of each finger in WebXR's order, from the first that we have to the tip: a thumb begins
-with its metacarpal (CMC), a finger with its phalanx-proximal (MCP)."""
+"""Indices of the joints of each finger in WebXR's order, from base to tip. The thumb begins with
+its metacarpal joint (CMC), a finger with its phalanx-proximal joint (MCP)."""
 _KNUCKLES = tuple(joints[0] for joints in FINGER_JOINTS[1:])
 _LEAST = 1e-6
-"""Least length (m) of a bone."""
+"""Smallest length (m) of a bone."""
 
 
 def quantities(seen: SeenJoints) -> dict[Bounds, float]:
-    """Size of the palm in the page's own unit; empty if it is unknown."""
+    """Returns the size of the palm in the page's unit; empty if it is unknown."""
     known = [joint for joint in (seen.joints[0], seen.joints[_KNUCKLES[1]]) if joint is not None]
     numbers = [c for joint in known for c in joint if c is not None]
     return {PALM: dist(numbers[:3], numbers[3:])} if len(numbers) == 6 else {}
 
 
 def seen_hand(seen: SeenJoints, metre: float = 1.0) -> TrackedHand | None:
-    """The hand of 25 joints, with the fingers whose joints are all known.
+    """Returns the hand of 25 joints, with the fingers of which all joints are known.
 
-    None without the wrist or one of the four knuckles, since the palm is undetermined then.
+    Returns None if the wrist or one of the four knuckles is unknown: they determine the palm.
 
     Args:
         seen: The joints.
-        metre: m, unit of their places.
+        metre: Unit of the joints' positions, m.
 
     Raises:
         FrameError: The joints are not those of a hand.
@@ -56,10 +56,10 @@ def seen_hand(seen: SeenJoints, metre: float = 1.0) -> TrackedHand | None:
 
 
 def with_possible_fingers(hand: TrackedHand) -> TrackedHand:
-    """The hand without fingers that are longer than a finger.
+    """Returns the hand without fingers of an impossible length.
 
     Raises:
-        FrameError: The palm is of a size that no hand has.
+        FrameError: The palm has an impossible size.
     """
     known = {finger.finger: finger.joints for finger in hand.fingers}
     middle = known.get(2)
@@ -70,7 +70,7 @@ def with_possible_fingers(hand: TrackedHand) -> TrackedHand:
 
 
 def _place(joint: Sequence[float | None] | None, metre: float = 1.0) -> Vector | None:
-    """Place of a joint in m; None if the headset does not report it, or if no hand can be there."""
+    """Returns the position of a joint, m; None if it is not reported or impossibly far away."""
     x, y, z = joint or (None, None, None)
     if x is None or y is None or z is None:
         return None
@@ -79,10 +79,11 @@ def _place(joint: Sequence[float | None] | None, metre: float = 1.0) -> Vector |
 
 
 def held_hand(held: HeldController) -> TrackedHand:
-    """The hand around a controller.
+    """Returns the hand around a controller.
 
     Raises:
-        FrameError: The place is not one of a hand, or the quaternion not that of a turn.
+        FrameError: The position is missing or impossible, or the quaternion is not a unit
+            quaternion.
     """
     position, trigger = _place(held.position), held.trigger or 0.0
     if position is None:
@@ -99,7 +100,7 @@ def held_hand(held: HeldController) -> TrackedHand:
         first = THUMB if finger == 0 else KNUCKLES[finger - 1]
         own = [*points[first : first + (2 if finger == 0 else 3)], points[TIPS + finger]]
         if finger == 0:
-            # Our thumb has no IP joint.
+            # The thumb of this program's skeleton has no IP joint.
             own.insert(2, 0.5 * (own[1] + own[2]))
         for joint, point in zip(joints, own, strict=True):
             places[joint] = _vector(point)
@@ -121,7 +122,7 @@ def _hand(side: str, joints: Places) -> TrackedHand | None:
     middle = _mean(known)
     across = _unit(_from(known[0], known[-1]))
     forward = _unit(_from(wrist, middle))
-    # Forward x across is into the palm of a right hand, whose little finger is at +x.
+    # For a right hand, `forward` x `across` points out of the palm: its little finger is at +x.
     normal = _cross(across, forward)
     normal = _unit(normal if side == "left" else _times(-1.0, normal))
     fingers = []

@@ -27,8 +27,8 @@ from sandbox.server.protocol import HeldController, PageHands, PageScreen, PageT
 from sandbox.server.web import PageDevice
 
 KEPT = 1024
-"""Largest number of frames that wait for the session, 11 s at 90 Hz; beyond it the oldest are
-dropped."""
+"""Largest number of frames that wait for the session, 11 s at 90 Hz; if there are more, the oldest
+are dropped."""
 
 
 _PALM = 0.1
@@ -36,9 +36,9 @@ _PALM = 0.1
 
 
 class HeadsetDevice(HandDevice, PageDevice[HandFrame]):
-    """Hands in a headset, or controllers: a page that enters VR draws the table and sends them.
+    """Hands or controllers in a headset, sent by a page that enters VR and draws the table.
 
-    The page lays the table into the room, and sends places in the world of the table.
+    The page places the table in the room, and sends positions in the world frame of the table.
 
     Attributes:
         counts: Number of hands that could not be used, by reason.
@@ -63,13 +63,16 @@ class HeadsetDevice(HandDevice, PageDevice[HandFrame]):
 
     @property
     def hand_size(self) -> float | None:
-        """Length of the person's hand relative to the average one, by the bones that the headset
+        """Length of the person's hand relative to an average hand, from the bones that the headset
         reports; None before a hand was seen."""
         sizes = sorted(self._sizes)
         return sizes[len(sizes) // 2] if sizes else None
 
     def receive(self, message: PageTouches | PageHands, screen: PageScreen) -> bool:
-        """Takes in hands; called from the server's thread."""
+        """Processes a message with hands; called in the server's thread.
+
+        Returns False for other messages.
+        """
         if not isinstance(message, PageHands):
             return False
         hands: dict[str, TrackedHand] = {}
@@ -105,7 +108,7 @@ class HeadsetDevice(HandDevice, PageDevice[HandFrame]):
         now = time.monotonic()
         places = {side: hand.palm for side, hand in hands.items()}
         jumped = self._jumps.find(now, {s: place for s, place in places.items() if s not in held})
-        # A controller that lies on the table stands still.
+        # Controllers are checked separately: one that lies on the table does not move.
         jumped |= self._held.find(now, {s: place for s, place in places.items() if s in held})
         if jumped:
             self.counts[JUMPED] += len(jumped)
@@ -117,14 +120,14 @@ class HeadsetDevice(HandDevice, PageDevice[HandFrame]):
         if not self._units.decided:
             self._units.look(quantities(seen))
             if self._units.decided:
-                # Places are in another unit from here on.
+                # Later positions may be in another unit: do not compare them with earlier ones.
                 self._jumps.forget()
         hand = seen_hand(seen, unit_size(self._units.units, "length"))
         return with_possible_fingers(hand) if hand and self._units.decided else hand
 
     @property
     def report(self) -> ReaderReport:
-        """Hands that could not be used so far, by reason, and what is assumed."""
+        """Report on hands that could not be used so far, and on assumptions."""
         report = ReaderReport(+self.counts)
         for sentence in (*self.notices, *filter(None, (self._jumps.doubt,))):
             report.assume(sentence)
@@ -132,16 +135,16 @@ class HeadsetDevice(HandDevice, PageDevice[HandFrame]):
 
     @property
     def notices(self) -> Sequence[str]:
-        """The unit that is assumed where it is not the metre, and a doubted side; else empty."""
+        """Messages about an assumed unit other than the metre, and about doubtful sides of hands."""
         return tuple(filter(None, (self._units.notice, self._side.sentence)))
 
     def cancel_all(self) -> None:
-        """Called when the page was closed or fell silent: no hand is in view."""
+        """Called when the page was closed or has become silent: no hand is in view."""
         if self.touched:
             self._put_hands((), self.applied)
 
     def poll(self, now: float = 0.0) -> Sequence[HandFrame]:
-        """Every frame since the last call, oldest first; `now` is ignored."""
+        """Returns all frames since the last call, oldest first; `now` is ignored."""
         return self._take()
 
     def _put_hands(self, hands: tuple[TrackedHand, ...], seq: int) -> None:

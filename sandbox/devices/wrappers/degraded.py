@@ -1,4 +1,4 @@
-"""A degraded device: its touches are noisy, lost, invented or late."""
+"""Wrapper that degrades a device's touches: noise, drop-outs, ghost touches and latency."""
 
 from __future__ import annotations
 
@@ -19,19 +19,19 @@ LENGTH = 0.1
 """Duration (s) of a drop-out."""
 
 _FIRST_ID = 1_000_000
-"""First id of touches that come back on a simulated screen."""
+"""First id of touches that return after a drop-out on a simulated screen."""
 
 
 class DropOuts:
-    """Loses touches at random.
+    """Drop-outs: touches are lost at random, and return with new ids.
 
     Args:
-        rate: 1/s, drop-outs of every touch.
+        rate: 1/s, rate at which each touch is lost.
         seed: Seed of the random drop-outs.
-        first: First id of touches that come back; no other touches may have such ids.
+        first: First id of touches that return; no other touches may have such ids.
 
     Attributes:
-        given: The device's own id of every touch that came back, by its new id.
+        given: For every touch that returned: new id -> the device's id.
     """
 
     def __init__(self, rate: float, seed: int, first: int = _FIRST_ID) -> None:
@@ -45,11 +45,11 @@ class DropOuts:
 
     @property
     def loses(self) -> bool:
-        """True if it loses touches. If False, every touch keeps its id."""
+        """True if touches may be lost. If False, ids never change."""
         return self._rate > 0.0
 
     def degrade(self, frame: TouchFrame) -> TouchFrame:
-        """The frame as the bad screen reports it."""
+        """Returns the frame with drop-outs."""
         dt, self._time = frame.time - self._time, frame.time
         if self._rate <= 0.0:
             return frame
@@ -71,14 +71,14 @@ class DropOuts:
         return replace(frame, contacts=tuple(contacts), cancelled=cancelled)
 
     def own_id(self, reported: int) -> int:
-        """The device's own id of a reported id."""
+        """Returns the device's id for a reported id."""
         return self.given.get(reported, reported)
 
 
 GHOST_LENGTH = 0.1
 """Duration (s) of a ghost touch, equal to that of a drop-out."""
 FIRST_RETURNED = 1_000_000_000
-"""First id of touches that come back; the ids of a simulated screen are lower."""
+"""First id of touches that return after a drop-out; ids of a simulated screen are lower."""
 FIRST_GHOST = 2_000_000_000
 """First id of ghost touches."""
 
@@ -99,7 +99,7 @@ class Noise:
         self._rng = np.random.default_rng([seed, 7_006])
 
     def degrade(self, frame: TouchFrame) -> TouchFrame:
-        """The frame with noise on every contact."""
+        """Returns the frame with noise on every contact."""
         shifts = self._deviation * self._rng.standard_normal((len(frame.contacts), 2))
         contacts = tuple(
             replace(c, x=c.x + float(dx), y=c.y + float(dy))
@@ -109,12 +109,12 @@ class Noise:
 
 
 class Ghosts:
-    """Ghost touches, which no finger makes, anywhere on the surface.
+    """Ghost touches: touches without a finger, at random positions on the surface.
 
     Args:
         rate: 1/s, mean number of new ghost touches.
         size: (2,) m, size of the surface.
-        seed: Seed of their times and positions.
+        seed: Seed of the ghosts' times and positions.
     """
 
     def __init__(self, rate: float, size: Array, seed: int) -> None:
@@ -125,7 +125,7 @@ class Ghosts:
         self._time = 0.0
 
     def degrade(self, frame: TouchFrame) -> TouchFrame:
-        """The frame with ghosts among its contacts, after the real ones."""
+        """Returns the frame with ghost touches after its own contacts."""
         dt, self._time = frame.time - self._time, frame.time
         for _ in range(self._rng.poisson(self._rate * max(dt, 0.0))):
             x, y = (self._rng.uniform(0.0, 1.0, 2) * self._size).tolist()
@@ -145,14 +145,14 @@ class Ghosts:
 class DegradedDevice(DeviceWrapper):
     """Wrapper that degrades a device's touches by a variation; frames get session time.
 
-    A touch that comes back after a drop-out has another id, and the same true finger. Drop-outs and
-    ghosts also come and go while the device is silent, as with fingers that rest.
+    A touch that returns after a drop-out has a new id, but the same true finger. Drop-outs and
+    ghosts begin and end even while the device sends no frames, as with resting fingers.
 
     Args:
         device: The device to degrade.
         variation: Noise, drop-outs, ghost touches and latency.
         surface: Surface on which ghost touches appear.
-        seed: Seed of everything random.
+        seed: Seed of all random numbers.
     """
 
     def __init__(self, device: Device, variation: Variation, surface: Surface, seed: int) -> None:
@@ -166,7 +166,7 @@ class DegradedDevice(DeviceWrapper):
         self._on_the_way: deque[tuple[float, TouchFrame]] = deque()
 
     def poll(self, now: float) -> Sequence[TouchFrame]:
-        """Frames that have arrived by now."""
+        """Returns the frames whose latency has passed."""
         frames = [self._noise.degrade(replace(f, time=now)) for f in super().poll(now)]
         if not frames and self._goes_on and not self.device.finished:
             frames = [replace(self._last, time=now, cancelled=frozenset())]
@@ -192,7 +192,7 @@ class DegradedDevice(DeviceWrapper):
         return {**own, **again}
 
     def show(self, snapshot: Snapshot) -> None:
-        """Passes the snapshot to a device that needs it, with the device's own ids of touches."""
+        """Passes the snapshot, with the device's ids of touches, to a device that needs it."""
         if not self.device.takes_snapshots:
             return
         hands = tuple(

@@ -1,8 +1,8 @@
 """Wrappers around the device with which a person plays in a window.
 
-Two keys are a lift control (`LiftKeys`), the mouse and the fingers on a page are one device
-(`MergedDevice`), and a trial begins with the first touch (`FirstTouch`), so that the person can
-look at the scene before.
+Two keys act as a lift control (`LiftKeys`). The mouse and the fingers on a page become one device
+(`MergedDevice`). A trial begins with the first touch (`FirstTouch`), so that the person can look at
+the scene before.
 """
 
 from __future__ import annotations
@@ -23,8 +23,8 @@ class LiftKeys(DeviceWrapper):
 
     Args:
         device: Source of the touches.
-        leader: Wrapper whose lift this one copies, as the same keys lift two hands; None for the
-            first hand.
+        leader: Wrapper whose lift this one copies, since the same keys lift two hands; None for
+            the first hand.
     """
 
     lift = True
@@ -47,12 +47,12 @@ class LiftKeys(DeviceWrapper):
             self._tapped = direction or self._tapped
 
     def follow(self, lift: float) -> None:
-        """Copies the lift of another control, from which the keys continue; makes no frame."""
+        """Sets the lift to that of another control, without a frame; keys continue from it."""
         with self._lock:
             self._lift = lift
 
     def poll(self, now: float) -> Sequence[TouchFrame]:
-        """The device's frames with the lift, or a repeated frame if only the lift changed."""
+        """Returns the device's frames with the lift; repeats a frame if only the lift changed."""
         with self._lock:
             direction, self._tapped = self._direction or self._tapped, 0.0
         passed, self._now = max(now - self._now, 0.0), now
@@ -70,7 +70,7 @@ class LiftKeys(DeviceWrapper):
 
 
 FAR = 2**30
-"""First new id if the ids of one device are preserved; no page reaches such numbers."""
+"""First new id if the ids of one device are preserved; ids of a page are lower."""
 
 
 class MergedDevice(Device):
@@ -78,12 +78,12 @@ class MergedDevice(Device):
 
     Args:
         devices: The devices; frames keep the times of their own clocks.
-        kept: Index of the device whose ids are preserved, since a page identifies its touches by
-            them; None if the touches of all devices get new ids.
+        kept: Index of the device whose ids are preserved, such as a page, which identifies its
+            touches by them; None if the touches of all devices get new ids.
 
     Attributes:
         parts: The devices.
-        lift: True if any of them has a lift control; of several, the control moved last counts.
+        lift: True if any device has a lift control. The control that was moved last counts.
         frame_ready: Event that is set when a device with such an event has a frame.
         lifted: Lift of the last frame; None before a control was moved.
     """
@@ -114,12 +114,12 @@ class MergedDevice(Device):
 
     @property
     def clock_origin(self) -> float | None:
-        """The value of all devices; None if they differ."""
+        """The common value of all devices; None if they differ."""
         origins = {device.clock_origin for device in self.parts}
         return origins.pop() if len(origins) == 1 else None
 
     def poll(self, now: float) -> Sequence[TouchFrame]:
-        """One frame for each of the devices' frames, with the contacts of all devices."""
+        """Returns a frame for each frame of any device, with the contacts of all devices."""
         frames = [
             (frame.time, i, frame)
             for i, device in enumerate(self.parts)
@@ -151,7 +151,7 @@ class MergedDevice(Device):
     def _move_lift(self, i: int, lift: float) -> None:
         first, self._lifts[i] = self._lifts[i] is None, lift
         if first and self.lifted is not None and lift == 0.0:
-            # The first value of a control does not mean that it was moved.
+            # A first value of 0 is the start of a control, not a movement.
             return
         self.lifted = lift
         for k, other in enumerate(self.parts):
@@ -160,7 +160,7 @@ class MergedDevice(Device):
                 self._lifts[k] = lift
 
     def _new(self, i: int, own: int) -> int:
-        """The id of a new contact that the device `i` calls `own`."""
+        """Returns an id for a new contact, whose id on device `i` is `own`."""
         used = {id_ for ids in self._ids for id_ in ids.values()}
         if i == self._kept and own not in used:
             return own
@@ -173,8 +173,7 @@ class MergedDevice(Device):
 class FirstTouch(DeviceWrapper):
     """Wrapper that waits for the first touch while the session is paused.
 
-    Frames before the first touch are dropped; the frame of the first touch is the first one that
-    the session receives.
+    Frames before the first touch are dropped: the session receives frames from the first touch on.
 
     Args:
         device: Device of a person.
@@ -186,7 +185,10 @@ class FirstTouch(DeviceWrapper):
         self._came = False
 
     def came(self) -> bool:
-        """True after the first touch. Until then it polls the device, so the session must not."""
+        """Returns True after the first touch or the end of the device.
+
+        Before, it polls the device, so the session must not call `poll`.
+        """
         if not self._came and not self.device.finished:
             frames = list(super().poll(0.0))
             touched = [n for n, frame in enumerate(frames) if frame.contacts]
@@ -196,6 +198,6 @@ class FirstTouch(DeviceWrapper):
         return self._came or self.device.finished
 
     def poll(self, now: float) -> Sequence[TouchFrame]:
-        """The device's frames, from that of the first touch on."""
+        """Returns the device's frames, from that of the first touch on."""
         kept, self._kept, self._came = self._kept, [], True
         return [*kept, *super().poll(now)]

@@ -1,9 +1,9 @@
-"""One device for two hands: its frames are divided, and each hand becomes a device.
+"""One device for two hands: its frames are divided into those of two devices, one for each hand.
 
-`Split` is the rule by which frames are divided: for a screen by the places of the hands
-(`SplitByPlace`), for a Leap by their sides (`sandbox.devices.leap.two_hands`). A camera and a
-headset give every frame to both hands, each of which uses the hand of its own side. `MergedUsers`
-is the opposite: two simulated users with one device.
+`Split` is the rule by which frames are divided: for a screen by the positions of the hands
+(`SplitByPlace`), for a Leap by their sides (`sandbox.devices.leap.two_hands`). Frames of a camera
+or a headset go to both hands, and each rig uses the hand of its own side. `MergedUsers` is the
+opposite: the frames of two simulated users become those of one device.
 """
 
 from __future__ import annotations
@@ -25,34 +25,34 @@ MOST_WAITING = 600
 
 
 class Split:
-    """How the frames of a device are divided between two hands: both get every frame.
+    """Base class: how the frames of a device are divided between two hands. Here both get all.
 
     Attributes:
-        at_every_poll: The device is polled for each hand; otherwise once at a time.
+        at_every_poll: True: the device is polled whenever a hand is. False: once for both hands.
     """
 
     at_every_poll = False
 
     def divide(self, frame: Any, now: float) -> tuple[Any, Any]:
-        """The parts of a frame for the two hands.
+        """Returns the parts of a frame for the two hands.
 
         Args:
             frame: A frame of the device.
-            now: s, session time.
+            now: Session time, s.
         """
         return frame, frame
 
     def resting(self) -> Sequence[Any]:
-        """Frames that replace missing frames of the device; none by default."""
+        """Returns frames to use if the device has no new ones; none by default."""
         return ()
 
     def notices(self, now: float) -> Sequence[str] | None:
-        """Messages for the person that replace the device's messages; None for the device's own."""
+        """Returns messages for the person; None if the device's messages are to be shown."""
         return None
 
 
 class SplitByPlace(Split):
-    """Contacts on one surface are assigned to two hands.
+    """Assigns contacts on one surface to two hands.
 
     Args:
         homes: (2, 2) m on the surface, initial expected position of each hand.
@@ -66,13 +66,13 @@ class SplitByPlace(Split):
         self._last: TouchFrame | None = None
 
     def divide(self, frame: TouchFrame, now: float) -> tuple[TouchFrame, TouchFrame]:
-        """The contacts of each hand, with session time."""
+        """Returns a frame with the contacts of each hand, at session time."""
         self._last = frame
         first, second = self.splitter.step(replace(frame, time=now))
         return first, second
 
     def resting(self) -> Sequence[TouchFrame]:
-        """The last frame: a resting finger causes no frame, but is still assigned to its hand."""
+        """Returns the last frame again, since a device sends no frames while fingers rest."""
         return () if self._last is None else (replace(self._last, cancelled=frozenset()),)
 
 
@@ -81,7 +81,7 @@ class SharedDevice:
 
     Args:
         device: The device.
-        split: How its frames are divided.
+        split: Rule by which the frames are divided.
 
     Attributes:
         device: As given.
@@ -95,7 +95,7 @@ class SharedDevice:
         self._now = -1.0
 
     def fetch(self, now: float) -> None:
-        """Polls the device, and divides its frames."""
+        """Polls the device and divides its frames."""
         if now <= self._now and not self.split.at_every_poll:
             return
         self._now = now
@@ -124,7 +124,7 @@ class SharedPart(DeviceWrapper):
         self._now = 0.0
 
     def poll(self, now: float) -> Sequence[Any]:
-        """This hand's frames since the last call."""
+        """Returns this hand's frames since the last call."""
         self._now = now
         self._shared.fetch(now)
         frames = tuple(self.waiting)
@@ -138,12 +138,12 @@ class SharedPart(DeviceWrapper):
 
     @property
     def takes_snapshots(self) -> bool:
-        """The device's value for the first hand, so that the device gets every snapshot once."""
+        """The device's value for the first hand, else False: the device gets every snapshot once."""
         return self._first and self.device.takes_snapshots
 
     @property
     def notices(self) -> Sequence[str]:
-        """Messages of the division, or else of the device, once for both hands."""
+        """Messages of `split`, or else those of the device, which only the first hand has."""
         own = self._shared.split.notices(self._now)
         if own is not None:
             return own
@@ -151,12 +151,12 @@ class SharedPart(DeviceWrapper):
 
     @property
     def address(self) -> str:
-        """The device's, once for both hands."""
+        """Address of the device, for the first hand only."""
         return self.device.address if self._first else ""
 
     @property
     def damage(self) -> Exception | None:
-        """The device's, once for both hands."""
+        """Damage of the device, for the first hand only."""
         return self.device.damage if self._first else None
 
 
@@ -188,7 +188,7 @@ class MergedUsers(Device):
             device.show(snapshot)
 
     def close(self) -> None:
-        """Closes both."""
+        """Closes both devices."""
         for device in self.parts:
             device.close()
 
@@ -196,7 +196,7 @@ class MergedUsers(Device):
 class MergedTouches(MergedUsers):
     """Two simulated users at one screen.
 
-    Both control the same lift, which takes the lower of their two values.
+    They share one lift control; the lower of their two values counts.
 
     Args:
         devices: Two devices of one hand each.
@@ -207,7 +207,7 @@ class MergedTouches(MergedUsers):
         self._latest = [TouchFrame(0.0), TouchFrame(0.0)]
 
     def poll(self, now: float) -> Sequence[TouchFrame]:
-        """All contacts, with interleaved ids, whose order does not reveal the hand."""
+        """Returns a frame with all contacts; ids are interleaved, so as not to reveal the hand."""
         cancelled: set[int] = set()
         for k, device in enumerate(self.parts):
             for frame in device.poll(now):
@@ -224,7 +224,7 @@ class MergedTouches(MergedUsers):
         return [TouchFrame(now, contacts, min(lifts, default=None), gone, "merged")]
 
     def show(self, snapshot: Snapshot) -> None:
-        """Passes the snapshot to each device, with the device's own ids of its touches."""
+        """Passes the snapshot to each device, with only its own touches and their original ids."""
         for k, device in enumerate(self.parts):
             hands = tuple(
                 replace(

@@ -375,7 +375,7 @@ def test_a_full_disk_is_reported_at_once_and_earlier_data_are_kept(tmp_path: Pat
         writer.touch(frame_of(0.0, 2), 0.0)
         # /dev/full exists already, and a session makes new files only: hand it the open file.
         kept, writer._touches._file = writer._touches._file, device.open("w")
-        with pytest.raises(RecordingError, match=r"cannot go on.*No space left.*Make room"):
+        with pytest.raises(RecordingError, match=r"cannot be written.*No space left.*Free space"):
             writer.touch(frame_of(0.1, 2), 0.1)
         kept.close()
     assert writer.touches == 1

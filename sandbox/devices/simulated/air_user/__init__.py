@@ -1,1 +1,1 @@
-"""A simulated person whose hand moves in the air over a 3-D device."""
+"""A simulated person who moves a hand in the air over a Leap or in front of a headset or camera."""

@@ -1,9 +1,9 @@
 """The hand of a simulated person in the air: joint positions for a pinch, and movements.
 
-The palm faces down; thumb, index and middle finger reach down from it and meet, ring and little
-finger stay stretched, out of the way. Every seed gives another person, with their own bone lengths
-and coupling of the last joints, as in `encoders.paalm.simulated.air`. Movements have minimum jerk,
-with end-point errors and tremor.
+The palm faces down. Thumb, index and middle finger reach down from it and meet; ring and little
+finger stay stretched, out of the way. Every seed gives a different person, with other bone lengths
+and another coupling of the last joints, as in `encoders.paalm.simulated.air`. Movements have
+minimum jerk, end-point errors and tremor.
 """
 
 from __future__ import annotations
@@ -21,10 +21,10 @@ from models.arithmetic import Array, length, small_product
 from tasks.user import UserConfiguration
 
 AXIS = float(np.deg2rad(52.0))
-"""Direction (rad from x, in the palm's plane) from the thumb's tip to the fingertips, which the
-resting thumb of `models.skeleton` faces."""
+"""Direction (rad from x, in the palm's plane) from the thumb's tip to the fingertips: that in which
+the resting thumb of `models.skeleton` opposes the fingers."""
 CENTRE = (-0.038, 0.047, -0.055)
-"""(3,) m in palm coordinates, point at which the tips of an average hand meet."""
+"""Point (3,) at which the fingertips of an average hand meet, m in palm coordinates."""
 PITCH = 0.019
 """Distance (m) between the tips of index and middle finger."""
 STRETCHED = {3: (8.0, -4.0, 12.0, 8.0), 4: (8.0, -12.0, 12.0, 8.0)}
@@ -39,8 +39,8 @@ class Pinch:
 
     Attributes:
         centre: (3,) m in the world, midpoint between thumb and fingers.
-        yaw: rad, turn of the hand about the vertical.
-        gap: m between the centres of the tips of thumb and fingers.
+        yaw: rad, rotation of the hand about the vertical.
+        gap: m, distance between the tip of the thumb and the midpoint of the other two tips.
         bent: (3, 3) m in palm axes, extra shifts of the tips of thumb, index and middle.
     """
 
@@ -51,27 +51,27 @@ class Pinch:
 
     @property
     def vector(self) -> Array:
-        """(14,) all values, for interpolation between two poses."""
+        """All values as a vector (14,), for interpolation between two poses."""
         return np.concatenate([self.centre, [self.yaw, self.gap], self.bent.ravel()])
 
     @classmethod
     def of(cls, vector: Array) -> Pinch:
-        """Inverse of `vector`."""
+        """Makes the pose from its `vector`."""
         return cls(vector[:3], float(vector[3]), float(vector[4]), vector[5:].reshape(3, 3))
 
     @property
     def rotation(self) -> Array:
-        """(3, 3) rotation, world from palm."""
+        """Rotation (3, 3), world from palm."""
         c, s = cos(self.yaw), sin(self.yaw)
         return np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
 
     def tips(self) -> Array:
-        """(3, 3) m in the world, target tips of thumb, index and middle, without `bent`."""
+        """Returns the target tips (3, 3) of thumb, index and middle without `bent`, m in the world."""
         return self.centre + small_product(pinching_tips(self.gap), self.rotation.T)
 
 
 def pinching_tips(gap: float) -> Array:
-    """(3, 3) m in palm axes, tips of thumb, index and middle from the pinch's centre."""
+    """Returns the tips (3, 3) of thumb, index and middle from the pinch's centre, m in palm axes."""
     axis = np.array([cos(AXIS), sin(AXIS), 0.0])
     beside = np.array([sin(AXIS), -cos(AXIS), 0.0])
     return np.array(
@@ -104,7 +104,8 @@ class Body:
         self.middle = np.multiply(CENTRE, np.clip(size, 0.8, 1.25))
 
     def joints(self, pinch: Pinch) -> tuple[Array, Array, Array]:
-        """Palm centre (3,) and rotation (3, 3) in the world; joints (5, 4, 3) in the palm."""
+        """Returns palm centre (3,) m and rotation (3, 3) in the world, and joints (5, 4, 3) m in
+        palm coordinates."""
         wanted = self.middle + pinching_tips(pinch.gap) + pinch.bent
         angles = np.zeros((5, 4))
         for f in PINCHING:
@@ -131,7 +132,7 @@ class HandMovement:
     Args:
         start: Initial pose.
         configuration: Speed and precision of the user.
-        rng: Random numbers of end-point errors and tremor.
+        rng: Random numbers for end-point errors and tremor.
     """
 
     def __init__(
@@ -145,7 +146,7 @@ class HandMovement:
 
     @property
     def aim(self) -> Pinch:
-        """End of the current or last movement."""
+        """Target pose of the current or last movement, with its end-point error."""
         return Pinch.of(self._to.copy())
 
     def go(self, aim: Pinch, now: float, slowness: float = 1.0) -> float:
@@ -154,7 +155,7 @@ class HandMovement:
         to = aim.vector
         way = to - self._from
         far = float(length(way[:3]) + _ARM * abs(way[3]) + abs(way[4]) / 2 + np.abs(way[5:]).max())
-        # A movement misses its aim by an error in proportion to its length.
+        # The end-point error of a movement is proportional to its length.
         to[:3] += self._c.end_noise * length(way[:3]) * self._rng.standard_normal(3) / 1.7
         to[3] += self._c.end_noise * way[3] * self._rng.standard_normal()
         time = self._c.movement_base + self._c.movement_slope * log2(max(far / 0.002, 1.0))
@@ -163,7 +164,7 @@ class HandMovement:
         return self._end
 
     def at(self, now: float) -> Pinch:
-        """Actual pose with tremor; must be called in order of time."""
+        """Returns the actual pose with tremor; must be called in order of time."""
         c = self._c
         step = 0.0 if self._last is None else max(now - self._last, 0.0)
         self._last = now

@@ -14,20 +14,21 @@ from tasks.task import Goal, flat_yaw
 from tasks.user import SeenObject
 
 _STEP = float(np.deg2rad(25.0))
-"""Largest turn (rad) in one movement of an object that turns about a bolt."""
+"""Largest rotation (rad) in one movement of an object that turns about a bolt."""
 _GRIP = 0.040
-"""Position (m) along the handle at which a wrench of size 1 is held: far out, for a long lever."""
+"""Distance (m) from the origin, along the handle, at which a wrench of size 1 is held. It is long,
+for a long lever."""
 
 
 @dataclass(frozen=True)
 class Hold:
-    """The part of an object that is pinched, a block.
+    """The block of an object that the fingers pinch.
 
     Attributes:
         position: (3,) m, centre of the block.
-        yaw: rad, direction across which fingers close on it.
-        width: m between the pinched faces.
-        top: m, height of its upper side.
+        yaw: rad, direction along which thumb and fingers close on the block.
+        width: m, distance between the pinched faces.
+        top: m, height of the block's upper side.
         quarter: True if any two opposite faces can be pinched.
     """
 
@@ -58,12 +59,12 @@ def check_holdable(thing: SceneObject) -> None:
             "the simulated user in the air cannot hold this object",
             got=thing.name,
             expected="boxes, wrenches and trays",
-            remedy="--device leap for a hand of your own",
+            remedy="Use --device leap, with your own hand",
         )
 
 
 def hold_of(seen: SeenObject, near: Array) -> Hold:
-    """The hold of an object.
+    """Returns the hold of an object.
 
     Args:
         seen: The object.
@@ -89,7 +90,7 @@ def hold_of(seen: SeenObject, near: Array) -> Hold:
 
 
 def remaining_motion(seen: SeenObject, goal: Goal) -> tuple[Array, float]:
-    """Shift (2,) m and turn, rad, from an object's pose to its goal."""
+    """Returns shift (2,) m and rotation (rad) from an object's pose to its goal."""
     off = np.asarray(goal.position[:2]) - seen.position[:2]
     if isinstance(seen.shape, Box):
         return off, quarter_turn(goal.yaw - flat_yaw(seen.rotation))
@@ -97,7 +98,13 @@ def remaining_motion(seen: SeenObject, goal: Goal) -> tuple[Array, float]:
 
 
 def pinch_motion(seen: SeenObject, goal: Goal, pinch: Array) -> tuple[Array, float]:
-    """Shift (2,) m and turn, rad, by which a pinch at (2,) m brings the held object to its goal."""
+    """Returns shift (2,) m and rotation (rad) of a pinch that bring the held object to its goal.
+
+    Args:
+        seen: The object.
+        goal: Its goal.
+        pinch: (2,) m, position of the pinch.
+    """
     off, turn = remaining_motion(seen, goal)
     pivot, shape = seen.position[:2], seen.shape
     if isinstance(shape, Wrench) and shape.bolt is not None:
@@ -108,7 +115,7 @@ def pinch_motion(seen: SeenObject, goal: Goal, pinch: Array) -> tuple[Array, flo
 
 
 def stays_down(shape: SceneObject) -> bool:
-    """True if the object is pulled or turned on the table, and not lifted."""
+    """True if the object is pulled or turned on the table instead of being lifted."""
     return isinstance(shape, Wrench)
 
 
@@ -126,5 +133,5 @@ def at_goal(seen: SeenObject, goal: Goal) -> bool:
 
 
 def quarter_turn(angle: float) -> float:
-    """Smallest angle (rad) that is equal up to quarter turns."""
+    """Returns the smallest angle (rad) that differs from an angle by whole quarter turns."""
     return float((angle + np.pi / 4) % (np.pi / 2) - np.pi / 4)

@@ -1,13 +1,13 @@
-"""A simulated person before a device with large errors, such as a webcam.
+"""A simulated person who uses a device with large errors, such as a webcam.
 
-A view from above measures the bend and the height of fingers badly. This person reacts as people
-do:
+A camera measures the bend and the height of fingers badly if it looks from above. The simulated
+person reacts to the errors as people do. They
 
-- It holds the fingers as in any pinch, and closes them even if the drawn fingers are misplaced.
-- It continues to close until the drawn fingers are at the object.
-- It raises the hand until the object is up, and lets go when the object sinks no further.
-- An object that is alone on the table is first held lightly and pushed to its place. If it then
-  lies wrong, the fingers, still around it, close again.
+- hold the fingers as in any pinch, and close them even if the drawn fingers are misplaced;
+- continue to close until the drawn fingers are at the object;
+- raise the hand until the object is up, and let go when the object sinks no further;
+- hold a single object on the table lightly, and push it to its goal. If the object is not at the
+  goal then, the fingers are still around it and close again.
 """
 
 from __future__ import annotations
@@ -36,20 +36,22 @@ PATIENT = AirHabits(good=0.006, looks=4, placed=0.006, straight=radians(7.0), pr
 _FINGERS = (1, 2)
 """Labels of the fingers that oppose the thumb."""
 _AT, _HELD = 0.002, 0.004
-"""Distances between drawn pads and faces below which fingers are at an object, and hold it, m."""
+"""Distances (m) between drawn finger pads and faces of an object below which the fingers are at the
+object (`_AT`), and hold it (`_HELD`)."""
 _CLOSER, _FIRM = 0.006, 0.014
-"""Further closing (m) of the gap while the fingers are not at an object, and once when they are."""
+"""Distances (m) by which the gap is closed further: repeatedly while the fingers are not at the
+object (`_CLOSER`), and once when they are (`_FIRM`)."""
 _NARROWEST = 0.010
 """Smallest gap between the person's own fingers, m."""
 _RISEN = 0.75
-"""Share of the intended height at which an object counts as raised, if other objects are near."""
+"""Share of the intended height at which an object counts as raised, if there are other objects."""
 _TIMES = 6
 """Largest number of times that the hand is closed or raised further."""
 _LEAST = 0.005
 """Smallest additional height, m."""
 _SINKS, _LOW = 0.002, 0.010
-"""Smallest sinking (m) of an object for which the hand is lowered further, and height (m) above
-the place below which this rule holds."""
+"""While an object is lower than `_LOW` (m) above its goal, the hand is lowered further only if the
+object has sunk by at least `_SINKS` (m)."""
 _PUSHES = 2
 """Largest number of times that an object is pushed to its place before the hand lets go."""
 _UNDER = 0.003
@@ -67,9 +69,9 @@ class PatientPerson(AirPerson):
     """Height of the object before it was gripped, m."""
     _above_goal = float("inf")
     _let_go: tuple[Array, float] | None = None
-    """Shift (2,), m, and turn, rad, from object to goal at the last release."""
+    """Shift (2,), m, and rotation, rad, from object to goal at the last release."""
     _dragged: tuple[Array, float] | None = None
-    """Shift (2,), m, and turn, rad, of an object caused by a release, as observed so far."""
+    """Shift (2,), m, and rotation, rad, of an object caused by a release, as observed so far."""
 
     def _around(self, sight: Sight, now: float) -> None:
         self._begin(sight)
@@ -112,7 +114,7 @@ class PatientPerson(AirPerson):
                 up = np.array([0.0, 0.0, max(self._held - risen, _LEAST)])
                 self._go(replace(aim, centre=aim.centre + up), Stage.LIFTED, now, 1.2)
                 return
-            # The object is held, at whatever height.
+            # The object is held, even if it has not risen as intended: continue to carry.
             self._stood = float(hold.position[2]) - self._held
         super()._carry(sight, now)
 
@@ -130,7 +132,7 @@ class PatientPerson(AirPerson):
         super()._lower(sight, now)
 
     def _push(self, sight: Sight, now: float) -> None:
-        """Pushes an object on the table to its place; lets go when it is there."""
+        """Pushes an object on the table to its goal; lets go when it is there."""
         thing, goal, habits = self._seen_object(sight), self._goal(sight), self.habits
         self._above_goal = float(thing.position[2]) - goal.position[2]
         off, turn = remaining_motion(thing, goal)
@@ -153,7 +155,7 @@ class PatientPerson(AirPerson):
         at_height = abs(float(thing.position[2]) - goal.position[2]) < _LOW
         wrong = _alone(sight) and at_height and not at_goal(thing, goal)
         if wrong and self.grasps < self.habits.attempts and self._about(sight, hold):
-            # The hand is still around the object: it need not be raised again.
+            # The hand is still around the object, so it need not be raised first.
             self.grasps += 1
             self._begin(sight)
             self._again = True
@@ -165,7 +167,12 @@ class PatientPerson(AirPerson):
         super()._leave(sight, now)
 
     def _learn(self, before: tuple[Array, float], after: tuple[Array, float]) -> None:
-        """Stores how the release moved an object."""
+        """Stores how the release moved an object.
+
+        Args:
+            before: Shift and rotation from the object to its goal before the release.
+            after: The same after the release.
+        """
         shift, turn = before[0] - after[0], before[1] - after[1]
         if self._dragged is not None:
             shift = (shift + self._dragged[0]) / 2.0
@@ -188,7 +195,7 @@ class PatientPerson(AirPerson):
         return small_product(self._movement.aim.rotation, np.array([cos(AXIS), sin(AXIS), 0.0]))
 
     def _apart(self, sight: Sight) -> float:
-        """Distance between the pads of the drawn thumb and of the finger nearest to it, m."""
+        """Distance (m) between the pads of the drawn thumb and of the finger nearest to it."""
         axis, thumb = self._axis(), sight.tips[0]
         return min(
             float(small_product(sight.tips[f] - thumb, axis) - self._radius[0] - self._radius[f])

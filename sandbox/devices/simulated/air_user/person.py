@@ -1,8 +1,8 @@
 """A simulated person who brings objects to their goals with a hand in the air.
 
-The steps are: move above, around, pinch, lift, carry, lower, open, look again. The person sees only
-what the screen showed a reaction time ago: the drawn fingertips and the objects. They correct
-errors of the drawn hand by moving their own.
+The steps are: move the hand above an object, then around it, pinch, lift, carry, lower, open, look
+again. The person sees only the drawn fingertips and the objects, as the screen showed them a
+reaction time ago. They correct errors of the drawn hand by moving their own hand.
 """
 
 from __future__ import annotations
@@ -37,10 +37,11 @@ from tasks.task import Goal
 from tasks.user import SeenObject, Sight, UserConfiguration
 
 _ASIDE = 0.025
-"""Distance (m) from the line between drawn thumb and fingers beyond which an object has slipped."""
+"""An object has slipped if it is farther than this (m) from the line between drawn thumb and
+fingers."""
 _ROOM, _ROOM_WEIGHT = 0.018, 40.0
-"""Desired clearance (m) of a fingertip from other objects, and the turn (rad) that is as costly as
-a clearance smaller by 1 m."""
+"""Desired clearance (m) of a fingertip from other objects, and cost (rad of rotation) of each m by
+which the clearance is smaller."""
 
 
 @dataclass(frozen=True)
@@ -48,22 +49,22 @@ class AirHabits:
     """Parameters of the way a person works with a hand in the air.
 
     Attributes:
-        over: m, height of the tips above objects during transport of the open hand.
-        opening: m, gap on each side between the open hand and the object to hold.
+        over: m, height of the tips above objects while the open hand moves.
+        opening: m, gap on each side between the open hand and the object to be held.
         squeeze: m, distance by which each side closes beyond the object's faces.
-        grip: m, height of the tips above the centre of an object to lift.
-        clear: m, height of the tips above the table for an object that stays down: fingers that
-            push a flat object high up ride over it.
+        grip: m, height of the tips above the centre of an object that is lifted.
+        clear: m, height of the tips above the table for an object that is not lifted. It is small:
+            fingers that push a flat object near its upper side slide over it.
         lift: m, height above all surrounding objects at which an object is carried.
         good: m, error of the drawn tips that the user accepts before closing.
         placed, straight: m and rad, error of a carried object at which it is lowered.
-        press: m, distance by which it is lowered below its goal.
-        looks: Number of corrections after which the user goes on in any case.
-        attempts: Number of grasps before giving up.
+        press: m, distance by which an object is lowered below its goal.
+        looks: Number of corrections after which the user continues in any case.
+        attempts: Number of grasps before the user gives up.
         share: Share of an error that one correction removes.
-        follows, stuck: Share of an error that remains after a correction, and m, error before and
-            after it: above both, the drawn hand is taken to be blocked.
-        settle: s, time for which the user watches the effect of a movement, beyond the reaction
+        follows, stuck: The drawn hand counts as blocked if more than the share `follows` of an
+            error remains after a correction, and the error is above `stuck` (m) before and after.
+        settle: s, time for which the user watches the effect of a movement, after the reaction
             time. The user judges by the mean position of the fingertips during this time.
     """
 
@@ -103,18 +104,18 @@ class AirPerson:
 
     Args:
         configuration: Reaction time, speed and tremor.
-        seed: Seed of the person's hand and of everything random.
+        seed: Seed of the person's hand and of all random numbers.
         radius: (5,) m, radii of the drawn fingertips.
-        habits: Parameters of the way of working.
-        home: (2,) m in the world from the person's seat, resting position of the hand. Of two
-            handles, the person takes the nearer.
+        habits: Parameters of the way of working; None: the defaults.
+        home: (2,) m in the world, as seen from the person's seat: resting position of the hand. Of
+            two handles, the person takes the one nearer to it.
 
     Attributes:
         grasps: Number of grasps so far.
     """
 
     _most_bent = 0.03
-    """Largest distance (m) of a tip from its place in a pinch, along each axis."""
+    """Largest shift (m) of a tip from its usual position in a pinch, along each axis."""
 
     def __init__(
         self,
@@ -153,14 +154,15 @@ class AirPerson:
         self._lately.append(sight)
 
     def hand(self, now: float) -> tuple[Array, Array, Array]:
-        """Palm centre (3,), rotation (3, 3) and joints (5, 4, 3) of the own hand now."""
+        """Returns the own hand's palm centre (3,) m and rotation (3, 3) in the world, and joints
+        (5, 4, 3) m in palm coordinates, at the time `now`."""
         sight = self._eye.at(now)
         if sight is not None and now >= self._until - 1e-9 and self._kind != "idle":
             self._act(self._watched(sight), now) if self._kind == "skilled" else self._anywhere(now)
         return self.body.joints(self._movement.at(now))
 
     def _watched(self, sight: Sight) -> Sight:
-        """The user's sight; each fingertip at its mean position over the last `settle` seconds.
+        """Returns a sight with the mean positions of the fingertips over the last `settle` seconds.
 
         A single picture of a trembling hand would be too noisy.
         """
@@ -185,7 +187,7 @@ class AirPerson:
         act[self._stage](sight, now)
 
     def _anywhere(self, now: float) -> None:
-        """Behaviour of the control condition: random movements, opening and closing."""
+        """Moves, opens and closes the hand at random: the control condition of user `random`."""
         low, high = (-0.10, -0.08, 0.01), (0.10, 0.08, 0.10)
         centre = self._rng.uniform(low, high) + np.append(self._home, 0.0)
         yaw, gap = self._rng.uniform((-0.8, 0.02), (0.8, 0.09)).tolist()
@@ -203,7 +205,7 @@ class AirPerson:
         self._tries = 0
         hold = self._hold(sight)
         yaw = self._comfortable(hold, sight)
-        # The learned correction of the drawn fingers is kept.
+        # The correction of the drawn fingers from earlier grasps is used again.
         bent = self._bent = self._movement.aim.bent
         self._gap = hold.width + 2.0 * self.habits.opening
         over = self._highest(sight) + self.habits.over
@@ -227,7 +229,7 @@ class AirPerson:
             return
         aim = self._movement.aim
         if self._blocked(sight, hold):
-            # The way is blocked: the hand is raised again, and not turned or opened.
+            # The drawn hand is blocked: raise the hand again, without rotation or opening.
             self._offset = np.zeros(3)
             centre = np.array([*wanted[:2], self._highest(sight) + self.habits.over])
             self._go(replace(aim, centre=centre, bent=self._bent), Stage.LOOKING, now)
@@ -237,7 +239,7 @@ class AirPerson:
         self._go(replace(aim, gap=gap), Stage.CLOSED, now, 1.3)
 
     def _blocked(self, sight: Sight, hold: Hold) -> bool:
-        """True if the fingers are not around an object and thus may not close."""
+        """True if the fingers are not around the object, so that they must not close."""
         return self._off > self.habits.stuck
 
     def _lift(self, sight: Sight, now: float) -> None:
@@ -303,13 +305,13 @@ class AirPerson:
     # Corrections of the drawn hand.
 
     def _correct(self, sight: Sight, wanted: Array, good: float, now: float) -> bool:
-        """Begins a correction of the drawn tips; False if none is needed or none would help."""
+        """Begins a correction of the drawn tips; False if none is needed or it would not help."""
         aim = self._movement.aim
         rotation = aim.rotation
         ideal = replace(aim, centre=wanted).tips()
         error = small_product(ideal - np.array([sight.tips[f] for f in PINCHING]), rotation)
         before, self._off = self._off, float(np.sqrt(squared_lengths(error)).max())
-        # A drawn hand that does not follow is blocked, and pushing on does not help.
+        # A drawn hand that does not follow is blocked, and further movement does not help.
         stuck = (
             self._tries > 1
             and min(self._off, before) > self.habits.stuck
@@ -339,7 +341,7 @@ class AirPerson:
         return hold_of(self._seen_object(sight), self._home)
 
     def _grip(self, hold: Hold, sight: Sight) -> Array:
-        """(3,) m, target midpoint between the tips when they close."""
+        """Returns the target midpoint (3,) between the tips when they close, m."""
         x, y, z = hold.position.tolist()
         if stays_down(self._seen_object(sight).shape):
             return np.array([x, y, float(self._radius[list(PINCHING)].max()) + self.habits.clear])
@@ -349,16 +351,20 @@ class AirPerson:
         return next(g for g in sight.goals if g.object == self._name)
 
     def _highest(self, sight: Sight, others: bool = False) -> float:
-        """Top (m) of the highest object; `others` leaves out the object in hand."""
+        """Returns the top (m) of the highest object; `others` leaves out the held object."""
         seen = [o for name, o in sight.objects.items() if not others or name != self._name]
         return max((hold_of(o, self._home).top for o in seen), default=0.0)
 
     def _centres(self, width: float) -> float:
-        """Distance (m) between the tips' centres for a gap between the finger pads."""
+        """Returns the distance (m) between the tips' centres for a gap between the finger pads."""
         return width + float(self._radius[0] + self._radius[1:3].mean())
 
     def _comfortable(self, hold: Hold, sight: Sight) -> float:
-        """Turn (rad) of the hand for a hold: with room for the fingers, and little to turn."""
+        """Returns the yaw (rad) of the hand for a hold.
+
+        It leaves space for the fingers beside other objects, and needs little rotation of the hand
+        now and at the goal.
+        """
         _, turn = remaining_motion(self._seen_object(sight), self._goal(sight))
         best = (np.inf, 0.0)
         for side in range(0, 4, 1 if hold.quarter else 2):
@@ -379,7 +385,10 @@ class AirPerson:
         return best[1]
 
     def _idle_tips(self, sight: Sight, yaw: float) -> Array:
-        """(2, 3) m from the pinch's centre to the tips that do not pinch, of a turned hand."""
+        """Returns the tips (2, 3) of ring and little finger, m from the pinch's centre.
+
+        They are those of the drawn hand, rotated to a yaw.
+        """
         thumb, fingers = _pads(sight)
         pinch = (thumb + fingers) / 2.0
         turn = replace(self._movement.aim, yaw=yaw - self._movement.aim.yaw).rotation
@@ -387,7 +396,7 @@ class AirPerson:
 
 
 def _pads(sight: Sight) -> tuple[Array, Array]:
-    """(3,) m each, tip of the drawn thumb, and midpoint of the tips of index and middle finger."""
+    """Returns the tip of the drawn thumb and the midpoint of index and middle fingertip, (3,) m."""
     return sight.tips[0], (sight.tips[1] + sight.tips[2]) / 2.0
 
 
@@ -398,13 +407,13 @@ def _up(height: float) -> Array:
 _AHEAD = 0.020
 """Height (m) by which the own end is raised above the other end."""
 _UP = 0.6
-"""Share of the lift above which both ends count as up, so that the tray may be carried along."""
+"""If both ends are above this share of the lift, the tray may be carried to its goal."""
 _STEP, _STEP_TURN = 0.025, float(np.deg2rad(8.0))
-"""Largest sideways shift (m) and turn (rad) before the user looks at the other end again."""
+"""Largest horizontal shift (m) and rotation (rad) before the user looks at the other end again."""
 _IN_PLACE, _STRAIGHT, _LEVEL = 0.005, float(np.deg2rad(3.0)), 0.004
-"""Tolerances within which an end is not corrected: m sideways, rad, and m in height."""
+"""Tolerances within which an end is not corrected: horizontal (m), rotation (rad), height (m)."""
 _GONE = 0.030
-"""Distance (m) from the drawn fingers beyond which a handle is taken to have slipped."""
+"""A handle has slipped if it is farther than this (m) from the drawn fingers."""
 _LOOK = 0.10
 """Time (s) between two observations by a waiting user."""
 _FELT = 0.35
@@ -412,7 +421,7 @@ _FELT = 0.35
 
 
 class AirCarrier(AirPerson):
-    """Lifts and carries the end of a tray that is nearer to their home, and holds it there."""
+    """A simulated person who lifts the nearer end of a tray, carries it to the goal and holds it."""
 
     def _lift(self, sight: Sight, now: float) -> None:
         self._stage = Stage.LIFTED
@@ -442,7 +451,7 @@ class AirCarrier(AirPerson):
         self._go(replace(aim, centre=aim.centre + step, yaw=aim.yaw + turn), Stage.LIFTED, now, 1.2)
 
     def _aside(self, thing: SeenObject, hold: Hold, sight: Sight) -> tuple[Array, float]:
-        """Movement (2,) m to the side, and turn, of the own end."""
+        """Returns the horizontal shift (2,) m and the rotation (rad) of the own end."""
         goal = self._goal(sight)
         assert isinstance(thing.shape, Tray)
         along = np.array([cos(goal.yaw), sin(goal.yaw)])
@@ -457,5 +466,5 @@ class AirCarrier(AirPerson):
 
 
 def _far_end(thing: SeenObject, hold: Hold) -> Hold:
-    """The handle at the other end."""
+    """Returns the handle at the other end."""
     return replace(hold, position=2.0 * thing.position - hold.position)

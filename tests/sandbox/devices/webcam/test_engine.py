@@ -115,7 +115,7 @@ def test_a_damaged_file_is_noticed_and_mended(home: Path, index: None) -> None:
 
 def test_files_that_cannot_be_written_leave_what_was_there(home: Path, index: None) -> None:
     home.parent.joinpath("data").write_text("a file in the way")
-    with pytest.raises(DeviceError, match="cannot be kept"):
+    with pytest.raises(DeviceError, match="cannot be stored"):
         engine.install(lambda line: None)
     assert home.read_text() == "a file in the way"
 
