@@ -1,4 +1,4 @@
-"""Settings of a hand that is tracked in the air: position of the device, calibration of the hand."""
+"""Settings of a hand tracked in the air: position of the device and calibration of the hand."""
 
 from __future__ import annotations
 

@@ -1,18 +1,18 @@
-"""Who may connect to a page's server: who has its token, origin and host name, and not too often.
+"""Access to a page's server: checks of token, origin and host name, and limits of connections.
 
 Any page in any browser of this machine can reach the server's address (on a tablet's network: any
-device). So every request has to carry the token from the link or QR code. A foreign `Host` means
-DNS rebinding, a foreign `Origin` a foreign page.
+device). So every request must contain the token from the link or QR code. A foreign `Host` is a
+sign of DNS rebinding; a foreign `Origin` is that of a foreign page.
 
 A tablet tries to reconnect as long as its page is open, and a restarted program has the same
 address if the port is fixed. So the token of a fixed port is stored in a file that only this user
-can read; delete it to get another token at the next start.
+can read. If the file is deleted, the next start makes another token.
 
-A connection is unauthenticated until it has sent the token. A few unauthenticated connections are
-allowed. When another one is opened, the oldest is closed: our page sends its token within
-milliseconds, and an attacker who only occupies connections never sends it. Authenticated
-connections have their own limit. An address that connects too often is rejected before its request
-is read, since reading takes a millisecond.
+A connection is unauthenticated until it has sent the token. Only some unauthenticated connections
+are allowed; a further one closes the oldest. The program's page sends its token within
+milliseconds, but an attacker who occupies connections never does. Authenticated connections have
+their own limit. An address that connects too often is rejected before its request is read, since
+reading takes a millisecond.
 """
 
 from __future__ import annotations
@@ -37,8 +37,8 @@ from sandbox.server.protocol import Allowance
 TOKEN_BYTES = 16
 TOKEN_NAME = "token"
 TOKENLESS = ("/", "/?role=spectator")
-"""The only requests that are answered without a token: the addresses that the page leaves in the
-address bar. The answer is a page that only finds the token in its own tab."""
+"""The only requests that are answered without a token: the page shows these addresses in the
+address bar. The answer is a page that reads the token, which is stored in its own tab."""
 
 
 @dataclass(frozen=True)
@@ -46,9 +46,9 @@ class Access:
     """Access rules of one server.
 
     Attributes:
-        host: IP address that the server is bound to.
-        port: Its port.
-        secure: True if it uses TLS.
+        host: IP address to which the server is bound.
+        port: Port of the server.
+        secure: True if the server uses TLS.
         token: Token that a request must contain.
         names: Further host names of the machine.
     """
@@ -80,7 +80,7 @@ class Access:
         return f"{scheme}://{host}:{self.port}/?{TOKEN_NAME}={self.token}"
 
     def refusal(self, path: str, host: str | None, origin: str | None, socket: bool) -> str:
-        """Reason for refusing a request, in one word; empty if it is accepted.
+        """Returns the reason for refusing a request, in one word; empty if it is accepted.
 
         Args:
             path: The request's target, with its query.
@@ -98,7 +98,7 @@ class Access:
         return "" if self.knows_token(path) else "token"
 
     def is_return_page(self, path: str, socket: bool) -> bool:
-        """True if a request without a token may get the page that finds the token in its tab."""
+        """True if a request without a token may get the page that reads the token in its tab."""
         return not socket and path in TOKENLESS
 
     def knows_token(self, path: str) -> bool:
@@ -114,10 +114,10 @@ _TOKEN = re.compile(r"[A-Za-z0-9_-]{20,64}")
 
 
 def stored_token(path: Path) -> str:
-    """The token in a file, which is made if it does not exist.
+    """Returns the token in a file; creates the file if it does not exist.
 
     Raises:
-        InputError: The file does not hold a token, can be read by others, or cannot be written.
+        InputError: The file has no token, can be read by other users, or cannot be written.
     """
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
@@ -141,12 +141,12 @@ def _not_stored(path: Path, error: OSError) -> InputError:
         "the page's token cannot be stored",
         where=str(path),
         got=error.strerror,
-        remedy="Leave --page-port out: then every start has a new token",
+        remedy="Leave out --page-port: then every start has a new token",
     )
 
 
 def _read(path: Path) -> str:
-    remedy = "Delete the file: the next start makes another one"
+    remedy = "Delete the file: the next start makes a new one"
     try:
         text, mode = path.read_text(encoding="ascii").strip(), path.stat().st_mode
     except (OSError, UnicodeDecodeError) as error:
@@ -157,12 +157,12 @@ def _read(path: Path) -> str:
     if os.name == "posix" and mode & 0o077:
         raise InputError("other users can read the page's token", where=str(path), remedy=remedy)
     if not _TOKEN.fullmatch(text):
-        raise InputError("the file does not hold a token", where=str(path), remedy=remedy)
+        raise InputError("the file has no valid token", where=str(path), remedy=remedy)
     return text
 
 
 class Counters:
-    """Counts by reason; safe from all threads."""
+    """Counts by reason; safe to use from all threads."""
 
     def __init__(self) -> None:
         self._lock = threading.Lock()
@@ -178,7 +178,7 @@ class Counters:
             return self._counts[reason]
 
     def as_dict(self) -> dict[str, int]:
-        """A copy, most frequent first."""
+        """Returns a copy, most frequent reason first."""
         with self._lock:
             return dict(self._counts.most_common())
 
@@ -192,7 +192,7 @@ MOST_AUTHENTICATED = 32
 ARRIVALS_PER_SECOND, ARRIVALS_AT_ONCE = 50.0, 150.0
 """Rate limit of connections from one address; loading a page needs five."""
 MOST_ADDRESSES = 256
-"""Number of addresses whose connections are counted; the oldest is forgotten first."""
+"""Largest number of addresses whose connections are counted; the oldest is dropped first."""
 
 
 class ConnectionLimits:
@@ -205,7 +205,7 @@ class ConnectionLimits:
     def __init__(self, counters: Counters) -> None:
         self._counters = counters
         self._arrivals: dict[str, Allowance] = {}
-        # In order of arrival; True once the request was accepted or refused, and thereby counted.
+        # In order of arrival. True: the request was accepted or refused, and is already counted.
         self._unauthenticated: dict[ServerConnection, bool] = {}
         self._authenticated: set[ServerConnection] = set()
 
@@ -213,7 +213,7 @@ class ConnectionLimits:
         return len(self._unauthenticated) + len(self._authenticated)
 
     def accepts(self, address: str, now: float) -> bool:
-        """True if a new connection from an address, at a time in s, is accepted for reading."""
+        """True if a new connection from an address, at the time `now` (s), may be read."""
         allowance = self._arrivals.get(address)
         if allowance is None:
             if len(self._arrivals) >= MOST_ADDRESSES:
@@ -231,23 +231,26 @@ class ConnectionLimits:
         if len(self._unauthenticated) > MOST_UNAUTHENTICATED:
             oldest = next(iter(self._unauthenticated))
             if not self._unauthenticated.pop(oldest):
-                # Counted here, and not again when the connection ends.
+                # `remove` does not count it again, as it is no longer among the unauthenticated.
                 self._counters.add("pushed out by others")
             oldest.transport.abort()
 
     def judge(self, connection: ServerConnection) -> bool:
-        """Marks that a connection's request is accepted or refused now, which counts it. Returns
-        False if it was closed in favour of others before, and is therefore already counted."""
+        """Marks a connection whose request is now accepted or refused, and thereby counted.
+
+        Returns False if the connection was closed before, in favour of newer ones: then it is
+        already counted.
+        """
         if connection not in self._unauthenticated:
             return False
         self._unauthenticated[connection] = True
         return True
 
     def authenticate(self, connection: ServerConnection) -> bool:
-        """Marks a connection that sent the token; False if it was closed or there is no room.
+        """Marks a connection that sent the token; False if it was closed or there are too many.
 
-        A connection that was closed in favour of others may have sent its request before. It must
-        not be added again, since `remove` will not be called for it a second time.
+        The request of a connection may be processed after the connection was closed in favour of
+        newer ones. Then it must not be added again, since `remove` is not called a second time.
         """
         if connection not in self._unauthenticated:
             return False
@@ -260,13 +263,13 @@ class ConnectionLimits:
     def remove(self, connection: ServerConnection) -> None:
         """Removes a connection that has ended."""
         self._authenticated.discard(connection)
-        # An accepted or refused request has been counted with its reason.
+        # Requests that were accepted or refused are already counted.
         if self._unauthenticated.pop(connection, True) is False:
             self._counters.add("failed handshake")
 
 
 def limited_connection(limits: ConnectionLimits) -> type[ServerConnection]:
-    """A connection class for `websockets.serve` that enforces these limits."""
+    """Returns a connection class for `websockets.serve` that enforces limits."""
 
     class LimitedConnection(ServerConnection):
         _accepted = True

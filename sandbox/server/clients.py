@@ -1,7 +1,7 @@
 """The connected pages of a session, a player and spectators: roles, messages and frames.
 
-Every page has a credit of frames, a limit of messages, and one task that sends. Everything runs in
-the server's thread unless stated otherwise.
+Every page has a credit of frames, a limit of messages, and an asyncio task that sends. Everything
+runs in the server's thread unless stated otherwise.
 """
 
 from __future__ import annotations
@@ -54,29 +54,29 @@ from sandbox.server.web import PageDevice
 from sandbox.trial.logs import LatencyLog
 
 MESSAGES_PER_SECOND, BURST = 240.0, 1200.0
-"""Rate limit; touches at 120 Hz, acknowledgements at 60 Hz and beats are 185 messages a second.
-When a network stalls, a page continues to send for 4 s before it closes its socket; afterwards all
-of these messages may arrive at once."""
+"""Limits of messages from a page. Touches at 120 Hz, acknowledgements at 60 Hz and heartbeats are
+185 messages a second. While the network stalls, a page sends for 4 s before it closes its socket;
+then all these messages may arrive at once."""
 PATIENCE, FORGIVEN = 240.0, 1.0
-"""Number of refused messages after which the connection is closed, and number by which their count
-falls in a second."""
+"""The connection is closed after this number of refused messages. Their count decreases by
+`FORGIVEN` a second."""
 MOST_WAITING = 512
-"""Largest number of messages that wait for a page that does not read: the echoes of minutes.
-Beyond it, the connection is aborted."""
+"""Largest number of messages that wait for a page that does not read, such as echoes of several
+minutes. If there are more, the connection is aborted."""
 MOST_CLIENTS = 8
 SILENT_TOUCHED, SILENT = 1.0, 1.5
-"""Time (s) without a message after which a page counts as away: with a finger down, when it sends
-ten messages a second, and without a finger, when it sends two."""
+"""Times (s) without a message after which a page counts as away: with a finger down (it then sends
+ten messages a second), and without (two messages a second)."""
 SEAT_TIMEOUT, REQUESTED_SEAT_TIMEOUT = 60.0, 10.0
-"""Time (s) after which a player who is away loses the seat to a waiting page: without and with a
+"""Times (s) after which a player who is away loses the seat to a waiting page: without and with a
 request for the seat."""
 Queued = TypeVar("Queued")
 MOST_QUEUED = 256
-"""Largest number of requests, or of answers to questions, that wait to be read; more than a person
-sends before they are read."""
+"""Largest number of requests, or of answers to questions, that wait to be read. A person sends
+fewer before they are read."""
 
 WRONG_VERSION, TOO_MANY, REPLACED, NONSENSE, GOODBYE = 4001, 4002, 4003, 4004, 4005
-"""Close codes, which the page explains to the person; the last code is for the program's end."""
+"""Close codes, which the page explains to the person. GOODBYE: the program has ended."""
 
 
 class Client:
@@ -88,15 +88,15 @@ class Client:
         clock: Monotonic clock, s.
 
     Attributes:
-        hello: The page's hello message; None before it.
-        screen: Current size of its screen.
-        player: True if its touches are used.
-        last_message: s, time of its last message.
-        visible: False while the page reports that it is hidden or turned away.
-        menu: True while its player has a menu open.
-        missed: True if its last message was refused unread, as too many came.
-        silenced: True if its touches were cancelled because it fell silent with a finger down.
-        requests_seat: True if it waits and has requested the player's seat.
+        hello: The page's hello message; None before it arrives.
+        screen: Current size of the page's screen.
+        player: True if the page's touches are used.
+        last_message: Time of the page's last message, s.
+        visible: False while the page reports that it is hidden or rotated (`Presence`).
+        menu: True while the player has a menu open.
+        missed: True if the last message was refused unread, because there were too many.
+        silenced: True if touches were cancelled because the page became silent with a finger down.
+        requests_seat: True if the page waits and has requested the player's seat.
     """
 
     def __init__(
@@ -131,7 +131,7 @@ class Client:
 
     @property
     def seen(self) -> float:
-        """Time (s) at which its person was last able to play."""
+        """Time (s) at which the page's person was last able to play."""
         return self.last_message if self.visible else self._hidden
 
     def set_visible(self, visible: bool) -> None:
@@ -141,7 +141,7 @@ class Client:
         self.visible = visible
 
     def send(self, message: bytes, text: bool = True) -> None:
-        """Queues a JSON message, or bytes; all are sent, in order, before any later frame."""
+        """Queues a message, JSON text or bytes. All are sent, in order, before later frames."""
         if len(self._waiting) < MOST_WAITING:
             self._waiting.append((message, text))
             self._due.set()
@@ -151,7 +151,7 @@ class Client:
             self.connection.transport.abort()
 
     def send_skins(self, skins: Sequence[bytes]) -> None:
-        """Queues the hands' skins that the page does not have already."""
+        """Queues the skins of hands that the page does not have yet."""
         for skin in skins:
             if skin and skin not in self._skins:
                 self.send(skin, text=False)
@@ -164,7 +164,7 @@ class Client:
             self.send(encode(seat))
 
     def offer(self, frame: bytearray | None) -> None:
-        """Queues the newest frame, in place of an older one that has not been sent."""
+        """Queues the newest frame; it replaces an older frame that has not been sent."""
         self._newest = frame
         self._due.set()
 
@@ -184,16 +184,16 @@ class Client:
 
     @property
     def closing(self) -> bool:
-        """True once we have closed the connection."""
+        """True once the server has begun to close the connection."""
         return self._parting is not None
 
     def close(self, code: int, reason: str) -> None:
-        """Starts to close the connection, without waiting for the end."""
+        """Begins to close the connection; returns at once."""
         if self._parting is None:
             self._parting = asyncio.create_task(self.connection.close(code, reason))
 
     async def write(self) -> None:
-        """Sends waiting messages until cancelled; a page that does not read delays only itself."""
+        """Sends waiting messages until cancelled; a slow page delays no other page."""
         with contextlib.suppress(ConnectionClosed):
             while True:
                 await self._due.wait()
@@ -203,7 +203,7 @@ class Client:
                     await self.connection.send(message, text=text)
 
     def _following(self) -> tuple[bytes, bool] | None:
-        """The next message to send, and whether it is text; None if there is none now."""
+        """Returns the next message to send, and whether it is text; None if there is none now."""
         if self._waiting:
             return self._waiting.popleft()
         if self._newest is None or self.stale >= CREDIT:
@@ -217,7 +217,7 @@ class Client:
         """Checks a message; returns None if it is refused.
 
         Raises:
-            InputError: Too many messages were refused, so the sender is not one of our pages.
+            InputError: Too many messages were refused, so the sender is not a page of this program.
         """
         self.last_message, self.silenced = self._clock(), False
         reason, up = "", None
@@ -247,14 +247,14 @@ class Clients:
         counters: Counters of refusals.
         latency: Log of the latency of touches.
         study: Study that the page belongs to; None outside a study.
-        touch: True if the player's fingers are used.
+        touch: True if the player's touches are used.
 
     Attributes:
         joined: Event that is set once a player has connected.
-        seated: Number of times that another page became the player's.
+        seated: Number of times that a new page became the player's page.
         requests: Queue of the player's requests; read by another thread.
         inputs: Queue of the player's inputs to a study's sheets; read by another thread.
-        browser: What the player's browser calls itself; empty before a player connected.
+        browser: User agent of the player's browser; empty before a player connected.
         screen: Size of the player's screen; None before a player connected.
         language: Language of the player's page; empty before a player connected.
     """
@@ -312,7 +312,7 @@ class Clients:
                 client.send_skins(skins)
 
     def show_problem(self, text: bytes) -> None:
-        """Sends a problem that prevents a scene to all pages, and to those that connect later."""
+        """Sends a problem that prevents a scene to all pages, also to pages that connect later."""
         self._trouble, self._frame = text, None
         for client in self._clients:
             if client.hello:
@@ -337,7 +337,7 @@ class Clients:
         return not client.visible or now - client.last_message > limit
 
     def show_sheet(self, sheet: Sheet, tell: bool) -> None:
-        """Stores the sheet for a page that reconnects, and sends it to the player if `tell`."""
+        """Stores the sheet for a page that reconnects; if `tell`, also sends it to the player."""
         self._sheet = sheet
         if tell:
             self.send_to_player(encode(sheet))
@@ -348,7 +348,7 @@ class Clients:
         self.send_to_player(message, text=False)
 
     def send_to_player(self, message: bytes, text: bool = True) -> None:
-        """Sends a JSON message, or bytes, to the player alone; viewers do not get it."""
+        """Sends a message, JSON text or bytes, only to the player."""
         for client in self._clients:
             if client.player:
                 client.send(message, text)
@@ -383,7 +383,7 @@ class Clients:
             self._greet(client, first)
             async for message in connection:
                 self._receive(client, message)
-                # A page that sends without a break must not keep its own sender waiting.
+                # Let the sending task run, even if the page sends without a break.
                 await asyncio.sleep(0)
         except TimeoutError:
             self._counters.add("no hello")
@@ -413,8 +413,8 @@ class Clients:
         client.hello, client.screen = hello, hello.screen
         same = hello.role == "player" and hello.client == self._last_player
         for other in [c for c in self._clients if c.player and same and c is not client]:
-            # The same page has reconnected before the loss of its old socket was detected.
-            # The server does not wait for the old socket's end, which takes a second.
+            # The same page has reconnected before the loss of its old socket was detected. Do not
+            # wait for the end of the old socket, which takes a second.
             self._leave(other)
             other.close(REPLACED, "the page is open elsewhere")
         if hello.role == "player" and (player := self._player()) and self._trouble:
@@ -427,18 +427,18 @@ class Clients:
         self._welcome(client)
 
     def _has_room(self, hello: Hello) -> bool:
-        """True if a page may stay: one place is the player's, the others are for any page."""
+        """True if a page may stay: one place is reserved for the player."""
         others = [c for c in self._clients if c.hello and not c.player]
         mine = hello.role == "player" and self._may_sit(hello)
         return mine or len(others) < MOST_CLIENTS - 1
 
     def _may_sit(self, hello: Hello) -> bool:
-        """True if the player's seat is the page's own, or free."""
+        """True if the player's seat belongs to the page, or is free."""
         return hello.client == self._last_player or (self._player() is None and self._seat_is_free)
 
     @property
     def _seat_is_free(self) -> bool:
-        """True if the last player has been away for too long, or had no room to play."""
+        """True if the last player has been away for too long, or the task does not fit there."""
         kept = self._last_player and time.monotonic() - self._left <= self._seat_timeout
         return not kept or self._trouble is not None
 
@@ -495,7 +495,7 @@ class Clients:
             return
         client.player = False
         if client.menu:
-            # The menu is closed now. A page that reconnects with an open menu reports it again.
+            # The pause of its menu ends. A page that reconnects with an open menu reports it again.
             client.menu = False
             self._keep(self.requests, PlayerRequest("resume"))
         self._last_present = client.seen
@@ -515,7 +515,7 @@ class Clients:
                 return
 
     def _give_up_seat(self, now: float) -> None:
-        """Takes the seat from a player who has been hidden for too long, if another page waits."""
+        """Takes the seat from a player who has been away for too long, if another page waits."""
         player = self._player()
         if player is None or now - player.seen <= self._seat_timeout:
             return
@@ -583,15 +583,17 @@ class Clients:
             self._counters.add("input that nobody waits for")
 
     async def part(self) -> None:
-        """Announces the end to all pages, so that they do not treat it as a fault."""
+        """Announces the end to all pages, so that they do not take it for a lost connection."""
         for client in self._clients:
             client.close(GOODBYE, "the session has ended")
-        # The closing handshakes begin.
+        # Let the closing handshakes begin.
         await asyncio.sleep(0)
 
     async def watch(self) -> None:
-        """Cancels the touches of silent pages, and frees reserved seats in time; runs until it is
-        cancelled."""
+        """Cancels the touches of silent pages and gives free seats to waiting pages.
+
+        Runs until it is cancelled.
+        """
         while True:
             await asyncio.sleep(0.1)
             self._give_up_seat(time.monotonic())

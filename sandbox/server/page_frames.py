@@ -1,7 +1,7 @@
 """A session's data for a page: its scene, the skins of its hands, and a frame per control step.
 
 A frame is binary, little-endian: a header of 32 bytes, one pose of seven float32 per body (position
-in m, quaternion w, x, y, z), and the rest (score, contacts, goals) as JSON of `protocol.State`.
+in m, quaternion w, x, y, z), and score, contacts and goals as JSON of `protocol.State`.
 
     offset  type     content
     0       uint8    PROTOCOL
@@ -9,14 +9,14 @@ in m, quaternion w, x, y, z), and the rest (score, contacts, goals) as JSON of `
     2       uint16   number of bodies
     4       uint32   number of the scene
     8       uint32   number of the frame, from 1
-    12      uint32   low half of the newest touch message's seq that took effect in it
-    16      float64  s, simulated time
+    12      uint32   `seq` of the newest touch message that took effect in the frame, lower 32 bits
+    16      float64  simulated time, s
     24      uint32   length of the JSON, bytes
     28      uint32   0
 
-A skin is sent once per hand before the frames that move it: a header of 16 bytes, 15 names and
-frames of bones, and arrays over n vertices and m triangles, each beginning at a multiple of four
-bytes.
+A skin is sent once per hand, before the frames that move it: a header of 16 bytes, the names and
+poses of 15 bodies, and arrays over n vertices and m triangles. Each array begins at a multiple of
+four bytes.
 
     offset  type     content
     0       uint8    PROTOCOL
@@ -25,12 +25,12 @@ bytes.
     4       uint32   n
     8       uint32   m
     12      uint32   0
-    16      JSON     names of the bodies that carry it, palm first
-            float32  15 x 7: their poses in the bind pose of the vertices, as in a frame
+    16      JSON     names of the bodies that carry the skin, palm first
+            float32  15 x 7: poses of these bodies in the bind pose of the vertices, as in a frame
             float32  n x 3: vertices, m
-            uint8    n x 4: indices of the bones that carry a vertex
-            uint8    n x 4: weights of these bones, of 255
-            uint8    n x 4: colour, sRGB, and 255
+            uint8    n x 4: indices of the bodies that carry a vertex
+            uint8    n x 4: weights of these bodies, 255 for a weight of 1
+            uint8    n x 4: colour, sRGB, then 255
             uint16   m x 3: triangles, counterclockwise from outside
 """
 
@@ -88,7 +88,7 @@ def describe_scene(
     in_air: bool = False,
     scored: bool = True,
 ) -> SceneMessage:
-    """The message with a scene's shapes, task and touch rectangle.
+    """Returns the message with a scene's shapes, task and touch rectangle.
 
     Args:
         number: Number of the scene, counted by the server.
@@ -96,8 +96,8 @@ def describe_scene(
         task: The drawn task.
         surface: The surface, placed in the world.
         hand: `right` or `left`.
-        caption: Text that names player and task, where required.
-        in_air: True if hands move over a 3-D device.
+        caption: Text that is shown with the scene, such as `simulated user`; empty without.
+        in_air: True if hands are tracked in the air.
         scored: False if the result does not count.
     """
     model = scene.model
@@ -149,7 +149,7 @@ def describe_scene(
 
 
 def _palm_box(scene: SimulatedScene, geom: int, root: str, things: set[str]) -> Geom:
-    """The box around a mesh of a robot's palm; its fingers are drawn as capsules."""
+    """Returns a box around a mesh of a robot's palm, since the page draws no meshes."""
     model, turn, place = scene.model, np.empty(9), np.empty(3)
     mujoco.mju_quat2Mat(turn, model.geom_quat[geom])
     mujoco.mju_mulMatVec3(place, turn, model.geom_aabb[geom, :3])
@@ -165,20 +165,20 @@ def _palm_box(scene: SimulatedScene, geom: int, root: str, things: set[str]) -> 
 
 
 def localised(text: str) -> Localised:
-    """A sentence in the page's form; without a key if it has none."""
+    """Returns a sentence in the form for the page; the key is empty if the text has none."""
     if isinstance(text, Message):
         return Localised(text.key, dict(text.values), str(text))
     return Localised("", {}, text)
 
 
 def state_of(snapshot: Snapshot, pause: Pause, own: int | None = None) -> State:
-    """Values of a snapshot besides poses.
+    """Returns the values of a snapshot other than poses.
 
     Args:
         snapshot: The snapshot.
         pause: Reason why simulated time stands still; empty while it runs.
-        own: Index of the hand whose contacts come from the page. Contacts of other hands get ids
-            that the page's fingers do not use. None if all contacts come from one source.
+        own: Index of the hand whose contacts come from this page; None if all do. Contacts of
+            other hands get negative ids, which the page's fingers do not use.
     """
     score, hands = snapshot.score, snapshot.hands
     loads = snapshot.loads or [NO_LOAD] * len(hands)
@@ -200,7 +200,7 @@ def state_of(snapshot: Snapshot, pause: Pause, own: int | None = None) -> State:
 
 
 class BodyKinematics:
-    """Computes the poses of all bodies of a scene from joint positions, with its own state."""
+    """Computes the poses of all bodies of a scene from joint positions, in its own `MjData`."""
 
     def __init__(self, scene: SimulatedScene) -> None:
         self._model = scene.model
@@ -208,7 +208,7 @@ class BodyKinematics:
         self._out = np.empty((scene.model.nbody, 7), np.float32)
 
     def __call__(self, qpos: NDArray[np.float64]) -> NDArray[np.float32]:
-        """(bodies, 7) position (m) and quaternion (w, x, y, z) in the world."""
+        """Returns (bodies, 7): position (m) and quaternion (w, x, y, z) in the world."""
         self._data.qpos[:] = qpos
         mujoco.mj_kinematics(self._model, self._data)
         self._out[:, :3], self._out[:, 3:] = self._data.xpos, self._data.xquat
@@ -247,7 +247,7 @@ def _part(scene: SimulatedScene, root: str, things: set[str]) -> Any:
 
 
 def _floats(values: object) -> Any:
-    """Tuple of all values, rounded for the message."""
+    """Returns all values as a tuple of rounded floats."""
     return tuple(round(v, 7) for v in np.asarray(values, float).ravel().tolist())
 
 
@@ -279,7 +279,7 @@ _FLAT = {"nail": NAIL, "cuff": CUFF, "sleeve": SLEEVE}
 
 
 def pack_skin(hand: SceneHand) -> bytes:
-    """Encodes the skin of a hand; empty if it has no skeleton, or other bones than the skin."""
+    """Encodes the skin of a hand; empty if the hand has no skeleton or not the skin's bones."""
     skeleton = hand.skeleton
     if skeleton is None or len(skeleton.bones) != BONES - 1:
         return b""
@@ -307,7 +307,7 @@ def _packed(skeleton: Skeleton, names: tuple[str, ...]) -> bytes:
 
 
 def _colours(skin: Skin) -> NDArray[np.uint8]:
-    """(n, 4) sRGB colours of the vertices, and 255."""
+    """Returns the colours (n, 4) of the vertices: sRGB, then 255."""
     colours = np.ones((len(skin.rest), 4))
     for part in skin.parts:
         flat = _FLAT.get(part.name.partition("_")[0])

@@ -1,4 +1,4 @@
-"""Options of commands that serve the browser page, its address in the network and its QR code."""
+"""Options of commands that serve the page; the machine's address in the network; QR codes."""
 
 from __future__ import annotations
 
@@ -17,24 +17,24 @@ LOOPBACK = "127.0.0.1"
 
 
 def local_network_address() -> str:
-    """The IPv4 address of the network card that connects to other machines.
+    """Returns the IPv4 address of the network card that connects to other machines.
 
     Raises:
         DeviceError: This machine is not connected to a network.
     """
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
         try:
-            # Connecting a datagram socket sends nothing; it only chooses the card. The address is
-            # reserved for documentation (RFC 5737).
+            # Connecting a datagram socket sends nothing; it only chooses the network card. The
+            # address is reserved for documentation (RFC 5737).
             probe.connect(("192.0.2.1", 9))
             address = str(probe.getsockname()[0])
         except OSError:
             address = "0.0.0.0"
     if ipaddress.ip_address(address).is_unspecified or ipaddress.ip_address(address).is_loopback:
         raise DeviceError(
-            "this machine is not in a network that a tablet could join",
+            "this machine is not connected to a network that a tablet could join",
             where="--tablet",
-            remedy="Join a Wi-Fi network, or give the address by --lan ADDRESS",
+            remedy="Join a Wi-Fi network, or name the address with --lan ADDRESS",
         )
     return address
 
@@ -43,7 +43,7 @@ def checked_address(text: str) -> str:
     """Checks an IP address to bind.
 
     Raises:
-        DeviceError: The text is not an IP address, or means all network cards.
+        DeviceError: The text is not an IP address, or is the address of all network cards.
     """
     try:
         address = ipaddress.ip_address(text)
@@ -57,14 +57,14 @@ def checked_address(text: str) -> str:
             where="--lan",
             got=text,
             expected="the address of one network card",
-            remedy="`--tablet` finds it",
+            remedy="`--tablet` finds this address",
         )
     return str(address)
 
 
 def code(url: str) -> str:
-    """A QR code of a link in block characters, for a terminal of any background colour."""
-    # Most commands show no code.
+    """Returns a QR code of a link in block characters, for a terminal of any background colour."""
+    # Imported here, since most commands show no code.
     import segno
 
     out = io.StringIO()
@@ -73,14 +73,14 @@ def code(url: str) -> str:
 
 
 def hints(host: str) -> list[str]:
-    """Advice on settings before play, and on a page that does not open."""
+    """Returns advice on settings of a tablet, and on a page that does not open."""
     if host == LOOPBACK:
-        return ["Only this machine can open it; `--tablet` lets a tablet in."]
+        return ["Only this machine can open it; `--tablet` opens it for a tablet."]
     return [
         "iPad: switch off Settings > Multitasking & Gestures > Four & Five Finger Gestures, and "
         "set Display & Brightness > Auto-Lock to Never.",
         "If the page does not open: are both in the same Wi-Fi? Does a firewall on this machine "
-        "keep the port closed?",
+        "block the port?",
     ]
 
 
@@ -89,11 +89,11 @@ class PageOptions:
     """Options of the page's server."""
 
     tablet: Annotated[bool, Parameter(group=COMMON)] = False
-    """Play on a tablet in the same network: prints a QR code to scan. Same as --device web, on this
-    machine's network address."""
+    """Play on a tablet in the same network: prints a QR code to scan. The same as --device web, but
+    served on this machine's network address."""
 
     lan: Annotated[str | None, Parameter(group=PAGE, metavar="ADDRESS")] = None
-    """Address on which the page is served, in place of the one that --tablet finds."""
+    """Address on which the page is served, instead of the address that --tablet finds."""
 
     page_port: Annotated[int, Parameter(group=PAGE)] = 0
     """TCP port of the page; 0 takes a free one. With a fixed port the link stays the same, and an

@@ -1,7 +1,7 @@
-"""The server of the page: one thread with its own event loop; no session waits for it.
+"""The server of the page: one thread with its own event loop; a session never waits for it.
 
-`AutoPause` stops simulated time before the first touch on a page, and while a player is away. Play
-and studies use this rule. `PageServer.away` is true while a single page is away.
+`AutoPause` stops simulated time before the first touch on a page, and while a player is away, in
+play and in studies.
 """
 
 from __future__ import annotations
@@ -69,7 +69,7 @@ class PageServer(ServerThread):
     """Serves the page, sends it a session's frames, and passes its touches to a device.
 
     Args:
-        host: IP address to bind; 127.0.0.1 can be reached from this machine only.
+        host: IP address to bind; 127.0.0.1 can be reached only from this machine.
         port: TCP port; 0 lets the system choose.
         tasks: Tasks that the page offers.
         version: Version of the program.
@@ -77,7 +77,7 @@ class PageServer(ServerThread):
         files: Files of the page.
         token: Token of an earlier server, so that its pages can reconnect; empty creates a new one.
         study: Study that the page belongs to, without menus; None outside a study.
-        touch: True if the player's fingers are used; False if another device plays and all pages
+        touch: True if the player's touches are used; False if another device plays and all pages
             are spectators.
 
     Raises:
@@ -112,7 +112,7 @@ class PageServer(ServerThread):
         if error is not None:
             taken = error.errno == errno.EADDRINUSE
             remedy = (
-                "Perhaps another `sandbox play` has the port: choose another --page-port"
+                "Another `sandbox play` may use the port: choose another --page-port"
                 if taken
                 else "Choose another --page-port, or an address of this machine"
             )
@@ -135,7 +135,7 @@ class PageServer(ServerThread):
 
     @property
     def seated(self) -> int:
-        """Number of times that another page became the player's, with another screen."""
+        """Number of times that a new page, with another screen, became the player's page."""
         return self._pages.seated
 
     @property
@@ -145,25 +145,25 @@ class PageServer(ServerThread):
 
     @property
     def clients(self) -> int:
-        """Pages that are connected."""
+        """Number of connected pages."""
         return len(self._pages)
 
     def wait_for_player(self, timeout: float | None) -> bool:
-        """Waits for a player for at most the given seconds; returns true if one has joined."""
+        """Waits for a player, at most `timeout` seconds; returns True if a player has joined."""
         return self._pages.joined.wait(timeout)
 
     @property
     def silence(self) -> float:
-        """Time (s) since a player was last present, neither silent nor hidden; infinite before the
-        first."""
+        """Time (s) since a player's page was last neither silent nor hidden; infinite before the
+        first player."""
         return self._pages.silence
 
     def take_requests(self) -> list[PlayerRequest]:
-        """The player's requests since the last call."""
+        """Returns the player's requests since the last call."""
         return _all_of(self._pages.requests)
 
     def take_inputs(self) -> list[ItemAnswer | Leave]:
-        """The player's inputs to a study's sheets since the last call, unchecked."""
+        """Returns the player's inputs to a study's sheets since the last call, unchecked."""
         return _all_of(self._pages.inputs)
 
     def show_sheet(self, sheet: Sheet, tell: bool = True) -> None:
@@ -180,7 +180,7 @@ class PageServer(ServerThread):
         self._loop.call_soon_threadsafe(self._pages.send_to_player, encode(refusal))
 
     def next_scene(self) -> int:
-        """The number of the scene that is shown next."""
+        """Returns the number of the scene that is shown next."""
         return self._scenes + 1
 
     def show_scene(
@@ -191,22 +191,23 @@ class PageServer(ServerThread):
         skins: Sequence[bytes] = (),
         own: int | None = None,
     ) -> None:
-        """Begins a new trial, whose touches go to the device.
+        """Begins a new trial; the player's touches go to the device.
 
         Args:
-            message: Message to the page.
+            message: Message with the scene.
             scene: The compiled scene, which is only read.
             device: Device for the player's touches; None for a page without touches.
-            skins: Skins of its hands, from `sandbox.server.page_frames`; without them, the page
-                shows bones.
-            own: Index of the hand that touches this page, if others touch elsewhere; else None.
+            skins: Skins of the scene's hands, by `sandbox.server.page_frames.pack_skin`; without them,
+                the page shows bones.
+            own: Index of the hand whose touches are on this page, if other hands have other
+                devices; else None.
         """
         self._scenes = message.scene
         shown = _ServedScene(message, device, BodyKinematics(scene), skins, own)
         self._loop.call_soon_threadsafe(self._open_scene, shown)
 
     def show_demonstration(self, scene: int, message: bytes) -> None:
-        """Sends the player a demonstration for a scene, unless another scene is shown by now."""
+        """Sends the player a demonstration for a scene, if this scene is still shown."""
 
         def send() -> None:
             if self._shown is not None and self._shown.message.scene == scene:
@@ -218,7 +219,7 @@ class PageServer(ServerThread):
     def show_problem(self, *sentences: str) -> None:
         """Shows the reason for a missing scene on all pages until the next scene.
 
-        Meanwhile the next page that connects may become the player's.
+        Until then, the next page that connects may become the player's page.
         """
         self._loop.call_soon_threadsafe(
             self._pages.show_problem, encode(Trouble([localised(s) for s in sentences]))
@@ -259,7 +260,7 @@ class PageServer(ServerThread):
         wants_socket = request.headers.get("Upgrade", "").lower() == "websocket"
         reason = self._refusal(request, wants_socket)
         if reason == "token" and self.access.is_return_page(request.path, wants_socket):
-            # Reloads are counted, and strangers, too, so that a flood of requests is visible.
+            # Count also these requests, so that a flood of them is visible.
             self.counters.add("asked without a token")
             return self._files.way_back()
         if reason:
@@ -278,7 +279,7 @@ class PageServer(ServerThread):
         return self._files.response(path, origin, self.access.token, self._language, accepted)
 
     def _words(self, request: Request) -> dict[str, str]:
-        """Text for a person whose page is refused, in the study's language or the browser's."""
+        """Returns the texts for a refused page, in the study's language or the browser's."""
         accepted = request.headers.get_all("Accept-Language")
         return words_in(self._language or preferred(accepted[0] if accepted else ""))
 
@@ -306,7 +307,7 @@ def _all_of(waiting: queue.SimpleQueue[_T]) -> list[_T]:
 
 
 def tls_context(certificate: str, key: str) -> ssl.SSLContext:
-    """The TLS context for https.
+    """Returns the TLS context for https.
 
     Raises:
         InputError: The files are not a certificate and its key.
@@ -316,9 +317,10 @@ def tls_context(certificate: str, key: str) -> ssl.SSLContext:
         context.load_cert_chain(certificate, key)
     except (OSError, ssl.SSLError) as error:
         raise InputError(
-            "not a certificate with its key",
+            "these files are not a certificate and its key",
             where=f"--tls-cert {certificate} --tls-key {key}",
             got=str(error),
+            expected="two PEM files",
         ) from None
     return context
 
@@ -326,15 +328,15 @@ def tls_context(certificate: str, key: str) -> ssl.SSLContext:
 class AutoPause:
     """Stops simulated time while a player cannot play, and lists these absences.
 
-    Time begins with the first touch on any page. It stops as soon as a page is away, and goes on
-    when that page is back and is touched, or is still touched. Once the goal is held, no player is
-    needed, so the trial is played to its end.
+    Time begins with the first touch on any page. It stops as soon as a page is away. It continues
+    when this page is back and has a touch. Once the goal is held, no player is needed, so time runs
+    to the trial's end.
 
     Args:
-        pages: Server and device of every page; a page without a device counts as touched while it
+        pages: Server and device of every page. A page without a device counts as touched while it
             is not away.
         begun: True if time runs before the first touch.
-        stops: False if time goes on while a page is away.
+        stops: False if time continues while a page is away.
 
     Attributes:
         begun: True once time has begun.
@@ -356,12 +358,12 @@ class AutoPause:
         self.away: set[int] = set()
 
     def check(self, time_s: float, held: bool, paused: bool = False) -> Pause:
-        """Reason why simulated time must stand still now; empty if it may run.
+        """Returns the reason why simulated time must stand still now; empty if it may run.
 
         Args:
-            time_s: s, simulated time.
+            time_s: Simulated time, s.
             held: True if the goal has been held.
-            paused: True during a pause by the experimenter, after which time goes on with the next
+            paused: True during a pause by the experimenter. After it, time continues with the next
                 touch on any page.
         """
         self.away = {i for i, (server, _) in enumerate(self._pages) if server.away}
@@ -388,7 +390,8 @@ class AutoPause:
         return "away" if self.away else "back"
 
     def listed(self) -> list[dict[str, float]]:
-        """All absences: `at_s`, simulated time, and `lasted_s`, real time until the next touch."""
+        """Returns all absences: `at_s`, simulated time, and `lasted_s`, real time until the next
+        touch."""
         self._end()
         return self._ended
 

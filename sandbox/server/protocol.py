@@ -1,9 +1,9 @@
 """Messages between server and page. The page's TypeScript types are generated from this file.
 
 From the page: JSON texts, one message each, tagged by `type`. To the page: JSON texts for events,
-and binary frames for motion (see `sandbox.server.page_frames`). Every message is checked whole
-against the types here; an invalid one is refused, counted, and changes nothing. `Allowance` limits
-how many are accepted.
+and binary frames for motion (see `sandbox.server.page_frames`). Every message of a page is checked
+against the types of this module. An invalid message is refused, counted, and has no effect.
+`Allowance` limits the number of accepted messages.
 """
 
 from __future__ import annotations
@@ -20,15 +20,17 @@ PROTOCOL = 4
 """Version of all messages; both sides send it first, and disconnect if it differs."""
 
 LARGEST_MESSAGE = 8192
-"""Bytes of the largest message from a page; 20 touches take about 700."""
+"""Size of the largest message from a page, bytes; a message with 20 touches has about 700."""
 
 CREDIT = 6
-"""Largest number of unacknowledged frames on their way to a page. After a stall of the network a
-page gets at most this many old frames; with three, a round trip of 30 ms would halve its rate."""
+"""Largest number of unacknowledged frames on their way to a page. After a stall of the network, a
+page gets at most this many old frames. With a credit of three, a round trip of 30 ms would halve
+the page's frame rate."""
 
 Measured = Annotated[float | None, Meta(extra={"page": "number"})]
-"""A number that a screen or headset has measured, which our page knows; null for one that is no
-number, which JSON does not have. A device judges it, so that a wrong one costs itself alone."""
+"""A number that a screen or headset has measured. It is null if the browser reports NaN or
+infinity, which JSON lacks. The device checks the value, so that a wrong one does not invalidate the
+whole message."""
 
 Milliseconds = Annotated[float, Meta(ge=0, le=1e15)]
 Count = Annotated[int, Meta(ge=0, le=2**53)]
@@ -38,17 +40,17 @@ Word = Annotated[str, Meta(max_length=64)]
 LONGEST_ANSWER = 2000
 """Largest number of characters in a text answer."""
 Given = Annotated[str, Meta(max_length=LONGEST_ANSWER)] | Annotated[float, Meta(ge=-1e9, le=1e9)]
-"""An unchecked answer."""
+"""An answer to a question, not yet checked by the study."""
 Pause = Literal["", "start", "menu", "away", "back"]
 
 
 LIFT_STRIP_PX = 90.0
-"""CSS pixels beside the touch rectangle that the lift control takes in tasks that lift."""
+"""Width of the lift control beside the touch rectangle in tasks that lift, CSS pixels."""
 LIFT_NOTCH, LIFT_KEY, LIFT_PAGE = 0.12, 0.05, 0.20
-"""Shares of the lift control's way: of a notch of a mouse's wheel, of the keys up and down, and of
-page up and page down."""
+"""Movement of the lift control, as a share of its range: by a notch of the mouse wheel, by the keys
+up and down, and by page up and page down."""
 NOTCH_PX = 100.0
-"""CSS pixels that browsers report for a notch."""
+"""CSS pixels that browsers report for a notch of the mouse wheel."""
 
 
 DEMONSTRATION_KIND = 3
@@ -57,12 +59,12 @@ DEMONSTRATION_KIND = 3
 
 
 class Allowance:
-    """A token bucket: how many messages or connections are accepted.
+    """A token bucket that limits messages or connections.
 
     Args:
         rate: Long-term limit, per second.
         burst: Number allowed at once.
-        now: s, time at the start.
+        now: Time at the start, s.
     """
 
     def __init__(self, rate: float, burst: float, now: float) -> None:
@@ -70,7 +72,7 @@ class Allowance:
         self._left, self._at = burst, now
 
     def take(self, now: float) -> bool:
-        """True if one more is allowed at a time in seconds."""
+        """Returns True if one more is allowed at the time `now` (s), and counts it."""
         self._left = min(self._burst, self._left + (now - self._at) * self._rate)
         self._at = now
         if self._left < 1.0:
@@ -80,12 +82,14 @@ class Allowance:
 
 
 class PageScreen(Struct, forbid_unknown_fields=True, frozen=True):
-    """Size of the page's part for the table and the lift control: CSS pixels per inch, and pixels.
-    It is the whole page, save on a phone, where words and buttons stand beside the table.
+    """Size of the page's area for the table and the lift control: CSS pixels per inch, and width
+    and height in CSS pixels. On a phone, text and buttons are beside this area; elsewhere it is the
+    whole page.
 
-    The encoder needs inches; `calibrated` is true if the person has measured them. `fit` says why
-    the table fills the page, whatever its inches: a `mouse`, for which size means nothing, or a
-    `phone`, which is too small for a hand; it is empty for a table of true size.
+    The encoder needs inches; `calibrated` is true if the person has measured them. `fit` is empty
+    if the table has its true size. Otherwise the table is scaled to fill the page, because the
+    input is a `mouse`, for which sizes do not matter, or the screen is a `phone`, which is too
+    small for a hand.
     """
 
     px_per_in: Annotated[float, Meta(ge=20, le=1000)]
@@ -96,8 +100,8 @@ class PageScreen(Struct, forbid_unknown_fields=True, frozen=True):
 
 
 class Hello(Struct, tag="hello", forbid_unknown_fields=True, frozen=True):
-    """The page's first message. `client` is the page's random name, which a reload keeps;
-    `language` that of its words, by ISO 639-1."""
+    """The page's first message. `client` is the page's random name, which does not change when the
+    page is reloaded. `language` is the page's language, by ISO 639-1."""
 
     protocol: int
     client: Word
@@ -113,8 +117,8 @@ class Resized(Struct, tag="resized", forbid_unknown_fields=True, frozen=True):
 
 
 class Presence(Struct, tag="presence", forbid_unknown_fields=True, frozen=True):
-    """Whether the page can be played: not while it is hidden, as behind another tab or in sleep,
-    or while its screen is turned away from the way the table was laid for."""
+    """Whether the page can be played. It cannot while it is hidden (behind another tab, or asleep),
+    or while its screen is rotated relative to the orientation for which the table was placed."""
 
     here: bool
 
@@ -122,11 +126,11 @@ class Presence(Struct, tag="presence", forbid_unknown_fields=True, frozen=True):
 class PageTouches(Struct, tag="touches", forbid_unknown_fields=True, frozen=True):
     """All contacts of the page at one moment.
 
-    `contacts` holds id, x, y, width and height in CSS pixels, x right and y down from the touch
-    rectangle's top left corner, width and height at most 1 where they are unknown; `cancelled` the
-    ids that the system cancelled since the last message; `lift` the lift control, 0 to 1, if the
-    page shows one; `labels` id and label of fingers that keys put down, with a mouse. `seq` counts
-    up from 1, `t` is the page's clock.
+    `contacts` has id, x, y, width and height of each contact, in CSS pixels, x right and y down
+    from the touch rectangle's top left corner; unknown width and height are at most 1. `cancelled`
+    has the ids that the system has cancelled since the last message. `lift` is the lift control, 0
+    to 1; null if the page shows none. `labels` has id and label of fingers that were put down by
+    keys, with a mouse. `seq` counts up from 1, `t` is the page's clock.
     """
 
     seq: Count
@@ -145,16 +149,16 @@ _EVERY_JOINT = Meta(min_length=JOINTS_OF_A_HAND, max_length=JOINTS_OF_A_HAND)
 
 
 class SeenJoints(Struct, forbid_unknown_fields=True, frozen=True):
-    """A hand that a headset sees: positions (m) of WebXR's 25 joints in the world, in its order;
-    null for one that is not known."""
+    """A hand that a headset sees: positions (m, world) of 25 joints in the order of WebXR; null for
+    an unknown joint."""
 
     side: Literal["right", "left"]
     joints: Annotated[list[Vector | None], _EVERY_JOINT]
 
 
 class HeldController(Struct, forbid_unknown_fields=True, frozen=True):
-    """A controller in a hand: its grip's position (m) and quaternion (w, x, y, z) in the world, and
-    how far its trigger is pulled."""
+    """A controller in a hand: position (m) and quaternion (w, x, y, z) of its grip in the world.
+    `trigger` is how far the trigger is pulled, 0 to 1."""
 
     side: Literal["right", "left"]
     position: Vector
@@ -193,8 +197,9 @@ class Beat(Struct, tag="beat", forbid_unknown_fields=True, frozen=True):
 
 
 class PlayerRequest(Struct, tag="ask", forbid_unknown_fields=True, frozen=True):
-    """Request of the player: try again, another task, the other hand, sets of fingers as in the
-    settings, pause or resume, or a demonstration; or of a page that waits: the player's seat."""
+    """Request of the player: try again, another task, the other hand, sets of fingers (written as
+    in the settings), pause or resume, or a demonstration. Or request of a waiting page: the
+    player's seat."""
 
     what: Literal["retry", "task", "hand", "fingers", "pause", "resume", "demo", "seat"]
     value: Word = ""
@@ -231,10 +236,11 @@ Up = (
 
 
 class Localised(Struct, frozen=True):
-    """A sentence for the person: its key and values, which every language has words for.
+    """A sentence for the person: `key` of its text, which exists in every language, and `values`
+    for the text's placeholders.
 
-    `text` is the sentence in English, for clients without words of their own, and for sentences
-    without a key, such as those of other people's tasks.
+    `text` is the sentence in English. It is for clients without texts, and for sentences without a
+    key, such as those of users' tasks.
     """
 
     key: str
@@ -245,7 +251,7 @@ class Localised(Struct, frozen=True):
 class TaskName(Struct, frozen=True):
     """A task to choose: its name, its summary in a line, and whether it needs a lift control.
 
-    The page calls built-in tasks by its own words; `summary` is in English.
+    `summary` is in English; for built-in tasks, the page has texts in every language.
     """
 
     name: str
@@ -254,9 +260,10 @@ class TaskName(Struct, frozen=True):
 
 
 class StudyView(Struct, frozen=True):
-    """A page in a study, in the participant's language, with the design's own words by key.
+    """Settings of a page in a study: the participant's language, and the design's texts by key.
 
-    `shows` lists what a trial shows: task, goal, time, progress, fingers, sound, hint and result.
+    `shows` lists the items that the page shows in a trial, of: task, goal, time, progress, fingers,
+    sound, hint and result.
     """
 
     language: str
@@ -267,8 +274,9 @@ class StudyView(Struct, frozen=True):
 class Welcome(Struct, tag="welcome", frozen=True):
     """The server's first message: the role of the page, and the tasks from easiest to hardest.
 
-    In a study there are no menus. `touch` is true if the player's touches drive a hand; otherwise
-    another device does, and all pages are spectators.
+    `study` is null outside a study; in a study, the page has no menus. `touch` is true if the
+    player's touches drive a hand. If it is false, another device drives the hand, and all pages are
+    spectators.
     """
 
     protocol: int
@@ -295,7 +303,7 @@ class Geom(Struct, frozen=True):
 class SurfaceView(Struct, frozen=True):
     """The touch rectangle: size in inches, corner (m) and axes (row by row) in the world.
 
-    `scale` is the length on the screen of what is one long in the world.
+    `scale` is the length on the screen divided by the length in the world.
     """
 
     width_in: float
@@ -307,15 +315,16 @@ class SurfaceView(Struct, frozen=True):
 
 
 class SceneMessage(Struct, tag="scene", frozen=True):
-    """A new scene. Frames with another `scene` number belong to an earlier one.
+    """A new scene. Frames with another `scene` number belong to an earlier scene.
 
     `bodies` names the rows of a frame's poses. `lift` is the height (m) to which a lift control of
-    1 raises the hand; 0 if the task has none. `size` of a geom is as in MuJoCo: half lengths and
-    radii. `in_air` is true if hands move over a 3-D device, without touches. `goal` is in English;
-    in a study, `task` and `goal` are what the participant reads, and `how`, if the design shows
-    hints, how it is done. `scored` is false if the result does not count. `fingers` is the least
-    number of different fingers with which the task can be played. `finger_sets` has the sets of
-    fingers that the player uses, as in the settings; null if they cannot be chosen.
+    1 raises the hand; 0 if the task has no lift control. `size` of a geom is as in MuJoCo: half
+    lengths and radii. `in_air` is true if hands are tracked in the air, without touches. `goal` is
+    in English. In a study, `task` and `goal` are the design's texts for the participant, and `how`
+    explains how to do the task, if the design shows hints. `scored` is false if the result does not
+    count. `fingers` is the smallest number of different fingers with which the task can be played.
+    `finger_sets` has the sets of fingers that the player uses, as in the settings; null if they
+    cannot be chosen.
     """
 
     scene: int
@@ -367,10 +376,10 @@ class ItemView(Struct, frozen=True):
 class Sheet(Struct, tag="sheet", frozen=True):
     """A sheet that a study's participant sees instead of the scene; `none` shows the scene.
 
-    `answers` has earlier answers by item. A `rest` can be left after `seconds`. `note` says whose
-    wording the questions of a form have, where it is not the published one, and of a `task` which
-    trial of how many it is; `picture` is a data URL with its picture. At `measure`, the size of
-    the screen is measured.
+    `answers` has earlier answers by item. A `rest` can be left after `seconds`. `note` of a form is
+    the source of its questions' wording, if this is not the published one; `note` of a `task` is
+    the number of the trial and the number of all trials. `picture` is a data URL with the picture
+    of a task. At `measure`, the size of the screen is measured.
     """
 
     sheet: int
@@ -385,7 +394,7 @@ class Sheet(Struct, tag="sheet", frozen=True):
 
 
 class Refusal(Struct, tag="refusal", frozen=True):
-    """Refusal of an answer, with the reason; with an empty item, of the whole sheet."""
+    """Refusal of an answer, with the reason. If `item` is empty, the whole sheet is refused."""
 
     sheet: int
     item: str
@@ -393,9 +402,9 @@ class Refusal(Struct, tag="refusal", frozen=True):
 
 
 class Seat(Struct, tag="seat", frozen=True):
-    """Who may play: to a page that waits, `wait_s` is in how many seconds it plays if the player
-    stays away, null while the player is there; to the player, `requested` is true while another
-    page requests the seat."""
+    """Who may play. For a waiting page, `wait_s` is the number of seconds until it gets the seat if
+    the player stays away; null while the player is present. For the player, `requested` is true
+    while another page requests the seat."""
 
     wait_s: int | None = None
     requested: bool = False
@@ -413,11 +422,12 @@ Down = Welcome | SceneMessage | Trouble | Sheet | Refusal | Seat | Echo
 class ContactState(Struct, frozen=True):
     """A contact in the session.
 
-    `position` (m) in the world is for fingers that are not on this screen; `force` (N) is that of
-    its fingertip on objects, `stored` (N) the part of it that other fingers press back, which is
-    let go when the grip opens. `full` is true if the hand has no more force for it. A `palm` is no
-    finger. `sure` is false if the label may well be wrong; `inside` is true if the finger is inside
-    an object, out of which it has to be moved.
+    `position` (m, world) is used for fingers that are not on this screen. `force` (N) is the force
+    of the contact's fingertip on objects. `stored` (N) is the part of this force that opposing
+    fingers balance: it is released when the grip opens. `full` is true if the force cannot
+    increase, since a servo of the finger or of the palm is at its limit. A contact in the state
+    `palm` is not a finger. `sure` is false if the label may well be wrong. `inside` is true if the
+    finger is inside an object; it has to be moved out.
     """
 
     id: int
@@ -441,7 +451,7 @@ class HandState(Struct, frozen=True):
 
 
 class GoalState(Struct, frozen=True):
-    """Current goal of an object: position (m) and turn about the vertical (rad)."""
+    """Current goal of an object: position (m) and rotation about the vertical (rad)."""
 
     object: str
     position: tuple[float, float, float]
@@ -449,13 +459,13 @@ class GoalState(Struct, frozen=True):
 
 
 class State(Struct, frozen=True):
-    """Values of a frame besides poses, at its end.
+    """Values at the end of a frame, after the poses.
 
-    `reason` says what is missing, and `notices` what the person has to know.
+    `reason` is the reason why the goal is not reached. `notices` are messages for the person.
 
-    `pause` says why simulated time stands still, and is empty while it runs. `start`: it begins
-    with the first touch; `menu`: a menu is open; `away`: a player's page is closed, hidden or lost;
-    `back`: the player is back, and time goes on with the next touch.
+    `pause` is the reason why simulated time stands still; empty while it runs. `start`: time begins
+    with the first touch. `menu`: a menu is open. `away`: a player's page is closed, hidden or lost.
+    `back`: the player is back, and time continues with the next touch.
     """
 
     time: float

@@ -1,4 +1,4 @@
-"""The touch rectangle of a page's screen, and a page's message if no task fits on it."""
+"""The touch rectangle of a page's screen, and messages for a player whose screen is too small."""
 
 from __future__ import annotations
 
@@ -17,28 +17,29 @@ from tasks.registry import TASKS, hands_of
 from tasks.task import place_surface
 
 LARGEST = (10.32, 7.74)
-"""Largest touch rectangle (in), that of the largest tablets. On a larger screen it lies in the
-centre, since a hand does not reach further."""
+"""Largest touch rectangle (in): that of the largest tablets. On a larger screen it is centred,
+since a hand does not reach farther."""
 
 LEAST = PRESETS["ipad2"]
-"""Touch rectangle (in) that has room for every task."""
+"""Touch rectangle (in) on which every task fits."""
 
 
 def room(screen: PageScreen, lifts: bool = False) -> tuple[float, float]:
-    """Width and height of a screen that a touch rectangle may take, inches.
+    """Returns the largest width and height of a touch rectangle on a screen, inches.
 
     Args:
         screen: The screen.
-        lifts: True for a task that lifts: the lift control stands beside the rectangle.
+        lifts: True for a task that lifts: the lift control is beside the rectangle.
     """
     width = max(screen.width_px - (LIFT_STRIP_PX if lifts else 0.0), 1.0)
     return width / screen.px_per_in, screen.height_px / screen.px_per_in
 
 
 def rectangle(screen: PageScreen, hands: int = 1, lifts: bool = False) -> dict[str, Any]:
-    """The touch rectangle of a screen, as settings: all its room, up to that of the largest tablet.
+    """Returns the touch rectangle of a screen, as settings.
 
-    For two hands it may be as wide as two tablets. For `lifts` see `room`.
+    It fills the screen, but is not larger than the largest tablet; for two hands, than two tablets
+    side by side. For `lifts` see `room`.
     """
     most = (hands * LARGEST[0], LARGEST[1])
     size = tuple(
@@ -48,11 +49,12 @@ def rectangle(screen: PageScreen, hands: int = 1, lifts: bool = False) -> dict[s
 
 
 def scaled(screen: PageScreen, lifts: bool = False) -> dict[str, Any]:
-    """The touch rectangle of a screen that is filled by the table at any size, as settings.
+    """Returns the touch rectangle, as settings, of a screen on which the table is drawn to scale.
 
-    The table has the size of the largest tablet if it is then at least as large as the paper's
-    table, so that every task fits. On a phone it has the size of the paper's table, so that fingers
-    cover less of it. The result counts for a mouse, and not on a phone.
+    With a mouse, the table is as large as the largest tablet, in the proportions of the screen, but
+    not smaller than the paper's table, so that every task fits. On a phone, it is as small as the
+    paper's table allows, so that fingers cover less of it. Results count for a mouse, but not on a
+    phone.
     """
     width, height = room(screen, lifts)
     (most_w, most_h), (least_w, least_h) = LARGEST, LEAST
@@ -62,7 +64,7 @@ def scaled(screen: PageScreen, lifts: bool = False) -> dict[str, Any]:
     size = min(width / scale, most_w), min(height / scale, most_h)
     return {
         "size_in": tuple(round(side, 4) for side in size),
-        # At another scale no size can be wrong.
+        # A scaled table needs no calibration.
         "calibrated": True,
         "scale": scale,
         "scored": screen.fit == "mouse",
@@ -70,7 +72,7 @@ def scaled(screen: PageScreen, lifts: bool = False) -> dict[str, Any]:
 
 
 def common(rectangles: Sequence[dict[str, Any]]) -> dict[str, Any]:
-    """The largest touch rectangle that fits on all of some screens, as settings."""
+    """Returns the largest touch rectangle that fits on each of several screens, as settings."""
     sizes = [r["size_in"] for r in rectangles]
     return {
         "size_in": tuple(min(sides) for sides in zip(*sizes, strict=True)),
@@ -79,13 +81,13 @@ def common(rectangles: Sequence[dict[str, Any]]) -> dict[str, Any]:
 
 
 CANNOT_BEGIN = Message(
-    "cannot_begin", "This cannot be played as it was asked for: the computer says why."
+    "cannot_begin", "This cannot be played with these settings: the computer shows the reason."
 )
-"""A page's message for every other error, whose text is for the person at the command line."""
+"""Message of the page for all other errors. Their texts are for the person at the command line."""
 
 
 def explain_refusal(error: InputError, settings: Settings, strip_in: float = 0.0) -> list[Message]:
-    """Returns the message for a player whose trial cannot begin, with a remedy.
+    """Returns the messages for a player whose trial cannot begin, with a remedy.
 
     Args:
         error: Error raised when the trial was built.
@@ -134,7 +136,7 @@ def explain_refusal(error: InputError, settings: Settings, strip_in: float = 0.0
 
 
 def _lengths(width_in: float, height_in: float) -> dict[str, str]:
-    """Width and height in inches and in centimetres; each language uses one of the units."""
+    """Returns width and height in inches and in centimetres; each language uses one unit."""
     cm = 100.0 * METRES_PER_INCH
     return {
         "width_in": f"{width_in:.1f}",

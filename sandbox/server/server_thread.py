@@ -1,4 +1,4 @@
-"""A server of pages in a thread of its own, with its own event loop; no session waits for it."""
+"""A server of pages in its own thread, with its own event loop; a session never waits for it."""
 
 from __future__ import annotations
 
@@ -20,19 +20,21 @@ from sandbox.devices.device import Closeable
 from sandbox.server.access import Access, ConnectionLimits, Counters, limited_connection
 
 GREETING = 5.0
-"""Time (s) within which a page has to make its handshake, and to send its first message."""
+"""Time (s) within which a page must complete its handshake, and then send its first message."""
 
 
 class ServerThread(Closeable):
-    """Base class of servers of pages. All but `url` and `close` runs in the server's thread.
+    """Base class of servers of pages.
+
+    All methods except `close` and `_start` run in the server's thread.
 
     Args:
-        largest: Bytes of the largest message of a page.
+        largest: Size of the largest message from a page, bytes.
         tls: Certificate and key for https; None serves http.
         token: Token of an earlier server, so that its pages can reconnect; empty creates a new one.
 
     Attributes:
-        access: Access rules, and the link.
+        access: Access rules; they have the link.
         counters: Counters of refusals.
     """
 
@@ -76,7 +78,7 @@ class ServerThread(Closeable):
 
     @abstractmethod
     def _process(self, connection: ServerConnection, request: Request) -> Response | None:
-        """Accepts or refuses a request, and answers those for files."""
+        """Accepts or refuses a request; returns the response, or None to open a WebSocket."""
 
     async def _watch(self) -> None:
         """Runs until it is cancelled when the server closes; does nothing by default."""
@@ -85,7 +87,7 @@ class ServerThread(Closeable):
         """Sends last messages before the connections are closed; does nothing by default."""
 
     def _refusal(self, request: Request, wants_socket: bool) -> str:
-        """Reason for refusing a request, in one word; empty if it is accepted."""
+        """Returns the reason for refusing a request, in one word; empty if it is accepted."""
         hosts, origins = request.headers.get_all("Host"), request.headers.get_all("Origin")
         return self.access.refusal(
             request.path,
@@ -109,12 +111,12 @@ class ServerThread(Closeable):
                 port,
                 process_request=self._process,
                 ssl=self._tls,
-                # Before its handshake a connection is in none of the limits.
+                # `ConnectionLimits` does not count a connection before its TLS handshake.
                 ssl_handshake_timeout=GREETING if self._tls else None,
                 compression=None,
                 max_size=self._largest,
                 max_queue=8,
-                # A frame is sent when the previous frame has left, so that it is the newest.
+                # Send a frame only after the previous one has left, so that it is the newest.
                 write_limit=0,
                 open_timeout=GREETING,
                 ping_interval=5,
@@ -131,7 +133,7 @@ class ServerThread(Closeable):
         access = Access(bound[0], bound[1], self._tls is not None)
         if self._token:
             access = replace(access, token=self._token)
-        # A request may come before the thread that waits for this goes on.
+        # Set it in this thread: a request may arrive before the other thread continues.
         self.access = access
         self._ready.put(access)
         watch = asyncio.create_task(self._watch())
@@ -144,7 +146,7 @@ class ServerThread(Closeable):
 
 
 def cannot_serve(what: str, host: str, port: int, error: OSError, remedy: str = "") -> DeviceError:
-    """The error of a server whose address or port is not available.
+    """Returns the error for an address or port that is not available.
 
     Args:
         what: Name of the service.
@@ -162,7 +164,7 @@ def cannot_serve(what: str, host: str, port: int, error: OSError, remedy: str = 
 
 
 def _silent_logger() -> logging.Logger:
-    """A silent logger: errors of foreign connections are counted, not printed."""
+    """Returns a silent logger: errors of foreign connections are counted, not printed."""
     logger = logging.Logger("hand_sandbox.page")
     logger.addHandler(logging.NullHandler())
     return logger

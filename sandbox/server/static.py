@@ -1,6 +1,6 @@
-"""The page's static files, read once, and served with headers that forbid loading anything else.
+"""The page's static files. They are read once, and served compressed if the browser accepts it.
 
-They are sent compressed to browsers that accept it.
+Headers forbid the page to load anything from elsewhere.
 """
 
 from __future__ import annotations
@@ -22,12 +22,12 @@ STATIC = Path(__file__).resolve().parents[1] / "views" / "static"
 TOKEN_PLACE, LANGUAGE_PLACE = b"{{token}}", b"{{language}}"
 MANIFEST_PLACE = b"{{manifest}}"
 MANIFEST = b'<link rel="manifest" href="manifest.json?token={{token}}">'
-"""Makes the page installable, which browsers allow with TLS only. The start address of the
-installed page has no token."""
+"""Makes the page installable; browsers allow this only with TLS. The start address of the installed
+page has no token."""
 INDEX, HEADSET = "/index.html", "/headset.html"
-"""The page of fingers on a screen, and that of a headset."""
+"""The page for fingers on a screen, and the page for a headset."""
 WAY_BACK = "/return.html"
-"""Page for an address without a token."""
+"""Page for requests without a token."""
 
 _TYPES = {
     ".html": "text/html; charset=utf-8",
@@ -48,7 +48,7 @@ class StaticFiles:
 
     Args:
         folder: Folder with the page's files.
-        index: Name of the page at the address itself.
+        index: Name of the page that is served for the path `/`.
 
     Raises:
         HandSandboxError: The folder has no page.
@@ -71,10 +71,10 @@ class StaticFiles:
             )
 
     def way_back(self) -> Response:
-        """The response to a request without a token, equal for all requests.
+        """Returns the response to requests without a token; it is always the same.
 
-        The page finds the token in its own tab, and loads the real page with it. It may run its own
-        script, which is allowed by its hash, and may load or send nothing.
+        Its page reads the token that is stored in the tab, and loads the real page with it. It may
+        run its own script, which the policy allows by its hash, but cannot load or send anything.
         """
         body = self._files[WAY_BACK]
         script = body.partition(b"<script>")[2].partition(b"</script>")[0]
@@ -94,14 +94,14 @@ class StaticFiles:
         language: str = "",
         accepted: str = "",
     ) -> Response:
-        """The response to a GET request.
+        """Returns the response to a GET request.
 
         Args:
             path: Path without query.
             websocket_origin: Origin of WebSockets, such as ws://127.0.0.1:8000, which some browsers
                 do not treat as 'self'.
-            token: Token that is written into the links of that page, since all requests need it.
-            language: Language of a study's participant, written into it; empty: the page
+            token: Token that is written into the links of the page, since all requests need it.
+            language: Language of a study's participant, written into the page; empty: the page
                 chooses.
             accepted: The request's `Accept-Encoding`.
         """
@@ -130,12 +130,12 @@ class StaticFiles:
 
 
 def plain(status: HTTPStatus, text: str) -> Response:
-    """A short plain-text response."""
+    """Returns a short plain-text response."""
     return answered(status, {"Content-Type": "text/plain; charset=utf-8"}, text.encode() + b"\n")
 
 
 def answered(status: HTTPStatus, headers: dict[str, str], body: bytes) -> Response:
-    """A response with headers of its own and those that all responses have."""
+    """Returns a response with the given headers and those of all responses."""
     everywhere = {
         "Content-Length": str(len(body)),
         "Cache-Control": "no-store",

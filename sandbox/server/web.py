@@ -1,4 +1,4 @@
-"""Devices whose input comes from a page, including the page of fingers or a mouse."""
+"""Devices whose input comes from a page: their base class, and the device for touches."""
 
 from __future__ import annotations
 
@@ -18,11 +18,11 @@ from sandbox.devices.device import Device
 from sandbox.server.protocol import PageHands, PageScreen, PageTouches
 
 QUEUE_FRAMES = 1024
-"""Largest number of frames that wait for the session, 8 s at 120 Hz; beyond it the oldest are
-dropped."""
+"""Largest number of frames that wait for the session, 8 s at 120 Hz; if there are more, the oldest
+are dropped."""
 
 MOST_TOUCHES = 20
-"""Largest number of touches on a page at one moment; four hands have as many fingers."""
+"""Largest number of touches on a page at one moment: the fingers of four hands."""
 
 TOO_MANY = f"touches beyond {MOST_TOUCHES}"
 
@@ -30,8 +30,10 @@ F = TypeVar("F")
 
 
 class PageDevice(ABC, Generic[F]):
-    """A device whose input comes from a page; the server's thread adds frames to its queue, and the
-    session's thread takes them. Times of frames are those of their arrival.
+    """Base class of devices whose input comes from a page.
+
+    The server's thread adds frames to a queue, and the session's thread takes them. The time of a
+    frame is that of its arrival.
 
     Attributes:
         frame_ready: Event that is set when a message has arrived.
@@ -57,40 +59,40 @@ class PageDevice(ABC, Generic[F]):
 
     @abstractmethod
     def cancel_all(self) -> None:
-        """Called when the page was closed or fell silent: no finger is down, no hand is in view."""
+        """Called when the page was closed or has become silent: no touch, no hand in view."""
 
     def begin_page(self) -> None:
-        """Called when a page begins to send: the count of its messages restarts."""
+        """Called when a page begins to send: its messages are counted from 1."""
         with self._lock:
             self._frames = deque(((frame, 0) for frame, _ in self._frames), maxlen=QUEUE_FRAMES)
             self.applied = 0
 
     def _take(self) -> list[F]:
-        """Every frame since the last call, oldest first; in the session's thread."""
+        """Returns all frames since the last call, oldest first; in the session's thread."""
         with self._lock:
             self.frame_ready.clear()
             waiting = list(self._frames)
             self._frames.clear()
-            # Under the lock: a page that begins now must not get the number of the previous page.
+            # Inside the lock: after `begin_page`, `applied` must not be set to an old number.
             self.applied = max([self.applied, *(seq for _, seq in waiting)])
         return [frame for frame, _ in waiting]
 
     def _put(self, frame: F, seq: int) -> None:
-        """Adds a frame; the lock is held."""
+        """Adds a frame; the caller holds the lock."""
         self._frames.append((frame, seq))
         self.frame_ready.set()
 
 
 def _on_screen(position: float | None, length: float) -> TypeGuard[float]:
-    """True for a position to which a finger on a screen can be dragged from a corner within it."""
+    """True if a finger on the screen can have this position, relative to the touch rectangle."""
     return position is not None and abs(position) <= 2.0 * length
 
 
 class WebDevice(Device, PageDevice[TouchFrame]):
-    """Our page in a browser, on this machine or a tablet: fingers, or a mouse.
+    """The program's page in a browser, on this machine or a tablet: fingers, or a mouse.
 
-    A touch outside the touch rectangle is ignored; a finger that is dragged out stays at the
-    border, as at the edge of a tablet.
+    A touch that begins outside the touch rectangle is ignored. A finger that is dragged out stays
+    at the border, as at the edge of a tablet.
 
     Args:
         surface: The touch rectangle.
@@ -125,7 +127,7 @@ class WebDevice(Device, PageDevice[TouchFrame]):
         """Processes touches; called from the server's thread."""
         if not isinstance(message, PageTouches):
             return False
-        # Fingers have their true size, also on a scaled table.
+        # Sizes of fingers are true sizes, even if the table is scaled.
         metres = METRES_PER_INCH / screen.px_per_in
         scaled = metres / self._scale
         width, height = float(self._size[0]), float(self._size[1])
@@ -164,14 +166,14 @@ class WebDevice(Device, PageDevice[TouchFrame]):
         return True
 
     def cancel_all(self) -> None:
-        """Cancels all touches of a page that was closed or fell silent."""
+        """Cancels all touches of a page that was closed or has become silent."""
         with self._lock:
             if self._present:
                 self._inside = {}
                 self._put_contacts((), self._present, self.applied)
 
     def poll(self, now: float = 0.0) -> Sequence[TouchFrame]:
-        """Every frame since the last call, oldest first; `now` is ignored."""
+        """Returns all frames since the last call, oldest first; `now` is ignored."""
         return self._take()
 
     def _put_contacts(self, contacts: tuple[Contact, ...], gone: frozenset[int], seq: int) -> None:

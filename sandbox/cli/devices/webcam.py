@@ -1,4 +1,4 @@
-"""`sandbox devices webcam`: installs MediaPipe, which finds hands in pictures; records landmarks."""
+"""`sandbox devices webcam`: installs MediaPipe, the engine that finds hands; records landmarks."""
 
 from __future__ import annotations
 

@@ -92,7 +92,7 @@ class MouseDevice(Device):
             return sum(f.pinned for f in self._fingers.values())  # any order: whole numbers
 
     def poll(self, now: float) -> Sequence[TouchFrame]:
-        """Returns a frame for each change since the last call, with the machine's monotonic time."""
+        """Returns a frame for each change since the last call, with monotonic clock times."""
         with self._lock:
             self.frame_ready.clear()
             frames = list(self._frames)

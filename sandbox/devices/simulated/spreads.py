@@ -1,4 +1,4 @@
-"""A simulated person who puts down five fingers in three spreads, to test `sandbox hand measure`."""
+"""A simulated person who puts down five fingers in three spreads, for `sandbox hand measure`."""
 
 from __future__ import annotations
 

@@ -354,7 +354,7 @@ def label_of(type_and_user: int) -> int | None:
 
 
 def _opening(values: Sequence[object], report: ReaderReport) -> tuple[int, str]:
-    """Returns number and source of a `frm`; the sender's time and the sensor's size are not used."""
+    """Returns number and source of a `frm`; the sender's time and sensor size are not used."""
     return _number(values, 0, report) & 0xFFFFFFFF, printable_name("".join(map(str, values[3:4])))
 
 

@@ -453,7 +453,7 @@ class Tuio:
             self._commit(source, commits)
 
     def _in_time(self, frame: TuioFrame, source: TuioSource, now: float) -> bool:
-        """Updates the source from a closed frame; returns False for a late frame, which is ignored."""
+        """Updates the source from a closed frame; ignores a late frame and returns False."""
         reason = source.late(frame, now)
         if reason:
             self.statistics.late += 1

@@ -135,7 +135,7 @@ class HeadsetDevice(HandDevice, PageDevice[HandFrame]):
 
     @property
     def notices(self) -> Sequence[str]:
-        """Messages about an assumed unit other than the metre, and about doubtful sides of hands."""
+        """Messages about an assumed unit other than metres, and about doubtful sides of hands."""
         return tuple(filter(None, (self._units.notice, self._side.sentence)))
 
     def cancel_all(self) -> None:

@@ -138,7 +138,7 @@ class SharedPart(DeviceWrapper):
 
     @property
     def takes_snapshots(self) -> bool:
-        """The device's value for the first hand, else False: the device gets every snapshot once."""
+        """The device's value for the first hand, else False, so that it gets each snapshot once."""
         return self._first and self.device.takes_snapshots
 
     @property

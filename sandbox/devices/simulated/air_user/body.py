@@ -66,12 +66,12 @@ class Pinch:
         return np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
 
     def tips(self) -> Array:
-        """Returns the target tips (3, 3) of thumb, index and middle without `bent`, m in the world."""
+        """Returns the tips (3, 3) of thumb, index and middle without `bent`, m in the world."""
         return self.centre + small_product(pinching_tips(self.gap), self.rotation.T)
 
 
 def pinching_tips(gap: float) -> Array:
-    """Returns the tips (3, 3) of thumb, index and middle from the pinch's centre, m in palm axes."""
+    """Returns the tips (3, 3) of thumb, index and middle from the pinch's centre, m, palm axes."""
     axis = np.array([cos(AXIS), sin(AXIS), 0.0])
     beside = np.array([sin(AXIS), -cos(AXIS), 0.0])
     return np.array(

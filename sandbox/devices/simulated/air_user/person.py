@@ -421,7 +421,7 @@ _FELT = 0.35
 
 
 class AirCarrier(AirPerson):
-    """A simulated person who lifts the nearer end of a tray, carries it to the goal and holds it."""
+    """A simulated person who carries the nearer end of a tray to its goal and holds it there."""
 
     def _lift(self, sight: Sight, now: float) -> None:
         self._stage = Stage.LIFTED

@@ -18,7 +18,7 @@ export const WIDEST = 0.2;
 /** Fingers of a right hand of one to five: label, and x and y (m) from its middle. */
 export const HANDS: readonly (readonly [number, number, number])[][] = [[[1, 0.0000, 0.0000]], [[0, -0.0240, 0.0288], [1, 0.0240, -0.0288]], [[0, -0.0240, 0.0288], [1, 0.0167, -0.0349], [2, 0.0313, -0.0227]], [[0, -0.0240, 0.0288], [1, 0.0094, -0.0410], [2, 0.0240, -0.0288], [3, 0.0386, -0.0167]], [[0, -0.0240, 0.0288], [1, 0.0021, -0.0471], [2, 0.0167, -0.0349], [3, 0.0313, -0.0227], [4, 0.0459, -0.0106]]];
 
-/** Size of the page's part for the table and the lift control: CSS pixels per inch, and pixels. It is the whole page, save on a phone, where words and buttons stand beside the table. The encoder needs inches; `calibrated` is true if the person has measured them. `fit` says why the table fills the page, whatever its inches: a `mouse`, for which size means nothing, or a `phone`, which is too small for a hand; it is empty for a table of true size. */
+/** Size of the page's area for the table and the lift control: CSS pixels per inch, and width and height in CSS pixels. On a phone, text and buttons are beside this area; elsewhere it is the whole page. The encoder needs inches; `calibrated` is true if the person has measured them. `fit` is empty if the table has its true size. Otherwise the table is scaled to fill the page, because the input is a `mouse`, for which sizes do not matter, or the screen is a `phone`, which is too small for a hand. */
 export interface PageScreen {
   px_per_in: number;
   width_px: number;
@@ -27,7 +27,7 @@ export interface PageScreen {
   fit?: "" | "mouse" | "phone";
 }
 
-/** The page's first message. `client` is the page's random name, which a reload keeps; `language` that of its words, by ISO 639-1. */
+/** The page's first message. `client` is the page's random name, which does not change when the page is reloaded. `language` is the page's language, by ISO 639-1. */
 export interface Hello {
   type: "hello";
   protocol: number;
@@ -43,13 +43,13 @@ export interface Resized {
   screen: PageScreen;
 }
 
-/** Whether the page can be played: not while it is hidden, as behind another tab or in sleep, or while its screen is turned away from the way the table was laid for. */
+/** Whether the page can be played. It cannot while it is hidden (behind another tab, or asleep), or while its screen is rotated relative to the orientation for which the table was placed. */
 export interface Presence {
   type: "presence";
   here: boolean;
 }
 
-/** All contacts of the page at one moment. `contacts` holds id, x, y, width and height in CSS pixels, x right and y down from the touch rectangle's top left corner, width and height at most 1 where they are unknown; `cancelled` the ids that the system cancelled since the last message; `lift` the lift control, 0 to 1, if the page shows one; `labels` id and label of fingers that keys put down, with a mouse. `seq` counts up from 1, `t` is the page's clock. */
+/** All contacts of the page at one moment. `contacts` has id, x, y, width and height of each contact, in CSS pixels, x right and y down from the touch rectangle's top left corner; unknown width and height are at most 1. `cancelled` has the ids that the system has cancelled since the last message. `lift` is the lift control, 0 to 1; null if the page shows none. `labels` has id and label of fingers that were put down by keys, with a mouse. `seq` counts up from 1, `t` is the page's clock. */
 export interface PageTouches {
   type: "touches";
   seq: number;
@@ -60,13 +60,13 @@ export interface PageTouches {
   labels?: ([number, number])[];
 }
 
-/** A hand that a headset sees: positions (m) of WebXR's 25 joints in the world, in its order; null for one that is not known. */
+/** A hand that a headset sees: positions (m, world) of 25 joints in the order of WebXR; null for an unknown joint. */
 export interface SeenJoints {
   side: "left" | "right";
   joints: ([number, number, number] | null)[];
 }
 
-/** A controller in a hand: its grip's position (m) and quaternion (w, x, y, z) in the world, and how far its trigger is pulled. */
+/** A controller in a hand: position (m) and quaternion (w, x, y, z) of its grip in the world. `trigger` is how far the trigger is pulled, 0 to 1. */
 export interface HeldController {
   side: "left" | "right";
   position: [number, number, number];
@@ -103,7 +103,7 @@ export interface Beat {
   round_trip_ms?: number | null;
 }
 
-/** Request of the player: try again, another task, the other hand, sets of fingers as in the settings, pause or resume, or a demonstration; or of a page that waits: the player's seat. */
+/** Request of the player: try again, another task, the other hand, sets of fingers (written as in the settings), pause or resume, or a demonstration. Or request of a waiting page: the player's seat. */
 export interface PlayerRequest {
   type: "ask";
   what: "demo" | "fingers" | "hand" | "pause" | "resume" | "retry" | "seat" | "task";
@@ -125,28 +125,28 @@ export interface Leave {
   how: "done" | "no" | "yes";
 }
 
-/** A sentence for the person: its key and values, which every language has words for. `text` is the sentence in English, for clients without words of their own, and for sentences without a key, such as those of other people's tasks. */
+/** A sentence for the person: `key` of its text, which exists in every language, and `values` for the text's placeholders. `text` is the sentence in English. It is for clients without texts, and for sentences without a key, such as those of users' tasks. */
 export interface Localised {
   key: string;
   values: Record<string, string | (string)[]>;
   text: string;
 }
 
-/** A task to choose: its name, its summary in a line, and whether it needs a lift control. The page calls built-in tasks by its own words; `summary` is in English. */
+/** A task to choose: its name, its summary in a line, and whether it needs a lift control. `summary` is in English; for built-in tasks, the page has texts in every language. */
 export interface TaskName {
   name: string;
   summary: string;
   lift: boolean;
 }
 
-/** A page in a study, in the participant's language, with the design's own words by key. `shows` lists what a trial shows: task, goal, time, progress, fingers, sound, hint and result. */
+/** Settings of a page in a study: the participant's language, and the design's texts by key. `shows` lists the items that the page shows in a trial, of: task, goal, time, progress, fingers, sound, hint and result. */
 export interface StudyView {
   language: string;
   words: Record<string, string>;
   shows: (string)[];
 }
 
-/** The server's first message: the role of the page, and the tasks from easiest to hardest. In a study there are no menus. `touch` is true if the player's touches drive a hand; otherwise another device does, and all pages are spectators. */
+/** The server's first message: the role of the page, and the tasks from easiest to hardest. `study` is null outside a study; in a study, the page has no menus. `touch` is true if the player's touches drive a hand. If it is false, another device drives the hand, and all pages are spectators. */
 export interface Welcome {
   type: "welcome";
   protocol: number;
@@ -169,7 +169,7 @@ export interface Geom {
   part: "hand" | "object" | "scenery";
 }
 
-/** The touch rectangle: size in inches, corner (m) and axes (row by row) in the world. `scale` is the length on the screen of what is one long in the world. */
+/** The touch rectangle: size in inches, corner (m) and axes (row by row) in the world. `scale` is the length on the screen divided by the length in the world. */
 export interface SurfaceView {
   width_in: number;
   height_in: number;
@@ -179,7 +179,7 @@ export interface SurfaceView {
   scale?: number;
 }
 
-/** A new scene. Frames with another `scene` number belong to an earlier one. `bodies` names the rows of a frame's poses. `lift` is the height (m) to which a lift control of 1 raises the hand; 0 if the task has none. `size` of a geom is as in MuJoCo: half lengths and radii. `in_air` is true if hands move over a 3-D device, without touches. `goal` is in English; in a study, `task` and `goal` are what the participant reads, and `how`, if the design shows hints, how it is done. `scored` is false if the result does not count. `fingers` is the least number of different fingers with which the task can be played. `finger_sets` has the sets of fingers that the player uses, as in the settings; null if they cannot be chosen. */
+/** A new scene. Frames with another `scene` number belong to an earlier scene. `bodies` names the rows of a frame's poses. `lift` is the height (m) to which a lift control of 1 raises the hand; 0 if the task has no lift control. `size` of a geom is as in MuJoCo: half lengths and radii. `in_air` is true if hands are tracked in the air, without touches. `goal` is in English. In a study, `task` and `goal` are the design's texts for the participant, and `how` explains how to do the task, if the design shows hints. `scored` is false if the result does not count. `fingers` is the smallest number of different fingers with which the task can be played. `finger_sets` has the sets of fingers that the player uses, as in the settings; null if they cannot be chosen. */
 export interface SceneMessage {
   type: "scene";
   scene: number;
@@ -226,7 +226,7 @@ export interface ItemView {
   high_means: string;
 }
 
-/** A sheet that a study's participant sees instead of the scene; `none` shows the scene. `answers` has earlier answers by item. A `rest` can be left after `seconds`. `note` says whose wording the questions of a form have, where it is not the published one, and of a `task` which trial of how many it is; `picture` is a data URL with its picture. At `measure`, the size of the screen is measured. */
+/** A sheet that a study's participant sees instead of the scene; `none` shows the scene. `answers` has earlier answers by item. A `rest` can be left after `seconds`. `note` of a form is the source of its questions' wording, if this is not the published one; `note` of a `task` is the number of the trial and the number of all trials. `picture` is a data URL with the picture of a task. At `measure`, the size of the screen is measured. */
 export interface Sheet {
   type: "sheet";
   sheet: number;
@@ -240,7 +240,7 @@ export interface Sheet {
   picture?: string;
 }
 
-/** Refusal of an answer, with the reason; with an empty item, of the whole sheet. */
+/** Refusal of an answer, with the reason. If `item` is empty, the whole sheet is refused. */
 export interface Refusal {
   type: "refusal";
   sheet: number;
@@ -248,7 +248,7 @@ export interface Refusal {
   text: string;
 }
 
-/** Who may play: to a page that waits, `wait_s` is in how many seconds it plays if the player stays away, null while the player is there; to the player, `requested` is true while another page requests the seat. */
+/** Who may play. For a waiting page, `wait_s` is the number of seconds until it gets the seat if the player stays away; null while the player is present. For the player, `requested` is true while another page requests the seat. */
 export interface Seat {
   type: "seat";
   wait_s?: number | null;
@@ -261,7 +261,7 @@ export interface Echo {
   t: number;
 }
 
-/** A contact in the session. `position` (m) in the world is for fingers that are not on this screen; `force` (N) is that of its fingertip on objects, `stored` (N) the part of it that other fingers press back, which is let go when the grip opens. `full` is true if the hand has no more force for it. A `palm` is no finger. `sure` is false if the label may well be wrong; `inside` is true if the finger is inside an object, out of which it has to be moved. */
+/** A contact in the session. `position` (m, world) is used for fingers that are not on this screen. `force` (N) is the force of the contact's fingertip on objects. `stored` (N) is the part of this force that opposing fingers balance: it is released when the grip opens. `full` is true if the force cannot increase, since a servo of the finger or of the palm is at its limit. A contact in the state `palm` is not a finger. `sure` is false if the label may well be wrong. `inside` is true if the finger is inside an object; it has to be moved out. */
 export interface ContactState {
   id: number;
   label: number | null;
@@ -282,14 +282,14 @@ export interface HandState {
   probability: number;
 }
 
-/** Current goal of an object: position (m) and turn about the vertical (rad). */
+/** Current goal of an object: position (m) and rotation about the vertical (rad). */
 export interface GoalState {
   object: string;
   position: [number, number, number];
   yaw: number;
 }
 
-/** Values of a frame besides poses, at its end. `reason` says what is missing, and `notices` what the person has to know. `pause` says why simulated time stands still, and is empty while it runs. `start`: it begins with the first touch; `menu`: a menu is open; `away`: a player's page is closed, hidden or lost; `back`: the player is back, and time goes on with the next touch. */
+/** Values at the end of a frame, after the poses. `reason` is the reason why the goal is not reached. `notices` are messages for the person. `pause` is the reason why simulated time stands still; empty while it runs. `start`: time begins with the first touch. `menu`: a menu is open. `away`: a player's page is closed, hidden or lost. `back`: the player is back, and time continues with the next touch. */
 export interface State {
   time: number;
   status: string;
