@@ -280,7 +280,7 @@ def _run(command: list[str], place: Path, name: str) -> None:
 def _fetched(address: str) -> bytes:
     if not address.startswith("https://"):
         raise DeviceError(
-            "the package index is not used, because its address is not https",
+            "only https addresses of a package index are used",
             where=address,
             expected="https://...",
         )

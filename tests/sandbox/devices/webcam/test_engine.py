@@ -127,13 +127,13 @@ def test_without_network_one_line_says_so(
     monkeypatch.setenv("PATH", path + os.pathsep + "/usr/bin" + os.pathsep + "/bin")
     assert main(["devices", "webcam", "install"]) == 2
     (line,) = capsys.readouterr().err.splitlines()
-    assert "cannot be fetched" in line and "network unreachable" in line
+    assert "cannot be downloaded" in line and "network unreachable" in line
     assert not home.exists()
 
 
 @pytest.mark.parametrize(
     ("index", "said"),
-    [("http://127.0.0.1:1/", "only https"), ("https://127.0.0.1:1", "cannot be fetched")],
+    [("http://127.0.0.1:1/", "only https"), ("https://127.0.0.1:1", "cannot be downloaded")],
 )
 def test_without_npm_an_index_must_be_asked_by_https_and_must_answer(
     index: str, said: str, home: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
