@@ -197,8 +197,8 @@ class PageServer(ServerThread):
             message: Message with the scene.
             scene: The compiled scene, which is only read.
             device: Device for the player's touches; None for a page without touches.
-            skins: Skins of the scene's hands, by `sandbox.server.page_frames.pack_skin`; without them,
-                the page shows bones.
+            skins: Skins of the scene's hands, by `sandbox.server.page_frames.pack_skin`; without
+                them, the page shows bones.
             own: Index of the hand whose touches are on this page, if other hands have other
                 devices; else None.
         """

@@ -13,20 +13,23 @@ from models.surface import Surface
 from sandbox.session.messages import Snapshot
 
 FILM_AZIMUTH, FILM_ELEVATION, FILM_DISTANCE = 28.0, -31.0, 0.43
-"""Film's camera (deg, deg, m): from above, on the thumb's side of a right hand, which hides neither
-the object nor the goal from there. Chosen by comparing pictures."""
+"""Camera of films (deg, deg, m): from above, on the thumb's side of a right hand. From there, the
+hand hides neither the object nor the goal. Chosen by comparing pictures."""
 
 WINDOW_AZIMUTH, WINDOW_ELEVATION, WINDOW_DISTANCE = 58.0, -50.0, 0.40
-"""Window's camera (deg, deg, m): close to the person's own view, so that the mouse's right and away
-agree with those in the picture; turned just enough to show the thumb and the object at it."""
+"""Camera of the window (deg, deg, m): close to the person's own view, so that right and away of the
+mouse are right and up in the picture. It is turned just enough to show the thumb and the object at
+it."""
 
 AIR_AZIMUTH, AIR_ELEVATION, AIR_DISTANCE, AIR_MIDDLE = 54.0, -34.0, 0.47, 0.055
-"""Camera for hands in the air (deg, deg, m, and m over the table): lower and farther away, so that
-a raised hand is in the picture and its height is visible. Chosen by comparing pictures."""
+"""Camera for hands in the air (deg, deg, m, and height of its target over the table, m): lower and
+farther away, so that a raised hand is in the picture and its height is visible. Chosen by comparing
+pictures."""
 
 FRONT_FILM_AZIMUTH, FRONT_FILM_ELEVATION, FRONT_FILM_DISTANCE = 64.0, -14.0, 0.42
-"""Film's camera before an upright surface (deg, deg, m): turned to the thumb's side far enough to
-show a box between thumb and fingers, and from above, to show the table and stacked objects."""
+"""Camera of films in front of an upright surface (deg, deg, m): turned to the thumb's side far
+enough to show a box between thumb and fingers, and raised, to show the table and stacked objects.
+"""
 
 TWO_AZIMUTH, TWO_ELEVATION, TWO_DISTANCE = 82.0, -48.0, 1.35
 """Camera for a film of two hands (deg, deg, and multiples of the surface's width): from the
@@ -38,7 +41,7 @@ they are in front of the held objects."""
 
 
 def film_camera(snapshot: Snapshot, surface: Surface) -> mujoco.MjvCamera:
-    """A camera that shows the objects, their goals and the hand over them."""
+    """Returns a camera that shows the objects, their goals and the hand over them."""
     if surface.upright:
         return _front(surface, FRONT_FILM_AZIMUTH, FRONT_FILM_ELEVATION, FRONT_FILM_DISTANCE)
     places = [o.position for o in snapshot.objects.values()]
@@ -47,21 +50,21 @@ def film_camera(snapshot: Snapshot, surface: Surface) -> mujoco.MjvCamera:
     spread = max((float(np.linalg.norm((p - middle)[:2])) for p in places), default=0.0)
     distance = FILM_DISTANCE + 1.2 * max(spread - 0.04, 0.0)
     if len(snapshot.hands) > 1:
-        # Hands come from both sides, at any place of the objects.
+        # Hands come from both sides, so centre the surface.
         middle = np.array([*_middle(surface)[:2], middle[2]])
         return _at(middle, TWO_AZIMUTH, TWO_ELEVATION, TWO_DISTANCE * float(surface.size[0]))
     camera = _free(FILM_AZIMUTH, FILM_ELEVATION, distance)
-    # The picture's centre is shifted up and towards the person, where the hand is.
+    # Shift the picture's centre up and towards the person, where the hand is.
     camera.lookat[:] = middle + np.array([0.005, -0.022, 0.042])
     return camera
 
 
 def window_camera(surface: Surface, in_air: bool = False) -> mujoco.MjvCamera:
-    """A camera that shows the whole surface from the person's side.
+    """Returns a camera that shows the whole surface from the person's side.
 
     Args:
         surface: The touch surface.
-        in_air: The camera also shows the space above the surface.
+        in_air: True if the camera must also show the space above the surface.
     """
     if surface.upright:
         return _front(surface, FRONT_AZIMUTH, FRONT_ELEVATION, FRONT_DISTANCE)
@@ -77,7 +80,7 @@ def window_camera(surface: Surface, in_air: bool = False) -> mujoco.MjvCamera:
 
 
 def camera_above(surface: Surface) -> mujoco.MjvCamera:
-    """A camera perpendicular to the surface, x to the right, without perspective."""
+    """Returns a camera perpendicular to the surface, x to the right, without perspective."""
     camera = _free(90.0, 0.0 if surface.upright else -90.0, 0.6)
     camera.orthographic = 1
     camera.lookat[:] = _middle(surface)
@@ -115,10 +118,10 @@ class Lens:
     Attributes:
         position: (3,) m, the eye.
         axes: (3, 3), rows right, up and forward; unit vectors in the world.
-        half: (2,) half width and half height of the picture: at one metre for a perspective
-            camera, anywhere for an orthographic one, m.
-        orthographic: Rays are parallel.
-        size: (2,) width and height, pixels.
+        half: (2,) m, half width and half height of the visible area: for a perspective camera, at a
+            distance of one metre; for an orthographic camera, at any distance.
+        orthographic: True if rays are parallel.
+        size: (2,) px, width and height of the picture.
     """
 
     position: Array
@@ -129,7 +132,7 @@ class Lens:
 
     @classmethod
     def of(cls, scene: mujoco.MjvScene, size: tuple[int, int]) -> Lens:
-        """The camera of an updated MuJoCo scene, for a picture of `size` pixels."""
+        """Returns the camera of an updated MuJoCo scene, for a picture of `size` pixels."""
         camera = mujoco.mjv_averageCamera(scene.camera[0], scene.camera[1])
         forward = np.array(camera.forward, float)
         up = np.array(camera.up, float)
@@ -146,7 +149,8 @@ class Lens:
         )
 
     def project(self, world: ArrayLike) -> tuple[Array, NDArray[np.bool_]]:
-        """Pixels (..., 2) of world points (..., 3), and bool (...,) for points ahead of it."""
+        """Returns pixels (..., 2) of world points (..., 3), and bool (...,): True for points in
+        front of the camera."""
         seen = (np.asarray(world, float) - self.position) @ self.axes.T
         depth = seen[..., 2]
         ahead = depth > 1e-6
@@ -156,7 +160,7 @@ class Lens:
         return pixels, ahead
 
     def ray(self, pixel: ArrayLike) -> tuple[Array, Array]:
-        """Start (3,) and unit direction (3,) in the world of the line of sight of a pixel (2,)."""
+        """Returns start (3,) and unit direction (3,), in the world, of the ray of a pixel (2,)."""
         unit = (np.asarray(pixel, float) / np.array(self.size) - 0.5) * np.array([2.0, -2.0])
         sideways = (unit * self.half) @ self.axes[:2]
         if self.orthographic:
@@ -165,9 +169,9 @@ class Lens:
         return self.position, direction / np.linalg.norm(direction)
 
     def pick(self, pixel: ArrayLike, surface: Surface) -> Array | None:
-        """The point (2,) of the surface's plane under a pixel (2,), in surface metres.
+        """Returns the point (2,) of the surface's plane under a pixel (2,), m in surface axes.
 
-        None if the line of sight does not meet the plane.
+        Returns None if the ray does not meet the plane.
         """
         start, direction = self.ray(pixel)
         normal = surface.rotation[:, 2]

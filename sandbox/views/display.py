@@ -1,4 +1,4 @@
-"""Tests for a screen on which a window can open, before drawing libraries are loaded."""
+"""Finds out whether a window can open, without loading drawing libraries; errors of graphics."""
 
 from __future__ import annotations
 
@@ -8,20 +8,20 @@ import sys
 from models.errors import HandSandboxError
 
 DEBIAN_PACKAGES = "libgl1 libegl1 libegl-mesa0 libgl1-mesa-dri libglx-mesa0"
-"""Packages of Debian and Ubuntu for pictures without a graphics card."""
+"""Debian and Ubuntu packages that draw pictures without a graphics card."""
 
 OPENGL_REMEDY = (
     f"On Debian or Ubuntu: apt-get install {DEBIAN_PACKAGES}"
     if sys.platform == "linux"
     else "Install the driver of the graphics card; over a remote desktop there is often no OpenGL"
 )
-"""How to get OpenGL."""
+"""Remedy for missing OpenGL."""
 OFFSCREEN_REMEDY = OPENGL_REMEDY + (" (or libosmesa6)" if sys.platform == "linux" else "")
-"""How to get OpenGL that draws without a screen."""
+"""Remedy for missing OpenGL that draws without a screen."""
 
 
 class GraphicsError(HandSandboxError):
-    """Neither OpenGL nor a screen to draw with is available; everything else works without."""
+    """OpenGL or a screen is missing; only windows and pictures need them."""
 
 
 class FilmError(HandSandboxError):
@@ -29,7 +29,7 @@ class FilmError(HandSandboxError):
 
 
 VARIABLES = ("DISPLAY", "WAYLAND_DISPLAY")
-"""Environment variables that name the screen on Linux; other systems always have one."""
+"""Environment variables that name the screen on Linux; other systems count as having a screen."""
 
 
 def has_display() -> bool:

@@ -3,8 +3,8 @@
 It works on copies of the model and its state, so that drawing cannot change a simulation. Goals and
 contacts, which the model does not contain, are added as marks.
 
-A ghost hand is drawn by mixing two pictures, one with and one without it. Drawn translucent, it
-would show its own far side through the near one.
+A ghost hand is drawn by blending two pictures, with and without the hand. If the hand itself were
+drawn translucent, its far side would be visible through the near side.
 """
 
 from __future__ import annotations
@@ -30,29 +30,29 @@ from sandbox.views.palette import Colour
 from tasks.task import Goal
 
 FRONT, BACK, HALF_WIDTH, THICKNESS = -0.034, 0.16, 0.30, 0.014
-"""World y (m) of its front and back edge, x of its sides, and its thickness. The front edge is just
-in front of that of the largest object."""
+"""The shelf in front of an upright surface, m: world y of its front and back edge, world x of its
+sides, and its thickness. The front edge is just in front of the largest object."""
 PANE = 0.040
-"""Distance (m) in front of the touch surface at which touches are marked, so that objects do not
-hide the marks."""
+"""Distance (m) in front of an upright touch surface at which touches are marked, so that objects do
+not hide the marks."""
 
 SHELF = (0.31, 0.37, 0.41)
 
 
 def hide_table(model: mujoco.MjModel, group: int) -> None:
-    """Hides the endless table, and the mat on it, by moving them into a group that is not drawn."""
+    """Hides the infinite table and the mat on it, by moving them to a group that is not drawn."""
     for name in (TABLE, "mat"):
         model.geom_group[model.geom(name).id] = group
 
 
 def shelf() -> tuple[Array, Array]:
-    """Half size (3,) and centre (3,) of the shelf that is drawn instead, m."""
+    """Returns half size (3,) and centre (3,) of the shelf that is drawn instead of the table, m."""
     half = np.array([HALF_WIDTH, (BACK - FRONT) / 2, THICKNESS / 2])
     return half, np.array([0.0, (BACK + FRONT) / 2, -THICKNESS / 2])
 
 
 Hidden = Literal["ghosts", "hands"]
-"""Choices of hands that are left out of a picture."""
+"""Hands that are left out of a picture: ghosts only, or all."""
 
 MAX_GEOMS = 2000
 """Capacity of the drawing list; five contacts, two goals and two hands take about 400."""
@@ -60,14 +60,14 @@ MAX_GEOMS = 2000
 RING_RADIUS, RING_WIDTH, RING_SIDES = 0.0100, 0.0016, 20
 """Radius (m), width (m) and number of straight pieces of the ring around a contact."""
 ARC_RADIUS, ARC_WIDTH = 0.0130, 0.0014
-"""Radius and width (m) of the arc around it that shows the force of a grip."""
+"""Radius and width (m) of the arc around the ring that shows the force of a grip."""
 EDGE_RADIUS, THREAD_RADIUS = 0.0008, 0.0006
 """Radii (m) of the edges of a goal and of the threads between touches and fingertips."""
 PALM_RADIUS = 0.015
-"""Radius (m) of the patch on a palm."""
+"""Radius (m) of the disc at a contact of a palm."""
 LIFT = 0.0007
-"""Height (m) of flat marks above the table. The mat is 0.2 mm above it, and lower marks would
-flicker."""
+"""Height (m) of flat marks above the table. The mat is 0.2 mm above the table; marks closer to it
+would flicker."""
 OUTLINE_WIDTH = 0.0012
 """Width (m) of the line around the touch surface."""
 
@@ -75,16 +75,17 @@ ORTHOGRAPHIC_HEIGHT = 1.6
 """Visible height of a camera without perspective, in heights of the touch surface."""
 
 SHADOW_REACH = 0.25
-"""Radius (m) around the table's centre within which shadows are drawn: the smaller, the sharper."""
+"""Shadows are drawn within this radius (m) around the table's centre. Smaller values give sharper
+shadows."""
 
 CASTER_WIDTH, CASTER_DEPTH = 0.62, 0.20
-"""Width of a shadow caster relative to the finger, and its shift towards the pad in radii: the back
-of a bent finger is close to the bone."""
+"""Width of a shadow caster relative to the finger's capsule, and its shift towards the finger pad,
+in radii. It is shifted because the skin on the back of a bent finger is close to the bone."""
 
 
 @dataclass(frozen=True)
 class _GoalPart:
-    """A geom of an object in the object's frame, as it is repeated at a goal."""
+    """A geom of an object, in the object's frame; it is drawn again at the object's goal."""
 
     type: int
     size: Array
@@ -99,15 +100,15 @@ class Drawing:
     Args:
         scene: The scene, whose model is copied.
         surface: The touch surface.
-        rings_on_table: Contacts are marked on the table below the touch surface, which looks
-            natural from the side. Otherwise they are marked on the touch surface itself, so that a
-            mark lies exactly under its pointer for any camera.
+        rings_on_table: True marks contacts on the table below the touch surface, which looks
+            natural from the side. False marks them on the touch surface itself, so that a mark is
+            exactly under the pointer for any camera.
 
     Attributes:
-        view: The drawing list, up to date after `update`.
-        model: The copy that is drawn.
-        appearances: Hands that have a skin, by their number.
-        narrowness: Ratio of the view's height to that of its camera.
+        view: The drawing list, filled by `update`.
+        model: The copy of the model that is drawn.
+        appearances: Appearance of each hand that has a skin, by index of the hand.
+        narrowness: Factor on the camera's visible height, for pictures higher than wide.
     """
 
     def __init__(self, scene: Scene, surface: Surface, rings_on_table: bool = True) -> None:
@@ -125,7 +126,7 @@ class Drawing:
             for i, h in enumerate(hands)
             if i in self.appearances
         }
-        # Geoms of hands without a skin, with the groups in which they are visible.
+        # Geoms of hands without a skin, and the groups in which they are visible.
         self._own_shapes = {
             i: (own, self.model.geom_group[own].copy())
             for i, h in enumerate(hands)
@@ -140,11 +141,11 @@ class Drawing:
             for part, n in appearance.parts.items()
         }
         self._parts = {n: self._parts_of(body) for n, body in scene.object_bodies.items()}
-        # Rings around parts of a mechanism would lie on its other parts.
+        # Parts of mechanisms get no ring at the goal: it would cover other parts.
         self._joined = {o.name for o in scene.spec.objects if isinstance(o, MechanismPart)}
         flat = surface.rotation[2, 2] > 0.999
         height = surface.origin[2] - LIFT if flat and rings_on_table else 0.0
-        # Marks lie on a plane parallel to the surface, towards a table below it.
+        # Contacts are marked on a plane parallel to the surface, shifted to the table or the pane.
         pane = PANE if surface.upright and rings_on_table else 0.0
         self.drop = surface.rotation[:, 2] * (pane - height)
         ground = surface.origin[2] - LIFT if flat else 0.0
@@ -163,7 +164,7 @@ class Drawing:
         Args:
             snapshot: The snapshot to draw.
             camera: The camera.
-            hidden: Hands that are left out: `ghosts`, which cannot touch objects, or all.
+            hidden: Hands that are left out: `ghosts`, `hands` (all), or None.
         """
         model, data = self.model, self._data
         data.qpos[:] = snapshot.qpos
@@ -175,7 +176,7 @@ class Drawing:
         self._option.skingroup[: len(drawn)] = drawn
         for i, (own, groups) in self._own_shapes.items():
             model.geom_group[own] = groups if drawn[i] else HIDDEN_GROUP
-        # For a camera without perspective, MuJoCo takes the visible height, in metres, from here.
+        # For an orthographic camera, MuJoCo's `fovy` is the visible height in m.
         model.vis.global_.fovy = (
             self.narrowness * ORTHOGRAPHIC_HEIGHT * self.surface.size[1]
             if camera.orthographic
@@ -203,20 +204,22 @@ class Drawing:
                 self._draw_grip(contact, place, snapshot, i)
 
     def sees_sky(self) -> bool:
-        """True if the picture shows anything above the horizon; only then the sky is drawn."""
+        """True if the picture shows anything above the horizon, so that the sky must be drawn."""
         camera = mujoco.mjv_averageCamera(self.view.camera[0], self.view.camera[1])
         if camera.orthographic:
             return bool(camera.forward[2] > -0.1)
-        # The steepest line of sight is that of the middle of the upper edge.
+        # The ray through the middle of the upper edge points highest.
         highest = camera.forward + camera.up * (camera.frustum_top / camera.frustum_near)
         return bool(highest[2] > 0.0)
 
     def held_back(self, snapshot: Snapshot) -> tuple[list[Array], list[Array]]:
-        """Triangles of the solid hands that objects hold back, in the state of `update`.
+        """Returns triangles of solid hands that objects keep from their commanded pose.
+
+        It uses the snapshot of the last `update`.
 
         Returns:
-            For each of them: (n, 3, 3) m, its displaced parts at their commanded places; and
-            (m, 3, 3) m, the whole hand at its present place.
+            Two lists with an entry for each such hand: triangles (n, 3, 3) m of its displaced parts
+            in the commanded pose, and triangles (m, 3, 3) m of the whole hand in the present pose.
         """
         away, here = [], []
         for i, appearance in self.appearances.items():
@@ -232,7 +235,7 @@ class Drawing:
         return away, here
 
     def _geoms_below(self, palm: str) -> NDArray[np.int64]:
-        """Numbers of the geoms of a hand."""
+        """Returns the geom numbers of a hand."""
         model, root = self.model, int(self.model.body(palm).id)
         return np.flatnonzero(model.body_rootid[model.geom_bodyid] == root)
 
@@ -258,7 +261,7 @@ class Drawing:
         for i in range(self.view.ngeom):
             geom = self.view.geoms[i]
             if geom.type == mujoco.mjtGeom.mjGEOM_PLANE:
-                # An endless plane casts no visible shadow, but dark specks on itself.
+                # As a shadow caster, the infinite plane would only cause dark specks on itself.
                 geom.category = mujoco.mjtCatBit.mjCAT_DECOR
             if geom.objtype == mujoco.mjtObj.mjOBJ_SKIN:
                 geom.category = mujoco.mjtCatBit.mjCAT_DECOR
@@ -269,15 +272,15 @@ class Drawing:
                         geom.rgba[:3] = colour
 
     def _draw_casters(self, casters: list[int]) -> None:
-        """Adds invisible thin capsules inside the visible hand that cast its shadow.
+        """Adds thin capsules, hidden inside the visible hand, that cast the hand's shadow.
 
-        If a curved surface casts a shadow on itself, a coarse shadow map covers it with dark
-        specks.
+        The skin itself casts none: with a coarse shadow map, a curved surface that casts a shadow
+        on itself is covered with dark specks.
         """
         if not self.view.flags[mujoco.mjtRndFlag.mjRND_SHADOW]:
             return
         for g in casters:
-            # A little shorter as well, or the caster would show through the sleeve's end.
+            # A little shorter as well, so that the caster is not visible at the sleeve's end.
             size = self.model.geom_size[g] * np.array([CASTER_WIDTH, 0.98, 1.0])
             back = self._data.xmat[self.model.geom_bodyid[g]].reshape(3, 3)[:, 2]
             depth = CASTER_DEPTH * self.model.geom_size[g, 0]
@@ -285,7 +288,7 @@ class Drawing:
             caster = self._marks.shape(self.model.geom_type[g], size, place, turn, PALE, 1.0)
             if caster is not None:
                 caster.category = mujoco.mjtCatBit.mjCAT_DYNAMIC
-                # Lit like skin, so that it is inconspicuous if it ever shows through.
+                # Lit like skin, so that it is inconspicuous where it is visible.
                 caster.emission = 0.0
 
     def _draw_outline(self) -> None:
@@ -305,7 +308,7 @@ class Drawing:
         position = np.asarray(goal.position)
         now = snapshot.objects.get(goal.object)
         off = np.inf if now is None else float(np.linalg.norm(now.position - position))
-        # Faces that nearly coincide with the object's own would flicker: they fade as it arrives.
+        # Faces that nearly coincide with those of the object would flicker: fade them near it.
         faces = 0.15 * float(np.clip((off - 0.004) / 0.016, 0.0, 1.0))
         done = snapshot.score.final or snapshot.score.held
         for part in self._parts[goal.object]:
@@ -323,7 +326,7 @@ class Drawing:
             self._marks.disc(reach / 1.4, ground, np.eye(3), colour, 0.20)
 
     def _draw_threads(self, hand: HandView) -> None:
-        """Adds a line from every touch to its fingertip, to show where a hovering tip lands."""
+        """Adds a line from every touch to its fingertip, to show where the tip will land."""
         for contact, place in zip(hand.contacts, hand.places + self.drop, strict=True):
             if contact.label is not None and contact.state not in palette.NO_FINGER:
                 colour = palette.finger_colour(contact.label)
@@ -342,8 +345,10 @@ class Drawing:
         self._marks.disc(RING_RADIUS, place, rotation, colour, filled * strength)
 
     def _draw_grip(self, contact: Contact, place: Array, snapshot: Snapshot, hand: int) -> None:
-        """Adds an arc that closes with the force that a grip has stored in a finger; it is closed
-        and white if the hand has no more force."""
+        """Adds an arc whose length shows the force of a grip in a finger.
+
+        The arc is a full ring, and white, if the force is at its limit.
+        """
         full = snapshot.at_limit(hand, contact.label)
         stored = snapshot.stored(hand, contact.label)
         if full or stored > 0.0:
@@ -354,7 +359,7 @@ class Drawing:
 
 
 def goal_colour(snapshot: Snapshot) -> Colour:
-    """Colour of the goal: green before it is reached, bright at the goal, gold once it was held."""
+    """Returns the colour of the goal: green, bright green if reached, gold if it was held."""
     if snapshot.score.held:
         return palette.HELD
     return palette.REACHED if snapshot.score.final else palette.GOAL

@@ -22,15 +22,15 @@ from sandbox.views.renderer import Renderer, check_size
 
 ANIMATION_SIZE, ANIMATION_FPS = (640, 360), 15.0
 VIDEO_SIZE, VIDEO_FPS = (960, 540), 30.0
-"""Default size (px) and frames per second: of WebP and GIF, and of MP4."""
+"""Default size (px) and frames per second of WebP and GIF, and of MP4."""
 PICTURE_SIZE = (1280, 720)
 """Default size (px) of single pictures."""
 PICTURE_KINDS = (".png", ".jpg", ".jpeg", ".webp")
 MAX_FPS = 60.0
 
 WAITING = 4096
-"""Largest number of snapshots that wait to be drawn, a few kB each: minutes of film. Beyond it the
-session waits for the film."""
+"""Largest number of snapshots that wait to be drawn: minutes of film, a few kB per snapshot. If the
+queue is full, the session waits for the film."""
 
 _Job = Callable[[Renderer], None]
 
@@ -38,8 +38,8 @@ _Job = Callable[[Renderer], None]
 class FilmView(Closeable):
     """Films a session in simulated time, and takes pictures of it.
 
-    The film is complete only after `close`, which raises errors of the drawing thread, so that an
-    error in the film does not end the trial.
+    The film is complete only after `close`. Errors of the drawing thread are raised by `close`, so
+    that they do not end the trial.
 
     Args:
         path: Path that ends in .webp, .gif or .mp4 (with the package imageio-ffmpeg).
@@ -55,7 +55,7 @@ class FilmView(Closeable):
 
     Attributes:
         frames: Number of frames so far.
-        dropped: Number of frames dropped because the queue was full.
+        dropped: Number of frames dropped because the film file was full.
     """
 
     def __init__(
@@ -102,14 +102,14 @@ class FilmView(Closeable):
             self.close()
 
     def show(self, snapshot: Snapshot) -> None:
-        """Adds a snapshot to the film; those between two frames are skipped."""
+        """Adds a snapshot to the film; snapshots between two frames are skipped."""
         if self._closed or self._error is not None:
             return
         if self._begun is None or snapshot.time < self._last:
-            # The first trial, or the next trial, whose film continues at the end of the last.
+            # A new trial begins: its film continues at the end of the previous one.
             self._begun = snapshot.time - self.frames / self.fps
         self._last = snapshot.time
-        # Half a microsecond is tolerated, since times are sums of steps.
+        # Tolerate half a microsecond, since times are sums of steps.
         due = int((snapshot.time - self._begun) * self.fps + 5e-7 * self.fps) + 1
         missing = due - self.frames
         if missing <= 0:
@@ -129,7 +129,7 @@ class FilmView(Closeable):
 
         Raises:
             InputError: The size or the path cannot be used.
-            FilmError: The film was closed, or its thread has failed.
+            FilmError: The film was closed, or the drawing thread has failed.
         """
         target = _picture_path(path)
         answer: queue.Queue[Image.Image | BaseException] = queue.Queue()
@@ -142,7 +142,9 @@ class FilmView(Closeable):
                 answer.put(error)
 
         if self._closed or self._error is not None:
-            raise FilmError("no more pictures: the film has ended", where=str(target))
+            raise FilmError(
+                "no picture can be drawn: the film is closed or has failed", where=str(target)
+            )
         self._jobs.put(draw)
         while True:
             try:
@@ -151,7 +153,7 @@ class FilmView(Closeable):
             except queue.Empty:
                 if self._error is not None:
                     raise FilmError(
-                        "no picture: the drawing thread has failed",
+                        "no picture could be drawn: the drawing thread has failed",
                         where=str(target),
                         got=self._error,
                     ) from self._error
@@ -200,7 +202,7 @@ class FilmView(Closeable):
             self._error = error
             self._ready.set()
             self._discard(file)
-            # Empties the queue, as the session may wait for room in it.
+            # Empty the queue, as the session may wait for space in it.
             while not ended:
                 ended = self._jobs.get() is None
 

@@ -1,8 +1,8 @@
 """Writers of film files, with bounded memory.
 
-WebP and GIF are written by Pillow, which needs all frames at the end. Until then they are stored on
-the disk as reels, files of a few frames each, from which Pillow reads one frame at a time. MP4 is
-streamed to ffmpeg, from the optional package imageio-ffmpeg.
+WebP and GIF are written by Pillow, which needs all frames at the end. Until then the frames are
+stored on the disk in reels, files of some frames each, from which Pillow reads one frame at a time.
+MP4 is streamed to ffmpeg, from the optional package imageio-ffmpeg.
 """
 
 from __future__ import annotations
@@ -22,14 +22,16 @@ from models.errors import InputError
 from sandbox.views.display import FilmError
 
 REEL_BYTES = 96_000_000
-"""Bytes of frames in memory before they are stored: 9 s of film at 640x360 and 15 per second."""
+"""Frames are stored in a reel when they fill this number of bytes in memory: 9 s of film at 640x360
+and 15 frames per second."""
 REEL_COMPRESSION = "tiff_lzw"
-"""Lossless; 7 ms and 90 kB per frame at 640x360. Pillow reads TIFF one page at a time."""
+"""Compression of reels: lossless, 7 ms and 90 kB per frame at 640x360. Pillow reads TIFF one page
+at a time."""
 MAX_FRAMES = 9000
-"""Largest number of frames of a WebP or GIF, 10 minutes at 15 per second; each reel is an open file
-at the end."""
+"""Largest number of frames of a WebP or GIF: 10 minutes at 15 per second. It bounds the number of
+reels, which are all open at the end."""
 MAX_GIF_FRAMES = 600
-"""Largest number of frames of a GIF, all of which Pillow holds in memory; more are thinned out
+"""Largest number of frames of a GIF, since Pillow needs all in memory. Longer films are thinned out
 evenly."""
 WEBP_QUALITY = 75
 GIF_COLOURS = 128
@@ -43,7 +45,7 @@ class FilmFile(Protocol):
         ...
 
     def close(self) -> None:
-        """Completes the file; without frames no file is written."""
+        """Completes the file; if there are no frames, no file is written."""
         ...
 
     def discard(self) -> None:
@@ -52,11 +54,11 @@ class FilmFile(Protocol):
 
 
 def open_film(path: Path, size: tuple[int, int], fps: float) -> FilmFile:
-    """Opens a film file of the format that the path's ending names.
+    """Opens a film file; the suffix of the path chooses the format.
 
     Raises:
-        InputError: The format is unknown, its package is missing, or the folder cannot be written
-            to.
+        InputError: The format is unknown, its package is missing, or no file can be written in the
+            folder.
     """
     kind = path.suffix.lower()
     if kind not in (".webp", ".gif", ".mp4"):
@@ -131,7 +133,7 @@ class _Animation:
             append_images=images[1:],
             duration=durations(self._count, self._fps, 1),
             quality=WEBP_QUALITY,
-            # Few key frames, as a film is played from its beginning; speed matters more than size.
+            # Few key frames, as a film is played from its beginning. `method` 0 is the fastest.
             kmin=29,
             kmax=30,
             method=0,
@@ -166,7 +168,7 @@ class _Mp4:
             )
         import imageio_ffmpeg
 
-        # ffmpeg derives the format from the ending, so the partial file needs it.
+        # ffmpeg derives the format from the suffix, so the partial file needs it.
         self._path, self._part = path, part.with_name(part.name + ".mp4")
         self._count = 0
         self._pipe = imageio_ffmpeg.write_frames(
@@ -196,13 +198,13 @@ class _Mp4:
                     "ffmpeg did not write the whole film",
                     where=str(self._path),
                     got=f"{written} of {self._count} pictures",
-                    remedy="Make room on the disk, or choose another folder",
+                    remedy="Free space on the disk, or choose another folder",
                 )
             os.replace(self._part, self._path)
         self.discard()
 
     def _written(self) -> int:
-        """Number of pictures in the file, since ffmpeg does not report a full disk."""
+        """Counts the pictures in the file, since ffmpeg does not report a full disk."""
         import imageio_ffmpeg
 
         try:
@@ -217,14 +219,13 @@ class _Mp4:
 
 
 def durations(frames: int, fps: float, unit: int, stride: int = 1) -> list[int]:
-    """Durations in ms of all frames, in whole units of the format, so that their sum does not
-    drift.
+    """Returns the durations of all frames (ms), rounded so that their sum does not drift.
 
     Args:
         frames: Number of frames of the film.
         fps: Frames per second of the film.
-        unit: ms, unit of the format.
-        stride: Only one frame in this many is kept, and is shown for the others, too.
+        unit: Unit of durations in the format, ms.
+        stride: One frame of this number is in the file, and is also shown for the others.
     """
     starts = [*range(0, frames, stride), frames]
     ends = [round(i * 1000.0 / fps / unit) * unit for i in starts]
@@ -240,12 +241,15 @@ def _quantized(
 
 
 def _frames(images: list[Image.Image]) -> list[tuple[Image.Image, int]]:
-    """Every frame as an image and the frame's number in it."""
+    """Returns every frame as a file's image and the number of the frame in it."""
     return [(image, i) for image in images for i in range(getattr(image, "n_frames", 1))]
 
 
 def _common_palette(frames: list[tuple[Image.Image, int]]) -> Image.Image:
-    """One palette for all frames, from the first, a middle and the last, so that colours agree."""
+    """Returns a common palette, from the first, a middle and the last frame.
+
+    With a palette for each frame, colours would flicker.
+    """
     width, height = frames[0][0].size
     sheet = Image.new("RGB", (width, 3 * height))
     for row, (image, i) in enumerate((frames[0], frames[len(frames) // 2], frames[-1])):

@@ -1,8 +1,8 @@
-"""Finds an OpenGL that draws without a screen: a graphics card's or Mesa's EGL, else OSMesa.
+"""Finds an OpenGL that draws without a screen: EGL of a graphics card or of Mesa, or else OSMesa.
 
-The choice must be made before any of them is loaded: PyOpenGL binds itself to one platform for the
-whole process, and MuJoCo loads its drawing functions once. So libraries are probed with ctypes,
-which binds nothing, and only then the right one is imported.
+The choice must be made before any of these is loaded: PyOpenGL uses one platform for the whole
+process, and MuJoCo loads its drawing functions only once. So libraries are first probed with
+ctypes, which has no such effect, and then the chosen library is imported.
 """
 
 from __future__ import annotations
@@ -32,16 +32,16 @@ class GLContext(Protocol):
     """An OpenGL context.
 
     Attributes:
-        backend: One of `BACKENDS`; None for a window's.
+        backend: One of `BACKENDS`; None for the context of a window.
     """
 
     backend: str | None
 
     def as_current(self) -> AbstractContextManager[None]:
-        """Makes it current in the calling thread within the `with` block.
+        """Makes the context current in the calling thread within the `with` block.
 
-        It is released afterwards: a thread has one context at a time, and contexts of a window and
-        of EGL are incompatible.
+        It is released afterwards: a thread has one current context at a time, and contexts of a
+        window and of EGL are incompatible.
         """
         ...
 
@@ -52,7 +52,7 @@ class GLContext(Protocol):
 
 @cache
 def choose_backend() -> str:
-    """The backend of this process, decided once; the environment variable MUJOCO_GL overrides it.
+    """Returns the backend of this process, chosen once; MUJOCO_GL in the environment overrides it.
 
     Raises:
         GraphicsError: No backend is available, or drawing is switched off.
@@ -64,7 +64,7 @@ def choose_backend() -> str:
             where="MUJOCO_GL",
             got=wish,
             expected=", ".join(BACKENDS),
-            remedy="Unset it to have a backend chosen",
+            remedy="Unset MUJOCO_GL: then a backend is chosen automatically",
         )
     if wish in BACKENDS:
         return wish
@@ -82,14 +82,14 @@ def choose_backend() -> str:
 
 
 def offscreen_context(width: int, height: int) -> GLContext:
-    """A context that draws into memory; it is current in no thread yet.
+    """Returns a context that draws into memory; it is not current in any thread yet.
 
     Raises:
         GraphicsError: This machine has no OpenGL.
     """
     backend = choose_backend()
     try:
-        # ImportError, AttributeError and errors of PyOpenGL all mean that it is not available.
+        # ImportError, AttributeError and errors of PyOpenGL all mean a missing backend.
         module = importlib.import_module(f"mujoco.{backend}")
         context: GLContext = module.GLContext(width, height)
         context.backend = backend
@@ -100,11 +100,11 @@ def offscreen_context(width: int, height: int) -> GLContext:
 
 @contextmanager
 def render_context(model: mujoco.MjModel, gl: GLContext) -> Iterator[mujoco.MjrContext]:
-    """MuJoCo's side of an OpenGL context, drawing into memory; freed at the end.
+    """Context manager with MuJoCo's rendering context, which draws into memory.
 
     Args:
         model: The model to draw.
-        gl: The context, current in this thread only while drawing.
+        gl: The OpenGL context; it is current in this thread only while drawing.
 
     Raises:
         GraphicsError: The context is too old or too small for MuJoCo.
@@ -124,9 +124,9 @@ def render_context(model: mujoco.MjModel, gl: GLContext) -> Iterator[mujoco.MjrC
 
 @contextmanager
 def _backend_in_environment(backend: str | None) -> Iterator[None]:
-    """Sets MUJOCO_GL, which MuJoCo's library reads when it first loads its drawing functions.
+    """Sets MUJOCO_GL, which MuJoCo reads when it loads its drawing functions for the first time.
 
-    It is set for that moment only, so that child processes do not inherit it.
+    The variable is restored afterwards, so that child processes do not inherit it.
     """
     before = os.environ.get("MUJOCO_GL")
     if backend is not None:
@@ -150,12 +150,12 @@ def _no_graphics(reason: str) -> GraphicsError:
 
 
 def obstacle(backend: str) -> str | None:
-    """Reason why `egl` or `osmesa` cannot draw without a screen; None if it can."""
+    """Returns why `egl` or `osmesa` cannot draw without a screen; None if it can."""
     return {"egl": _egl_obstacle, "osmesa": _osmesa_obstacle}[backend]()
 
 
 def _egl_obstacle() -> str | None:
-    """Reason why EGL cannot draw without a screen; None if it can."""
+    """Returns why EGL cannot draw without a screen; None if it can."""
     try:
         egl = ctypes.CDLL("libEGL.so.1")
     except OSError as error:
@@ -186,7 +186,7 @@ def _egl_obstacle() -> str | None:
 
 
 def _osmesa_obstacle() -> str | None:
-    """Reason why OSMesa cannot draw; None if it can."""
+    """Returns why OSMesa cannot draw; None if it can."""
     name = ctypes.util.find_library("OSMesa")
     if name is None:
         return "libOSMesa is missing"

@@ -1,7 +1,7 @@
 """Appearance of hands: skin, nails and cuff in a copy of the model for views.
 
-The simulated model never has a skin, so that a picture cannot change the physics; the copy is
-compiled from the same text, with the same joints in the same order.
+The simulated model has no skin, so that pictures cannot change the physics. The copy is compiled
+from the same text, so its joints are the same and in the same order.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ from sandbox.views import palette
 from sandbox.views.palette import Colour
 
 HIDDEN_GROUP = 3
-"""Geom group of the simulation's own capsules, which MuJoCo does not show."""
+"""Geom group of the simulation's capsules; the views do not draw this group."""
 
 GLOSS: dict[str, tuple[float, float]] = {
     "skin": (0.16, 0.30),
@@ -33,12 +33,12 @@ GLOSS: dict[str, tuple[float, float]] = {
     "cuff": (0.05, 0.10),
     "sleeve": (0.04, 0.10),
 }
-"""Specular reflection and shininess, by material."""
+"""Material -> specular reflection and shininess."""
 PALETTE_SIZE = 64
-"""Number of colours along each side of the palette of tones."""
+"""Number of colours along each side of the palette of skin tones."""
 TARGET_OFF = 0.004
-"""Least distance (m) of a point of the skin from its place in the commanded pose for which its part
-is outlined at that place."""
+"""Points of the skin that are farther than this (m) from their position in the commanded pose are
+outlined in that position."""
 
 
 @dataclass(frozen=True)
@@ -49,7 +49,7 @@ class HandAppearance:
         skeleton: Skeleton of the hand.
         skin: Skin, fitted to the skeleton.
         parts: MuJoCo's skin number of each part, by name.
-        casters: Geom numbers at whose places the hand's shadow is cast.
+        casters: Numbers of the geoms at whose poses shadow casters are drawn.
     """
 
     skeleton: Skeleton
@@ -58,15 +58,16 @@ class HandAppearance:
     casters: list[int]
 
     def triangles(self, positions: Array, rotations: Array, hand: HandView) -> tuple[Array, Array]:
-        """Triangles of the skin: of displaced parts at their commanded places, and of all parts.
+        """Returns triangles of the displaced parts of the skin and of the whole skin.
 
         Args:
-            positions: (15, 3) m, of palm and bones.
-            rotations: (15, 3, 3) of palm and bones.
+            positions: (15, 3) m, positions of palm and bones.
+            rotations: (15, 3, 3), rotations of palm and bones.
             hand: The hand, with its commanded pose.
 
         Returns:
-            (n, 3, 3) and (m, 3, 3) m.
+            (n, 3, 3) m, displaced triangles in the commanded pose; (m, 3, 3) m, all triangles in
+            the present pose.
         """
         part = self.skin.part("skin")
         corners = self.skin.triangles[part.triangles] - part.vertices.start
@@ -77,10 +78,10 @@ class HandAppearance:
 
 
 def skinned_model(scene: Scene) -> tuple[mujoco.MjModel, dict[int, HandAppearance]]:
-    """A copy of a scene's model with skins, and the appearance of each hand by its index.
+    """Returns a copy of a scene's model with skins, and the appearance of each hand, by index.
 
     The capsules of a hand with a skin are hidden. A hand without a skeleton has no skin, and is
-    drawn as its own MJCF defines it.
+    drawn as in its MJCF.
     """
     spec = mujoco.MjSpec.from_string(scene.xml)
     _materials(spec)
@@ -135,7 +136,7 @@ def _add_skin(
     made.vert = skin.rest[chosen.vertices].ravel().tolist()
     made.face = triangles.ravel().tolist()
     if kind == "skin":
-        # The centre of a colour in the palette, so that its neighbours are not blended in.
+        # Use the centres of the palette's pixels, so that neighbouring colours are not blended in.
         tone = skin.tone[chosen.vertices] * (1 - 1 / PALETTE_SIZE) + 0.5 / PALETTE_SIZE
         made.texcoord = tone.ravel().tolist()
     shares = skin.shares[chosen.vertices]
@@ -152,14 +153,17 @@ def _add_skin(
 
 
 def tone_palette() -> NDArray[np.uint8]:
-    """(64, 64, 3) sRGB palette: warmth increases to the right, brightness downwards."""
+    """Returns the sRGB palette (64, 64, 3): warmth increases to the right, brightness downwards."""
     share = np.linspace(0.0, 1.0, PALETTE_SIZE)
     tones = np.stack(np.meshgrid(share, share), axis=-1)
     return np.asarray(np.round(255 * tone_colours(tones)), np.uint8)
 
 
 def part_colour(part: str, hand: HandView) -> Colour | None:
-    """The colour of a part, None for skin; the nail of a touching finger has its finger colour."""
+    """Returns the colour of a part; None for skin.
+
+    The nail of a touching finger has the colour of the finger.
+    """
     kind, _, finger = part.partition("_")
     if kind == "skin":
         return None

@@ -1,6 +1,6 @@
-"""Marks in a picture, which are not part of the model: rings, edges, lines and single shapes.
+"""Marks in a picture that are not part of the model: rings, edges, lines and single shapes.
 
-They are added to MuJoCo's drawing list after the model's own geoms.
+They are added to MuJoCo's drawing list after the geoms of the model.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from sandbox.views.cameras import Lens
 from sandbox.views.palette import Colour
 
 ARC_SIDES = 36
-"""Straight pieces of a whole arc, of 10 degrees each."""
+"""Number of straight pieces of a full circle, 10 degrees each."""
 
 
 class Marks:
@@ -59,7 +59,7 @@ class Marks:
         geom.objtype, geom.objid, geom.segid = mujoco.mjtObj.mjOBJ_UNKNOWN, -1, -1
         geom.emission, geom.specular, geom.shininess = 0.35, 0.1, 0.2
         if mesh >= 0:
-            # For MuJoCo, an even number means a mesh's triangles, the next odd one its hull.
+            # In MuJoCo, 2 * mesh means the mesh's triangles, 2 * mesh + 1 its hull.
             geom.dataid = 2 * mesh
         view.ngeom += 1
         return geom
@@ -73,12 +73,12 @@ class Marks:
     def disc(
         self, radius: float, position: Array, rotation: Array, colour: Colour, alpha: float
     ) -> None:
-        """Adds a flat disc of a radius, m."""
+        """Adds a flat disc; radius in m."""
         size = [radius, 1e-4, 0.0]
         self.shape(mujoco.mjtGeom.mjGEOM_CYLINDER, size, position, rotation, colour, alpha)
 
     def line(self, start: Array, end: Array, radius: float, colour: Colour, alpha: float) -> None:
-        """Adds a line between two points, a capsule."""
+        """Adds a line (a capsule) between two points; radius in m."""
         kind = mujoco.mjtGeom.mjGEOM_CAPSULE
         geom = self.shape(kind, np.ones(3), start, np.eye(3), colour, alpha)
         if geom is not None:
@@ -115,8 +115,10 @@ class Marks:
         share: float,
         colour: Colour,
     ) -> None:
-        """Adds the share, 0 to 1, of a flat ring, its middle towards the person; radius and width
-        in m."""
+        """Adds an arc of a flat ring; radius and width in m.
+
+        `share`, 0 to 1, is the part of the ring. The middle of the arc is towards the person.
+        """
         pieces = max(round(share * ARC_SIDES), 1)
         half = radius * np.tan(np.pi / ARC_SIDES)
         for piece in range(pieces):
@@ -129,7 +131,7 @@ class Marks:
     def edges(
         self, half: Array, position: Array, rotation: Array, colour: Colour, radius: float
     ) -> None:
-        """Adds the twelve edges of a box of half sizes (3,), m."""
+        """Adds the twelve edges of a box of half sizes (3,), m; radius of the edges in m."""
         signs = np.array([[a, b] for a in (-1.0, 1.0) for b in (-1.0, 1.0)])
         for axis in range(3):
             others = [(axis + 1) % 3, (axis + 2) % 3]
@@ -142,21 +144,21 @@ class Marks:
 
 
 LINE = 1 / 180
-"""Width of the line in heights of the picture."""
+"""Width of the outline, in heights of the picture."""
 SPECK = 3
-"""Width (px) below which a piece is the rest of a triangle, not a part of the hand."""
+"""Pieces of a silhouette that are narrower than this (px) are removed."""
 
 
 def draw_outline(
     picture: Image.Image, lens: Lens, away: Sequence[Array], hands: Sequence[Array]
 ) -> Image.Image:
-    """A picture with outlines of displaced parts of hands at their commanded places.
+    """Returns a picture with outlines of displaced parts of hands in their commanded pose.
 
     Args:
         picture: RGB.
         lens: The camera of the picture.
-        away: Triangles (n, 3, 3) m of the parts at their commanded places.
-        hands: Triangles (n, 3, 3) m of the hands at their present places.
+        away: Triangles (n, 3, 3) m of the displaced parts in the commanded pose, by hand.
+        hands: Triangles (n, 3, 3) m of the whole hands in the present pose, by hand.
     """
     parts = _silhouette(lens, away)
     parts = parts.filter(ImageFilter.MinFilter(SPECK)).filter(ImageFilter.MaxFilter(SPECK))
@@ -171,7 +173,7 @@ def draw_outline(
 
 
 def _silhouette(lens: Lens, meshes: Sequence[Array]) -> Image.Image:
-    """Mask of triangles, 255 inside of them."""
+    """Returns a mask of triangles: 255 inside, 0 outside."""
     mask = Image.new("L", lens.size)
     pen = ImageDraw.Draw(mask)
     for triangles in meshes:
@@ -182,6 +184,6 @@ def _silhouette(lens: Lens, meshes: Sequence[Array]) -> Image.Image:
 
 
 def _towards(pixels: Array) -> NDArray[np.bool_]:
-    """(n,) whether triangles (n, 3, 2) px show their outer side: half of a closed surface does."""
+    """Returns bool (n,): True for triangles (n, 3, 2) px that show their outer side."""
     one, other = pixels[:, 1] - pixels[:, 0], pixels[:, 2] - pixels[:, 0]
     return np.asarray(one[:, 0] * other[:, 1] < one[:, 1] * other[:, 0])

@@ -1,7 +1,7 @@
 """Text over a picture: score and time, names of fingers, the caption, notices.
 
-All texts are small translucent images, `Sticker`s, in films and windows alike. A sticker is drawn
-once and cached, as most of them stay the same from frame to frame.
+In films and windows, all texts are small translucent images (`Sticker`). They are cached, as most
+stay the same from frame to frame.
 """
 
 from __future__ import annotations
@@ -20,19 +20,19 @@ from sandbox.views.palette import Colour
 from tasks.score import Score, Status
 
 REFERENCE_HEIGHT = 540
-"""Height (px) of a picture for which the sizes below hold; they scale with the height."""
+"""Height (px) of a picture to which the sizes below apply; they scale with the height."""
 SMALLEST_SCALE = 0.85
 """Smallest scale at which text can be read."""
 NARROW = 0.7
-"""Share of a picture's width above which a larger height does not make text larger."""
+"""Text scales with the height of a picture, but with no more than this share of its width."""
 MARGIN = 14
 RING_CLEARANCE = 16
 SMALL, NORMAL, LARGE = 13, 15, 24
-"""Lengths (px) in a picture of the reference height: the border, the clearance around a contact,
-and the sizes of text."""
+"""Lengths (px) in a picture of the reference height: margin at the border, clearance around a
+contact, and text sizes."""
 BAR_GROUND: Colour = (0.27, 0.31, 0.34)
 CODE_SHARE = 0.4
-"""Share of the picture's shorter side that a QR code takes."""
+"""Side of a QR code, as a share of the picture's shorter side."""
 
 
 @dataclass(frozen=True)
@@ -41,8 +41,8 @@ class Sticker:
 
     Attributes:
         image: RGBA.
-        x: px from the picture's left edge to the image's.
-        y: px from the picture's top edge to the image's.
+        x: px from the picture's left edge to that of the image.
+        y: px from the picture's top edge to that of the image.
     """
 
     image: Image.Image
@@ -52,17 +52,17 @@ class Sticker:
 
 @dataclass(frozen=True)
 class OverlayTexts:
-    """Texts in addition to the snapshot's own content.
+    """Texts in addition to the content of the snapshot.
 
     Attributes:
-        caption: Player and task, at the bottom left, in the colour of a warning, because it names
-            a film's user as simulated.
+        caption: Player and task, at the bottom left. It has the colour of a warning, because it
+            identifies the user of a film as simulated.
         help: Lines at the right, such as the keys of a window.
         banner: Large text in the middle at the top, such as `paused`.
         footer: Small lines at the bottom right, such as the time for a picture.
         link: Link shown as a QR code at the left; empty shows none.
         goal: The goal, in the panel; empty shows the hand's state there.
-        hint: Instructions in lines, above the notices.
+        hint: Instructions, line by line, above the notices.
     """
 
     caption: str = ""
@@ -77,12 +77,12 @@ class OverlayTexts:
 def stickers(
     snapshot: Snapshot, lens: Lens, surface: Surface, drop: np.ndarray, words: OverlayTexts
 ) -> list[Sticker]:
-    """All texts of a picture.
+    """Returns all texts of a picture.
 
     Args:
         snapshot: The drawn snapshot.
         lens: The camera of the picture.
-        surface: The touch surface, and whether its size is measured.
+        surface: The touch surface; a notice is added if its size is a guess.
         drop: (3,) m, shift from contacts to their drawn marks.
         words: Further texts.
     """
@@ -95,7 +95,7 @@ def stickers(
     bottom = height - margin
     notices = [snapshot.notice] if snapshot.notice else []
     if not surface.calibrated:
-        notices.append("size of the touch surface guessed")
+        notices.append("the size of the touch surface is a guess")
     told = [_label(n, palette.PANEL, palette.WARNING, NORMAL, scale) for n in notices]
     if words.caption:
         ink = palette.PANEL
@@ -130,7 +130,8 @@ def stickers(
 
 @lru_cache(maxsize=2)
 def link_code(link: str, side: int) -> Image.Image:
-    """A QR code of about `side` px, black on white with its quiet zone, in whole modules."""
+    """Returns a QR code of about `side` px, black on white, with a quiet zone; a module is a whole
+    number of pixels."""
     import segno
 
     rows = np.array([list(row) for row in segno.make(link, error="m").matrix_iter(border=4)])
@@ -146,7 +147,7 @@ def paste(picture: Image.Image, placed: list[Sticker]) -> None:
 
 
 def _status(snapshot: Snapshot, goal: str) -> tuple[str, str, str, float, Colour]:
-    """Headline, sentence, goal or state of the hand, progress and colour of the panel."""
+    """Returns the panel's headline, sentence, goal or state of the hand, progress and colour."""
     score = snapshot.score
     headline, sentence, colour = _result(score, snapshot.time)
     hands = [
@@ -171,10 +172,10 @@ def _result(score: Score, time: float) -> tuple[str, str, Colour]:
 
 
 def _names(snapshot: Snapshot, lens: Lens, drop: np.ndarray, scale: float) -> list[Sticker]:
-    """The finger's name at every contact, on the side that faces away from the other contacts, and
-    the force that a grip stores in it. A finger inside an object has an instruction instead.
+    """Returns a text for every contact: the finger's name, and the force of a grip in it.
 
-    A held object lies between the contacts, so that names do not cover it.
+    A finger inside an object has an instruction instead. A text is on the side that faces away from
+    the other contacts, so that it does not cover a held object, which is between them.
     """
     placed: list[Sticker] = []
     contacts = [c for hand in snapshot.hands for c in hand.contacts]
@@ -198,7 +199,7 @@ def _names(snapshot: Snapshot, lens: Lens, drop: np.ndarray, scale: float) -> li
         elif stored := snapshot.stored(hand, contact.label):
             name = f"{name} {stored:.0f} N"
         if full:
-            # Dark on light at the limit, which is thus visible without colours, too.
+            # Dark on light at the limit, so that it is also visible without colours.
             image = _label(name, palette.TEXT, palette.PANEL, SMALL, scale, solid=True)
         else:
             image = _label(name, palette.PANEL, colour, SMALL, scale)
@@ -206,7 +207,7 @@ def _names(snapshot: Snapshot, lens: Lens, drop: np.ndarray, scale: float) -> li
         length = float(np.linalg.norm(away))
         away = away / length if length > 1.0 else np.array([0.0, 1.0])
         half = np.array([image.width / 2, image.height / 2])
-        # Distance: half the name's extent in that direction, plus the ring.
+        # Distance: half the text's extent in this direction, plus the ring.
         reach = RING_CLEARANCE * scale + float(np.abs(away) @ half)
         x, y = (round(v) for v in pixels[i] + away * reach - half)
         step = 1 if away[1] >= 0 else -1
@@ -230,7 +231,7 @@ def _overlap(other: Sticker, image: Image.Image, x: int, y: int) -> bool:
 
 @lru_cache(maxsize=8)
 def _font(size: int, scale: float) -> ImageFont.FreeTypeFont | ImageFont.ImageFont:
-    # Whole sizes only, as letters of other sizes are spaced unevenly.
+    # Only whole sizes: letters of other sizes are spaced unevenly.
     return ImageFont.load_default(round(size * scale))
 
 
@@ -244,7 +245,7 @@ def _text_size(text: str, font: ImageFont.FreeTypeFont | ImageFont.ImageFont) ->
 def _label(
     text: str, ground: Colour, ink: Colour, size: int, scale: float, solid: bool = False
 ) -> Image.Image:
-    """A line of text on a rounded background."""
+    """Returns a line of text on a rounded background."""
     font = _font(size, scale)
     width, height = _text_size(text, font)
     pad_x, pad_y = round(0.55 * size * scale), round(0.25 * size * scale)
@@ -261,7 +262,7 @@ def _label(
 
 @lru_cache(maxsize=16)
 def _lines(lines: tuple[str, ...], scale: float) -> Image.Image:
-    """Several lines of small text on one background; in columns if all contain two spaces."""
+    """Returns lines of small text on one background; in two columns if all contain two spaces."""
     font = _font(SMALL, scale)
     split = [line.partition("  ") for line in lines]
     columns = len(lines) > 1 and all(gap for _, gap, _ in split)
@@ -293,7 +294,7 @@ def _lines(lines: tuple[str, ...], scale: float) -> Image.Image:
 def _panel(
     headline: str, sentence: str, hand: str, progress: float, colour: Colour, scale: float
 ) -> Image.Image:
-    """Panel with time and result, a progress bar, what is missing, and the hand's state."""
+    """Returns the panel: time and result, progress bar, reason, and goal or state of the hand."""
     large, small = _font(LARGE, scale), _font(SMALL, scale)
     pad, gap = round(12 * scale), round(7 * scale)
     widths = [_text_size(headline, large)[0]] + [_text_size(t, small)[0] for t in (sentence, hand)]

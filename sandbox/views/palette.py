@@ -14,7 +14,8 @@ FINGER_COLOURS: tuple[Colour, ...] = (
     (0.60, 0.50, 0.95),
 )
 """One colour per label, thumb first. They differ in hue and lightness from one another, from the
-goal's green and from the dark table, also with the common kinds of colour blindness."""
+goal's green and from the dark table. They are also distinguishable with the common kinds of colour
+blindness."""
 
 UNKNOWN: Colour = (0.62, 0.64, 0.66)
 """Colour of a contact that is ignored or not labelled yet."""
@@ -41,20 +42,20 @@ NO_FINGER = ("ignored", "palm")
 
 
 def finger_colour(label: int | None, state: str = "active") -> Colour:
-    """The colour of a contact: that of its finger, or grey if it is ignored or has no finger."""
+    """Returns the colour of a contact: that of its finger, or grey if it is ignored or has none."""
     if label is None or state in NO_FINGER:
         return UNKNOWN
     return FINGER_COLOURS[label]
 
 
 def finger_name(label: int | None, state: str = "active", sure: bool = True) -> str:
-    """The text next to a contact, with a question mark if the finger is uncertain."""
+    """Returns the text next to a contact, with a question mark if the label is uncertain."""
     if state in NO_FINGER:
         return state
     return "?" if label is None else FINGERS[label] + ("" if sure else "?")
 
 
 def bytes_of(colour: Colour, alpha: float = 1.0) -> tuple[int, int, int, int]:
-    """The colour as RGBA bytes, 0 to 255."""
+    """Returns the colour as RGBA bytes, 0 to 255."""
     r, g, b, a = (round(255 * c) for c in (*colour, alpha))
     return r, g, b, a

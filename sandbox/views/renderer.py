@@ -25,14 +25,15 @@ SEE_THROUGH_OPACITY, SEE_THROUGH_GHOST = 0.6, 0.3
 """Opacity of a solid hand and of a ghost in views in which hands hide held objects."""
 
 SHADOW_SIZE, SAMPLES = 1024, 4
-"""Size (px) of the shadow map, and samples per pixel. By software at 640x360, 2048 px take 1.2
-times as long without a visible gain; no samples take 0.6 times as long, and edges are jagged."""
+"""Size (px) of the shadow map, and samples per pixel. Measured at 640x360 without a graphics card:
+with 2048 px, a picture takes 1.2 times as long without a visible gain; without samples, 0.6 times
+as long, but edges are jagged."""
 SLICES, STACKS = 16, 8
-"""Facets around and along a capsule: the outline of the thickest is off by half a pixel at most.
-Twice as many take 1.5 times as long."""
+"""Number of facets around and along a capsule. The outline of the thickest capsule is wrong by half
+a pixel at most. With twice as many facets, a picture takes 1.5 times as long."""
 
 ELEVATIONS = (-89.0, -12.0)
-"""Range (deg) of the elevation of a camera, which stays above the table."""
+"""Range (deg) of the elevation of a camera, so that it stays above the table."""
 
 SMALLEST, LARGEST = 16, 4096
 """Range (px) of a picture's sides."""
@@ -41,18 +42,20 @@ SMALLEST, LARGEST = 16, 4096
 class Renderer(Closeable):
     """Draws snapshots of a scene into pictures.
 
-    It belongs to the thread that makes it or, with a given context, to the first that draws.
+    A renderer may be used only in one thread: the thread that makes it or, with a given context,
+    the first thread that draws.
 
     Args:
         scene: The scene to draw, which is copied.
         surface: The touch surface.
-        size: Width and height of its pictures, px.
+        size: Width and height of the pictures, px.
         words: Texts on every picture.
         camera: The camera; None uses the camera of films, placed by the first snapshot.
-        context: An OpenGL context from `offscreen_context`, or a window's; None makes one. It is
+        context: An OpenGL context of `offscreen_context` or of a window; None makes one. It is
             freed with the renderer.
-        rings_on_table: Place of the contacts' marks; see `Drawing`.
-        samples: Samples per pixel; 0 leaves edges jagged, in half the time.
+        rings_on_table: Position of the contacts' marks; see `Drawing`.
+        samples: Samples per pixel; with 0, edges are jagged and a picture takes about half the
+            time.
 
     Raises:
         GraphicsError: This machine has no OpenGL.
@@ -60,8 +63,8 @@ class Renderer(Closeable):
 
     Attributes:
         lens: The camera of the last picture.
-        shadows: True draws shadows; without, a picture takes half the time.
-        see_through: True also shows objects behind solid hands, for cameras above them.
+        shadows: True draws shadows; without shadows, a picture takes half the time.
+        see_through: True also shows objects behind solid hands, for cameras above the hands.
     """
 
     def __init__(
@@ -100,11 +103,11 @@ class Renderer(Closeable):
             self._closing = opening.pop_all()
 
     def frame(self, snapshot: Snapshot, stretched: tuple[int, int] | None = None) -> Image.Image:
-        """The picture of a snapshot, RGB.
+        """Returns the picture of a snapshot, RGB.
 
         Args:
             snapshot: The snapshot to draw.
-            stretched: px to which the drawing is stretched before texts are added.
+            stretched: Size (px) to which the drawing is stretched before texts are added.
         """
         picture = self.without_texts(snapshot)
         if stretched and stretched != self.size:
@@ -114,16 +117,17 @@ class Renderer(Closeable):
         return picture
 
     def without_texts(self, snapshot: Snapshot) -> Image.Image:
-        """The picture of a snapshot without texts, RGB."""
+        """Returns the picture of a snapshot without texts, RGB."""
         if self.camera is None:
             self.camera = film_camera(snapshot, self._surface)
-        # A picture higher than wide shows more above and below, and not less at the sides.
+        # A picture higher than wide shows as much at the sides as a square, and more above and
+        # below.
         self._drawing.narrowness = max(1.0, self.size[1] / self.size[0])
         with self._gl.as_current():
             return self._mixed(snapshot)
 
     def _mixed(self, snapshot: Snapshot) -> Image.Image:
-        """The drawing, with translucent ghosts."""
+        """Returns the drawing with translucent ghosts."""
         picture = self._draw(snapshot, None)
         solid = all(hand.solid for hand in snapshot.hands)
         if self.see_through:
@@ -146,7 +150,7 @@ class Renderer(Closeable):
                 mujoco.mjr_resizeOffscreen(*size, self._context)
 
     def put_on_screen(self, picture: Image.Image) -> None:
-        """Shows an RGB picture, as large as the window, in the window of this context."""
+        """Shows an RGB picture of the window's size in the window of this context."""
         flipped = picture.transpose(Image.Transpose.FLIP_TOP_BOTTOM)
         pixels = np.frombuffer(flipped.tobytes(), np.uint8).reshape(-1, 1)
         rect = mujoco.MjrRect(0, 0, *picture.size)
@@ -156,7 +160,7 @@ class Renderer(Closeable):
             mujoco.mjr_setBuffer(mujoco.mjtFramebuffer.mjFB_OFFSCREEN.value, self._context)
 
     def turn(self, right: float, down: float) -> None:
-        """Turns the camera as if the scene were dragged by shares of the picture's height."""
+        """Turns the camera as if the scene were dragged; distances in heights of the picture."""
         if self.camera is not None and not self.camera.orthographic:
             self.camera.azimuth -= 180.0 * right
             self.camera.elevation = float(
@@ -169,10 +173,9 @@ class Renderer(Closeable):
         self._closing.close()
 
     def _behind(self, snapshot: Snapshot, hidden: Hidden) -> Image.Image:
-        """The picture without hidden hands, which is cached until something in it moves.
+        """Returns the picture without hidden hands; it is cached until something in it moves.
 
-        Hands are mostly ghosts while nothing else moves, and the second picture takes as long as
-        the first.
+        The cache saves time because usually nothing else moves while a hand is a ghost.
         """
         seen = (self.shadows, hidden, _background(snapshot))
         if self._kept is None or self._kept[0] != seen:
@@ -197,9 +200,9 @@ class Renderer(Closeable):
 
 
 def _background(snapshot: Snapshot) -> object:
-    """A key that is equal for snapshots that differ only in their ghosts.
+    """Returns a key that is equal for snapshots that differ only in their ghosts.
 
-    Contacts are rounded to a millimetre, about a pixel, as those of a resting finger tremble.
+    Contacts are rounded to a millimetre, about a pixel, since those of a resting finger tremble.
     """
     contacts = [
         (*np.round(1000 * place).tolist(), c.label, c.state, c.label in hand.solid)
@@ -225,7 +228,12 @@ def check_size(size: tuple[int, int], even: bool = False) -> None:
     if whole and all(SMALLEST <= n <= LARGEST for n in size):
         if not even or not any(n % 2 for n in size):
             return
-        raise InputError("this film needs an even width and height", where="size", got=size)
+        raise InputError(
+            "an MP4 film needs an even width and height",
+            where="size",
+            got=size,
+            expected="even numbers of pixels",
+        )
     raise InputError(
         "a picture of this size cannot be drawn",
         where="size",

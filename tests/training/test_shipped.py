@@ -142,7 +142,10 @@ def test_a_file_of_other_people_is_written_and_differs(
         ("linear --out none/linear.npz", "no such folder"),
         ("linear --out x.npz --population people.npz", "--population"),
         ("names --out names.npz --population none.npz", "no such file"),
-        ("names --out kept.npz --population kept.npz", "would replace what it is made from"),
+        (
+            "names --out kept.npz --population kept.npz",
+            "would replace a file from which it is made",
+        ),
         ("all --out kept.npz", "folder cannot be made"),
         ("people --out people.npz --share 2", "not a share"),
         ("tables --days 0", "no test day"),

@@ -51,7 +51,7 @@ def test_a_generator_is_held_out(capsys: pytest.CaptureFixture[str], tmp_path: P
         (["--rest", "99"], "out of range"),
         (
             ["--population", "kept.json", "--json", "kept.json"],
-            "would replace what it is made from",
+            "would replace a file from which it is made",
         ),
         (["--hold-out", "second", "--population", "none.npz"], "no such file"),
     ),

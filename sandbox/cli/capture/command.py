@@ -259,7 +259,7 @@ def _checked(options: CaptureOptions) -> Path:
         )
     if options.sync == "tap" and options.touches is None and options.recorded is None:
         raise InputError(
-            "taps are found in recorded touches, and there are none",
+            "there are no touches in which taps could be found",
             where="--sync tap",
             remedy="Add --touches FILE, or use --sync clock",
         )

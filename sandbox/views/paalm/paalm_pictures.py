@@ -33,7 +33,7 @@ body{{display:grid;place-items:center}}img{{max-width:100%;max-height:100vh}}</s
 
 
 class PicturePage(Closeable):
-    """Serves the newest picture to every browser that asks.
+    """Serves the newest picture to every browser on this machine.
 
     Args:
         title: Title of the page.
@@ -64,7 +64,10 @@ class PicturePage(Closeable):
             self._news.notify_all()
 
     def next(self, seen: int) -> tuple[int, bytes] | None:
-        """Waits for a picture newer than number `seen`; its number and JPEG, or None at the end."""
+        """Waits for a picture newer than number `seen`.
+
+        Returns the picture's number and JPEG data; None after `close`.
+        """
         with self._news:
             self._news.wait_for(lambda: self._over or self._number > seen)
             return None if self._over else (self._number, self._jpeg)
@@ -124,7 +127,7 @@ def _handler(page: PicturePage, title: str) -> Callable[..., BaseHTTPRequestHand
 ViewName = Literal["text", "window", "web"]
 PICTURES = (".png", ".jpg", ".webp")
 _PAGE_RATE = 20.0
-"""Pictures per second on a page; each is drawn and compressed."""
+"""Largest number of pictures per second on a page."""
 _LONGEST_REST = 0.02
 
 
@@ -138,11 +141,14 @@ def check_picture(path: Path | None) -> None:
         return
     if not path.absolute().parent.is_dir():
         raise InputError(
-            "no such folder", where=f"--picture {path}", remedy="Make it, or name another"
+            "no such folder", where=f"--picture {path}", remedy="Create it, or name another"
         )
     if path.suffix.lower() not in PICTURES:
         raise InputError(
-            "this is not a picture's name", where=f"--picture {path}", expected=", ".join(PICTURES)
+            "a picture cannot be written in this format",
+            where=f"--picture {path}",
+            got=path.suffix,
+            expected=", ".join(PICTURES),
         )
 
 
@@ -162,10 +168,10 @@ def show_pictures(
     Args:
         paalm: Calibrated reconstruction.
         stream: Hand frames.
-        view: `window` or `web`; `text` only draws the last frame, into a file.
-        recorded: True for a recording, which is played in its own time.
+        view: `window` or `web`; with `text`, only the last frame is drawn, into a file.
+        recorded: True for a recording, which is played at its own speed.
         caption: Description of the source.
-        seconds: Time limit by the device's clock, s.
+        seconds: Time limit by the times of the frames, s.
         picture: File for the last picture; None writes none.
         port: TCP port of the page.
 
@@ -210,7 +216,7 @@ def _play(
                 return last
             time.sleep(min(_LONGEST_REST, max(0.0, due - (time.monotonic() - started))))
         last = frame, paalm.step(frame)
-        # Late frames are not drawn, except the last one.
+        # Do not draw late frames, except the last frame.
         late = paced and time.monotonic() - started >= due + 0.1
         if not late and not shown.show(*last):
             break
@@ -224,7 +230,7 @@ def _save(picture: Image.Image, path: Path) -> None:
         picture.save(path)
     except OSError as error:
         raise InputError(
-            "it cannot be written", where=f"--picture {path}", got=str(error)
+            "the picture cannot be written", where=f"--picture {path}", got=str(error)
         ) from error
 
 
@@ -238,13 +244,13 @@ class WindowPictures:
         self.show, self.rest, self.close = self._window.show, self._window.rest, self._window.close
 
     def drawn(self, frame: HandFrame, result: PaalmFrame) -> Image.Image:
-        """The last picture."""
+        """Returns the last picture."""
         assert self._window.picture is not None
         return self._window.picture
 
 
 class FilePictures:
-    """Draws only the last frame; remembers fingers that vanish."""
+    """Draws only the last frame, with the last positions of fingers that have vanished."""
 
     def __init__(self, sides: Sequence[str], caption: str) -> None:
         from sandbox.views.paalm.picture import PaalmPicture
@@ -252,12 +258,12 @@ class FilePictures:
         self._picture = PaalmPicture(sides, caption=caption)
 
     def show(self, frame: HandFrame, result: PaalmFrame) -> bool:
-        """Takes a frame without drawing it."""
+        """Processes a frame without drawing it."""
         self._picture.update(frame, result)
         return True
 
     def rest(self) -> bool:
-        """Returns True, since without a window it cannot be closed."""
+        """Returns True: without a window, nothing can be closed."""
         return True
 
     def drawn(self, frame: HandFrame, result: PaalmFrame) -> Image.Image:

@@ -1,4 +1,4 @@
-"""The paper's line drawings beside the hand that PAALM reconstructs, with its angles."""
+"""Pictures as in the paper: a line drawing of the device's data beside PAALM's hand and angles."""
 
 from __future__ import annotations
 
@@ -31,13 +31,13 @@ from sandbox.views.renderer import Renderer
 
 GROUND: Colour = (0.125, 0.145, 0.165)
 _FINE = 2
-"""Factor of oversampling, as Pillow draws lines without smooth edges."""
+"""Factor of oversampling, because Pillow draws lines without smooth edges."""
 _DIM = 0.5
-"""Opacity of a finger that is out of the device's view."""
+"""Opacity of a finger that the device does not see."""
 _NORMAL_LENGTH = 0.06
 """Length (m) of the arrow along the palm's normal."""
 _SPHERES = (0.02, 0.08)
-"""Smallest and largest drawn radius (m); the radius of a flat hand would be infinite."""
+"""Smallest and largest drawn radius (m) of the palm's sphere; for a flat hand it is infinite."""
 _VIEW_HEIGHT = 0.30
 """Height (m) of the visible part of the scene."""
 
@@ -66,8 +66,8 @@ class HandPicture:
         palm: (3,) m, centre of the palm.
         normal: (3,) unit vector out of the palm.
         fingers: Fingers by label.
-        sphere: Radius in m; None if the fingers do not determine it.
-        told: True if the device reported the radius itself.
+        sphere: Radius (m) of the palm's sphere; None if the fingers do not determine it.
+        told: True if the device reported the radius; False if it is computed.
     """
 
     side: str
@@ -79,13 +79,13 @@ class HandPicture:
 
 
 class HandMemory:
-    """Collects the drawn parts of hands; lost fingers remain at their last place in the palm."""
+    """Collects the drawn parts of hands; lost fingers stay at their last position in the palm."""
 
     def __init__(self) -> None:
         self._last: dict[tuple[str, int], tuple[Array, Array]] = {}
 
     def update(self, frame: HandFrame, hands: Mapping[str, PaalmHand]) -> list[HandPicture]:
-        """The drawn parts of a frame's hands, from PAALM's result."""
+        """Returns the drawn parts of a frame's hands, from PAALM's result."""
         return [self._hand(frame, side, hand) for side, hand in hands.items()]
 
     def _hand(self, frame: HandFrame, side: str, hand: PaalmHand) -> HandPicture:
@@ -113,10 +113,11 @@ class HandMemory:
 
 
 def ball_radius(palm: Array, normal: Array, tips: list[Array]) -> float | None:
-    """Radius (m) of the ball on the palm's centre that the fingertips touch; None if undetermined.
+    """Returns the radius (m) of the sphere in the hand; None if fewer than three tips determine it.
 
-    A ball with its centre a radius r along the normal passes through a tip p if
-    r = |p - palm|^2 / (2 (p - palm) . normal); the median over fingertips is taken.
+    The sphere touches the palm at its centre, and its own centre is on the palm's normal. It passes
+    through a fingertip p if its radius is r = |p - palm|^2 / (2 (p - palm) . normal). The result
+    is the median over the fingertips.
     """
     radii = []
     for tip in tips:
@@ -132,18 +133,18 @@ def ball_radius(palm: Array, normal: Array, tips: list[Array]) -> float | None:
 def diagram(
     hands: list[HandPicture], size: tuple[int, int], azimuth: float, elevation: float
 ) -> Image.Image:
-    """The RGB line drawing, from the same side as the hand beside it, without perspective.
+    """Returns the RGB line drawing, without perspective, from the direction of a camera.
 
     Args:
         hands: The hands to draw.
-        size: px, width and height.
-        azimuth: deg, as for MuJoCo's cameras.
-        elevation: deg, below 0 from above.
+        size: Width and height, px.
+        azimuth: Azimuth (deg) of the camera, as in MuJoCo.
+        elevation: Elevation (deg) of the camera; below 0, it looks down.
     """
     width, height = size[0] * _FINE, size[1] * _FINE
     image = Image.new("RGB", (width, height), palette.bytes_of(GROUND)[:3])
     if hands:
-        # The ball below the palm is part of the picture, like the fingers before it.
+        # Centre the picture below the palm, so that the sphere is in it.
         middle = np.mean([h.palm + 0.03 * h.normal for h in hands], axis=0)
         pen = _Pen(image, middle, azimuth, elevation, len(hands))
         for hand in hands:
@@ -155,7 +156,7 @@ def diagram(
 
 
 class _Pen:
-    """Draws in metres."""
+    """Draws on an image; positions are in m in the device's frame."""
 
     def __init__(
         self, image: Image.Image, middle: Array, azimuth: float, elevation: float, hands: int
@@ -262,33 +263,32 @@ def _dimmed(colour: Colour, share: float) -> Colour:
 
 
 def _same(frame: HandFrame, hand: PaalmHand) -> TrackedHand | None:
-    """The hand of a frame that belongs to a PAALM hand: the one with its id."""
+    """Returns the hand of a frame with the id of a PAALM hand; None if there is none."""
     return next((h for h in frame.hands if h.id == hand.hand_id), None)
 
 
 SIZE = (1100, 620)
 """Default size (px)."""
 AZIMUTH, ELEVATION = 62.0, -38.0
-"""Camera (deg) of both halves: from the person's side, turned to the thumb, so that fingers do not
-hide one another."""
+"""Camera (deg) of both halves: from the person's side, turned towards the thumb, so that fingers do
+not hide one another."""
 DISTANCE, DISTANCE_OF_TWO = 0.42, 0.62
-"""Distance (m) of the camera for one hand, and for two."""
+"""Distance (m) of the camera for one hand, and for two hands."""
 _OVER_TABLE = (0.0, 0.0, -0.10)
-"""(3,) m, position of the device in the picture's scene: under the table's top, as in the
-sandbox."""
+"""Position (3,) of the device in the picture's scene, m: under the table top, as in a session."""
 _TABLE_HEIGHT = 158
-"""Height (px) of the table of angles in a picture of 620 px."""
+"""Height (px) of the table of angles in a picture that is 620 px high."""
 _COLUMNS = ("flexion", "spread", "middle", "end")
 
 
 class PaalmPicture(Closeable):
-    """Draws hand frames and PAALM's results; belongs to the thread that makes it.
+    """Draws hand frames and PAALM's results. Use it only in the thread that makes it.
 
     Args:
         sides: Sides of the hands.
-        size: px of the whole picture.
+        size: Size of the whole picture, px.
         context: An OpenGL context; None makes one.
-        caption: Source of the frames, at the bottom.
+        caption: Source of the frames, shown at the bottom.
 
     Raises:
         GraphicsError: This machine has no OpenGL.
@@ -319,12 +319,12 @@ class PaalmPicture(Closeable):
         )
 
     def update(self, frame: HandFrame, result: PaalmFrame) -> list[HandPicture]:
-        """Processes a frame that is not drawn, to keep the places of its fingers."""
+        """Processes a frame without drawing it, to store the positions of its fingers."""
         known = {s: result.hands[s] for s in self.sides if s in result.hands}
         return self._memory.update(frame, known)
 
     def draw(self, frame: HandFrame, result: PaalmFrame) -> Image.Image:
-        """The RGB picture of a frame."""
+        """Returns the RGB picture of a frame."""
         known = {s: result.hands[s] for s in self.sides if s in result.hands}
         pictures = self.update(frame, result)
         whole = Image.new("RGB", self.size, palette.bytes_of(GROUND)[:3])
@@ -345,7 +345,7 @@ class PaalmPicture(Closeable):
         self._renderer.put_on_screen(picture)
 
     def turn(self, right: float, down: float) -> None:
-        """Turns the camera of the hand, by shares of the picture's height."""
+        """Turns the camera of the hand; distances in heights of the picture."""
         self._renderer.turn(right, down)
 
     def close(self) -> None:
@@ -384,14 +384,14 @@ class PaalmPicture(Closeable):
     def _write(
         self, whole: Image.Image, known: dict[str, PaalmHand], pictures: list[HandPicture]
     ) -> None:
-        """Writes titles, angles in degrees, and the radius of the sphere."""
+        """Writes titles, the table of angles (degrees) and the radius of the sphere."""
         scale = self.size[1] / SIZE[1]
         pen = ImageDraw.Draw(whole)
         small, normal = (ImageFont.load_default(round(s * scale)) for s in (13, 15))
         text, faint = (palette.bytes_of(c)[:3] for c in (palette.TEXT, palette.FAINT))
         half, margin = self._half(), round(14 * scale)
-        pen.text((margin, margin), "what the device says", font=normal, fill=text)
-        title = "the hand that PAALM makes"
+        pen.text((margin, margin), "data of the device", font=normal, fill=text)
+        title = "hand computed by PAALM"
         place = (self.size[0] - half[0] + margin, margin)
         left, top, right, bottom = pen.textbbox(place, title, font=normal)
         pad = round(5 * scale)
@@ -399,7 +399,7 @@ class PaalmPicture(Closeable):
         pen.rounded_rectangle(box, pad, fill=palette.bytes_of(GROUND)[:3])
         pen.text(place, title, font=normal, fill=text)
         for i, seen in enumerate(pictures):
-            source = "" if seen.told else ", worked out"
+            source = "" if seen.told else ", computed"
             radius = "none" if seen.sphere is None else f"{1000 * seen.sphere:.0f} mm{source}"
             pen.text(
                 (margin, margin + round((22 + 18 * i) * scale)),
@@ -450,7 +450,7 @@ class _Plain(Renderer):
     """A renderer without text."""
 
     def plain(self, snapshot: Snapshot) -> tuple[Image.Image, Lens]:
-        """The picture and its camera."""
+        """Returns the picture and its camera."""
         with self._gl.as_current():
             picture = self._mixed(snapshot)
         return picture, Lens.of(self._drawing.view, picture.size)
@@ -459,7 +459,7 @@ class _Plain(Renderer):
 def _names(
     pen: ImageDraw.ImageDraw, lens: Lens, tips: Array, hand: PaalmHand, scale: float
 ) -> None:
-    """Draws a dot in its finger's colour on reported fingertips, and a ring on lost ones."""
+    """Draws dots on reported fingertips and rings on lost ones, in the fingers' colours."""
     places, ahead = lens.project(tips)
     r = 5.0 * scale
     for label, ((x, y), there) in enumerate(zip(places.tolist(), ahead.tolist(), strict=True)):

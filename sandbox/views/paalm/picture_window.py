@@ -1,4 +1,4 @@
-"""Window for PAALM's pictures; belongs to the main thread."""
+"""Window for PAALM's pictures. Use it only in the main thread."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from sandbox.views.renderer import LARGEST
 from sandbox.views.window.context import WindowContext
 
 RATE = 30.0
-"""Maximum pictures per second; a device sends up to 290 frames per second."""
+"""Largest number of pictures per second; a device sends up to 290 frames per second."""
 
 
 class PaalmWindow(Closeable):
@@ -25,7 +25,7 @@ class PaalmWindow(Closeable):
 
     Args:
         sides: Sides of the hands.
-        caption: Source of the frames; it must name a simulated hand as such.
+        caption: Source of the frames; it must identify a simulated hand as simulated.
         size: px in the screen's coordinates.
 
     Raises:
@@ -49,7 +49,7 @@ class PaalmWindow(Closeable):
         self._dragged: tuple[float, float] | None = None
 
     def show(self, frame: HandFrame, result: PaalmFrame) -> bool:
-        """Draws a frame, at most at the picture rate; False once the window should close."""
+        """Draws a frame, at most `RATE` times per second; False once the window should close."""
         now = time.monotonic()
         if now < self._due:
             return True

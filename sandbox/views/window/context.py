@@ -1,4 +1,4 @@
-"""A visible window with its OpenGL context, which a renderer can borrow."""
+"""A visible window with its OpenGL context, which a renderer can also use."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ class WindowContext:
                 remedy="`sandbox run` needs no window"
                 + ("; without a screen, try xvfb-run" if sys.platform == "linux" else ""),
             )
-        # Only at exit: otherwise the first window to close would close the others.
+        # Terminate only at exit: it closes all windows.
         atexit.register(glfw.terminate)
         glfw.default_window_hints()
         glfw.window_hint(glfw.SCALE_TO_MONITOR, glfw.TRUE)
@@ -59,7 +59,7 @@ class WindowContext:
         glfw.set_cursor(handle, glfw.create_standard_cursor(glfw.CROSSHAIR_CURSOR))
         self.handle: Any = handle
         with self.as_current():
-            # The loop is paced by its own clock: waiting for the screen as well only adds delay.
+            # The loop has its own clock; waiting for the screen as well would only add delay.
             glfw.swap_interval(0)
 
     @contextmanager
@@ -84,20 +84,20 @@ class WindowContext:
 
 
 class BorrowedContext:
-    """A window's context that a renderer borrows; freeing it does not close the window."""
+    """The context of a window, for a renderer; freeing it does not close the window."""
 
     def __init__(self, context: WindowContext) -> None:
         self._context = context
         self.backend = context.backend
 
     def as_current(self) -> AbstractContextManager[None]:
-        """See the window."""
+        """See `WindowContext.as_current`."""
         return self._context.as_current()
 
     def free(self) -> None:
-        """Does nothing: the window keeps its context."""
+        """Does nothing: the context belongs to the window."""
 
 
 def _text(said: str | bytes) -> str:
-    """Decodes texts of glfw, which are bytes although their types differ."""
+    """Decodes a text of glfw, which is bytes although its type hint is `str`."""
     return said.decode(errors="replace") if isinstance(said, bytes) else said

@@ -33,7 +33,7 @@ MOUSE_HELP = (
     "drag  one finger",
     "shift + click  pin a finger, or lift it",
     "drag a pin  moves it",
-    "1 to 5  a hand of so many fingers",
+    "1 to 5  a hand with this number of fingers",
     "drag beside it  moves the hand",
     "ctrl + drag  moves all pins",
     "wheel  open and close",
@@ -41,8 +41,8 @@ MOUSE_HELP = (
     "space  lift all fingers",
 )
 HELP = (
-    "right drag  look from elsewhere",
-    "v  from above, and back",
+    "right drag  turns the camera",
+    "v  view from above, and back",
     "c  contact: hard, soft, none",
     "p  pause",
     "s  slow motion: half, a quarter, a tenth",
@@ -52,16 +52,16 @@ HELP = (
 )
 
 LEAP = 62
-"""Number of control periods by which the arrow keys move: a second."""
+"""Number of control periods by which the arrow keys move playback: a second."""
 
 REPLAY_HELP = (
-    "p  pause, and on",
-    "left, right  back and on by a second",
-    "comma, period  back and on by a step",
+    "p  pause, continue",
+    "left, right  a second back, forwards",
+    "comma, period  a step back, forwards",
     "s  slow motion: half, a quarter, a tenth",
     "r  from the beginning",
-    "right drag  look from elsewhere",
-    "v  from above, and back",
+    "right drag  turns the camera",
+    "v  view from above, and back",
     "q  close",
     "h  hide this",
 )
@@ -70,33 +70,32 @@ LIFT_HELP = ("up, down  lift and lower the hand",)
 
 
 def keys(mouse: bool, lift: bool) -> tuple[str, ...]:
-    """Help texts of all keys that have an effect, one line each.
+    """Returns the help texts of all keys that have an effect, one line each.
 
     Args:
-        mouse: The mouse acts as fingers.
-        lift: Keys control the lift.
+        mouse: True if the mouse acts as fingers.
+        lift: True if keys control the lift.
     """
     return (*(LIFT_HELP if lift else ()), *(MOUSE_HELP if mouse else ()), *HELP)
 
 
 MOST_PIXELS = 2_600_000
 """Largest number of drawn pixels; in a larger window the picture is stretched. Above this number,
-copying pictures takes longer than drawing them."""
+copying a picture takes longer than drawing it."""
 SLOW, PATIENCE = 0.045, 4
-"""Time (s) for a picture, and number of consecutive slower pictures after which the quality is
-reduced."""
+"""The quality is reduced after `PATIENCE` consecutive pictures that take longer than `SLOW`, s."""
 PLAIN_SHRINK = 1.6
-"""Factor by which the drawing is smaller than the window at reduced quality."""
+"""At reduced quality, factor by which the drawing is smaller than the window."""
 
 
 class DrawingQuality:
-    """Chooses the drawing quality from the duration of pictures."""
+    """Chooses the drawing quality from the time that pictures take."""
 
     def __init__(self) -> None:
         self._slow, self._shrink = 0, 1.0
 
     def size(self, width: int, height: int) -> tuple[int, int]:
-        """Size (px) of the picture to draw for a window of a given size, px."""
+        """Returns the size (px) of the picture to draw for a window of a given size, px."""
         width, height = max(width, 16), max(height, 16)
         shrink = max(
             sqrt(width * height / MOST_PIXELS), width / LARGEST, height / LARGEST, self._shrink
@@ -104,9 +103,10 @@ class DrawingQuality:
         return max(round(width / shrink), 16), max(round(height / shrink), 16)
 
     def took(self, seconds: float, renderer: Renderer) -> None:
-        """Notes the duration of a picture; slow ones first disable shadows, then reduce pixels.
+        """Processes the duration of a picture.
 
-        Text stays sharp, as it is drawn over the stretched picture.
+        Slow pictures first disable shadows, then reduce the number of pixels. Text stays sharp, as
+        it is drawn over the stretched picture.
         """
         self._slow = self._slow + 1 if seconds > SLOW else 0
         if self._slow < PATIENCE:
@@ -124,10 +124,10 @@ RATE = 60.0
 """Largest number of pictures per second."""
 LIFT = {glfw.KEY_UP: 1.0, glfw.KEY_DOWN: -1.0}
 MOVES = {glfw.KEY_LEFT: -LEAP, glfw.KEY_RIGHT: LEAP, glfw.KEY_COMMA: -1, glfw.KEY_PERIOD: 1}
-"""Number of control periods by which the keys move playback."""
+"""Key -> number of control periods by which it moves playback."""
 
 SPEEDS = {1.0: "", 0.5: "slow motion 1/2", 0.25: "slow motion 1/4", 0.1: "slow motion 1/10"}
-"""Banner by speed (simulated seconds per second), in the order of the key's presses."""
+"""Speed (simulated seconds per second) -> banner, in the order in which the key selects them."""
 
 
 class Window(Closeable):
@@ -139,21 +139,21 @@ class Window(Closeable):
         title: Title of the window.
         size: px in the screen's coordinates.
         caption: Text that names player and task; it must name a simulated user as such.
-        in_air: True if hands are in the air over a 3-D device, not on a surface.
+        in_air: True if hands are tracked in the air, not on a surface.
 
     Raises:
         GraphicsError: No window can be opened here.
 
     Attributes:
         paused: True during a pause by the person.
-        speed: Requested pace in simulated seconds per second, one of `SPEEDS`.
+        speed: Requested speed in simulated seconds per second, one of `SPEEDS`.
         footer: Lines at the bottom right.
-        goal: The goal, shown all the time; empty shows the hand's state instead.
-        hint: Instructions in lines.
-        help: Help on the keys; None shows that for trials.
-        link: Link shown as a QR code; empty shows none.
+        goal: The goal, which is always shown; empty shows the hand's state instead.
+        hint: Instructions, line by line.
+        help: Help on the keys; None shows the help for trials.
+        link: Link that is shown as a QR code; empty shows none.
         pictures: Number of pictures drawn so far.
-        picture_time: s, duration of drawing the last picture.
+        picture_time: Time that drawing the last picture took, s.
         seen: The snapshot on the screen; None before the first.
     """
 
@@ -204,11 +204,11 @@ class Window(Closeable):
         caption: str = "",
         in_air: bool = False,
     ) -> None:
-        """Shows another scene in the same window, as for another trial.
+        """Shows another scene in the same window, such as the next trial.
 
         Args:
             scene: The scene to draw, which is copied.
-            surface: Its touch surface.
+            surface: The scene's touch surface.
             title: Title of the window.
             caption: Text that names player and task.
             in_air: True if hands are in the air.
@@ -219,7 +219,7 @@ class Window(Closeable):
         camera = window_camera(surface, in_air)
         if before is not None:
             if before.camera is not None and _same(surface, self._surface):
-                # The next trial keeps a camera that the person has turned.
+                # Continue with the camera that the person may have turned.
                 camera = before.camera
             else:
                 self._above = False
@@ -241,13 +241,13 @@ class Window(Closeable):
             self._renderer.shadows = before.shadows
 
     def attach(self, *devices: AnyDevice) -> None:
-        """Connects mouse and keys to the first devices that they can drive."""
+        """Connects mouse and keys to the first `MouseDevice` and `LiftKeys` among the devices."""
         self._lift = next(filter(None, (device.find(LiftKeys) for device in devices)), None)
         self._mouse = next(filter(None, (device.find(MouseDevice) for device in devices)), None)
         self._touched = self._mouse.surface if self._mouse else self._surface
 
     def pump(self, snapshot: Snapshot | None) -> bool:
-        """Processes input and draws; False once the window is closed.
+        """Processes input and draws; returns False once the window is closed.
 
         It returns at most `RATE` times per second, so that a loop around it does not spin.
         """
@@ -255,7 +255,7 @@ class Window(Closeable):
             return False
         glfw.poll_events()
         while (left := self._due - time.monotonic()) > 0.0:
-            # Events are passed to the session at once; only the next picture waits.
+            # Pass events to the session at once; only the next picture waits.
             glfw.wait_events_timeout(left)
         self._due = time.monotonic() + 1.0 / RATE
         if self._failure is not None:
@@ -271,17 +271,18 @@ class Window(Closeable):
         return True
 
     def take_reset(self) -> bool:
-        """True if the person requests a restart; each request is returned once."""
+        """Returns True if the person has requested a restart; each request is returned once."""
         asked, self._reset = self._reset, False
         return asked
 
     def take_contact(self) -> bool:
-        """True if the person requests the next contact mode; each request is returned once."""
+        """Returns True if the person has requested the next contact mode; each request once."""
         asked, self._contact = self._contact, False
         return asked
 
     def take_moves(self) -> int:
-        """Number of control periods to move forwards or back; each request is returned once."""
+        """Returns the number of control periods to move forwards (back if below 0); each request
+        once."""
         moves, self._moves = self._moves, 0
         return moves
 
@@ -294,7 +295,7 @@ class Window(Closeable):
             self._context.free()
 
     def _show(self) -> None:
-        """Draws, unless the picture would be the same."""
+        """Draws a picture, unless it would be the same as the last."""
         renderer = self._renderer
         assert renderer is not None
         size, window = self._drawn_size(), glfw.get_framebuffer_size(self._context.handle)
@@ -327,11 +328,11 @@ class Window(Closeable):
         self._quality.took(self.picture_time, renderer)
 
     def _keys(self) -> tuple[str, ...]:
-        """Current help on the keys."""
+        """Returns the current help on the keys."""
         return self.help or keys(self._mouse is not None, self._lift is not None)
 
     def _contact_word(self) -> str:
-        """Name of the contact mode, unless it is the default."""
+        """Returns the name of the contact mode; empty for the default."""
         mode = self._snapshot.contact if self._snapshot else "hard"
         return "" if mode == "hard" else f"contact: {mode}"
 
@@ -342,7 +343,7 @@ class Window(Closeable):
         return self._quality.size(*glfw.get_framebuffer_size(self._context.handle))
 
     def _pick(self, x: float, y: float) -> Array | None:
-        """(2,) m, surface point under a window position; None if there is none."""
+        """Returns the surface point (2,) m under a window position; None if there is none."""
         lens = self._renderer.lens if self._renderer else None
         if lens is None:
             return None
@@ -403,7 +404,7 @@ class Window(Closeable):
 
     def _on_wheel(self, sideways: float, steps: float) -> None:
         if self._mouse is not None:
-            # With shift, some systems report a sideways turn of the wheel.
+            # With shift, some systems report horizontal scrolling instead.
             self._mouse.wheel(steps or sideways, turn=self._down(glfw.KEY_LEFT_SHIFT))
 
     def _on_key(self, key: int, _code: int, action: int, mods: int) -> None:
@@ -442,7 +443,7 @@ class Window(Closeable):
 
     def _on_focus(self, focused: int) -> None:
         if not focused:
-            # The release of a button over another window is not reported here.
+            # If a button is released over another window, this window is not notified.
             self._looking = False
             self._release()
             if self._lift is not None:
@@ -458,7 +459,7 @@ class Window(Closeable):
 
 
 def _same(one: Surface, other: Surface) -> bool:
-    """True if two surfaces lie in the same place."""
+    """True if two surfaces have the same size and position."""
     return all(
         np.allclose(a, b)
         for a, b in (

@@ -378,7 +378,7 @@ def test_without_a_degree_the_command_trains_what_wins(
         (["--capture", CAPTURE_FILE, "--degree", "4"], "degree"),
         (["--capture", CAPTURE_FILE, "--out", "none/m.npz"], "no such folder"),
         (["--capture", CAPTURE_FILE, "--out", "."], "this is a folder"),
-        (["--capture", "c.npz", "--out", "./c.npz"], "would replace what it is made from"),
+        (["--capture", "c.npz", "--out", "./c.npz"], "would replace a file from which it is made"),
     ),
 )
 def test_the_command_answers_bad_input_with_one_line(

@@ -257,7 +257,7 @@ def test_a_capture_does_not_replace_what_it_is_made_from(
     kept = source.read_bytes()
     also = ["--joints", folder / "hand.csv"] if option == "--touches" else []
     status, _, err = converted(capsys, option, source, *also, "--out", source)
-    assert status == 2 and "would replace what it is made from" in err
+    assert status == 2 and "would replace a file from which it is made" in err
     assert source.read_bytes() == kept
 
 
@@ -366,6 +366,6 @@ def test_touches_at_a_guessed_size_are_stretched_to_the_measured_one(tmp_path: P
     np.testing.assert_allclose(log.xy, [[12.0 * 0.0254, 4.5 * 0.0254]])
     lines[0]["surface_calibrated"] = True
     file.write_text("".join(json.dumps(line) + "\n" for line in lines))
-    with pytest.raises(InputError, match="another size"):
+    with pytest.raises(InputError, match="is not that of --surface"):
         read_touch_log(file, Surface(12.0, 9.0))
     assert read_touch_log(file, Surface(8.0, 6.02))[1] == ""

@@ -239,7 +239,7 @@ def test_the_results_do_not_replace_the_capture_that_is_judged(
     source = next(iter(sorted(folder.glob("*.npz"))))
     kept = source.read_bytes()
     text = refused(capsys, "--encoders", "mean", "--capture", str(source), "--json", str(source))
-    assert "would replace what it is made from" in text and source.read_bytes() == kept
+    assert "would replace a file from which it is made" in text and source.read_bytes() == kept
 
 
 def test_without_matplotlib_the_extra_is_named_before_anything_is_computed(

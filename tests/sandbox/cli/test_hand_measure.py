@@ -188,9 +188,9 @@ def test_a_file_of_touches_on_a_guessed_size_plays_as_such(guessed: bool, tmp_pa
     ("arguments", "says"),
     [
         (["--device", "mouse"], "mouse"),
-        (["--device", "web"], "no fingers at rest"),
-        (["--device", "leap-simulated"], "no fingers at rest"),
-        (["--device", "webxr-simulated"], "no fingers at rest"),
+        (["--device", "web"], "cannot be measured with this device"),
+        (["--device", "leap-simulated"], "cannot be measured with this device"),
+        (["--device", "webxr-simulated"], "cannot be measured with this device"),
         (["--device", "tuio"], "--surface"),
         (["--device", "nothing-there"], "nothing-there"),
         (["--device", "simulated", "--hand-size", "7"], "--hand-size"),

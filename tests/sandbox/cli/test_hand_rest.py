@@ -113,7 +113,7 @@ def test_a_left_hand_is_kept_as_one(tmp_path: Path) -> None:
         (("--device", "HAND", "--seconds", "0"), "positive time"),
         (("--device", "HAND", "--out", "nowhere/rest.json"), "no such folder"),
         (("--device", "HAND", "--out", "FOLDER"), "this is a folder"),
-        (("--device", "HAND", "--out", "HAND"), "would replace what it is made from"),
+        (("--device", "HAND", "--out", "HAND"), "would replace a file from which it is made"),
         (("--device", "nobody.json"), "nobody.json"),
     ],
 )
@@ -136,4 +136,4 @@ def test_a_recording_of_touches_is_refused(
 ) -> None:
     demo = Path(__file__).resolve().parents[3] / "sandbox" / "data" / "demo.jsonl"
     assert rest("--device", str(demo), "--out", str(tmp_path / "rest.json")) == 2
-    assert "touches, and no hand" in capsys.readouterr().err
+    assert "only touches, no hand" in capsys.readouterr().err

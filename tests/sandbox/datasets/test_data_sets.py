@@ -351,7 +351,7 @@ def test_a_data_set_of_a_study_has_the_counted_attempt_of_each_finished_trial_an
     with pytest.raises(InputError, match="no demonstration is left"):
         export_data_set([lone], tmp_path / "set.npz", observe=())
     assert main(["export", f"{session}/T003", "--to", str(tmp_path / "set.npz")]) == 2
-    assert "none counts" in capsys.readouterr().err
+    assert "all broken off or repeated" in capsys.readouterr().err
 
 
 def test_the_dump_of_a_divergence_beside_its_recording_is_no_episode_of_its_own(

@@ -115,7 +115,7 @@ def test_an_error_in_the_poll_of_a_device_of_ones_own_is_one_line_with_its_place
 @pytest.mark.parametrize(
     ("takes", "said"),
     [
-        ("self, port", "cannot be opened with a surface and a text"),
+        ("self, port", "cannot be opened with a surface and an argument"),
         ("self, surface, argument", "ValueError: no such port"),
     ],
 )

@@ -215,10 +215,10 @@ def test_another_encoder_is_compared_where_that_is_the_question(
         (("--json", "no-such-folder/out.json"), "no such folder"),
         (("--json", "x" * 300), "cannot be written"),
         (("--baseline", "x" * 300, "--update-baseline"), "cannot be written"),
-        (("--address", "auto"), "only Ray"),
+        (("--address", "auto"), "only --executor ray"),
         (("--fingers", "7"), "--fingers"),
-        (("--device", "mouse"), "not for regression runs"),
-        (("--seed=3",), "not for regression runs"),
+        (("--device", "mouse"), "not apply to regression runs"),
+        (("--seed=3",), "not apply to regression runs"),
     ],
 )
 def test_what_makes_no_sense_is_refused_in_one_line(

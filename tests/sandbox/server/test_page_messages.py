@@ -45,7 +45,7 @@ def test_a_kept_token_is_the_same_and_for_this_user_alone(tmp_path: Path) -> Non
         stored_token(path)
     path.chmod(0o600)
     path.write_text("short")
-    with pytest.raises(InputError, match="does not hold a token"):
+    with pytest.raises(InputError, match="has no valid token"):
         stored_token(path)
 
 

@@ -91,7 +91,7 @@ def test_hands_over_a_live_leap_are_where_the_device_sees_them(sides: tuple[str,
 @pytest.mark.parametrize(
     ("words", "said"),
     [
-        (["{leap}", "--task", "stack"], "its own task, or none"),
+        (["{leap}", "--task", "stack"], "its own task or none"),
         (["{leap}", "--leap-at", "0,0,0.3"], "in the frame of the Leap"),
         (["{leap}", "--hand", "both"], "never shows two hands"),
         (["--device", "tuio", "--hand", "both"], "both hands can be streamed from a Leap"),
