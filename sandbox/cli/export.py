@@ -201,7 +201,7 @@ def _data_set(options: ExportOptions, console: Console, errors: Console) -> int:
         raise InputError(
             f"a data set of {options.to} needs a name"
             if such
-            else "--name has no effect on a file of NumPy",
+            else "--name has no effect on a NumPy file",
             where="--name",
             got=options.name or "nothing",
             expected=f"such as {such}" if such else "no --name",

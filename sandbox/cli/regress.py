@@ -544,7 +544,7 @@ def _update(
         console.print("[yellow]the baseline is not changed: the run was stopped[/]")
         return None
     if report.crashes.trials:
-        console.print("[bold red]the baseline is not changed: trials of this run crashed[/]")
+        console.print("[bold red]no baseline is made, since trials of this run crashed[/]")
         return False
     new = update(options.baseline, plan.origin(), plan.versions(), report.trials, repeats)
     kept = [name for name in new.tasks if name not in plan.names]

@@ -221,8 +221,8 @@ def bad_inputs() -> dict[str, tuple[str, str, str]]:
         "not a recording": ("text.jsonl", "set.npz", "not a recording"),
         "no folder": ("6000.jsonl", "nowhere/set.npz", "cannot be written"),
         "no name of a file": ("6000.jsonl", "npz", "name the file"),
-        "no name for LeRobot": ("6000.jsonl", "lerobot", "has a name"),
-        "no name": ("6000.jsonl", "minari", "has a name"),
+        "no name for LeRobot": ("6000.jsonl", "lerobot", "needs a name"),
+        "no name": ("6000.jsonl", "minari", "needs a name"),
     }
 
 

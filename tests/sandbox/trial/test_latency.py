@@ -176,7 +176,7 @@ def test_without_a_window_it_plays_what_needs_none(
     assert "--view none" in capsys.readouterr().err
     asked = ["play", "--device", "simulated", "--view", "none", "--max-latency", "50"]
     assert main(asked) == 2
-    assert "from a touch to a picture" in capsys.readouterr().err
+    assert "from a touch to its picture" in capsys.readouterr().err
     for name in ("DISPLAY", "WAYLAND_DISPLAY"):
         monkeypatch.delenv(name, raising=False)
     monkeypatch.setattr("sandbox.views.graphics.sys.platform", "linux")

@@ -145,7 +145,7 @@ def test_elsewhere_the_command_says_so_and_does_not_fail(
     assert replay_command.main([str(forged(path, "other.jsonl", impulse=0.02))]) == 0
     said = " ".join(capsys.readouterr().out.split())
     assert (
-        "the system's libm (musl 1.2, 0123456789ab there" in said and "its recorded poses" in said
+        "the system's libm (musl 1.2, 0123456789ab there" in said and "the recorded poses" in said
     )
     assert "disagrees" in said and "bounds" in said
     assert result.success

@@ -246,7 +246,7 @@ def test_a_terminal_shows_a_table_that_follows_the_touches() -> None:
         (["send", "pyproject.toml", "--to", "127.0.0.1:1"], "pyproject.toml, line 1"),
         (["send", "x"], "--tuio"),
         (["send", "--to", "127.0.0.1:1"], "no file"),
-        (["send", "--to", "127.0.0.1:1", "--tuio", "127.0.0.1:1"], "one of the two"),
+        (["send", "--to", "127.0.0.1:1", "--tuio", "127.0.0.1:1"], "--tuio HOST:PORT"),
         (["show", "--tuio-connect", "udp://127.0.0.1"], "tcp://HOST:PORT"),
         (["record", "pyproject.toml"], "not overwritten"),
     ],

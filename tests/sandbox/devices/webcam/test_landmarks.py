@@ -96,7 +96,7 @@ def test_a_file_without_pictures_is_refused(tmp_path: Path) -> None:
 def test_another_version_is_refused(tmp_path: Path) -> None:
     path = tmp_path / "hands.jsonl"
     path.write_text('{"landmarks": 99}\n')
-    with pytest.raises(RecordingError, match="another version"):
+    with pytest.raises(RecordingError, match="unknown version"):
         read_landmarks(path)
 
 
