@@ -1,18 +1,22 @@
-"""Orders of levels and their balance over participants: who gets which order of which factor, how
-many people a full cycle takes, and what a shorter one confounds.
+"""Orders of levels, and their balance over participants.
+
+This module decides which participant gets which order of which factor, how many participants a full
+cycle of orders takes, and what an incomplete cycle confounds.
 
 The order of every factor is a row of a table: of a balanced Latin square, of all permutations, or
-of the groups of a factor between participants. Rows of all factors together are given so that
+of the groups of a factor between participants. Each participant gets one row of every factor. The
+rows are assigned so that
 
 - over a full cycle every combination of rows occurs exactly once, and
-- among the first n participants, for every n, the uses of two rows of one factor differ by at most
-  one, and so do those of two combinations of all factors.
+- among the first n participants, for every n, the numbers of uses of any two rows of a factor
+  differ by at most one, as do those of any two combinations of rows of all factors.
 
-With three factors or more, two of them may go together until a cycle is full; `confounded` names
-such pairs.
+With three or more factors, the rows of two factors may be confounded until a cycle is full;
+`confounded` names such pairs.
 
-Inner orders are the same at all places of outer ones. So both hold for the inner orders at each
-place of the outer factor, for those inside of each of its levels, and for both together.
+The order of an inner factor is the same at all places of an outer factor. So both statements also
+hold for the inner orders at each place of the outer factor, inside each of its levels, and for
+place and level together.
 """
 
 from __future__ import annotations
@@ -38,8 +42,8 @@ Row = tuple[int, ...]
 def balanced_latin_square(n: int) -> tuple[Row, ...]:
     """Rows of a balanced Latin square of n conditions: n rows if n is even, else 2 n.
 
-    Every condition is equally often at every place. Every condition follows every other one equally
-    often: once for even n, twice for odd n (Williams 1949).
+    Every condition is equally often at every place. Every condition follows every other condition
+    equally often: once for even n, twice for odd n (Williams 1949).
     """
     first = [0]
     low, high = 1, n - 1
@@ -67,8 +71,8 @@ def order_of(rule: str, n: int, row: int, seed: tuple[int, ...]) -> Row:
     Args:
         rule: One of `fields.ORDERS`.
         n: Number of levels.
-        row: Row of the square, taken modulo its size; counts participants and places in outer
-            factors.
+        row: Row of the table of orders, taken modulo its length. It depends on the participant,
+            the session and, with `repeat_inside`, the round.
         seed: Seed of a random order.
     """
     if rule == "latin":
@@ -85,7 +89,7 @@ def order_of(rule: str, n: int, row: int, seed: tuple[int, ...]) -> Row:
 
 
 def cycle(rule: str, n: int) -> int:
-    """Number of participants after which an order rule has used every row once."""
+    """Number of participants after which an order rule has used every row of its table once."""
     if rule == "latin":
         return len(balanced_latin_square(n))
     if rule == "factorial":
@@ -94,13 +98,13 @@ def cycle(rule: str, n: int) -> int:
 
 
 def cycle_of(factor: Factor) -> int:
-    """Number of rows among which a factor's orders are; 1 for orders `random` and `blocked`."""
+    """Number of rows in a factor's table of orders; 1 for orders `random` and `blocked`."""
     lists = factor.nested.values() if factor.nested else [factor.levels]
     return lcm(*(cycle(factor.order, len(levels)) for levels in lists))
 
 
 def whole_cycle(design: Design) -> int:
-    """Number of participants after which all orders of all factors were combined equally often."""
+    """Number of participants of a full cycle, in which every combination of orders comes once."""
     return prod(cycle_of(factor) for factor in design.factors)
 
 
@@ -115,15 +119,15 @@ def rows_of(design: Design, participant: int) -> tuple[int, ...]:
     for factor in design.factors:
         count = cycle_of(factor)
         number = participant % (combined * count)
-        # All rows advance by one. After the common multiple the same combinations would come again,
-        # so this factor is one row further from then on.
+        # Each participant gets the next row of every factor. After the common multiple, the same
+        # combinations would recur, so this factor skips one row there.
         rows.append((number + number // lcm(combined, count)) % count)
         combined *= count
     return tuple(rows)
 
 
 def cycle_line(design: Design) -> str:
-    """Says how many participants a full cycle takes, and why."""
+    """A line with the number of participants of a full cycle, and the factors of that number."""
     parts = [
         f"{cycle_of(f)} {'groups' if f.order == 'between' else 'orders'} of {f.name}"
         for f in design.factors
@@ -135,16 +139,16 @@ def cycle_line(design: Design) -> str:
 
 
 def nearest_cycles(design: Design, people: int) -> str:
-    """The numbers of participants next to this one that are full cycles, such as `24 or 36`."""
+    """The numbers of full cycles just below and above this number of people, such as `24 or 36`."""
     whole = whole_cycle(design)
     less = people // whole * whole
     return f"{less} or {less + whole}" if less else str(whole)
 
 
 def confounded(design: Design, people: int) -> list[str]:
-    """Factors that so many participants leave confounded, a line each; empty for full cycles.
+    """Factors that are confounded with so many participants, a line each; empty for full cycles.
 
-    A combination of factors is named only if each of its parts is balanced.
+    A combination of factors is named only if no smaller combination in it is confounded.
     """
     rest = people % whole_cycle(design)
     if not rest:
@@ -176,14 +180,14 @@ def _rounds(design: Design, first: tuple[int, ...]) -> Iterator[tuple[int, ...]]
 
 
 def _confounded(design: Design, rows: list[tuple[int, ...]], some: tuple[int, ...]) -> str:
-    """Confounding between these factors in the rows of some people; empty if there is none."""
+    """A line on what is confounded with these factors in the rows of some people; else empty."""
     factors = [design.factors[i] for i in some]
     names = " x ".join(factor.name for factor in factors)
     if len(factors) == 1 and factors[0].order == "between":
         sizes = Counter(row[some[0]] for row in rows)
         if _even(sizes, cycle_of(factors[0])):
             return ""
-        return f"{names}: its groups differ in size, so that people weigh differently"
+        return f"{names}: its groups differ in size"
     orders = [
         [_places(factor, row[i]) for i, factor in zip(some, factors, strict=True)] for row in rows
     ]
@@ -201,7 +205,10 @@ def row_of(row: tuple[int, ...], some: Iterable[int]) -> tuple[int, ...]:
 
 
 def _places(factor: Factor, row: int) -> list[tuple[int, int, int]]:
-    """(list, place, level) of one order; the list is that of a nested factor's outer level."""
+    """(list, place, level) of one order.
+
+    A nested factor has a list of levels for each outer level; any other factor has one list.
+    """
     lists = list(factor.nested.values()) if factor.nested else [factor.levels]
     places = []
     for number, levels in enumerate(lists):
@@ -226,5 +233,5 @@ def _joint(orders: list[list[list[tuple[int, int, int]]]]) -> Iterator[tuple[obj
 
 
 def _even(counts: Mapping[Any, int], cells: int) -> bool:
-    """True if all of so many cells were used equally often."""
+    """True if so many cells were used, and all of them equally often."""
     return len(counts) == cells and len(set(counts.values())) == 1

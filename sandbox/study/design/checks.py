@@ -1,7 +1,7 @@
-"""Checks of a design that is right in form: arithmetic and look-ups of its numbers and structure.
+"""Checks of the numbers and the structure of a design that has no mistakes of form.
 
-What sentences mean is not checked. Mistakes of form are found while the file is read
-(`design_file`).
+The meaning of its texts is not checked. `design_file` finds mistakes of form while it reads the
+file.
 """
 
 from __future__ import annotations
@@ -35,35 +35,38 @@ from sandbox.study.measures.measures import find_measure
 from sandbox.words.words import LANGUAGES, base, words_of_studies
 
 LONGEST_SESSION = 5400.0
-"""s; a rule of thumb: after an hour and a half, weariness is measured."""
+"""Longest session without a warning, s. A rule of thumb: in a longer session, fatigue affects the
+results."""
 LONGEST_STRETCH = 1800.0
-"""s without a break, also a rule of thumb."""
+"""Longest time without a break that gives no warning, s; also a rule of thumb."""
 MOST_PEOPLE = 12
-"""People whose sessions are looked through, of a longer cycle."""
+"""Largest number of participants whose sessions are examined."""
 FURTHEST = 12
 """Largest change of the number of trials between breaks that is tried for a remedy."""
 QUICK = 0.5
-"""Share of the expected duration, below which a time may be an accident."""
+"""Share of the expected duration of a trial; a shorter time may be an accident."""
 COPIED = 15
-"""Letters of a text that is not the same in two languages by chance."""
+"""Number of characters; texts in two languages that are at least as long are not equal by chance.
+"""
 NAMED = 4
-"""Number of missing words that a finding names."""
+"""Largest number of missing words that a finding names."""
 WITHIN = ("time_s", "completion_s", "first_contact_s", "first_push_s")
-"""Times within a trial, which its time limit ends."""
+"""Measures that are times within a trial, so that its time limit bounds them."""
 DEVICES = ("device", "second_device", "webcam", "leap_at")
-"""Settings of the real devices, which settings of a trial do not tell apart."""
+"""Settings that choose real devices. `run_settings` may give equal settings for different devices.
+"""
 OF_TOUCHES = ("encoder", "labels")
-"""Settings of how touches become a hand; one that a device sees in the air needs neither."""
+"""Settings of the conversion of touches to a pose. They have no effect for a hand in the air."""
 UNREAD = (
-    "Form and numbers only. Nobody has read your texts: print `sandbox study sheet` and "
-    "docs/checklist.md for a colleague and the board."
+    "Only form and numbers were checked, not the meaning of your texts: print `sandbox study "
+    "sheet` and docs/checklist.md for a colleague and the board."
 )
-"""Last line of a check."""
+"""Last line that a check prints."""
 
 
 @dataclass(frozen=True)
 class Flaw:
-    """Something that is right in form and misleads.
+    """A part of the design that has no mistake of form, but is misleading or useless.
 
     Attributes:
         path: Place in the design file.
@@ -80,7 +83,7 @@ class Flaw:
 
 @dataclass(frozen=True)
 class Finding(Mistake):
-    """A finding of the check.
+    """A flaw with its line in the file.
 
     Attributes:
         error: True if `run` refuses real participants with it; False for a warning.
@@ -93,7 +96,7 @@ class Finding(Mistake):
 
 
 def findings(design: Design) -> list[Finding]:
-    """All findings of a design without mistakes of form, by line."""
+    """All findings of a design without mistakes of form, in the order of their lines."""
     lines = TomlLines(design.text)
     found = [
         Finding(lines.of(flaw.path), place_of(flaw.path), flaw.what, flaw.remedy, flaw.error)
@@ -117,7 +120,7 @@ def _all(design: Design, lines: TomlLines) -> Iterator[Flaw]:
 
 
 def _placeholders(design: Design) -> Iterator[Flaw]:
-    """No consent, or texts of the template."""
+    """Yields a flaw for no consent, and for a name or a consent text of the template."""
     template = tomllib.loads(
         files("sandbox.study.design").joinpath("template.toml").read_text(encoding="utf-8")
     )
@@ -125,7 +128,7 @@ def _placeholders(design: Design) -> Iterator[Flaw]:
         yield Flaw(
             ("name",),
             f"the name is still {design.name}, that of the template",
-            "Write a name of your own, which names the folder with the data",
+            "Write your study's name, which also names the folder with the data",
             error=True,
         )
     if not design.consent:
@@ -145,7 +148,7 @@ def _placeholders(design: Design) -> Iterator[Flaw]:
 
 
 def _words(design: Design) -> Iterator[Flaw]:
-    """Languages whose words of the page are missing."""
+    """Yields a flaw for each language in which the page lacks words."""
     for i, code in enumerate(design.languages):
         own = design.page.words.get(code, {})
         missing = [key for key in words_of_studies(design.page.shows) if key not in own]
@@ -153,15 +156,17 @@ def _words(design: Design) -> Iterator[Flaw]:
             some = ", ".join(missing[:NAMED]) + (", ..." if len(missing) > NAMED else "")
             yield Flaw(
                 ("words", code) if own else ("languages", i),
-                f"the page has no words in {code}, and {len(missing)} of them would be in English: "
+                f"the page has no words in {code}, so {len(missing)} of them would be in English: "
                 f"{some}",
-                f"Write them in [words.{code}], or remove {code}; sandbox/words/en.json has them",
+                f"Write them in [words.{code}], or remove {code}; sandbox/words/en.json has the "
+                "English texts",
                 error=True,
             )
 
 
 def _untranslated(design: Design) -> Iterator[Flaw]:
-    """Texts that are the same in two languages, and choices without a text."""
+    """Yields a flaw for each text that is the same in two languages, and each choice without a
+    text."""
     several = {base(code) for code in design.languages}
     for path, text in _texts(design):
         for (a, one), (b, other) in itertools.combinations(text.items(), 2):
@@ -173,7 +178,7 @@ def _untranslated(design: Design) -> Iterator[Flaw]:
         if item.choices and not item.means and len(several) > 1:
             yield Flaw(
                 path,
-                f"the choices of {item.name!r} are read as they are stored in every language: "
+                f"in every language, the choices of {item.name!r} are read as they are stored: "
                 f"{', '.join(item.choices)}",
                 "Write means = [...], with a text in each language for every choice",
             )
@@ -202,12 +207,12 @@ def _texts(design: Design) -> Iterator[tuple[Path, Text]]:
 
 
 def _factors(design: Design) -> Iterator[Flaw]:
-    """Factors with one level, in one order, or with levels that set the same."""
+    """Yields a flaw for each factor with one level, with one order, or with equal levels."""
     for i, factor in enumerate(design.factors):
         if len(factor.levels) == 1:
             yield Flaw(
                 ("factors", i, "levels"),
-                f"{factor.name} has one level, {factor.levels[0].name}, so it varies nothing",
+                f"{factor.name} has one level only, {factor.levels[0].name}, and varies nothing",
                 "Add a level, or move the setting to [settings]",
             )
         elif factor.order == "blocked":
@@ -215,7 +220,7 @@ def _factors(design: Design) -> Iterator[Flaw]:
             what = "the session" if factor.one_a_session else "practice"
             yield Flaw(
                 ("factors", i, "order"),
-                f"everybody gets {factor.name} in the order {names}; an effect of it cannot be "
+                f"everybody gets {factor.name} in the order {names}, so its effect cannot be "
                 f"told from {what}",
                 "Write latin or random, unless you do not compare these levels",
             )
@@ -223,7 +228,7 @@ def _factors(design: Design) -> Iterator[Flaw]:
 
 
 def _same(design: Design, i: int, factor: Factor) -> Iterator[Flaw]:
-    """Two levels with which every trial is the same, while people read the same before it."""
+    """Yields a flaw for two levels with equal trials and equal texts before them."""
     others = [f.name for f in design.factors if f is not factor]
     try:
         trials = {
@@ -233,7 +238,7 @@ def _same(design: Design, i: int, factor: Factor) -> Iterator[Flaw]:
             for c in combinations(design)
         }
     except HandSandboxError:
-        return  # The combination that cannot be built is a mistake of its own.
+        return  # `check_conditions` reports a combination whose settings are refused.
     for a, b in itertools.combinations([level.name for level in factor.levels], 2):
         both = [outer for outer, name in trials if name == a and (outer, b) in trials]
         alike = both and all(trials[outer, a] == trials[outer, b] for outer in both)
@@ -247,7 +252,7 @@ def _same(design: Design, i: int, factor: Factor) -> Iterator[Flaw]:
 
 
 def _trial(design: Design, levels: dict[str, Level]) -> object:
-    """All that a combination of levels sets of a trial, defaults included."""
+    """All settings of a trial with a combination of levels, defaults included."""
     values = values_of(design, levels)
     if in_the_air(values):
         values = {name: value for name, value in values.items() if name not in OF_TOUCHES}
@@ -256,13 +261,13 @@ def _trial(design: Design, levels: dict[str, Level]) -> object:
 
 
 def _read_before(design: Design, factor: Factor, level: str) -> list[Text]:
-    """Texts before one level of a factor alone."""
+    """Texts that participants read before this level of a factor only."""
     texts = (t for t in design.instructions if t.at == factor.name)
     return [text.text for text in texts if text.level == level]
 
 
 def _people(design: Design) -> Iterator[Flaw]:
-    """A number of people with whom orders are not used equally often."""
+    """Yields a flaw if the planned participants do not use all orders equally often."""
     missing = confounded(design, design.participants)
     if missing:
         yield Flaw(
@@ -270,13 +275,13 @@ def _people(design: Design) -> Iterator[Flaw]:
             f"{counted(design.participants, 'participant')} do not fill the "
             f"{whole_cycle(design)} orders ({_uses(design)}), so this is confounded: "
             f"{'; '.join(missing)}",
-            f"Write {nearest_cycles(design, design.participants)}, with whom each order comes "
+            f"Write {nearest_cycles(design, design.participants)}, so that each order comes "
             "equally often",
         )
 
 
 def _uses(design: Design) -> str:
-    """How often orders come among the planned people, such as `1 comes twice, 3 come once`."""
+    """How often the orders are used by the planned participants: `1 comes twice, 3 come once`."""
     people, whole = design.participants, whole_cycle(design)
     more = people % whole
     often = people // whole
@@ -289,7 +294,8 @@ def _times(count: int) -> str:
 
 
 def _practice(design: Design) -> Iterator[Flaw]:
-    """Levels that are measured before they were practised, and breaks after practice."""
+    """Yields flaws for a level that is measured before it is practised, and for a break between
+    practice and the trials that follow it."""
     if unpractised := _unpractised(design):
         factor, level, session = unpractised
         where = f"in session {session}, " if design.sessions > 1 else ""
@@ -316,20 +322,22 @@ def _practice(design: Design) -> Iterator[Flaw]:
 
 
 def _fits(design: Design, every: int) -> bool:
-    """True if breaks come after so many trials, and never right after practice."""
+    """True if, with breaks after `every` trials, breaks occur, and never right after practice."""
     changed = replace(design, break_every=every)
     some = any(isinstance(step, BreakStep) for step in session_plan(changed, 1))
     return some and not parting_breaks(changed, people_of_cycle(design))
 
 
 def people_of_cycle(design: Design) -> int:
-    """Number of participants whose sessions are looked through."""
+    """Number of participants whose sessions are examined."""
     return min(design.participants, whole_cycle(design), MOST_PEOPLE)
 
 
 def parting_breaks(design: Design, people: int) -> list[tuple[int, int, int]]:
-    """Breaks right after practice, in the sessions of the first so many participants: participant,
-    session, and number of the trial before the break, each from 1."""
+    """Breaks right after practice, in the sessions of the first `people` participants.
+
+    Each is (participant, session, number of the trial before the break), all from 1.
+    """
     found = []
     for person in range(1, people + 1):
         for session in range(1, design.sessions + 1):
@@ -343,7 +351,8 @@ def parting_breaks(design: Design, people: int) -> list[tuple[int, int, int]]:
 
 
 def _unpractised(design: Design) -> tuple[str, str, int] | None:
-    """Factor, level and session of a trial whose level was not practised; None if all are."""
+    """Factor, level and session of the first trial whose level was not practised before; None if
+    there is no such trial."""
     for person in range(1, people_of_cycle(design) + 1):
         practised = set()
         for session in range(1, design.sessions + 1):
@@ -359,7 +368,8 @@ def _unpractised(design: Design) -> tuple[str, str, int] | None:
 def _practice_remedy(design: Design) -> str:
     """A change after which every level is practised before it is measured.
 
-    Before each level of the innermost factor, all levels are chosen.
+    When a level of the innermost factor begins, the levels of all factors are known, so that
+    practice has exactly these levels.
     """
     count = "" if design.practice else "practice = 1 and "
     everywhere = ", and remove practice_sessions" if design.practice_sessions else ""
@@ -367,7 +377,8 @@ def _practice_remedy(design: Design) -> str:
 
 
 def _limits(design: Design, lines: TomlLines) -> Iterator[Flaw]:
-    """Times of trials that cannot all be meant: held goals, expected duration, limits."""
+    """Yields flaws for time limits that contradict hold times, expected durations or the limits of
+    tasks."""
     tasks = tasks_of(design)
     own = {name: task.time_limit for name, task in tasks.items()}
     limit = min(design.time_limit, *own.values())
@@ -377,8 +388,8 @@ def _limits(design: Design, lines: TomlLines) -> Iterator[Flaw]:
         names = ", ".join(f"{name} {time:g} s" for name, time in too_long.items())
         yield Flaw(
             ("trials", "time_limit_s"),
-            f"no trial can succeed: the limit is {design.time_limit:g} s, and the goal must be "
-            f"held for ({names})",
+            f"no trial can succeed whose goal must be held for longer than the limit, "
+            f"{design.time_limit:g} s: {names}",
             f"Write more than {max(too_long.values()):g}",
             error=True,
         )
@@ -399,7 +410,7 @@ def _limits(design: Design, lines: TomlLines) -> Iterator[Flaw]:
 
 
 def _never(design: Design, plans: list[list[Step]]) -> Iterator[Flaw]:
-    """Forms, instructions and breaks of the design that no session has."""
+    """Yields a flaw for each form and instruction that no session has, and if no break comes."""
     steps = [step for plan in plans for step in plan]
     forms = {step.form.name for step in steps if isinstance(step, FormStep)}
     texts = [step.instruction for step in steps if isinstance(step, InstructionStep)]
@@ -407,38 +418,40 @@ def _never(design: Design, plans: list[list[Step]]) -> Iterator[Flaw]:
         if form.name not in forms:
             yield Flaw(
                 ("questionnaires", i, "at"),
-                f"{form.name} is never asked: with repeat_inside, levels of {form.at} come again "
-                "in each round and have no end",
+                f"{form.name} is never asked: with repeat_inside, the levels of {form.at} recur in "
+                "each round, so no level has an end",
                 f'Write at = "{design.repeat_inside}" or "end", or remove repeat_inside',
                 error=True,
             )
     for i, text in enumerate(design.instructions):
         if text not in texts and not text.level:
-            yield Flaw(("instructions", i, "at"), "no session has this text", "Write another `at`")
+            yield Flaw(
+                ("instructions", i, "at"), "no session shows this text", "Write another `at`"
+            )
     if design.break_every and not any(isinstance(step, BreakStep) for step in steps):
         yield Flaw(
             ("breaks", "every"),
             "no break ever comes: no session has more than "
-            f"{counted(design.break_every, 'trial')} without practice",
+            f"{counted(design.break_every, 'trial')}, practice not counted",
             "Write a smaller number, or remove [breaks]",
         )
 
 
 def _lengths(design: Design, plans: list[list[Step]]) -> Iterator[Flaw]:
-    """Sessions that tire people."""
+    """Yields a flaw if a session, or a part of it without a break, is too long."""
     longest = max(duration(design, plan) for plan in plans)
     stretch = max(_stretch(design, plan) for plan in plans)
     said = f"a session takes about {longest / 60:.0f} min"
     if stretch > LONGEST_STRETCH:
         yield Flaw(
             ("breaks", "every") if design.break_every else ("trials", "repetitions"),
-            f"{said}; the longest stretch without a break {stretch / 60:.0f} min",
-            "Write [breaks] with every = the trials of a quarter of an hour",
+            f"{said}; its longest part without a break takes {stretch / 60:.0f} min",
+            "Write [breaks] with every = the number of trials in a quarter of an hour",
         )
     elif longest > LONGEST_SESSION:
         yield Flaw(
             ("trials", "repetitions"),
-            f"{said}, so that weariness is measured, too",
+            f"{said}, so that the results also depend on weariness",
             "Write fewer repetitions, or several sessions",
         )
 
@@ -453,12 +466,12 @@ def _stretch(design: Design, steps: list[Step]) -> float:
 
 
 def _exclusions(design: Design) -> Iterator[Flaw]:
-    """Rules whose bounds exclude everything or nothing, and rules by an outcome."""
+    """Yields a flaw for each rule that excludes everything, nothing, or by an outcome."""
     tested = {"success", *(test.outcome for test in planned_tests(design))}
     for i, rule in enumerate(design.exclusions):
         path = ("exclusions", i)
         low, high = _range(design, rule.measure)
-        whole = f"{rule.measure} is from {low:g} to {high:g}"
+        whole = f"values of {rule.measure} are from {low:g} to {high:g}"
         together = [rule, *(o for o in design.exclusions[:i] if _same_measure(o, rule))]
         below = max((r.below for r in together if r.below is not None), default=None)
         above = min((r.above for r in together if r.above is not None), default=None)
@@ -488,19 +501,19 @@ def _exclusions(design: Design) -> Iterator[Flaw]:
         elif rule.measure in tested and not _quick(design, rule):
             yield Flaw(
                 path,
-                f"{rule.name} excludes by {rule.measure}, which is an outcome: conditions that are "
-                "hard lose their bad trials",
-                "Remove the rule, or exclude by a measure that is no outcome, such as away_s",
+                f"{rule.name} excludes by {rule.measure}, which is an outcome, so that hard "
+                "conditions lose their bad trials",
+                "Remove the rule, or exclude by a measure that is not an outcome, such as away_s",
             )
 
 
 def _same_measure(one: Exclusion, other: Exclusion) -> bool:
-    """True if two rules look at the same numbers."""
+    """True if two rules bound the same measure of the same kind of data."""
     return (one.measure, one.of) == (other.measure, other.of)
 
 
 def _quick(design: Design, rule: Exclusion) -> bool:
-    """True for a rule that excludes times alone in which nobody can have tried."""
+    """True if a rule excludes only times too short for a real attempt."""
     short = rule.below is not None and rule.below <= QUICK * design.expected
     return rule.measure in WITHIN and rule.above is None and short
 

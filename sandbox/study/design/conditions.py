@@ -1,4 +1,7 @@
-"""Conversion of combinations of levels to the settings of `sandbox run`, which have equal names."""
+"""Converts combinations of factor levels to the settings of a trial.
+
+A setting has the same name as the option of `sandbox run`.
+"""
 
 from __future__ import annotations
 
@@ -19,10 +22,11 @@ if TYPE_CHECKING:
     from tasks.task import Task
 
 PARTNER = "simulated"
-"""Value of `second_device`: a simulated user moves the second hand, also next to a person."""
+"""Value of `second_device`: a simulated user moves the second hand, even if a person moves the
+first."""
 
 WEBCAM = "webcam"
-"""Value of `device` and `second_device` for a hand before a camera."""
+"""Value of `device` and `second_device` for a hand that a camera sees."""
 
 _SIMULATED = {
     "touch": "simulated",
@@ -46,13 +50,16 @@ _ABBREVIATIONS: dict[str, Any] = {
     "leap_at": str,
     "webcam": str,
 }
-"""Settings that a design writes as the command line does, with their types."""
+"""Settings that a design writes in the form of the command line, with their types."""
 
 
 @cache
 def setting_types() -> dict[str, Any]:
-    """Settings that a design may contain, with their types: every field of pipeline and physics of
-    `sandbox.trial.settings`, and what the command line abbreviates."""
+    """Settings that a design may contain, with their types.
+
+    These are the fields of `PipelineSettings` and `PhysicsSettings`, and the settings of
+    `_ABBREVIATIONS`, which are written in the form of the command line.
+    """
     from sandbox.trial.settings import PhysicsSettings, PipelineSettings, field_types
 
     return {
@@ -76,8 +83,8 @@ def run_settings(
         values: Values by the names of `setting_types`.
         seed: Seed of the trial.
         hand: The participant's hand.
-        hand_size: Its length relative to the trained one.
-        base: Settings that the values change; None has the defaults.
+        hand_size: Length of that hand, relative to the hand on which the encoders were trained.
+        base: Settings that the values change; None for the defaults.
 
     Raises:
         InputError: A value is not allowed.
@@ -89,7 +96,8 @@ def run_settings(
     given = dict(values)
     if "impulse" in given:
         given["impulse"] = str(given["impulse"])
-    # The real devices are opened later; here only hands in the air need other settings.
+    # Real devices are opened later. The settings depend only on the kind of device (touches, or
+    # hands in the air), so a simulated device of the same kind stands in for the real one.
     devices = (given.get("device", "touch"), given.get("second_device", given.get("device")))
     before_camera = HandInput(camera=webcam_choice(given.pop("webcam", "")).camera)
     place = given.pop("leap_at", None)
@@ -112,14 +120,17 @@ def run_settings(
 
 
 def uses_camera(design: Design) -> bool:
-    """True if a hand of some trial of a design is before a camera."""
+    """True if a camera sees a hand in any trial of a design."""
     every = (values_of(design, levels) for levels in combinations(design))
     return any(WEBCAM in (v.get("device"), v.get("second_device")) for v in every)
 
 
 def consent_text(design: Design, language: str) -> str:
-    """The consent form in a language; a design with a camera says that it is on, and that pictures
-    stay in its page."""
+    """The text of the consent form in a language.
+
+    For a design with a camera, a text is added: the camera is on, and its pictures do not leave
+    the web page.
+    """
     text = design.consent[language]
     if not uses_camera(design):
         return text
@@ -153,7 +164,7 @@ def tasks_of(design: Design) -> dict[str, type[Task]]:
 
 
 def values_of(design: Design, levels: Mapping[str, Level]) -> dict[str, Any]:
-    """Settings of a combination: those of all trials, overridden by those of its levels."""
+    """Settings of a combination: the settings of all trials, overridden by those of its levels."""
     values = dict(design.settings)
     for level in levels.values():
         values |= level.settings
@@ -169,7 +180,8 @@ def any_lifts(design: Design) -> bool:
 
 
 _VARIED_SEEDS = 20
-"""Seeds with which a varied trial is drawn: whether its things overlap depends on the seed."""
+"""Number of seeds for which a varied trial is drawn as a test, since its objects may overlap for
+some seeds only."""
 
 
 def check_conditions(design: Design, reader: Reader) -> None:
@@ -186,7 +198,7 @@ def check_conditions(design: Design, reader: Reader) -> None:
         values = values_of(design, levels)
         try:
             settings = run_settings(values, design.seed % 1000)
-            # Tables and the lock of a study know tasks by their names.
+            # Tables and the lock of a study identify tasks by their names.
             claim_name(claimed, settings.task, find_task(settings.task))
             drawn(settings)
             if not settings.variation.neutral:
@@ -219,7 +231,7 @@ def _check_kinds(design: Design, reader: Reader) -> bool:
         for name, value in values.items():
             kind = setting_types()[name]
             try:
-                # A number is no word, and neither is true or false.
+                # With strict=True, numbers and booleans are not accepted as strings.
                 msgspec.convert(value, kind, strict=True)
                 continue
             except msgspec.ValidationError as error:
@@ -237,15 +249,20 @@ VARY_EXAMPLE = "size=0.7,latency=50"
 
 
 def _vary_text(value: object) -> str:
-    """The text of `vary` that a table of numbers means, or an example of one."""
+    """Writes a table of numbers as the text that `vary` expects.
+
+    For any other value, returns an example of such a text.
+    """
     if not isinstance(value, dict) or not value:
         return VARY_EXAMPLE
     return ",".join(f"{name}={number}" for name, number in value.items())
 
 
 def _mistake_path(design: Design, levels: Mapping[str, Level], error: HandSandboxError) -> Any:
-    """Path of the factor or setting that the error names, or that has the rejected value; of all
-    factors if unknown."""
+    """Path, in the design, of the factor or setting that the error names or whose value it rejects.
+
+    If there is none, returns the path of all factors.
+    """
     for i, factor in enumerate(design.factors):
         if error.where in levels[factor.name].settings:
             return ("factors", i, "levels")

@@ -14,7 +14,7 @@ DEMOGRAPHICS = "demographics"
 """Name of the form with the questions about the person."""
 
 LISTED, JOINED = ", ", " / "
-"""Between levels in the list of the codebook, and in the name of a condition in reports."""
+"""Separators of levels: in lists of the codebook, and in the name of a condition in reports."""
 
 FILLED = (
     *("participant_id", "participant", "ppid", "study", "experiment", "mode", "site", "number"),
@@ -23,8 +23,8 @@ FILLED = (
     *("consent", "sessions_done", "trials_done", "trials_planned", "complete"),
     *("excluded", "exclusion_reason", "clock_steps"),
 )
-"""Columns of the tables of participants that the program fills; no question about the person may be
-named like one of them."""
+"""Columns of the tables of participants that the program fills. No question about the person may
+have one of these names."""
 
 
 @dataclass(frozen=True)
@@ -56,7 +56,7 @@ class Factor:
     one_a_session: bool = False
 
     def within(self, chosen: dict[str, Level]) -> tuple[Level, ...]:
-        """The levels that occur with the chosen levels of outer factors."""
+        """The levels that occur together with the chosen levels of outer factors."""
         if self.nested is None:
             return self.levels
         return self.nested[chosen[self.outer].name]
@@ -64,7 +64,7 @@ class Factor:
 
 @dataclass(frozen=True)
 class Item:
-    """One question: the keys of `fields`, table `items`.
+    """One question; its attributes are the keys of the table `items` in `fields`, and `ends`.
 
     Attributes:
         ends: Texts at both ends of a scale; None without them.
@@ -89,11 +89,11 @@ class Item:
 
 @dataclass(frozen=True)
 class Form:
-    """A questionnaire: questions that are asked together, by the keys of `fields`.
+    """A questionnaire: questions that are asked together; `fields` describes its keys.
 
     Attributes:
         source: Name and text of the file with the items; None if they are in the design.
-        wording: One of `fields.WORDINGS` by language.
+        wording: One of `fields.WORDINGS` for each language.
     """
 
     name: str
@@ -108,7 +108,7 @@ class Form:
 
 @dataclass(frozen=True)
 class Instruction:
-    """A text for the participant, by the keys of `fields`; empty `sessions` mean all."""
+    """A text for the participant; `fields` describes its keys. Empty `sessions` mean all."""
 
     text: Text
     at: str
@@ -118,7 +118,10 @@ class Instruction:
 
 @dataclass(frozen=True)
 class Exclusion:
-    """A rule that excludes trials or participants, by the keys of `fields`; no data are deleted."""
+    """A rule that excludes trials or participants from the report; no data are deleted.
+
+    `fields` describes its keys.
+    """
 
     name: str
     of: str
@@ -157,19 +160,19 @@ class PageSettings:
 class Design:
     """A valid design of a study.
 
-    Attributes are the keys of the file, some of them with a shorter name; `fields` has what each
-    means, its unit and its range. Others are:
+    Most attributes are keys of the file; `fields` has their meaning, unit and range. These differ
+    from the keys:
 
     Attributes:
         time_limit, expected, break_time: Times, s: `time_limit_s`, `expected_s` of `[trials]`,
             `least_s` of `[breaks]`.
         break_every: Number of trials between breaks; 0 for no breaks.
         page: Settings of trials on the participant's page.
-        consent: Text of the consent form; empty asks for none.
-        primary: Confirmatory outcomes; empty tests all outcomes of the report.
+        consent: Text of the consent form; empty if the study asks for no consent.
+        primary: Confirmatory outcomes; if empty, all outcomes of the report are tested.
         own_measure: The study's own measure; None without one.
-        own_source: Name and text of the file with it, which lies beside the design.
-        digest: Digest of the file, and of the files beside it that it names.
+        own_source: Name and text of the file with the own measure, in the folder of the design.
+        digest: Digest of the file, and of the files in its folder that it names.
         text: Text of the file.
         path: Path of the file.
     """

@@ -71,8 +71,8 @@ def parse_design(text: str, path: Path, try_out: bool = True) -> Design:
     Args:
         text: The whole text.
         path: Path of the file.
-        try_out: True also checks every combination of levels, and names that damage tables or
-            reports; False only parses the file, as of a study that has begun.
+        try_out: True also checks every combination of levels, and refuses names that tables and
+            reports cannot use. False only parses the file, for a study that has begun.
 
     Raises:
         DesignError: The file has mistakes.
@@ -121,7 +121,7 @@ def _design(top: TomlTable, text: str, path: Path) -> Design:
     forms = tuple(read_form(t, names, path.parent) for t in top.tables("questionnaires"))
     named = analysis.strings("primary") if analysis.has("primary") else None
     own, own_source = _own_measure(analysis, path.parent)
-    # Whoever names a questionnaire of one question means its answer.
+    # If `primary` names a questionnaire with one question for a number, its answer is the score.
     forms = tuple(scored_by_its_question(f) if f.name in (named or ()) else f for f in forms)
     design = Design(
         name=top.name("name"),
@@ -184,26 +184,27 @@ def _check_learning(design: Design, trials: TomlTable) -> None:
     if design.learning == "session" and "population" not in used:
         trials.add_mistake(
             "learning",
-            "no trial learns layouts",
+            f"{design.learning!r} has no effect: the labels of no trial learn layouts of fingers",
             'Write labels = "population" in [settings]',
         )
 
 
 _TAG = re.compile(r"[A-Za-z]{2,8}(-[A-Za-z0-9]{1,8})*")
-"""Form of a tag (BCP 47), as browsers want it."""
+"""Form of a language tag (BCP 47) that browsers accept."""
 
 
 def _check_names(design: Design, reader: Reader) -> None:
-    """Refuses languages that no browser knows, and names that tables and reports cannot tell apart
-    from others.
+    """Refuses language tags of a wrong form, and names that are ambiguous in tables and reports.
 
-    A study that has begun with such names can still be opened.
+    Ambiguous are questions about the person with the name of a column that the program fills, a
+    questionnaire with the name of the form about the person, and levels with a separator in their
+    names. A study that has begun with such names can still be opened.
     """
     for code in design.languages:
         if not _TAG.fullmatch(code):
             reader.add_mistake(
                 ("languages",),
-                f"{code!r} is no tag of a language",
+                f"{code!r} is not a language tag",
                 "Write letters and hyphens, such as pt-BR",
             )
     for i, item in enumerate(design.demographics):
@@ -226,7 +227,7 @@ def _check_names(design: Design, reader: Reader) -> None:
             if sign:
                 reader.add_mistake(
                     ("factors", i, "levels"),
-                    f"{level.name!r} has {sign!r} in it, which stands between names in tables and "
+                    f"{level.name!r} contains {sign!r}, which separates names in tables and "
                     "reports",
                     'Give the level a name without it: {name = "...", ...}',
                 )
@@ -248,14 +249,14 @@ def _settings(table: TomlTable) -> dict[str, Any]:
 
 
 def _nearest_setting(name: str) -> str:
-    """What to write in the place of a setting that there is not."""
+    """Remedy for an unknown setting: the setting with the most similar name, or all settings."""
     known = setting_types()
     near = get_close_matches(name, known, 1)
     return f"Did you mean {near[0]}?" if near else "Settings are: " + ", ".join(known)
 
 
 def _title(top: TomlTable, languages: tuple[str, ...]) -> str:
-    """The title, which participants do not see; of one in several languages, that of the first."""
+    """The title, in the first language if it has several; participants do not see it."""
     given = top.raw("title", "")
     if isinstance(given, dict):
         return TomlTable(top.reader, {"title": given}).text("title")[languages[0]]
@@ -267,7 +268,7 @@ def _page_settings(top: TomlTable, trials: TomlTable) -> PageSettings:
 
     Args:
         top: The design, from which `[[tasks]]` is taken.
-        trials: Its table `[trials]`.
+        trials: The table `[trials]` of the design.
     """
     shows = trials.strings("shows")
     for unknown in sorted(set(shows) - set(SHOWS)):
@@ -276,7 +277,7 @@ def _page_settings(top: TomlTable, trials: TomlTable) -> PageSettings:
     if "demo" in shows and starts != "touch":
         trials.add_mistake(
             "shows",
-            f"a demonstration lasts until the first touch, and starts is {starts!r}",
+            f"a demonstration lasts until the first touch, but starts is {starts!r}",
             'Leave out "demo", or write starts = "touch"',
         )
     names, goals = {}, {}
@@ -295,7 +296,7 @@ def _page_settings(top: TomlTable, trials: TomlTable) -> PageSettings:
 
 
 def _read_words(top: TomlTable) -> dict[str, dict[str, str]]:
-    """Reads the table `[words]`, which has a table for each language with words of its own."""
+    """Reads the table `[words]`, which has an inner table for each language."""
     table, english = top.table("words"), words_in("en")
     words: dict[str, dict[str, str]] = {}
     for language in top.reader.languages:
@@ -310,7 +311,7 @@ def _read_words(top: TomlTable) -> dict[str, dict[str, str]]:
                 given.add_mistake(
                     key,
                     f"the values of {english[key]!r} are {wanted or 'none'}",
-                    "Write them as they are there, in braces",
+                    "Write exactly these values, in braces",
                 )
         given.done()
     table.done()
@@ -458,9 +459,9 @@ def _primary(
     """Names of the confirmatory outcomes: measures, and questionnaires for their scores.
 
     Args:
-        table: The table `analysis`, for its mistakes.
+        table: The table `analysis`; mistakes are added to it.
         forms: All questionnaires.
-        named: What it names; None if it names nothing.
+        named: Outcomes that its key `primary` names; None without this key.
         own: The study's own measure.
     """
     names = named or ()
@@ -471,7 +472,7 @@ def _primary(
         table.add_mistake(
             "primary", "the list is empty", "Name an outcome, or remove it to test all of them"
         )
-    # A questionnaire whose file cannot be read has no items, and its own mistake.
+    # A questionnaire whose file cannot be read has no items. That mistake is already reported.
     unread = {form.name for form in forms if not form.items}
     for name in names:
         if name in known or name in between or name in unread:
@@ -484,8 +485,8 @@ def _primary(
             in_file = next(form.source for form in forms if form.name == name) is not None
             where = "[[scales]] in its file" if in_file else "[[questionnaires.scales]]"
             remedy = (
-                f"Give {name} a scale, {where} (docs/studies.md), or remove it here: its "
-                "answers are described"
+                f"Give {name} a scale, {where} (docs/studies.md), or remove it here; the report "
+                "describes its answers without a test"
             )
         else:
             what = f"unknown outcome {name!r}"
@@ -498,14 +499,14 @@ def _primary(
 
 
 def _gone(name: str) -> str:
-    """What takes the place of a measure of an earlier version, as the end of a remedy."""
+    """End of a remedy for a removed measure: what replaces it; empty for any other name."""
     if name not in REMOVED:
         return ""
-    return f"; {name} is no measure any more, and {REMOVED[name]} takes its place"
+    return f"; {name} was removed, and {REMOVED[name]} takes its place"
 
 
 def _own_measure(table: TomlTable, folder: Path) -> tuple[Measure | None, tuple[str, str] | None]:
-    """The study's own measure, and name and text of its file; None without one."""
+    """The study's own measure, and (name, text) of its file; both None without one."""
     place = table.string("own_measure")
     if not place:
         return None, None

@@ -1,7 +1,8 @@
-"""The plan of a study as text: who meets which levels in which order, and how long it takes; for a
-preregistration also design, people, exclusions and tests, as Markdown.
+"""The plan of a study as text: who gets which levels in which order, and how long it takes.
 
-All of it is computed from the design; why the study is done, its authors write themselves.
+For a preregistration, the text is Markdown, and also has the design, the number of people, the
+exclusions and the tests. All of it is computed from the design. It does not contain the purpose of
+the study, which the authors write themselves.
 """
 
 from __future__ import annotations
@@ -17,12 +18,14 @@ from sandbox.study.design.session_plan import BreakStep, Step, duration, session
 from sandbox.study.measures.measures import find_measure
 
 MOST_ORDERS = 24
-"""Participants whose orders a preregistration lists, of a longer cycle."""
+"""Largest number of participants whose orders a preregistration lists."""
 
 
 def order_rows(design: Design, people: int) -> list[list[str]]:
-    """The first row names columns; then each session has a row for every combination of levels of
-    the outer factors, with the order of the innermost one in it.
+    """Rows of a table of orders; the first row names the columns.
+
+    Each session has a row for every combination of levels of the outer factors. The row has the
+    order of the innermost factor's levels.
 
     Args:
         design: The design.
@@ -42,7 +45,10 @@ def order_rows(design: Design, people: int) -> list[list[str]]:
 
 
 def _levels_in_order(design: Design, steps: list[Step]) -> Iterator[list[str]]:
-    """Levels of the outer factors, each named where it begins, and the inner order within them."""
+    """Yields the levels of the outer factors, and the order of the innermost factor within them.
+
+    An outer level is named only in the row in which it begins.
+    """
     names = [factor.name for factor in design.factors]
     met = [[t.levels[name] for name in names] for t in trials_of(steps) if not t.practice]
     last = [""] * (len(names) - 1)
@@ -54,7 +60,7 @@ def _levels_in_order(design: Design, steps: list[Step]) -> Iterator[list[str]]:
 
 
 def _order(levels: Sequence[str]) -> str:
-    """Levels as they follow each other, without repeats; not more than a line holds."""
+    """Levels in their sequence, without immediate repeats; a long sequence is cut."""
     runs = [level for level, _ in groupby(levels)]
     if len(runs) > 2 * len(set(levels)):
         return f"{', '.join(runs[: len(set(levels))])}, ... ({len(runs)} changes)"
@@ -62,7 +68,7 @@ def _order(levels: Sequence[str]) -> str:
 
 
 def session_lines(design: Design, people: int) -> Iterator[str]:
-    """Lines on trials, durations and breaks of the sessions of so many participants."""
+    """Lines on the trials, durations and breaks of sessions, for so many participants."""
     total = 0.0
     breaks: dict[str, None] = {}
     for session in range(1, design.sessions + 1):
@@ -79,8 +85,8 @@ def session_lines(design: Design, people: int) -> Iterator[str]:
             places = (str(sum(not t.practice for t in some)) for some in before)
             breaks[" and ".join(places)] = None
     yield (
-        f"{counted(people, 'participant')}: about {people * total / 3600:.1f} h, a trial taken as "
-        f"{design.expected:g} s"
+        f"{counted(people, 'participant')}: about {people * total / 3600:.1f} h in all, if a trial "
+        f"takes {design.expected:g} s"
     )
     if breaks:
         yield (
@@ -90,13 +96,13 @@ def session_lines(design: Design, people: int) -> Iterator[str]:
 
 
 def cycle_lines(design: Design, people: int) -> Iterator[str]:
-    """Lines on orders: how many people a full cycle takes, and what so many leave confounded."""
+    """Lines on orders: how many people a full cycle takes, and what is confounded with `people`."""
     yield cycle_line(design)
     missing = confounded(design, people)
     if missing:
         yield (
-            f"{counted(people, 'participant')} are no full cycle (write "
-            f"{nearest_cycles(design, people)}); confounded is:"
+            f"{counted(people, 'participant')} do not complete a cycle (choose "
+            f"{nearest_cycles(design, people)}); this is confounded:"
         )
         yield from (f"  {line}" for line in missing)
 
@@ -188,13 +194,14 @@ def _tests(design: Design) -> Iterator[str]:
     yield from _table(rows)
     yield ""
     yield (
-        "The person is the unit: the mean of a person's trials under each condition; of times, "
-        "trials without success count with the time limit. Pairs of levels are compared by "
-        "Student's paired t test, shares and counts by all flips of signs, scores by Wilcoxon's "
-        "signed ranks; groups by Welch's t test, scores by Mann and Whitney's. All tests are "
-        f"two-sided, and p values of all {family_size(tests)} are adjusted together (Holm), so "
-        f"that a study without differences has a finding with probability {ALPHA:g} at most. "
-        "Everything else is exploratory and not tested."
+        "The unit of analysis is the person: each value is the mean over a person's trials under a "
+        "condition. In means of times, a trial without success counts as the time limit. Pairs of "
+        "levels within people are compared by Student's paired t test; shares and counts by a "
+        "permutation test that flips signs; scores by Wilcoxon's signed-rank test. Groups are "
+        "compared by Welch's t test; scores by the Mann-Whitney test. All tests are two-sided. The "
+        f"p values of all {family_size(tests)} tests are adjusted together (Holm), so that a study "
+        f"without differences has a finding with probability {ALPHA:g} at most. All other results "
+        "are exploratory and not tested."
     )
 
 

@@ -1,9 +1,10 @@
-"""The tests that the report will make of a study, and their power: which differences a number of
-people can find, and how many people a difference takes.
+"""The tests that the report makes of a study, and their power.
 
-Differences are in standard deviations: of the difference between two levels over people, if each
-person does both; of people, if each does one. The tests are two-sided t tests at the level of
-Holm's first step: 0.05 divided by the number of tests of the study.
+The power says which difference a number of people can find, and how many people are needed to find
+a difference. Differences are in units of a standard deviation over people. If each person does both
+levels, it is that of the difference between the levels; if each person does one level, it is that
+of the person's value. The tests are two-sided t tests at the level of Holm's first step: 0.05
+divided by the number of tests of the study.
 """
 
 from __future__ import annotations
@@ -20,15 +21,15 @@ from sandbox.study.design.design import Design, Factor
 from sandbox.study.design.fields import END, START
 
 ALPHA = 0.05
-"""Probability of any false finding in a study without differences, at most."""
+"""Largest probability that a study without any real difference has a false finding."""
 WANTED = 0.8
-"""Probability with which a difference is to be found."""
+"""Probability with which a difference should be found."""
 MOST = 50.0
-"""Largest difference that is looked for, in standard deviations."""
+"""Upper limit of the search for a difference, in standard deviations."""
 PRECISION = 1e-9
 """Precision of a difference, in standard deviations."""
 MOST_PEOPLE = 10_000
-"""Largest number of people that is looked for."""
+"""Upper limit of the search for a number of people."""
 
 
 @dataclass(frozen=True)
@@ -36,11 +37,11 @@ class PlannedTests:
     """The comparisons of one outcome between the levels of one factor.
 
     Attributes:
-        outcome: A measure, or a questionnaire for its score.
+        outcome: Name of a measure, or of a questionnaire, whose score is compared.
         factor: The factor.
         pairs: Number of compared pairs of levels.
-        share: Share of the participants who do one of two compared levels; of several pairs the
-            least.
+        share: Share of the participants who do at least one level of a compared pair; the smallest
+            share if there are several pairs.
     """
 
     outcome: str
@@ -54,16 +55,19 @@ class PlannedTests:
         return self.factor.order == "between"
 
     def people_in(self, participants: int) -> int:
-        """Number of participants who do one of two levels, of so many in the study."""
+        """Number of people in one comparison, if the study has so many participants."""
         return int(participants * self.share)
 
     def participants_for(self, people: int) -> int:
-        """Number of participants of whom so many do one of two levels."""
+        """Number of participants that the study needs for so many people in one comparison."""
         return ceil(people / self.share)
 
 
 def planned_tests(design: Design) -> list[PlannedTests]:
-    """All tests, by outcome and factor: of primary outcomes, or of all if the design names none."""
+    """All tests, by outcome and factor.
+
+    Tested are the primary outcomes of the design, or all outcomes if it names none.
+    """
     forms = {f.name: f for f in design.questionnaires if f.scales and f.at not in (START, END)}
     outcomes = design.primary or ("time_s", "success", *forms)
     found = []
@@ -78,13 +82,15 @@ def planned_tests(design: Design) -> list[PlannedTests]:
 
 
 def family_size(tests: list[PlannedTests]) -> int:
-    """Number of tests of the study, which its p values are adjusted for."""
+    """Number of tests of the study, for which the p values are adjusted."""
     return sum(test.pairs for test in tests)
 
 
 def _pairs(factor: Factor) -> dict[frozenset[str], list[int]]:
-    """Pairs of levels that occur together, as those of a nested factor need not; of each, the
-    numbers of levels of the lists that it is in."""
+    """Pairs of levels that occur in the same list, with the lengths of all lists with the pair.
+
+    A nested factor has several lists, and two of its levels need not be in the same list.
+    """
     lists = factor.nested.values() if factor.nested else [factor.levels]
     found: dict[frozenset[str], list[int]] = {}
     for levels in lists:
@@ -94,10 +100,9 @@ def _pairs(factor: Factor) -> dict[frozenset[str], list[int]]:
 
 
 def _share(design: Design, factor: Factor) -> Fraction:
-    """Share of the participants who do one of two levels; of several pairs the least.
+    """Share of the participants who do at least one level of a pair; the smallest over all pairs.
 
-    Of a factor inside of one that is between participants, only those of the groups that have the
-    pair do it.
+    If the outer factor is between participants, only groups whose levels have the pair count.
     """
     outer = next((f for f in design.factors if f.name == factor.outer), None)
     groups = len(outer.levels) if outer is not None and outer.order == "between" else None
@@ -110,7 +115,7 @@ def _share(design: Design, factor: Factor) -> Fraction:
 
 
 def power(effect: float, n: int, alpha: float = ALPHA, between: bool = False) -> float:
-    """Probability of finding a difference with a two-sided t test, in the direction that it has.
+    """Probability that a two-sided t test finds a difference, with its true direction.
 
     Args:
         effect: The difference, in standard deviations.
@@ -118,14 +123,14 @@ def power(effect: float, n: int, alpha: float = ALPHA, between: bool = False) ->
         alpha: Significance level of the test.
         between: True for two groups instead of pairs.
     """
-    # Not `scipy.stats`, which takes half a second to load, where that knows the number.
+    # `scipy.stats` takes half a second to load, so it is loaded only if `nctdtr` gives NaN.
     from scipy.special import nctdtr, stdtrit
 
     freedom = n - 2 if between else n - 1
     if freedom < 1:
         return 0.0
     limit = stdtrit(freedom, 1.0 - alpha / 2)
-    # The tail of the wrong direction is left out: SciPy has no number for it where it is tiny.
+    # The tail of the wrong direction is left out: SciPy cannot compute it where it is tiny.
     shift = effect * sqrt(n / 4 if between else n)
     missed = float(nctdtr(freedom, shift, limit))
     if isnan(missed):
@@ -136,8 +141,9 @@ def power(effect: float, n: int, alpha: float = ALPHA, between: bool = False) ->
 
 
 def detectable(n: int, tests: int = 1, between: bool = False) -> float:
-    """The smallest difference that n people find, in standard deviations; infinite if none up to
-    `MOST` is.
+    """The smallest difference that n people find, in standard deviations.
+
+    It is infinite if they do not find a difference of `MOST`.
 
     Args:
         n: Number of people.
@@ -159,8 +165,9 @@ def detectable(n: int, tests: int = 1, between: bool = False) -> float:
 
 
 def people_needed(effect: float, tests: int = 1, between: bool = False) -> int | None:
-    """The smallest number of people who find a difference; even for two groups, and None if it is
-    above `MOST_PEOPLE`.
+    """The smallest number of people who find a difference; None if it is above `MOST_PEOPLE`.
+
+    For two groups, the number is even.
 
     Args:
         effect: The difference, in standard deviations.
@@ -176,12 +183,13 @@ def people_needed(effect: float, tests: int = 1, between: bool = False) -> int |
 
 
 def power_lines(design: Design, participants: int, effect: float | None = None) -> Iterator[str]:
-    """Lines that say what can be found, one for each factor.
+    """Lines on the tests of a study, and on the differences that they can find for each factor.
 
     Args:
         design: Design of the study.
-        participants: Number of participants; twice as many are shown beside it.
-        effect: A difference in standard deviations, for the number of participants that it takes.
+        participants: Number of participants; the lines also describe twice as many.
+        effect: A difference in standard deviations; if given, the lines have the number of
+            participants that is needed to find it.
     """
     tests = planned_tests(design)
     family = family_size(tests)
@@ -190,9 +198,9 @@ def power_lines(design: Design, participants: int, effect: float | None = None) 
         return
     outcomes = ", ".join(dict.fromkeys(test.outcome for test in tests))
     yield (
-        f"tested are {outcomes}"
-        + ("" if design.primary else " (no [analysis] primary names fewer)")
-        + f": {family} {'tests' if family > 1 else 'test'}, of which Holm's first step needs "
+        f"outcomes tested: {outcomes}"
+        + ("" if design.primary else " (all, since [analysis] has no primary)")
+        + f"; {family} {'tests' if family > 1 else 'test'}; Holm's first step needs "
         f"p < {ALPHA / family:.3g}"
     )
     by_factor = groupby(
@@ -209,8 +217,11 @@ def power_lines(design: Design, participants: int, effect: float | None = None) 
         )
         if effect is not None:
             needed = people_needed(effect, family, test.between)
-            yield f"  {effect:g} SD takes {_count(design, test, needed)}"
-    yield "SD: standard deviation over people, of their differences or, of groups, of people"
+            yield f"  to find {effect:g} SD takes {_count(design, test, needed)}"
+    yield (
+        "SD: standard deviation over people, of the difference between the levels; between groups, "
+        "of each person's value"
+    )
 
 
 def _smallest(test: PlannedTests, participants: int, family: int) -> str:

@@ -1,4 +1,4 @@
-"""Reads questionnaires, which are in the design, in a file next to it, or in the package."""
+"""Reads questionnaires: from the design, from a file next to it, or from this package."""
 
 from __future__ import annotations
 
@@ -29,7 +29,9 @@ def instruments() -> dict[str, str]:
 
 
 def read_form(table: TomlTable, factors: list[str], folder: Path) -> Form:
-    """Reads a questionnaire of a design; `use` selects one of the package, `file` one in a file.
+    """Reads a questionnaire of a design.
+
+    Its key `use` names a questionnaire of this package, `file` a questionnaire in a file.
 
     Args:
         table: Table of the questionnaire in the design.
@@ -75,19 +77,19 @@ def read_form(table: TomlTable, factors: list[str], folder: Path) -> Form:
 
 
 def _refuse_own_items(table: TomlTable, name: str) -> None:
-    """Reports questions and scores beside a questionnaire that has them already."""
+    """Refuses `items` and `scales` in a table whose `use` or `file` already provides them."""
     for key in ("items", "scales"):
         if table.has(key):
             table.raw(key)
             table.add_mistake(
                 key,
                 f"{name} has its own {key}",
-                "Remove these, or write them in a [[questionnaires]] of its own, with a name",
+                f"Remove these {key}, or move them to another [[questionnaires]] with its own name",
             )
 
 
 def scored_by_its_question(form: Form) -> Form:
-    """The form with its answer as its score, where it asks for one number and has no scale."""
+    """The form, with its answer as its score if it asks for one number and has no scale."""
     numbers = [item for item in form.items if item.kind in ("scale", "number")]
     if form.scales or len(numbers) != 1:
         return form
@@ -97,7 +99,7 @@ def scored_by_its_question(form: Form) -> Form:
 
 
 def _causes(mistakes: list[Mistake]) -> list[str]:
-    """One line a cause: a language that a whole file lacks is one."""
+    """One line for each different mistake, so that a language missing everywhere gives one line."""
     by_cause: dict[str, list[Mistake]] = {}
     for mistake in mistakes:
         by_cause.setdefault(mistake.what, []).append(mistake)
@@ -137,8 +139,10 @@ def read_item(table: TomlTable) -> Item:
 
 
 def arranged(form: Form, seed: int) -> Form:
-    """Returns a form in the order of one participant: items with `shuffle` and their choices are
-    in random order, and all others stay in their places.
+    """Returns a form in the order of one participant.
+
+    Items with `shuffle` come in random order among their neighbours with `shuffle`, and their
+    choices in random order. All other items stay in their places.
 
     Args:
         form: The form of the design.
@@ -181,14 +185,14 @@ def _choices(table: TomlTable) -> tuple[str, ...]:
     stored = ", ".join(f'"{value}"' for value in values)
     table.add_mistake(
         "choices",
-        "choices are stored values, the same in all languages, and their texts are apart",
-        f"Write choices = [{stored}], and means = [{{{texts}}}, ...] with a text for each",
+        "choices are stored values, equal in all languages, but these are texts in languages",
+        f"Write choices = [{stored}], and means = [{{{texts}}}, ...] with a text for each choice",
     )
     return tuple(str(value) for value in values)
 
 
 def _item_table(table: TomlTable, **values: Any) -> TomlTable:
-    """A table in the place of a question, with one value of it."""
+    """A table at the path of a question that has only the given values."""
     return TomlTable(table.reader, values, table.path, ("items",))
 
 
@@ -208,7 +212,7 @@ def _means(table: TomlTable, choices: tuple[str, ...]) -> tuple[Text, ...]:
 
 
 def _wording(table: TomlTable) -> Text:
-    """Where the wording comes from, by language: one word for all, or a table."""
+    """Where the wording comes from, by language: the file has one word for all, or a table."""
     languages = table.reader.languages
     own = table.field("wording").default
     given = table.raw("wording", own)

@@ -54,8 +54,15 @@ class DesignError(StudyError):
 
 
 class Reader:
-    """State shared by all tables of one file: lines, languages, number of sessions, mistakes, and
-    whether it is of a study that has begun, which must stay readable."""
+    """State shared by all tables of one file.
+
+    Attributes:
+        lines: Line numbers of keys.
+        mistakes: The mistakes so far.
+        languages: Languages of the study.
+        sessions: Number of sessions of the study.
+        begun: True for the design of a study that has begun, which must stay readable.
+    """
 
     def __init__(self, text: str) -> None:
         self.lines = TomlLines(text)
@@ -70,7 +77,7 @@ class Reader:
 
 
 def place_of(path: Path) -> str:
-    """A place in a file in words, such as `factors[1].levels`; items of a list count from 1."""
+    """A path as text, such as `factors[1].levels`; items of a list are counted from 1."""
     where = ""
     for part in path:
         where += f"[{part + 1}]" if isinstance(part, int) else f".{part}" if where else part
@@ -78,14 +85,14 @@ def place_of(path: Path) -> str:
 
 
 class TomlTable:
-    """Reader of one table. Values are taken out one by one; `done` reports the remaining ones.
+    """Reader of one table. Values are taken out one by one; `done` reports the remaining values.
 
     Args:
         reader: Reader of the file.
         values: The parsed values.
         path: Path of the table in the file.
-        whose: Path under which its fields are declared, if another: a questionnaire's own file has
-            those of a questionnaire.
+        whose: Path under which `fields` declares the keys of the table, if it is not `path`. For a
+            questionnaire's own file, it is `("questionnaires",)`.
     """
 
     def __init__(
@@ -106,7 +113,7 @@ class TomlTable:
         self.reader.add_mistake((*self.path, *([key] if key else [])), what, remedy)
 
     def check_names(self, key: str, names: Sequence[str]) -> None:
-        """Adds a mistake for each of a list of tables that has the name of an earlier one."""
+        """Adds a mistake for each table of a list that has the name of an earlier table."""
         for i, name in enumerate(names):
             if name and name in names[:i]:
                 path = (*self.path, key, i, "name")
@@ -118,7 +125,7 @@ class TomlTable:
         return self._values.pop(key, default)
 
     def field(self, key: str) -> Field:
-        """What is declared of a key."""
+        """The declaration of a key in `fields`."""
         return field_of(self._whose, key)
 
     def number(self, key: str) -> Any:
@@ -136,7 +143,7 @@ class TomlTable:
         return value
 
     def string(self, key: str, default: str | None = None) -> str:
-        """Takes a string; required unless it is declared with a default, or one is given."""
+        """Takes a string. It is required if neither its declaration nor `default` has a default."""
         if default is None:
             default = self.field(key).default
         if default is None and not self.has(key):
@@ -171,7 +178,7 @@ class TomlTable:
 
         Args:
             key: Key of the table.
-            options: The words, if they are not declared.
+            options: The words, if `fields` does not declare them.
         """
         known = self.field(key)
         options, value = options or tuple(known.options), self.string(key)
@@ -256,7 +263,7 @@ class TomlTable:
         ]
 
     def done(self) -> None:
-        """Reports all values that were not taken out as mistakes."""
+        """Adds a mistake for each value that was not taken out."""
         from sandbox.study.design.conditions import setting_types
 
         for key in self._values:

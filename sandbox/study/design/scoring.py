@@ -1,7 +1,7 @@
 """Scores of questionnaires, computed from answers by the rules of their scales.
 
-If an answer is missing, the score is empty and the number of missing answers is given; missing
-answers are not imputed.
+If an answer is missing, the score has no value, only the number of missing answers. Missing answers
+are not imputed.
 """
 
 from __future__ import annotations
@@ -18,12 +18,12 @@ class Scale:
     Attributes:
         name: Name in tables.
         rule: One of `fields.RULES`.
-        items: Items that are numbers.
+        items: Names of the items, whose answers are numbers.
         bounds: Lowest and highest answer of each item.
-        reverse: Items that are reversed: high + low - answer.
+        reverse: Items that are reversed: low + high - answer is used.
         from_zero: True subtracts the lowest possible answer of an item from each answer.
-        factor: Factor that multiplies the result.
-        pairs: For `weighted`: the comparisons, items whose answers are names of `items`.
+        factor: Factor by which the result is multiplied.
+        pairs: For `weighted`: names of the comparisons, whose answers are names of `items`.
     """
 
     name: str
@@ -54,7 +54,13 @@ class Scale:
 
 @dataclass(frozen=True)
 class ScaleScore:
-    """Score of a scale: a number, or None if answers are missing, and their number."""
+    """Score of a scale.
+
+    Attributes:
+        scale: Name of the scale.
+        value: The score; None if answers are missing.
+        missing: Number of missing answers.
+    """
 
     scale: str
     value: float | None
@@ -62,7 +68,7 @@ class ScaleScore:
 
 
 def score(scale: Scale, answers: Mapping[str, Any]) -> ScaleScore:
-    """Computes the score from answers by item; an absent answer or None is missing."""
+    """Computes a score from answers, by item. An answer that is absent or None is missing."""
     from models.arithmetic import total
 
     used = (*scale.items, *scale.pairs)
@@ -86,7 +92,7 @@ def scores(scales: Sequence[Scale], answers: Mapping[str, Any]) -> list[ScaleSco
 
 
 def tally(scale: Scale, answers: Mapping[str, Any]) -> dict[str, int]:
-    """Number of times that each item of a weighted scale was chosen in its comparisons."""
+    """How often each item of a weighted scale was chosen in the comparisons of the scale."""
     chosen = [answers.get(name) for name in scale.pairs]
     return {name: chosen.count(name) for name in scale.items}
 

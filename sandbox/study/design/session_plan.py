@@ -1,7 +1,7 @@
 """Plan of a participant's sessions: all steps, with expected durations.
 
-A plan depends only on the design and the participant's number. It is not stored, and an interrupted
-session continues with the same steps.
+A plan depends only on the design, the participant's number and the session's number. So it is not
+stored: an interrupted session computes the same steps again.
 """
 
 from __future__ import annotations
@@ -18,15 +18,15 @@ from sandbox.study.design.fields import END, START
 from sandbox.study.design.questionnaires import arranged
 
 READING = 20.0
-"""Expected s to read an instruction."""
+"""Expected time to read an instruction, s."""
 CONSENT = 60.0
-"""Expected s to read and answer the consent form."""
+"""Expected time to read and answer the consent form, s."""
 ANSWERING = 7.0
-"""Expected s to answer a question."""
+"""Expected time to answer a question, s."""
 CALIBRATING = 30.0
-"""Expected s to measure a hand over a Leap."""
+"""Expected time to measure a hand over a Leap, s."""
 CHANGING = 4.0
-"""Expected s between two trials."""
+"""Expected time between two trials, s."""
 
 ABOUT_PERSON = f"form:{DEMOGRAPHICS}"
 """Id of the step with the questions about the person."""
@@ -65,7 +65,13 @@ class CalibrationStep(Step):
 
 @dataclass(frozen=True)
 class FormStep(Step):
-    """The participant answers a form; `block` is the block that it is about, or 0."""
+    """The participant answers a form.
+
+    Attributes:
+        form: The form, with its questions in the participant's order.
+        block: Number of the block that the form is about; 0 if it is not about a block.
+        levels: Levels, by factor, that the form is about.
+    """
 
     form: Form
     block: int
@@ -111,11 +117,11 @@ def session_plan(design: Design, number: int, session: int = 1) -> list[Step]:
 
     Consent and demographics are in the first session only. In each later session, orders `latin`
     and `factorial` move on by one row, random orders are drawn again, and starts and goals are new
-    unless all participants share them. Rows are given by `balance.rows_of`.
+    unless all participants share them. `balance.rows_of` gives the rows of the first session.
 
     Args:
         design: Design of the study.
-        number: Number of the participant, from 1; determines orders.
+        number: Number of the participant, from 1; it determines the orders.
         session: 1, 2, ... up to `design.sessions`.
     """
     steps = list(_Plan(design, number, session).steps())
@@ -125,12 +131,12 @@ def session_plan(design: Design, number: int, session: int = 1) -> list[Step]:
 
 
 def in_the_air(values: Mapping[str, Any]) -> bool:
-    """Returns True if a hand of a trial with these settings is over a Leap or before a camera."""
+    """Returns True if, with these settings, a hand is over a Leap or a camera sees it."""
     return over_a_leap(values) or WEBCAM in (values.get("device"), values.get("second_device"))
 
 
 def over_a_leap(values: Mapping[str, Any]) -> bool:
-    """Returns True if a hand of a trial with these settings is over a Leap."""
+    """Returns True if, with these settings, a hand is over a Leap."""
     return LEAP in (values.get("device"), values.get("second_device"))
 
 
@@ -167,16 +173,16 @@ class _Plan:
         # Rows and seeds count people from 0.
         self._participant = number - 1
         self._rows = rows_of(design, self._participant)
-        # Number of rows by which this session's orders are further than those of the first one.
-        # With one level a session, sessions are the places of one order.
+        # This session's orders are so many rows after those of the first session. If a factor has
+        # one level a session, all sessions share one order: each is a place in it.
         one_a_session = any(factor.one_a_session for factor in design.factors)
         self._moved = 0 if one_a_session else session - 1
-        # Added to all seeds of later sessions; seeds of a first session do not depend on it.
+        # Added to the parts of all seeds in sessions after the first.
         self._later: tuple[object, ...] = () if session == 1 else ("session", session)
         self._trial = self._block = self._in_block = self._count = 0
         self._levels: dict[str, Level] = {}
         inside = [f.name for f in design.factors]
-        # Number of outer factors inside whose levels the repetitions are made.
+        # Number of factors outside of the loop over repetitions.
         self._round = (
             inside.index(design.repeat_inside) + 1 if design.repeat_inside else len(inside)
         )
@@ -199,11 +205,11 @@ class _Plan:
         yield from self._instructions(END)
 
     def _now(self, sessions: tuple[int, ...]) -> bool:
-        """True if something belongs to this session."""
+        """True if this session is among `sessions`, or `sessions` is empty, which means all."""
         return not sessions or self._session in sessions
 
     def _factor(self, depth: int, moved: int, repetition: int) -> Iterator[Step]:
-        """Steps within the levels chosen so far; orders are `moved` rows further."""
+        """Steps within the levels chosen so far; `moved` is added to the rows of all orders."""
         design = self._design
         if depth == self._round and not repetition:
             for again in range(1, design.repetitions + 1):
@@ -247,7 +253,7 @@ class _Plan:
         levels = {name: level.name for name, level in self._levels.items()}
         values = values_of(design, self._levels)
         who = "everybody" if design.seeds == "shared" else self._participant
-        # Shared starts are equal in all conditions as well: they depend on task and repetition.
+        # Shared starts are equal in all conditions, too: they depend on task and repetition only.
         what = values.get("task", "") if design.seeds == "shared" else sorted(levels.items())
         later = () if design.seeds == "shared" else self._later
         seed = _seed(design.seed, "trial", who, what, repetition, practice, *later)

@@ -1,8 +1,9 @@
 """Finds the line numbers of keys in a TOML file, which the standard parser does not report.
 
-A table's heading, and a key with its value, are TOML by themselves. So the lines of a file are
-gathered until the standard parser reads them, and what it reads there begins at the first of them.
-Of an array over several lines it reads the beginning, too, once its brackets are closed.
+The heading of a table is valid TOML by itself, as is a key with its value. So lines are gathered
+until the standard parser accepts them; the keys that it then finds begin at the first gathered
+line. In an array over several lines, each item gets its own line: closing brackets are appended to
+the lines so far, so that the parser accepts them.
 """
 
 from __future__ import annotations
@@ -15,21 +16,22 @@ from typing import Any
 Path = tuple[str | int, ...]
 
 _CLOSING = ("", "]", "]]", "]}", "]}]", "]]]")
-"""Ends that make a whole value of an array whose end is on a later line."""
+"""Brackets that complete an array whose end is on a later line."""
 _ENDS = ('"""', "'''", "]", "}")
-"""One of these is in the last line of a value that was not to be read before."""
+"""One of these is in the last line of a value over several lines, so a line without them need not
+be parsed."""
 
 
 class TomlLines:
     """Line numbers of the tables, keys and list items of a TOML text.
 
-    A text that is no TOML has the lines of what comes before its mistake.
+    For a text with a syntax error, the keys before the error have their lines.
 
     Args:
         text: Text of the file.
 
     Attributes:
-        last: Line of the last key or item that was found, where a value without an end begins.
+        last: Line at which the last, unfinished value begins; 1 if there is none.
     """
 
     def __init__(self, text: str) -> None:
@@ -63,8 +65,10 @@ class TomlLines:
         return path in self._lines
 
     def _take(self, gathered: str, values: dict[str, Any], line: int) -> None:
-        """Takes in what some lines hold; of `text.en` and `text.de`, the first is the line of
-        `text`."""
+        """Records the line of each key in the gathered lines.
+
+        A table that several lines write (`text.en`, `text.de`) has the first of these lines.
+        """
         if gathered.lstrip().startswith("["):
             self._heading(values, line)
             return

@@ -1,4 +1,4 @@
-"""Identity of the program and encoders to which a study is locked."""
+"""The build to which a study is locked: program, libraries, encoders, tasks and design."""
 
 from __future__ import annotations
 
@@ -57,26 +57,26 @@ COMPUTES = (
 )
 """Folders whose files take part in a trial or compute its measures."""
 LEFT_OUT = {
-    "encoders/captures/conversion": "it makes captures of recordings, which no trial does",
+    "encoders/captures/conversion": "it converts recordings to captures, which no trial does",
     "models/motion": "it reads and writes files of motion capture, which no trial does",
-    "models/skin": "it is drawn, and no state depends on it",
-    "sandbox": "lsl.py sends copies of what happens to other instruments",
-    "sandbox/server": "it carries the page; the touches that come of it are recorded",
+    "models/skin": "it is drawn only; no state depends on it",
+    "sandbox": "lsl.py sends copies of events to other instruments",
+    "sandbox/server": "it connects the page; the touches that it receives are recorded",
     "sandbox/system": "it locks and flushes files",
-    "sandbox/views": "it shows what happens",
-    "sandbox/views/window": "it shows what happens",
-    "sandbox/words": "they are what people read, and no state depends on them",
+    "sandbox/views": "it shows the simulation",
+    "sandbox/views/window": "it shows the simulation",
+    "sandbox/words": "it has texts for people; no state depends on them",
 }
-"""Folders that those of `COMPUTES` import and that the digest leaves out, each with the reason."""
+"""Folders that files of `COMPUTES` import but that the digest leaves out, each with the reason."""
 LIBRARIES = ("hand-sandbox", *DECISIVE)
 """Versions to which a study is locked."""
 OWN_TASKS = "tasks of one's own"
-"""Part of a build: tasks that are not built in, by name."""
+"""Key of a build: digests of tasks that are not built in, by name."""
 NOTED = ("numpy", "python", "scipy")
-"""Versions that are recorded for people; states do not depend on them."""
+"""Versions that are recorded for human readers; a study is not locked to them."""
 
 SHARED_BUILD = (*LIBRARIES, *NOTED, OWN_TASKS, "program", "encoders", "design")
-"""Parts of a build that `sandbox study share` includes."""
+"""Keys of a build that `sandbox study share` includes."""
 
 
 @cache
@@ -92,7 +92,10 @@ def digest_of(root: Path) -> str:
 
 
 def build_of(design: Design) -> dict[str, Any]:
-    """Versions of libraries, and digests of the program, of all encoders of a design, and of it."""
+    """Versions of libraries, and digests of the program, of a design and of all its encoders.
+
+    If the design has tasks that are not built in, their digests are included.
+    """
     from sandbox.trial.assembly import digests
 
     here = versions()
@@ -114,14 +117,14 @@ def build_of(design: Design) -> dict[str, Any]:
 
 
 def changes(locked: dict[str, Any], here: dict[str, Any]) -> list[str]:
-    """Different parts of two builds to which a study is locked, with their values."""
+    """Differences between two builds to which a study can be locked, with their values."""
     names = (set(locked) | set(here)) - set(NOTED)
-    # Studies from before the lock of external tasks go on.
+    # Builds of earlier versions have no digests of external tasks, so these are not compared.
     return _differences(locked, here, names if OWN_TASKS in locked else names - {OWN_TASKS})
 
 
 def noted_changes(locked: dict[str, Any], here: dict[str, Any]) -> list[str]:
-    """Differences between two builds that change no state: versions."""
+    """Differences of the versions in `NOTED`, to which a study is not locked."""
     return _differences(locked, here, NOTED)
 
 
@@ -138,6 +141,6 @@ def _differences(locked: dict[str, Any], here: dict[str, Any], names: Collection
 
 
 def _changed_tasks(before: dict[str, str], after: dict[str, str]) -> str:
-    """External tasks whose code or objects have changed, in words."""
+    """A text that names the external tasks whose code or objects have changed."""
     names = [name for name in sorted({*before, *after}) if before.get(name) != after.get(name)]
-    return ", ".join(f"the code or the things of {name} have changed" for name in names)
+    return ", ".join(f"the code or the objects of {name} have changed" for name in names)

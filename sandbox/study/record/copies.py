@@ -1,8 +1,8 @@
-"""Folders of people and sessions, and copies among them, which are not data.
+"""Folders of people and sessions, and copies of such folders, which are not data.
 
-A folder is a person's if its name is the pseudonym in its first note, and a session's if its place
-is the one in the first sound record of a run. Who copies a folder inside of a study gives it
-another place, so that each record counts at most once.
+A folder belongs to a person if its name is the pseudonym in its first note. It belongs to a session
+if its path is the one in the first undamaged record of a run. A copy of a folder inside of the
+study has another path, and is therefore ignored: each record counts at most once.
 """
 
 from __future__ import annotations
@@ -18,20 +18,20 @@ from sandbox.study.record.notes import PERSON_NOTES, site_notes, withdrawn
 from sandbox.study.record.records import RUNS
 
 JOURNAL = "session.jsonl"
-"""File of a session's folder: its record."""
+"""File of a session's folder: its journal."""
 SESSIONS = "S[0-9][0-9][0-9]"
 """Pattern of the names of session folders."""
 
 
 @dataclass(frozen=True)
 class Copy:
-    """A folder that is not at the place that its record names.
+    """A folder whose path differs from the path in its notes or journal.
 
     Attributes:
         path: The folder.
-        of: The place that its record names.
-        of_person: True for the folder of a person, false for that of a session.
-        withdrawn: True if the person whose data it holds has withdrawn.
+        of: The path according to its notes or journal.
+        of_person: True for the folder of a person, False for the folder of a session.
+        withdrawn: True if the person whose data it contains has withdrawn.
     """
 
     path: Path
@@ -43,7 +43,7 @@ class Copy:
         if self.withdrawn:
             return f"holds the data of {self._name}, who has withdrawn; delete it"
         if not self.of.exists():
-            return f"holds the data of {self._name}: name it so, or move it out of the study"
+            return f"holds the data of {self._name}: rename it to that, or move it out of the study"
         file = PERSON_NOTES if self.of_person else JOURNAL
         equal = _bytes(self.path / file) == _bytes(self.of / file)
         what = "is a copy of" if equal else "holds other data of"
@@ -61,14 +61,16 @@ def person_folders(study: Path) -> list[Path]:
 
 
 def session_folders(person: Path) -> list[Path]:
-    """Folders of all sessions of a participant, in order, without copies; also of sessions that
-    have not begun."""
+    """Folders of all sessions of a participant, in order, without copies.
+
+    Sessions that have not begun are included.
+    """
     paths = sorted(person.glob(SESSIONS))
     return [path for path in paths if _session_in(path) in (None, _place(path))]
 
 
 def copies(study: Path) -> list[Copy]:
-    """Folders of a study that are not at the place that their record names.
+    """Folders of a study whose path differs from the path in their notes or journal.
 
     Raises:
         StudyError: Notes of a site are damaged.
@@ -90,19 +92,22 @@ def copies(study: Path) -> list[Copy]:
 
 
 def _place(session: Path) -> str:
-    """Place of the folder of a session in its study."""
+    """Path of the folder of a session, relative to its study."""
     return f"{session.parent.name}/{session.name}"
 
 
 def _person_in(folder: Path) -> str | None:
-    """The pseudonym that the notes in a folder name; None if they name none."""
+    """The pseudonym in the first note of a folder; None if it has none."""
     first = _decoded(_bytes(folder / PERSON_NOTES).partition(b"\n")[0])
     ppid = first.get("ppid")
     return ppid if isinstance(ppid, str) else None
 
 
 def _session_in(folder: Path) -> str | None:
-    """The place that the record in a folder names; None if it names none in a sound line."""
+    """The path, relative to the study, according to the journal in a folder; None without one.
+
+    Only undamaged lines are read.
+    """
     for record in _sound(folder / JOURNAL):
         if record.get("kind") in RUNS:
             ppid, number = record.get("ppid"), record.get("session", 1)
@@ -124,7 +129,7 @@ def _sound(path: Path) -> Iterator[dict[str, Any]]:
 
 
 def _decoded(line: bytes) -> dict[str, Any]:
-    """A line of JSON; empty if it is damaged, which a reader of the whole file reports."""
+    """A line of JSON; empty if it is damaged, which `read_notes` and `read_journal` report."""
     try:
         value = json.loads(line)
     except (ValueError, RecursionError):
@@ -133,7 +138,7 @@ def _decoded(line: bytes) -> dict[str, Any]:
 
 
 def _bytes(path: Path) -> bytes:
-    """Content of a file; empty if it cannot be read, which a reader of the whole file reports."""
+    """Content of a file; empty if it cannot be read, which the readers of whole files report."""
     try:
         return path.read_bytes()
     except OSError:

@@ -21,7 +21,7 @@ from sandbox.system.files import (
 TEMPORARY = ".tmp-"
 """Prefix of the names of unfinished files."""
 LOCK_FILES = (".lock", f".lock{BESIDE}")
-"""Names of files that hold locks; they hold no data."""
+"""Names of lock files, which contain no data."""
 
 
 def study_error(error: OSError, path: Path, what: str) -> StudyError:
@@ -35,18 +35,18 @@ def study_error(error: OSError, path: Path, what: str) -> StudyError:
 
 
 def write_atomically(path: Path, data: bytes, durable: bool = True) -> bool:
-    """Replaces a file atomically: readers see either the old or the new one.
+    """Replaces a file atomically: readers see either the old file or the new file.
 
     Args:
         path: Path of the file.
-        data: Its whole content.
-        durable: True ensures that it is on the disk when this returns, safe from a power cut.
+        data: The whole new content.
+        durable: True returns only after the file is on the disk, safe from a power cut.
 
     Returns:
         True if the content changed.
 
     Raises:
-        StudyError: The file cannot be written; its older version is still there.
+        StudyError: The file cannot be written; the old file is unchanged.
     """
     temporary = path.with_name(f"{TEMPORARY}{os.getpid()}-{path.name}")
     try:
@@ -67,7 +67,7 @@ def write_atomically(path: Path, data: bytes, durable: bool = True) -> bool:
 
 
 def write_new(path: Path, text: str) -> None:
-    """Writes a text to a file that is not there yet.
+    """Writes a text to a new file.
 
     Raises:
         StudyError: The file exists or cannot be written.
@@ -86,7 +86,7 @@ def write_new(path: Path, text: str) -> None:
 
 
 def remove_locks(folder: Path) -> None:
-    """Removes the lock files of a folder that no program has open."""
+    """Removes the lock files of a folder; no program may have the folder open."""
     for name in LOCK_FILES:
         _remove(folder / name)
 
@@ -98,7 +98,7 @@ def remove_unfinished(folder: Path) -> None:
 
 
 def _remove(path: Path) -> None:
-    # A remaining file is harmless: the next write uses another name, or overwrites it.
+    # A file that remains is harmless: the next write uses another name, or overwrites it.
     with suppress(OSError):
         path.unlink(missing_ok=True)
 
@@ -126,8 +126,8 @@ def locked(path: Path, wait: bool, what: str = "") -> Iterator[None]:
 
     Args:
         path: Path of the lock file.
-        wait: True waits until others release it; False raises an error.
-        what: Name of the locked resource, for the message.
+        wait: True waits until other programs release the lock; False raises an error.
+        what: Name of the locked resource, for the error message.
 
     Raises:
         StudyError: Another program holds the lock, or the file cannot be created.
@@ -160,7 +160,10 @@ def json_bytes(value: Any) -> bytes:
 
 
 def _write_holder(fd: int) -> None:
-    """Writes process and host into the lock file, for the message of others; errors are ignored."""
+    """Writes process and host into the lock file, for the error of other programs.
+
+    Errors are ignored.
+    """
     with suppress(OSError):
         os.ftruncate(fd, 0)
         os.write(fd, f"{this_program()}\n".encode())

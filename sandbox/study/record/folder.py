@@ -3,14 +3,15 @@
 OUT/EXPERIMENT/            real data; pilot data are in EXPERIMENT-pilot, simulated data in
                            EXPERIMENT-simulated
   design.toml              the design in force for the next session, with its questionnaires
-  notes/SITE.jsonl         the study's identity and lock, seals, copies and withdrawals
+  notes/SITE.jsonl         the study's name, mode and lock, seals, copies and withdrawals
   PPID/                    all data of one person
-    notes.jsonl            the person's identity, and decisions about them
+    notes.jsonl            the person's pseudonym, number and hand, and decisions about the person
     S001/                  a session
-  tables/                  tables, which are derived
+  tables/                  tables, which are derived from all other files
 
-Only a person's seals are outside the person's folder, and numbers count within a site. The data of
-two computers are therefore merged by copying folders: people's, and the notes of each site.
+All data of a person are in the person's folder, except the seals of the sessions. Each site counts
+its own participants. So the data of two computers are merged by copying the folders of people and
+the notes of each site into one folder.
 """
 
 from __future__ import annotations
@@ -60,10 +61,10 @@ if TYPE_CHECKING:
     from tasks.user import UserConfiguration
 
 REAL, PILOT, SIMULATED = "real", "pilot", "simulated"
-"""Kinds of data. Each kind has its own folder and is named in every row of the tables; a folder is
-never opened as another kind."""
+"""Kinds of data. Each kind has its own folder, which is never opened as another kind, and every row
+of the tables names the kind."""
 SITE = "A"
-"""Site of a study that is run at one place."""
+"""Site of a study that is run at one place only."""
 
 
 @dataclass(frozen=True)
@@ -73,7 +74,8 @@ class Participant:
     Attributes:
         ppid: Pseudonym.
         number: 1, 2, ... in order of arrival at the site; it determines the orders of levels.
-        hand, hand_size: The participant's hand, and its length relative to the trained hand.
+        hand: `right` or `left`, the hand with which the participant touches.
+        hand_size: Length of that hand, relative to the hand on which the encoders were trained.
         language: Language of the texts.
         user: The simulated user's configuration; None for a person.
         site: The site; each site counts its own numbers.
@@ -89,10 +91,10 @@ class Participant:
 
     @property
     def simulated_user(self) -> UserConfiguration:
-        """The simulated user who plays for a simulated participant.
+        """Configuration of the simulated user of a simulated participant.
 
-        Besides the configuration, `user` contains the skill. From an earlier version it may also
-        contain settings that no longer exist; they are ignored.
+        `user` also contains the skill, and, if an earlier version wrote it, values that no longer
+        exist. These are ignored.
         """
         from tasks.user import UserConfiguration
 
@@ -105,12 +107,12 @@ DESIGN_FILE = "design.toml"
 REPORT = "report.html"
 """File name of a report's page."""
 SETTINGS = "settings"
-"""Field of the first note of a site: all settings of a trial that the design does not set. A later
-change of a default therefore changes no study that has begun."""
+"""Field of the first note of a site: the default settings of a trial when the study began. So a
+later change of a default does not change a study that has begun."""
 FILES = "files"
 """Field of the records with which a run begins: texts of the design and its questionnaires."""
 OLD_LAYOUT = "study.jsonl"
-"""A file of the earlier layout, which `python -m tools.convert_study` converts to this one."""
+"""A file of an earlier layout of studies; `python -m tools.convert_study` converts such a study."""
 
 
 class StudyFolder:
@@ -120,25 +122,30 @@ class StudyFolder:
         out: Folder of all studies.
         design: Design of this study.
         mode: `REAL`, `PILOT` or `SIMULATED`.
-        upgrade: Reason to continue with another program, encoder or design than the locked one;
-            empty refuses such a change.
+        upgrade: Reason to continue although the program, an encoder or the design has changed;
+            if empty, such a change is refused.
         site: Letter of the site.
 
     Attributes:
-        noted: Changed versions, since the study was last opened, that do not affect states.
-        anew: Changes since the study was last opened, which are accepted because there is no
-            participant yet.
+        noted: Changes, since the study was last opened, of versions to which it is not locked.
+        anew: Changes, since the study was last opened, of the program, encoders or design. They are
+            accepted because the study has no participant yet.
 
     Raises:
-        StudyError: The folder is locked to another program, encoder or design and has a
-            participant, has another mode, or cannot be written.
+        StudyError: The folder has participants and is locked to another program, encoder or design;
+            it has data of another mode; or it cannot be written.
     """
 
     def __init__(
         self, out: Path, design: Design, mode: str, upgrade: str = "", site: str = SITE
     ) -> None:
         if not (len(site) == 1 and site.isascii() and site.isupper()):
-            raise StudyError("not a site", where="--site", got=site, expected="a letter, A to Z")
+            raise StudyError(
+                "this is not the letter of a site",
+                where="--site",
+                got=site,
+                expected="a letter, A to Z",
+            )
         self.design, self.mode, self.site = design, mode, site
         self.path = folder_of(out, design.name, mode)
         self.noted: list[str] = []
@@ -155,7 +162,7 @@ class StudyFolder:
     def at(cls, path: Path) -> StudyFolder:
         """Opens an existing study to read it, maintain it or build its tables.
 
-        The program's version is not compared with the lock. The site is the folder's first site.
+        The build is not compared with the study's lock. The site is the first site in the folder.
 
         Raises:
             StudyError: The path is not a study folder, or the design cannot be read.
@@ -185,7 +192,7 @@ class StudyFolder:
 
     @property
     def about(self) -> dict[str, Any]:
-        """First note of this site: schema, experiment, mode, settings, build at the beginning."""
+        """First note of this site: schema, experiment, mode, settings, and the first build."""
         return dict(self._about)
 
     @property
@@ -195,15 +202,16 @@ class StudyFolder:
 
     @property
     def settings(self) -> Settings:
-        """Settings of trials that the design does not set."""
+        """Default settings of a trial, which the design's settings override."""
         from sandbox.trial.settings import Settings, decoded
 
         return decoded(self._about[SETTINGS]) if SETTINGS in self._about else Settings()
 
     def design_of(self, digest: str) -> Design:
-        """Returns the design with a digest that a session's records contain.
+        """Returns the design with a digest, from the records of a session.
 
-        Returns the current design if no session has the digest, or if this version cannot read it.
+        Returns the current design if no session has a design with this digest, or if this version
+        of the program cannot read it.
         """
         if digest == self.design.digest:
             return self.design
@@ -226,7 +234,7 @@ class StudyFolder:
 
     @contextmanager
     def lock(self) -> Iterator[None]:
-        """Locks the files of the study itself; sessions of other participants continue."""
+        """Locks the files of the study, but not its sessions, which other programs may run."""
         with locked(self.path / ".lock", wait=True, what="the study"):
             yield
 
@@ -243,7 +251,7 @@ class StudyFolder:
 
         Args:
             ppid: The pseudonym.
-            remedy: Remedy in the error; empty for the place of the list of participants.
+            remedy: Remedy in the error; if empty, it names the table with all participants.
 
         Raises:
             StudyError: The participant does not exist.
@@ -261,15 +269,15 @@ class StudyFolder:
         return participant
 
     def add(self, number: int | None = None, **about: Any) -> Participant:
-        """Adds a participant; the folder exists before the lock of the study is released.
+        """Adds a participant and creates the participant's folder.
 
         Args:
-            number: Number of the participant; if it is in use, its participant is returned. None
-                uses the first free number of this site.
+            number: Number of the participant. If another participant has this number, that
+                participant is returned. None chooses the first free number of this site.
             about: Further attributes of `Participant`.
 
         Raises:
-            StudyError: Another program has changed the study's lock since it was opened.
+            StudyError: Another program has locked the study to another build since it was opened.
         """
         with self.lock():
             different = changes(self.build, _build_of(read_notes(self.notes)))
@@ -313,16 +321,17 @@ class StudyFolder:
         self.note_about(ppid, RELEASE, reason=reason)
 
     def is_released(self, ppid: str) -> bool:
-        """True if a participant's number was freed and the release was not reverted."""
+        """True if a participant's number was freed, and the participant was not included again."""
         return next((free for p, free in self._people() if p.ppid == ppid), False)
 
     def include(
         self, person: Participant, begun: bool, **values: Any
     ) -> tuple[Participant, Participant | None]:
-        """Writes a note that a participant whose number was freed takes part again.
+        """Writes a note that a participant whose number was freed is included again.
 
-        The participant gets the earlier number back. If another participant has it now, the first
-        free number is used, unless the participant has begun trials in the earlier number's orders.
+        The participant gets the earlier number back. If another participant has it now, it depends
+        on the trials: without trials, the participant gets the first free number; with trials, both
+        have the same number, since it determined the orders of these trials.
 
         Args:
             person: The participant.
@@ -330,7 +339,8 @@ class StudyFolder:
             values: Further values of the note.
 
         Returns:
-            The participant with the number, and the present holder of the earlier number, or None.
+            The participant with the number, and the other participant who has the earlier number,
+            or None.
         """
         with self.lock():
             held = {
@@ -346,7 +356,7 @@ class StudyFolder:
             return replace(person, number=number), other
 
     def _holders(self) -> dict[int, Participant]:
-        """Returns the participants of this site by their numbers."""
+        """Participants of this site whose number was not freed, by number."""
         return {p.number: p for p, free in self._people() if not free and p.site == self.site}
 
     def _people(self) -> list[tuple[Participant, bool]]:
@@ -357,7 +367,7 @@ class StudyFolder:
             path = folder / PERSON_NOTES
             notes = read_notes(path) if folder.name not in gone else []
             if not notes:
-                # The participant withdrew, or a program was killed before it wrote the first note.
+                # The participant withdrew, or the program was killed before the first note.
                 continue
             person, free = person_of(notes[0], path), False
             for note in notes:
@@ -369,11 +379,11 @@ class StudyFolder:
         return [(person, free) for _, person, free in found]
 
     def _take(self, notes: list[Record]) -> None:
-        """Reads the study's identity and lock from the notes of this site."""
+        """Reads the first note and the lock of the study from the notes of this site."""
         self._about, self._build = notes[0] if notes else {}, _build_of(notes)
         if self._about.get("kind") != STUDY:
             raise StudyError(
-                "the notes of a site do not begin with what the study is locked to",
+                "the notes of a site do not begin with a note about the study",
                 where=str(self.notes),
                 remedy="Restore them from a backup; nothing was changed",
             )
@@ -402,11 +412,11 @@ class StudyFolder:
             ours = any(name.startswith("design ") for name in different)
             raise StudyError(
                 "the study is locked to the program, encoders, tasks and design that its "
-                "participants had, and these differ now",
+                "participants had, but these have changed",
                 where=str(self.path),
                 got=", ".join(different),
-                remedy="Restore the locked ones, begin a new folder with --out FOLDER, or continue "
-                'with --force-upgrade "REASON", which is logged'
+                remedy="Restore the earlier ones, begin a new folder with --out FOLDER, or "
+                'continue with --force-upgrade "REASON", which is recorded'
                 + (f". The locked design is {design}: `diff` shows what differs" if ours else ""),
             )
         about = {"changed": [*different, *self.noted], "before": before, "after": build}
@@ -426,7 +436,7 @@ def _first_free(taken: Collection[int]) -> int:
 
 
 def is_study(path: Path) -> bool:
-    """True if a folder is a study's, also in an earlier version's layout."""
+    """True for the folder of a study, also in the layout of an earlier version."""
     return (path / NOTES).is_dir() or (path / OLD_LAYOUT).is_file()
 
 
@@ -435,13 +445,13 @@ def _refuse_old_layout(path: Path) -> None:
         raise StudyError(
             "this study has the layout of an earlier version",
             where=str(path),
-            remedy=f"`python -m tools.convert_study {path} NEW` in a checkout makes a copy in the "
-            "layout of today",
+            remedy=f"Run `python -m tools.convert_study {path} NEW` in a checkout: it makes a copy "
+            "in the present layout",
         )
 
 
 def _build_of(notes: list[Record]) -> dict[str, Any]:
-    """Returns the lock of a site from its notes."""
+    """The build to which a study is locked, from the notes of a site; empty without notes."""
     builds = [note["after"] for note in notes if note["kind"] in (ANEW, UPGRADE, LIBRARIES)]
     first: dict[str, Any] = notes[0].get("build", {}) if notes else {}
     return builds[-1] if builds else first
@@ -463,7 +473,7 @@ def person_of(note: Record, where: Path) -> Participant:
     """
     if note["kind"] != PARTICIPANT:
         raise StudyError(
-            "the notes of a person do not begin with who this is",
+            "the notes of a person do not begin with a note about the participant",
             where=str(where),
             remedy="Restore them from a backup; nothing was changed",
         )
@@ -472,7 +482,7 @@ def person_of(note: Record, where: Path) -> Participant:
 
 
 def readable_design(files: Mapping[str, str]) -> Design | None:
-    """Reads a design from the texts of its files by name; None if this version cannot read it."""
+    """Reads a design from the texts of its files, by file name; None if this version cannot."""
     from sandbox.study.design.design_file import load_design
 
     with TemporaryDirectory() as folder:
@@ -494,8 +504,10 @@ def write_design(folder: Path, design: Design) -> None:
 
 
 def design_files(design: Design) -> dict[str, str]:
-    """Returns the texts of a design's files in a study folder, by name: the design, its
-    questionnaires, and the file of its own measure."""
+    """Returns the texts of a design's files, by name.
+
+    These are the design, the files of its questionnaires, and the file of its own measure.
+    """
     sources = [form.source for form in design.questionnaires if form.source]
     sources += [design.own_source] if design.own_source else []
     return {DESIGN_FILE: design.text, **dict(sources)}
@@ -507,6 +519,6 @@ def folder_of(out: Path, name: str, mode: str) -> Path:
 
 
 def withdrawals_of(notes: list[Record]) -> int:
-    """Number of participants who withdrew, by a study's notes or those of an anonymous copy."""
+    """Number of participants who withdrew, from the notes of a study or of an anonymous copy."""
     before = [n["about"].get(WITHDRAWN, 0) for n in notes if n["kind"] == ANONYMISED]
     return len(withdrawn(notes)) + sum(before)  # any order: whole numbers

@@ -1,10 +1,9 @@
 """The hash chain of a session's record: each line carries a hash of itself and of the line before.
 
 A line ends with `"hash":"..."}`. The hash is BLAKE2b (32 bytes, hex) of the hash of the line before
-(empty for the first one), followed by the line's bytes without the field `hash`. A change of one
-bit is therefore found in its line, and a line that is missing, new or moved at the next one. Since
-the end of a trial names the digest of its recording, the last hash stands for everything that the
-person did.
+(empty for the first line), followed by the line's bytes without the field `hash`. So a changed bit
+is found in its line, and a missing, new or moved line is found at the line after it. The record of
+a trial's end has the digest of its recording, so the last hash covers the whole session.
 """
 
 from __future__ import annotations
@@ -19,10 +18,10 @@ Record = dict[str, Any]
 SIZE = 32
 """Bytes of a hash."""
 HASH = "hash"
-"""Field of every record: the hash of its line and of the line before."""
+"""Name of the field with the hash of a record."""
 
 _TAIL = len(f',"{HASH}":""}}') + 2 * SIZE
-"""Bytes of a line from the comma before its hash on."""
+"""Number of bytes at the end of a line, from the comma before the field `hash`."""
 
 
 def digest_of(data: bytes) -> str:
@@ -31,11 +30,11 @@ def digest_of(data: bytes) -> str:
 
 
 def chained(record: Mapping[str, Any], before: str) -> tuple[Record, bytes]:
-    """Puts a record behind another one.
+    """Adds a record to a chain.
 
     Args:
-        record: The record; a hash that it has is left out.
-        before: Hash of the record before; empty for the first one.
+        record: The record; a field `hash` in it is ignored.
+        before: Hash of the record before; empty for the first record.
 
     Returns:
         The record with its hash, and its line.
@@ -47,19 +46,19 @@ def chained(record: Mapping[str, Any], before: str) -> tuple[Record, bytes]:
 
 
 def follows(line: bytes, own: str, before: str) -> bool:
-    """True if a line, without its line break, has the hash of its content behind another one.
+    """True if a line has the right hash for its content and its place in the chain.
 
     Args:
-        line: The line.
-        own: The hash that it names.
-        before: Hash of the line before; empty for the first one.
+        line: The line, without its line break.
+        own: The hash in the line.
+        before: Hash of the line before; empty for the first line.
     """
     ends = line[-_TAIL:] == f',"{HASH}":"{own}"}}'.encode()
     return ends and digest_of(before.encode() + line[:-_TAIL] + b"}") == own
 
 
 def chained_bytes(records: Iterable[Mapping[str, Any]]) -> bytes:
-    """Lines of a new record of a session, in a chain of their own."""
+    """Lines of some records, as a new hash chain."""
     before, lines = "", []
     for record in records:
         linked, line = chained(record, before)

@@ -1,8 +1,8 @@
 """The record of a session: append-only JSON lines, from which all other data are derived.
 
-Each record is one write. A written record survives the end of the program at once. It survives a
-power cut after at most `SYNC` seconds; a durable record does so at once. The records are a hash
-chain (`sandbox.study.record.hash_chain`).
+Each record is one write. A written record is safe at once if the program ends in any way. It is
+safe from a power cut after at most `SYNC` seconds, or at once if it is durable. The records are a
+hash chain (`sandbox.study.record.hash_chain`).
 """
 
 from __future__ import annotations
@@ -34,19 +34,19 @@ SYNC = 0.5
 """Time (s) between two flushes of written data to the disk."""
 
 DAMAGED = "damaged-"
-"""Prefix of the name of a copy of a damaged journal, before its date."""
+"""Prefix of the name of a copy of a damaged journal; its date follows."""
 
 STEP = 0.5
-"""Least movement (s) of the wall clock against the monotonic clock between two records that counts
-as a step."""
+"""Smallest change (s) of the difference between wall clock and monotonic clock, from one record to
+the next, that counts as a step of the wall clock."""
 SLEW = 1e-3
-"""Largest difference of the two clocks, as a share of the time between two records, that is not a
-step. Clocks are corrected by up to 500 ppm (the limit of `adjtimex` and NTP), and their own rates
-differ by less than that."""
+"""Allowance for the drift of the two clocks, as a share of the time between two records; it is
+added to `STEP`. Clocks are corrected by up to 500 ppm (the limit of `adjtimex` and NTP), and their
+own rates differ by less than that."""
 
 
 def now() -> str:
-    """The current time, UTC, in the format of records."""
+    """The current time, UTC, in the format of records: ISO 8601 with milliseconds."""
     return datetime.now(UTC).isoformat(timespec="milliseconds")
 
 
@@ -54,14 +54,15 @@ class Journal:
     """Appends records to a file; the caller must hold the lock of the session.
 
     Opening the journal cuts off a half-written last line of a killed program, and records the cut.
-    A step of the wall clock between two records is recorded before the second one.
+    If the wall clock is set between two records, a record of this step is written before the second
+    record.
 
     Args:
         path: Path of the file, which is created if it does not exist.
 
     Attributes:
         records: All records, in order.
-        found: Number of records that the file had.
+        found: Number of records in the file when it was opened.
 
     Raises:
         StudyError: The file cannot be opened, or is not a journal.
@@ -100,8 +101,8 @@ class Journal:
             values: Fields of the record, as JSON values.
 
         Raises:
-            StudyError: The record cannot be written, and the journal is unchanged; or a durable
-                record was written but may not be on the disk.
+            StudyError: The record cannot be written, and is not in the journal; or a durable record
+                was written, but may not be on the disk.
         """
         wall, clock = datetime.now(UTC), time.monotonic()
         try:
@@ -150,7 +151,7 @@ class Journal:
         return record
 
     def _step(self, wall: float, clock: float) -> float:
-        """Step of the wall clock since the record before, s; 0 without one."""
+        """Step of the wall clock since the last call, s; 0 if there was none."""
         before, self._clocks = self._clocks, (wall, clock)
         if before is None:
             return 0.0
@@ -159,7 +160,7 @@ class Journal:
         return step if abs(step) > STEP + SLEW * passed else 0.0
 
     def _write(self, data: bytes) -> None:
-        """Writes all bytes; if a full disk takes only a part of them, that part is removed."""
+        """Writes all bytes. If the disk is full after a part of them, this part is removed."""
         written = 0
         try:
             while written < len(data):
@@ -170,8 +171,10 @@ class Journal:
             raise
 
     def _take_back(self, written: int) -> None:
-        """Removes a half-written line. If that fails, the journal is closed, and the next opening
-        removes the line."""
+        """Removes a half-written line.
+
+        If that fails, the journal is closed. The line is removed when the journal is next opened.
+        """
         try:
             os.ftruncate(self._fd, os.fstat(self._fd).st_size - written)
         except OSError:
@@ -180,19 +183,20 @@ class Journal:
 
 
 NUL_IN_JSON = b"\\u0000"
-"""Escape of a NUL in a line, and of a backslash before u0000."""
+"""Escape of a NUL in a JSON line. A backslash that is followed by the text u0000 gives these bytes,
+too."""
 
 
 def plain_text(text: str, where: str) -> str:
-    """Returns a text that JSON, CSV and their readers preserve.
+    """Returns the text if JSON, CSV and their readers preserve it.
 
     Args:
         text: Any typed text.
-        where: Place of the text, for the message.
+        where: Place of the text, for the error message.
 
     Raises:
-        StudyError: It holds a NUL, which ends a row for some readers, or half of a letter
-            (a lone surrogate), which no file in UTF-8 can hold.
+        StudyError: The text contains a NUL, at which some readers end a row, or a lone surrogate,
+            which cannot be encoded in UTF-8.
     """
     for i, letter in enumerate(text):
         if letter == "\0" or "\ud800" <= letter <= "\udfff":
@@ -202,10 +206,10 @@ def plain_text(text: str, where: str) -> str:
 
 def _letter_error(text: str, at: int, where: str) -> StudyError:
     return StudyError(
-        "this text holds a letter that tables cannot keep",
+        "this text holds a character that tables cannot store",
         where=where,
-        got=f"U+{ord(text[at]):04X} at place {at + 1}",
-        remedy="Type it without that letter",
+        got=f"U+{ord(text[at]):04X}, character {at + 1} of the text",
+        remedy="Type the text without that character",
     )
 
 
@@ -230,10 +234,11 @@ def parse_records(data: bytes, path: Path) -> tuple[list[Record], int]:
     """Parses a journal.
 
     Returns:
-        The records, and the number of valid bytes; the rest is a half-written last line.
+        The records, and the number of bytes of whole lines. Bytes after these are a half-written
+        last line.
 
     Raises:
-        StudyError: A line is damaged or changed, which no crash of the program causes.
+        StudyError: A line is damaged or changed. A crash of the program does not cause this.
     """
     records, sound, damage = sound_records(data, path)
     if damage is not None:
@@ -245,26 +250,26 @@ def sound_records(data: bytes, path: Path) -> tuple[list[Record], int, StudyErro
     """Parses a journal up to the first line that is damaged or changed.
 
     Returns:
-        The records before it, their number of bytes, and the error of the line, if there is one.
-        Without an error, the rest is a half-written last line.
+        The records before that line, their number of bytes, and the error of the line. The error is
+        None if no line is damaged; any bytes left are then a half-written last line.
     """
     records: list[Record] = []
     sound, head = 0, ""
     lines = data.split(b"\n")
     for number, line in enumerate(lines[:-1], start=1):
         if number == len(lines) - 1 and line.endswith(b"\0"):
-            # A power cut may leave a last block of zeros that ends like a line.
+            # After a power cut, the last line may be a block of zeros with a line break.
             break
         where = f"{path}, line {number}"
         try:
             record = _read_record(line, len(records), where)
         except LaterLayoutError:
-            # The line is whole, and must not be discarded.
+            # The line is not damaged, and must not be discarded.
             raise
         except StudyError as error:
             return records, sound, _damage(error.what, path, number, error.got, error.expected)
         if not follows(line, record[HASH], head):
-            what = f"{_DAMAGED}: it, or the line before, was changed after it was written"
+            what = f"{_DAMAGED}: this line, or the line before, was changed after it was written"
             return records, sound, _damage(what, path, number)
         head = record[HASH]
         records.append(record)
@@ -275,7 +280,7 @@ def sound_records(data: bytes, path: Path) -> tuple[list[Record], int, StudyErro
 def _damage(
     what: str, path: Path, line: int, got: object = None, expected: str | None = None
 ) -> StudyError:
-    """The error of a damaged line, which names both ways to continue."""
+    """The error for a damaged line; its remedy names both ways to continue."""
     person = path.absolute().parent.parent
     return StudyError(
         what,
@@ -292,10 +297,11 @@ _DAMAGED = "the journal is damaged"
 
 
 def _read_record(line: bytes, n: int, where: str) -> Record:
-    """Parses and checks the record number `n`, counted from 0.
+    """Parses and checks a record, whose number must be `n`, counted from 0.
 
     Raises:
-        StudyError: The record is damaged, of a later version of the program, or has another number.
+        StudyError: The record is damaged, was written by a later version of the program, or has
+            another number.
     """
     record = decoded_record(line, StudyError, what=_DAMAGED, where=where)
     refuse_later_layout(record, where)
@@ -313,7 +319,7 @@ def _read_record(line: bytes, n: int, where: str) -> Record:
 
 
 def _content(path: Path) -> bytes:
-    """Content of a journal; empty if there is none.
+    """Content of a journal; empty if the file does not exist.
 
     Raises:
         StudyError: The journal cannot be read.
@@ -327,7 +333,7 @@ def _content(path: Path) -> bytes:
 
 
 def read_journal(path: Path) -> list[Record]:
-    """Reads a journal, which another program may be writing; without one there are no records.
+    """Reads a journal, to which another program may be writing; empty if the file does not exist.
 
     A half-written last line is ignored.
 
@@ -341,7 +347,8 @@ def readable_records(path: Path) -> tuple[list[Record], int]:
     """Reads a journal up to its first damaged line.
 
     Returns:
-        The records before it, and the number of lines from it to the end; 0 if none is damaged.
+        The records before that line, and the number of lines from that line to the end; 0 if no
+        line is damaged.
 
     Raises:
         StudyError: The journal cannot be read.
@@ -352,10 +359,10 @@ def readable_records(path: Path) -> tuple[list[Record], int]:
 
 
 def cut_damage(path: Path) -> Path | None:
-    """Cuts a journal before its first damaged line; a copy of the whole remains next to it.
+    """Cuts off a journal from its first damaged line on, after copying it to a file next to it.
 
     Returns:
-        The copy; None if no line is damaged, so that nothing is changed.
+        Path of the copy; None if no line is damaged, and nothing was changed.
 
     Raises:
         StudyError: The journal cannot be read, or the copy or the journal cannot be written.
@@ -371,18 +378,18 @@ def cut_damage(path: Path) -> Path | None:
 
 
 def journal_bytes(records: Iterable[Record]) -> bytes:
-    """A new journal with the given records, in a chain of their own."""
+    """The content of a journal with the given records, numbered anew, in a new hash chain."""
     return chained_bytes({**record, "n": n} for n, record in enumerate(records))
 
 
 class SyncThread:
     """A thread that flushes files to the disk every `SYNC` seconds.
 
-    The system reports lost data only once, and later flushes succeed. The first error is therefore
-    kept, and raised by `check`.
+    The operating system reports lost data only once; later flushes succeed. So the thread stores
+    the first error and ends, and `check` raises the error.
 
     Args:
-        sync: Flushes the files.
+        sync: Function that flushes the files.
     """
 
     def __init__(self, sync: Callable[[], None]) -> None:

@@ -1,8 +1,8 @@
 """A mirror on a second disk: a copy of every record and recording of a session.
 
-A separate thread copies new data twice a second. The session never waits for it. If the mirror
-cannot be written, or its disk hangs, it catches up as soon as possible, and the terminal shows the
-number of missing bytes.
+A separate thread copies new data twice a second, and the session never waits for this thread. If
+the mirror cannot be written, or its disk hangs, the terminal shows the number of missing bytes, and
+the thread copies them as soon as it can.
 """
 
 from __future__ import annotations
@@ -38,13 +38,18 @@ class Mirror(Closeable):
         StudyError: The mirror would be the study's own folder.
 
     Attributes:
-        behind: Number of bytes that are missing in the mirror, by the last check.
+        behind: Number of bytes that were missing in the mirror at the last attempt to copy.
     """
 
     def __init__(self, study: Path, ppid: str, to: Path, say: Callable[[str], object]) -> None:
         self._study, self._ppid, self._to, self._say = study, ppid, to / study.name, say
         if self._to.resolve() == study.resolve():
-            raise StudyError("the mirror is the study itself", where="--mirror", got=str(to))
+            raise StudyError(
+                "the mirror is the folder of the study itself",
+                where="--mirror",
+                got=str(to),
+                remedy="Choose a folder on another disk",
+            )
         self._done: dict[Path, tuple[int, int]] = {}
         self.behind = 0
         self._failed = ""
@@ -65,7 +70,7 @@ class Mirror(Closeable):
     def _run(self) -> None:
         ended = False
         while not ended:
-            # The last copy includes all data written before the end was set.
+            # After `close`, copy once more: all data are written by then.
             ended = self._end.wait(SYNC)
             self._copy_all()
 
@@ -78,7 +83,7 @@ class Mirror(Closeable):
                     self._copy(path, state.st_size)
                     self._done[path] = (state.st_size, state.st_mtime_ns)
             except FileNotFoundError:
-                # The recording was compressed meanwhile: its compressed file is copied next.
+                # The recording was compressed meanwhile. Its compressed file is copied next time.
                 continue
             except OSError as error:
                 failed = failed or (error.strerror or str(error))

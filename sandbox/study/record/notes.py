@@ -1,9 +1,9 @@
-"""Decisions and seals, which are stored apart from sessions' records: append-only lines of JSON.
+"""Notes: decisions and seals, in files apart from the journals of sessions.
 
-`PERSON/notes.jsonl` begins with the person's identity, and holds the decisions about the person. It
-is copied with the person's folder. `notes/SITE.jsonl` of the study holds the study's identity and
-lock, seals of sessions, copies and withdrawals. Each line is on the disk when the function that
-writes it returns.
+A file of notes has append-only lines of JSON. `PERSON/notes.jsonl` begins with the person's
+pseudonym, number and hand, and contains the decisions about the person. `notes/SITE.jsonl` of the
+study contains the study's name and mode, its lock, seals of sessions, copies and withdrawals. Each
+line is on the disk when the function that writes it returns.
 """
 
 from __future__ import annotations
@@ -27,9 +27,9 @@ from sandbox.study.record.records import Shared, Words, number_from_one, refuse_
 from sandbox.system.files import OPEN, sync_folder
 
 NOTES = "notes"
-"""Folder of a study with the notes of each site."""
+"""Folder in a study's folder, with the notes of each site."""
 PERSON_NOTES = "notes.jsonl"
-"""File of a person's folder."""
+"""File in a person's folder, with the notes about the person."""
 STUDY, UPGRADE, ANEW, LIBRARIES = "study", "upgrade", "locked_anew", "libraries"
 SEALED, WITHDRAWN, COPIED, ANONYMISED = "sealed", "withdrawn", "copied", "anonymised"
 PARTICIPANT, EXCLUDE, INCLUDE = "participant", "exclude", "include"
@@ -58,8 +58,9 @@ class _Participant(_Head):
 class _Decision(_Head):
     """Exclusion, inclusion or remark: about a trial of a session, or about the person.
 
-    `after` has the number of records of each session at that time. `number` is the new number of
-    a participant who takes part again after the earlier number was freed.
+    Attributes:
+        after: Number of records of each session at that time, by session number.
+        number: New number of a participant who is included again after the number was freed.
     """
 
     reason: Words[str]
@@ -75,7 +76,12 @@ class _Reason(_Head):
 
 
 class _Loss(_Reason):
-    """`voids` names the seals that no longer hold."""
+    """A loss of records that the experimenter accepted.
+
+    Attributes:
+        records: Number of lost records.
+        voids: Hashes of the seals that are void since then.
+    """
 
     session: int
     records: int
@@ -135,9 +141,9 @@ FORMS: dict[str, type[_Head]] = {
 
 
 def read_notes(path: Path) -> list[Record]:
-    """Reads the notes of a person or of a site; none without the file.
+    """Reads the notes of a person or of a site; empty if the file does not exist.
 
-    A half-written last line, which a killed program leaves, is not read.
+    A half-written last line, which a killed program leaves, is ignored.
 
     Raises:
         StudyError: The file cannot be read, or a line is damaged.
@@ -170,7 +176,7 @@ def add_note(path: Path, kind: str, /, **values: Any) -> Record:
     """Appends a note durably; the caller holds the lock of the study.
 
     Raises:
-        StudyError: It cannot be written, and the file is as it was.
+        StudyError: The note cannot be written; the file is unchanged.
     """
     note = {"time": now(), "kind": kind, **values}
     check_texts(note, f"{path}, {kind}")
@@ -179,7 +185,7 @@ def add_note(path: Path, kind: str, /, **values: Any) -> Record:
         data = path.read_bytes() if path.exists() else b""
         fd = os.open(path, os.O_WRONLY | os.O_CREAT | OPEN, 0o666)
         try:
-            # After the last whole line, since a killed program may have left a part of a line.
+            # A killed program may have left a part of a line at the end, which is overwritten.
             whole = data.rfind(b"\n") + 1
             try:
                 os.ftruncate(fd, whole)
@@ -200,13 +206,13 @@ def add_note(path: Path, kind: str, /, **values: Any) -> Record:
 
 
 def write_notes(path: Path, notes: Iterable[Record]) -> None:
-    """Replaces notes atomically: by those of a copy, or by those that a withdrawal leaves."""
+    """Replaces a file of notes atomically: in a copy of a study, or after a withdrawal."""
     lines = (json.dumps(note, separators=(",", ":"), ensure_ascii=False) for note in notes)
     write_atomically(path, "".join(f"{line}\n" for line in lines).encode())
 
 
 def site_notes(study: Path) -> list[Record]:
-    """Notes of all sites of a study, each in its order.
+    """Notes of all sites of a study, site by site, in the order in which they were written.
 
     Raises:
         StudyError: A file is damaged.
@@ -215,7 +221,7 @@ def site_notes(study: Path) -> list[Record]:
 
 
 def withdrawn(notes: Iterable[Record]) -> set[str]:
-    """Pseudonyms of participants who withdrew, by the notes of all sites."""
+    """Pseudonyms of participants who withdrew, according to the notes of all sites."""
     return {note["ppid"] for note in notes if note["kind"] == WITHDRAWN}
 
 
@@ -230,11 +236,11 @@ def person_notes(study: Path, ppid: str) -> list[Record]:
 
 @dataclass(frozen=True)
 class Seal:
-    """A record of a session as it was when the session was closed.
+    """Length and hash of a session's journal at the time when the session was closed.
 
     Attributes:
-        records: Number of its lines.
-        hash: Hash of the last one.
+        records: Number of records in the journal.
+        hash: Hash of the last record.
     """
 
     records: int
@@ -242,7 +248,7 @@ class Seal:
 
 
 def seals_of(study: Path, ppid: str, session: int) -> list[Seal]:
-    """Valid seals of a session, in order: those that no accepted loss has ended.
+    """Valid seals of a session, in order: seals that no accepted loss has made void.
 
     Raises:
         StudyError: Notes are damaged.
@@ -259,10 +265,11 @@ def seals_of(study: Path, ppid: str, session: int) -> list[Seal]:
 
 
 def broken_seals(records: Sequence[Record], seals: Iterable[Seal]) -> tuple[int, bool]:
-    """Compares the record of a session with its seals.
+    """Compares the records of a session with its seals.
 
     Returns:
-        Number of sealed lines that are missing at its end, and True if a sealed line has changed.
+        Number of sealed records that are missing at the end, and True if a sealed record has
+        changed.
     """
     lacks, unlike = 0, False
     for seal in seals:

@@ -10,16 +10,16 @@ ALPHABET = "0123456789ABCDEFGHJKMNPQRSTVWXYZ"
 """Crockford's base 32: no I, L, O, U."""
 LENGTH = 5
 _SLIPS = str.maketrans("ILO", "110")
-"""Letters that are often written instead of digits."""
+"""Letters that are often written instead of digits, and the digits."""
 _MONTHS = ("JAN", "FEB", "MAR", "APR", "MAY", "SEP", "DEC")
-"""Abbreviated months that consist of letters of the alphabet."""
+"""Abbreviations of months that consist of letters of `ALPHABET`."""
 
 
 def _check(body: str) -> str:
-    """Check character, which detects every single wrong character and nearly every swap.
+    """Check character, which detects every wrong single character and nearly every swap.
 
-    The weights are odd, so every single change alters the sum modulo 32. A swap of neighbours is
-    missed only if they are 16 places apart in the alphabet.
+    The weights are odd, so every change of one character alters the sum modulo 32. A swap of two
+    neighbours is missed only if they are 16 places apart in the alphabet.
     """
     total = sum((2 * i + 1) * ALPHABET.index(c) for i, c in enumerate(body))
     return ALPHABET[total % len(ALPHABET)]
@@ -54,7 +54,7 @@ def read_pseudonym(text: str) -> str:
     sound = len(name) == LENGTH + 1 and set(name) <= set(ALPHABET)
     if not sound or _check(name[:-1]) != name[-1]:
         raise StudyError(
-            "not the id of a participant",
+            "this is not the id of a participant",
             where="--participant",
             got=text,
             expected="new, or six characters as in the column participant of participants.csv",

@@ -1,9 +1,10 @@
-"""The thirteen kinds of records of a session: one tagged union, whose decoding is the check.
+"""The thirteen kinds of records of a session.
 
-A record may have more fields than its kind declares, as those of a later version.
+They are one tagged union, and a line of a journal is checked by decoding it to this union. A record
+may have fields that its kind does not declare, such as those of a later version.
 
-The declaration of a field also decides on its sharing: `sandbox study share` includes `Shared`
-fields, `Words` fields only on request, and no others.
+The type of a field also decides whether `sandbox study share` includes it: `Shared` fields always,
+`Words` fields on request, and all other fields never.
 """
 
 from __future__ import annotations
@@ -21,21 +22,21 @@ _SHARED, _WORDS = Meta(extra={"shared": True}), Meta(extra={"words": True})
 Shared = Annotated[_T, _SHARED]
 """Type of a field that may be shared."""
 Words = Annotated[_T, _WORDS]
-"""Type of a field with a person's words, which are shared only with `--keep-words`."""
+"""Type of a field with free text that a person wrote; shared only with `--keep-words`."""
 
 SESSION, RESUME, END = "session", "resume", "end"
 CONSENT, ANSWER, FORM, DONE = "consent", "answer", "form", "done"
 TRIAL, TRIAL_END, COMMAND = "trial", "trial_end", "command"
 SCREEN, CLOCK_STEP, REPAIRED = "screen", "clock_step", "repaired"
 RUNS = (SESSION, RESUME)
-"""Kinds of the records with which a run of the program begins."""
+"""Kinds of records that are written when the program begins or resumes a session."""
 
 SCHEMA = 4
-"""Version of the layout of records and notes; before 4, numbers of participants counted from 0."""
+"""Version of the layout of records and notes. Before 4, participants were numbered from 0."""
 
 
 def number_from_one(record: dict[str, Any]) -> None:
-    """Converts the participant's number in a record or note, if there is one, to today's layout."""
+    """Converts the participant's number, if a record or note has one, to the current layout."""
     if record.get("number") is not None and record.get("schema", 0) < SCHEMA:
         record |= {"number": record["number"] + 1, "schema": SCHEMA}
 
@@ -44,12 +45,12 @@ def refuse_later_layout(record: dict[str, Any], where: str) -> None:
     """Checks that this version of the program supports the layout of a record or note.
 
     Raises:
-        LaterLayoutError: It is of a later version, whose fields may have other meanings.
+        LaterLayoutError: A later version has written it, whose fields may have other meanings.
     """
     schema = record.get("schema")
     if isinstance(schema, int) and schema > SCHEMA:
         raise LaterLayoutError(
-            "a later version of the program has written this",
+            "this was written by a later version of the program",
             where=where,
             got=f"layout {schema}",
             expected=f"layout {SCHEMA} or earlier",
@@ -61,10 +62,10 @@ class _Line(Struct, tag_field="kind"):
     """Fields of every record.
 
     Attributes:
-        n: Number, from 0.
-        time: Time of the wall clock, for people.
+        n: Number of the record in its session, from 0.
+        time: Time of the wall clock, for human readers.
         clock: Time of the monotonic clock, s.
-        hash: Hash of its line and of the line before.
+        hash: Hash of this line and of the hash of the line before.
     """
 
     n: Shared[int]
@@ -74,7 +75,11 @@ class _Line(Struct, tag_field="kind"):
 
 
 class Session(_Line, tag=SESSION):
-    """A session begins: its participant, program and design; `files` has the design's texts."""
+    """A session begins: its participant, program and design.
+
+    Attributes:
+        files: Texts of the design's files by name; None if the design is that of the last run.
+    """
 
     ppid: str
     number: Shared[int] = 1
@@ -95,18 +100,18 @@ class Session(_Line, tag=SESSION):
 
 
 class Resume(Session, tag=RESUME):
-    """A session is resumed; the texts of the design are included if the design has changed."""
+    """A session is resumed; `files` has the texts of the design if the design has changed."""
 
 
 class Screen(_Line, tag=SCREEN):
-    """A page of the participant came, went, came back, or has another size.
+    """A page of the participant was opened, was lost, came back, or changed its size.
 
     Attributes:
         page: Name of the page.
         event: `open`, `gone`, `back` or `changed`.
-        width_px, height_px: Its size, CSS pixels; None before it has been reported.
+        width_px, height_px: Size of the page, CSS pixels; None before the page has reported it.
         px_per_in: CSS pixels in an inch.
-        calibrated: True if this was measured, False if it is a guess.
+        calibrated: True if `px_per_in` was measured, False if it is a guess.
         browser: Name that the browser reports.
     """
 
@@ -120,7 +125,7 @@ class Screen(_Line, tag=SCREEN):
 
 
 class Consent(_Line, tag=CONSENT):
-    """The participant agreed or did not agree to a version of the text, which is included."""
+    """The participant agreed or did not agree to the consent form; `text` is what was shown."""
 
     step: Shared[str]
     agreed: Shared[bool]
@@ -138,7 +143,7 @@ class Answer(_Line, tag=ANSWER):
 
 
 class Form(_Line, tag=FORM):
-    """A finished form; which of the answers are shared depends on the questions."""
+    """A finished form. The kinds of the questions decide which answers are shared."""
 
     step: Shared[str]
     form: Shared[str]
@@ -149,8 +154,13 @@ class Form(_Line, tag=FORM):
 
 
 class Done(_Line, tag=DONE):
-    """An instruction, a break or a calibration is over. A calibration has the measured values, such
-    as a hand, or the offset of the clock of LSL from that of the records."""
+    """An instruction, a break or a calibration is over.
+
+    Attributes:
+        hand: The hand that was measured.
+        calibration: Measured values: of a hand, or the offset of LSL's clock from that of the
+            records.
+    """
 
     step: Shared[str]
     hand: str = ""
@@ -158,12 +168,13 @@ class Done(_Line, tag=DONE):
 
 
 class Trial(_Line, tag=TRIAL):
-    """An attempt begins; `file` is its recording.
+    """An attempt at a trial begins.
 
     Attributes:
+        file: The attempt's recording.
         in_block: Number of the trial in its block.
         values: Settings of the trial by name.
-        taken_in: True if its records were lost, and it was added from its recording.
+        taken_in: True if the attempt's records were lost, and it was added from its recording.
     """
 
     step: Shared[str]
@@ -181,12 +192,14 @@ class Trial(_Line, tag=TRIAL):
 
 
 class TrialEnd(_Line, tag=TRIAL_END):
-    """An attempt ends with a result, or was broken off; `recording` is the recording's digest.
+    """An attempt ends with a result, or is broken off.
 
     Attributes:
-        adopted: True if a killed program had not written this, so that the result comes from the
-            recording.
-        lasted: Duration of such a recording, s.
+        recording: Digest of the recording.
+        why: Reason why the attempt was broken off.
+        adopted: True if the program was killed before it wrote this record, so that the result was
+            taken from the recording.
+        lasted: Duration of the attempt according to the recording, if `adopted`, s.
     """
 
     step: Shared[str]
@@ -202,8 +215,12 @@ class TrialEnd(_Line, tag=TRIAL_END):
 
 
 class Command(_Line, tag=COMMAND):
-    """The experimenter pauses, goes on, repeats, skips, excludes, notes, or begins the `steps` of
-    a block again."""
+    """A command of the experimenter: to pause, go on, repeat, skip, exclude, write a remark, or
+    begin a block again.
+
+    Attributes:
+        steps: For the last: the steps of the block.
+    """
 
     command: Shared[str]
     step: Shared[str] = ""
@@ -214,19 +231,19 @@ class Command(_Line, tag=COMMAND):
 
 
 class ClockStep(_Line, tag=CLOCK_STEP):
-    """The wall clock was set."""
+    """The wall clock was set; `seconds` is how far it moved."""
 
     seconds: Shared[float]
 
 
 class Repaired(_Line, tag=REPAIRED):
-    """The effects of a kill, or of a loss that was accepted.
+    """A repair of a session after a kill or power cut, or after records were lost.
 
     Attributes:
         lost_bytes: Length of a half-written last line that was cut off.
-        records: Number of lines whose loss was accepted, for `reason`.
-        file, recording: A recording without a record, and its digest; with `reason`, a whole
-            recording that was set aside.
+        records: Number of lost lines; the experimenter accepted the loss, for `reason`.
+        file, recording: A recording without a record of its attempt, and its digest. With `reason`,
+            the recording is complete, and the experimenter decided that it does not count.
     """
 
     lost_bytes: Shared[int | None] = None
@@ -237,7 +254,12 @@ class Repaired(_Line, tag=REPAIRED):
 
 
 class End(_Line, tag=END):
-    """The session reached its planned end, or the participant did not agree: `why`."""
+    """The session has ended.
+
+    Attributes:
+        complete: True if it reached its planned end.
+        why: Reason if it did not: the participant did not agree to the consent form.
+    """
 
     complete: Shared[bool]
     why: str = ""
@@ -258,12 +280,12 @@ AnyRecord: Any = (
     | Repaired
     | End
 )
-"""The type to which every line decodes."""
+"""The type to which each line of a journal is decoded."""
 
 
 @cache
 def shared_fields(kind: type[Struct]) -> dict[str, bool]:
-    """Fields of a record or note that are shared, by name; True for words of people."""
+    """Fields of a kind of record or note that can be shared, by name; True for `Words` fields."""
     types = get_type_hints(kind, include_extras=True)
     found = {}
     for name in kind.__struct_fields__:

@@ -49,8 +49,8 @@ from sandbox.system.files import sync_file, sync_folder
 from sandbox.trial.result import ResultRecord, TrialResult
 
 SENT = ("n", "step", "trial", "attempt", "practice", "form", "block", "levels", "command")
-"""Fields of a record that are sent over LSL to other instruments. Its digest is not sent: with all
-other fields, answers could be found by trying."""
+"""Fields of a record that are sent over LSL to other instruments. The hash of the record is not
+sent: whoever knows it and all other fields could find an answer by trying."""
 
 
 class SessionFolder(Closeable):
@@ -63,8 +63,7 @@ class SessionFolder(Closeable):
         study: The study.
         person: The participant.
         number: Session number of this participant, from 1.
-
-        recovering: True opens a session whose journal has lost records; see
+        recovering: True also opens a session whose journal has lost records; see
             `sandbox.study.run.decisions`.
 
     Attributes:
@@ -72,8 +71,8 @@ class SessionFolder(Closeable):
         steps: All steps of the plan.
         state: State of the session according to the journal.
         resumed: True if the session had begun before.
-        damaged: Copy of the record with its damaged lines, which an accepted loss has cut off.
-        away: Time since its last record when it was opened, s, by the wall clock.
+        damaged: Copy of the journal with its damaged lines, if opening has cut them off; else None.
+        away: Time from the session's last record to its opening, s, by the wall clock.
 
     Raises:
         StudyError: Another program has the session open, it belongs to another study, an earlier
@@ -127,7 +126,8 @@ class SessionFolder(Closeable):
         self._is_opened = False
         if not self.state.complete:
             self._write_opening()
-        # After the record above, whose clock is that of this start of the machine.
+        # The record above names the boot of the machine, to which the clock of later records
+        # belongs. So these records come after it.
         self._recover()
         self._note_leftovers()
         self._syncing = SyncThread(self._sync)
@@ -136,7 +136,7 @@ class SessionFolder(Closeable):
     def _write_opening(self) -> None:
         """Records that the session begins or is resumed, with the program and the machine."""
         design = self.study.design
-        # The texts of a design are in the first record of each session that is run by it.
+        # The first record of a session that is run by a design has the texts of this design.
         texts = {} if self.state.design == design.digest else {FILES: design_files(design)}
         self.write(
             RESUME if self.resumed else SESSION,
@@ -173,10 +173,10 @@ class SessionFolder(Closeable):
         try:
             record = self.journal.append(kind, durable, **values)
         finally:
-            # A step of the clock may have been written, although the record could not be.
+            # A record of a step of the clock may have been written before this record failed.
             for new in self.journal.records[before:]:
                 self.state.take(new)
-        # Other instruments get the events, but no answers and no texts of the experimenter.
+        # Other instruments get events, without answers and without texts of the experimenter.
         send_event(f"journal_{kind}", {name: record[name] for name in SENT if name in record})
         return record
 
@@ -185,7 +185,7 @@ class SessionFolder(Closeable):
         return self.write(COMMAND, durable, command=name, **values)
 
     def begin_again(self, steps: Sequence[Step], reason: str) -> None:
-        """Records that some steps are repeated; earlier attempts at their trials remain, uncounted.
+        """Records that some steps are repeated. Earlier attempts at their trials no longer count.
 
         Raises:
             StudyError: The record cannot be written.
@@ -204,11 +204,11 @@ class SessionFolder(Closeable):
         return self._recording
 
     def take_in(self, trial: TrialStep, file: str, result: TrialResult) -> None:
-        """Records an attempt whose records were lost; its times are not known.
+        """Records an attempt whose records were lost; the times of its events are not known.
 
         Args:
             trial: The trial of the plan.
-            file: Its recording, without `.gz`.
+            file: The recording of the attempt, without `.gz`.
             result: The result at the end of the recording.
 
         Raises:
@@ -227,10 +227,10 @@ class SessionFolder(Closeable):
         Args:
             lost: Number of lost records.
             unlike: True if sealed records have changed.
-            reason: Reason, for both.
+            reason: Reason of the experimenter, for the journal and the notes.
         """
         kept = self.journal.found
-        # Earlier seals are useless for a record that differs from its seals.
+        # If sealed records have changed, all seals of the session are void.
         most = -1 if unlike else kept
         seals = seals_of(self.study.path, self.person.ppid, self.number)
         self.study.note_about(
@@ -273,7 +273,7 @@ class SessionFolder(Closeable):
         self._end(self.state.attempts[trial.number][-1], why=why)
 
     def seal(self) -> str:
-        """Writes a note with the length of this session's record, and its last hash.
+        """Writes a note with the number of records of this session, and the hash of the last one.
 
         Returns:
             The hash.
@@ -292,7 +292,8 @@ class SessionFolder(Closeable):
                 hash=head,
             )
             self._sealed = head
-            # This hash, recorded on another machine, covers the whole journal.
+            # This hash covers the whole journal. Another machine that records it can prove later
+            # that the journal is unchanged.
             send_event(SEALED, {"session": self.number, "records": count, HASH: head})
         return head
 
@@ -301,9 +302,9 @@ class SessionFolder(Closeable):
         self._closing.close()
 
     def _new_file(self, trial: int, attempt: int) -> str:
-        """Name of a recording that does not exist yet.
+        """Name of a new recording.
 
-        A recording may exist without a record of its attempt, which a power cut has lost.
+        A recording of this attempt may exist already, if a power cut has lost the attempt's record.
         """
         name = (
             f"trials/T{trial:03d}.jsonl"
@@ -333,7 +334,7 @@ class SessionFolder(Closeable):
         self.write(TRIAL_END, durable, **of, recording=digest, **more)
 
     def _check_turn(self) -> None:
-        """Raises an error if the design has no such session, or if an earlier one is unfinished."""
+        """Raises an error if the design has no such session, or an earlier one is unfinished."""
         planned = self.study.design.sessions
         if not 1 <= self.number <= planned:
             raise StudyError(
@@ -341,7 +342,7 @@ class SessionFolder(Closeable):
                 where="--session",
                 got=self.number,
                 expected="1" if planned == 1 else f"1 to {planned}",
-                remedy="`sessions` in the design sets their number",
+                remedy="`sessions` in the design sets the number of sessions",
             )
         if self.number == 1:
             return
@@ -353,13 +354,16 @@ class SessionFolder(Closeable):
                 f"session {missing} comes first, and is not finished",
                 where=f"participant {self.person.ppid}",
                 got=f"session {self.number}",
-                remedy=f"Continue with --session {missing}; the key s skips steps that will not be "
+                remedy=f"Continue with --session {missing}; its key s skips steps that will not be "
                 "done",
             )
         self._check_group(earlier)
 
     def _check_group(self, earlier: Sequence[StoredSession]) -> None:
-        """Raises an error if this session would put its person into another group."""
+        """Raises an error if this session would move the participant to another group.
+
+        A group has one level of a factor whose order is `between`.
+        """
         planned = trials_of(self.steps)
         for factor in self.study.design.factors:
             had = {
@@ -375,7 +379,7 @@ class SessionFolder(Closeable):
                     where=f"participant {self.person.ppid}, session {self.number}",
                     got=f"{factor.name} {', '.join(sorted(now))}",
                     expected=", ".join(sorted(had)),
-                    remedy="Go on with the design of before, or leave the participant as they are",
+                    remedy="Restore the earlier design, or leave out this session",
                 )
 
     def _check(self) -> None:
@@ -388,7 +392,7 @@ class SessionFolder(Closeable):
             **vars(self.person),
         }
         if not self.state.attempts:
-            # A participant who takes part again before a trial may have another number.
+            # A participant who is included again before the first trial may have another number.
             del mine["number"]
         wrong = [name for name, value in mine.items() if start.get(name) != value]
         if wrong:
@@ -401,7 +405,7 @@ class SessionFolder(Closeable):
             )
 
     def _check_plan(self) -> None:
-        """Raises an error if existing trials were run by another plan.
+        """Raises an error if trials of this session were run by another plan.
 
         This happens if the design was changed with --force-upgrade.
         """
@@ -419,7 +423,7 @@ class SessionFolder(Closeable):
             if plan is None or (plan.seed, plan.levels) != (start["seed"], start["levels"]):
                 got = "another trial"
             elif "values" in start:
-                # The same name of a level must mean the same to the end of a session.
+                # A level must keep its settings to the end of a session.
                 new = json.loads(json.dumps(plan.values))
                 other = sorted(n for n in chosen if new.get(n) != start["values"].get(n))
                 got = ", ".join(f"{n} {start['values'].get(n)}, now {new.get(n)}" for n in other)
@@ -428,16 +432,16 @@ class SessionFolder(Closeable):
                     "this session began with another plan, since the design has changed",
                     where=f"{self.path}, trial {trial}",
                     got=got,
-                    remedy="Finish it with its original design, which its record has, or "
+                    remedy="Finish it with its original design, which its journal contains, or "
                     "leave it as it is and add a new participant",
                 )
 
     def _check_losses(self) -> None:
-        """Raises an error if the journal has lost records: nothing may go on without a decision."""
+        """Raises an error if the journal has lost records: the experimenter must decide first."""
         records = read_journal(self.path / JOURNAL)
         self.state = SessionState.of(records)
         if self.state.start:
-            # Losses of another session do not concern this one.
+            # A folder of another study or session is refused first, whatever it has lost.
             self._check()
         whole = whole_leftovers(self.path, self.state)
         seals = seals_of(self.study.path, self.person.ppid, self.number)
@@ -451,7 +455,7 @@ class SessionFolder(Closeable):
             *(["other records than were sealed"] if unlike else []),
         ]
         raise StudyError(
-            "this session is not what was written of it",
+            "records of this session are missing or changed",
             where=str(self.path),
             got="; ".join(found),
             remedy=f"Restore {JOURNAL} from a backup; or `sandbox study note {self.study.path} "
@@ -460,7 +464,7 @@ class SessionFolder(Closeable):
         )
 
     def _note_leftovers(self) -> None:
-        """Records the remains of attempts whose records were lost by a power cut."""
+        """Records incomplete recordings of attempts whose records were lost in a power cut."""
         whole = whole_leftovers(self.path, self.state)
         for file in unknown_recordings(self.path, self.state):
             if file not in whole:
@@ -488,7 +492,7 @@ class SessionFolder(Closeable):
 
     def _sync(self) -> None:
         self.journal.sync()
-        # Read once: the session's thread may end the trial and compress its recording meanwhile.
+        # A local copy: the session's thread may end the trial and compress its recording meanwhile.
         recording = self._recording
         if recording is not None:
             with suppress(FileNotFoundError):
@@ -496,7 +500,7 @@ class SessionFolder(Closeable):
 
 
 def _since(lines: Sequence[Record]) -> float:
-    """Time since the last record, s; 0 without one, or if the clock went back."""
+    """Time since the last record, s; 0 without records, or if the clock went back."""
     if not lines:
         return 0.0
     passed = datetime.now(UTC) - datetime.fromisoformat(lines[-1]["time"])
@@ -504,7 +508,10 @@ def _since(lines: Sequence[Record]) -> float:
 
 
 def boot_id() -> str:
-    """Id of this start of the machine, by which clocks can be compared; empty if unknown."""
+    """Id of the present boot of the machine; empty if unknown.
+
+    Times of the monotonic clock can be compared only within one boot.
+    """
     try:
         return Path("/proc/sys/kernel/random/boot_id").read_text().strip()
     except OSError:

@@ -24,12 +24,12 @@ from sandbox.trial.result import TrialResult
 
 
 class SessionClock:
-    """Seconds since the session's start, of every record.
+    """Time of every record since the start of the session, s.
 
-    Within a run of the program, and between runs on a machine that was not restarted, time is that
-    of the monotonic clock, which does not change when the wall clock is set. The monotonic clock
-    restarts with the machine. The time between two such runs is the wall clock's, and 0 if the wall
-    clock went backwards.
+    As long as the machine is not restarted, times are differences of the monotonic clock, which
+    does not change when the wall clock is set. The monotonic clock restarts with the machine. So
+    the time from the last record before a restart to the first record after it is taken from the
+    wall clock; it is 0 if the wall clock went backwards.
     """
 
     def __init__(self) -> None:
@@ -67,10 +67,10 @@ class Attempt:
     """One attempt of a trial.
 
     Attributes:
-        start: Its `trial` record.
-        end: Its `trial_end` record; None if it was broken off.
+        start: The `trial` record.
+        end: The `trial_end` record; None if the attempt was broken off or still runs.
         set_aside: Reason why the finished attempt does not count; empty if it may count.
-        over: True once it has ended, with or without a result.
+        over: True once the attempt has ended, with or without a result.
     """
 
     start: Record
@@ -92,12 +92,12 @@ class Attempt:
 
 @dataclass(frozen=True)
 class Decision:
-    """A decision about a session, made outside the session.
+    """A decision about a session that was made while the session was not open.
 
     Attributes:
         after: Number of records of the session at that time.
-        trial: Number of the trial; None for the participant.
-        excluded: Reason for the exclusion; empty ends an exclusion.
+        trial: Number of the trial; None if the decision is about the participant.
+        excluded: Reason for the exclusion; empty if the decision ends an exclusion.
     """
 
     after: int
@@ -129,16 +129,17 @@ class SessionState:
         skipped: Reasons for skipping, by step.
         excluded: Reasons for exclusion, by trial number.
         excluded_participant: Reason for excluding the participant; empty if not excluded.
-        design: Digest of the design that the session is run by now.
-        answers: Records of completed forms by step, in order; the last one of a step counts.
-        asked_by: Digest of the design that asked each of these forms, by step.
+        design: Digest of the design by which the session is run now.
+        answers: Records of completed forms by step, in order. The last record of a step counts.
+        asked_by: Digest of the design by which each of these forms was asked, by step.
         drafts: Answers in unfinished forms, by step.
-        consent: True if the participant consented; None before the question.
+        consent: True if the participant consented, False if not; None before the answer.
         calibration: Calibration of the hand over a Leap, in the format of `sandbox paalm
-            calibrate`; None uses an average hand.
-        learned: Layouts of five fingers from the last trial that found any, by hand.
+            calibrate`; None for an average hand.
+        learned: Layouts of five fingers from the last trial that found such layouts; the keys are
+            `right` and `left`.
         complete: True if the session reached its planned end.
-        recordings: Digest of each recording by file; None for one that is missing.
+        recordings: Digest of each recording by file; None for a missing recording.
         seconds: Time of each record since the session's start, s, by number of the record.
         clock_steps: Steps of the wall clock during the session, s.
     """
@@ -163,7 +164,7 @@ class SessionState:
 
     @classmethod
     def of(cls, lines: Iterable[Record], decided: Sequence[Decision] = ()) -> SessionState:
-        """Computes the state after some records, and after decisions that were made meanwhile.
+        """Computes the state after some records and decisions, in the order of their time.
 
         Args:
             lines: Records of the session.
@@ -179,7 +180,7 @@ class SessionState:
         return state
 
     def decide(self, decision: Decision) -> None:
-        """Updates the state by a decision that is not a record of the session."""
+        """Updates the state by a decision that was made while the session was not open."""
         if decision.trial is None:
             self.excluded_participant = decision.excluded
         elif decision.excluded:
@@ -198,14 +199,14 @@ class SessionState:
             case records.SESSION:
                 self.start = record
             case records.RESUME if "number" in record:
-                # Another number only if no trial has begun; see `StudyFolder.include`.
+                # The number differs only if no trial has begun; see `StudyFolder.include`.
                 self.start = {**self.start, "number": record["number"]}
             case records.CLOCK_STEP:
                 self.clock_steps.append(record["seconds"])
             case records.TRIAL:
                 self.attempts.setdefault(record["trial"], []).append(Attempt(record))
             case records.TRIAL_END if is_broken(record):
-                # The experimenter excluded this attempt; the trial is repeated.
+                # An exclusion during this attempt ends, since the trial is repeated.
                 self.excluded.pop(record["trial"], None)
                 self._attempt(record).over = True
             case records.TRIAL_END:
@@ -264,7 +265,7 @@ class SessionState:
         return last if last and not last.over else None
 
     def last_finished(self, steps: Sequence[Step]) -> TrialStep | None:
-        """The trial whose attempt ended last; None before one has."""
+        """The trial whose attempt ended last; None before the first end of an attempt."""
         ended = [a.end for some in self.attempts.values() for a in some if a.end is not None]
         last = max(ended, key=lambda end: end["n"], default={"trial": None})
         trials = (step for step in steps if isinstance(step, TrialStep))
@@ -275,9 +276,9 @@ class SessionState:
         return next((step for step in steps if step.id not in self.finished), None)
 
     def block_under_way(self, steps: Sequence[Step]) -> list[Step]:
-        """The steps of the block under way that are finished, with its instructions and practice.
+        """The finished steps of the block under way, with the block's instructions and practice.
 
-        Empty if the next trial is the first one of its block.
+        Empty if the next trial is the first trial of its block.
         """
         upcoming = self.next_step(steps)
         if upcoming is None:
@@ -293,7 +294,7 @@ class SessionState:
         return again if any(isinstance(step, TrialStep) for step in again) else []
 
     def done(self, steps: Sequence[Step]) -> tuple[int, int]:
-        """Number of finished or skipped trials, and number of all trials."""
+        """Number of trials that are finished or skipped, and number of all trials."""
         trials = [step for step in steps if isinstance(step, TrialStep)]
         return sum(step.id in self.finished for step in trials), len(trials)
 
@@ -301,7 +302,7 @@ class SessionState:
         attempts = self.attempts.get(record["trial"], [])
         if not 1 <= record["attempt"] <= len(attempts):
             raise StudyError(
-                "the journal has the end of an attempt without its start",
+                "the journal has an end of an attempt, but not its start",
                 where=f"record {record['n']}",
                 got=f"trial {record['trial']}, attempt {record['attempt']}",
                 expected=f"one of {len(attempts)} attempts",
@@ -334,7 +335,7 @@ class SessionState:
 
 
 def _belongs_to_next(step: Step) -> bool:
-    """True if a step before a block is done for it: instructions, practice, and breaks there."""
+    """True for a step that is repeated with the block after it: text, practice or break."""
     practice = isinstance(step, TrialStep) and step.practice
     return practice or isinstance(step, InstructionStep | BreakStep)
 
@@ -345,7 +346,7 @@ def is_broken(record: Record) -> bool:
 
 
 def _learned(record: Record) -> dict[str, Layouts]:
-    """Values of a `trial_end` record that later trials of its session use."""
+    """Layouts of five fingers in a `trial_end` record, which later trials of the session use."""
     return checked(
         record["result"].get("learned", {}),
         dict[str, Layouts],

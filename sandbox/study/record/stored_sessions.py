@@ -25,9 +25,9 @@ class StoredSession:
         person: The participant.
         number: Session number, from 1.
         path: Folder of the session.
-        records: Its records.
-        state: State of the session according to its records, and to decisions about it.
-        notes: Notes about the participant that are about this session, or about none.
+        records: Records of the session.
+        state: State of the session according to its records and to the decisions about it.
+        notes: Notes about the participant that concern this session or no single session.
     """
 
     person: Participant
@@ -50,7 +50,7 @@ def has_finished(study: StudyFolder, person: Participant) -> bool:
         StudyError: A journal is damaged.
     """
     ended = sum(session.state.complete for session in sessions_of(study, person))
-    # More than planned, if fewer are planned since `--force-upgrade`.
+    # More sessions than planned may have ended, if `--force-upgrade` reduced their number.
     return ended >= study.design.sessions
 
 
@@ -89,7 +89,7 @@ def plan_of(study: StudyFolder, session: StoredSession) -> list[Step]:
 
 
 def design_of(study: StudyFolder, session: StoredSession) -> Design:
-    """The design by which a session was run last."""
+    """The design by which the last run of a session was made."""
     runs = [r for r in session.records if r["kind"] in RUNS]
     return study.design_of(runs[-1]["design"])
 
@@ -100,7 +100,7 @@ def planned_trials(study: StudyFolder, person: Participant, begun: Sequence[Stor
     Args:
         study: The study.
         person: The participant.
-        begun: Sessions that have begun, each of which has the plan of its own design.
+        begun: The participant's sessions that have begun; each has the plan of its own design.
     """
     plans = {
         s + 1: session_plan(study.design, person.number, s + 1)

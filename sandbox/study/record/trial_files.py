@@ -1,9 +1,10 @@
 """The files of trials in a session's folder, and short names of trials: NAME/3B5G5T/S001/T007.
 
-`trials/T007.jsonl.gz` is the recording of the first attempt at trial 7, `trials/T007.a2.jsonl.gz`
-that of the second; `trials/T007.frames.csv.gz` and `trials/T007.a2.frames.csv.gz` have their
-frames. A recording is a plain file until its trial has ended, and is then compressed; a failure or
-kill meanwhile loses no data. After a power cut, a complete recording may have no record.
+`trials/T007.jsonl.gz` is the recording of the first attempt at trial 7, and
+`trials/T007.a2.jsonl.gz` the recording of the second attempt. `trials/T007.frames.csv.gz` and
+`trials/T007.a2.frames.csv.gz` have the frames of these attempts. A recording is a plain file until
+its trial has ended. Then it is compressed, without loss of data if the program fails or is killed
+meanwhile. After a power cut, a complete recording may have no record in the journal.
 """
 
 from __future__ import annotations
@@ -34,9 +35,10 @@ TRIALS = "trials"
 
 
 def attempt_files(folder: Path) -> list[str]:
-    """Names of the recordings of attempts in a session's folder of trials, without `.gz`, in order.
+    """Names, without `.gz`, of all recordings in a session's folder of trials, in order.
 
-    The last states of a diverged attempt lie next to its recording, and are not an attempt.
+    The file with the last states of a diverged attempt, which is next to its recording, is left
+    out.
     """
     names = {path.name.removesuffix(SUFFIX) for path in folder.glob("T*.jsonl*")}
     return sorted(name for name in names if TRIAL.fullmatch(name.removesuffix(".jsonl")))
@@ -70,10 +72,10 @@ def find_recordings(name: str, out: Path) -> list[Path]:
     """Finds the recordings that a name refers to, in order.
 
     Args:
-        name: A file; or a trial such as `NAME/3B5G5T/S001/T007`, where a name without the session
-            means that trial of every session; or a study, participant or session, which means all
-            of its trials.
-        out: Folder of studies, for names that do not exist in the current folder.
+        name: A file; a trial such as `NAME/3B5G5T/S001/T007`; or a study, participant or session,
+            for all of its trials. A trial without `S001` stands for that trial of every session.
+        out: Folder of studies, in which names are looked up that do not exist in the current
+            folder.
 
     Raises:
         RecordingError: No recording has that name.
@@ -105,7 +107,7 @@ def finished_only(files: list[Path]) -> tuple[list[Path], int]:
         files: Recordings of a study.
 
     Returns:
-        Those of finished attempts, and the number of others.
+        The recordings of finished attempts, and the number of all other recordings.
 
     Raises:
         StudyError: A journal is damaged.
@@ -137,7 +139,8 @@ def _sessions(path: Path) -> list[Path]:
 
 
 def _trial(session: Path, name: str) -> list[Path]:
-    """Recording of a named attempt; for a name without attempt, the counted one."""
+    """The recording of the attempt with this name; for a name without an attempt number, of the
+    attempt that counts. Empty if there is none."""
     exact = session / TRIALS / f"{name}.jsonl"
     if "." not in name:
         counted = SessionState.of(read_journal(session / JOURNAL)).counted(int(name[1:]))
@@ -154,8 +157,9 @@ def _all(folder: Path) -> list[Path]:
 def pack(recording: Path) -> Path:
     """Replaces the recording of a finished trial by a compressed file.
 
-    The compressed file is on the disk and has been read back before the other file is deleted. A
-    kill in between leaves both, with the same content; another call deletes the first one.
+    The plain file is deleted only after the compressed file has been flushed to the disk and read
+    back. If the program is killed before that, both files remain, with the same content; the next
+    call deletes the plain file.
 
     Args:
         recording: Path of the recording without `.gz`. Nothing is done if only the compressed file
@@ -192,7 +196,7 @@ def pack(recording: Path) -> Path:
 
 
 def _ended(path: Path) -> Recording | None:
-    """A recording that has its end, whether the attempt was broken off or not; else None."""
+    """The recording if it is complete, whether its attempt was broken off or not; else None."""
     if not stored(path).exists():
         return None
     try:
@@ -212,8 +216,10 @@ def finished_result(path: Path) -> TrialResult | None:
 
 
 def recorded_seconds(path: Path, result: TrialResult) -> float:
-    """Real time that a finished trial took according to its recording, s: the simulated time, and
-    the time for which it stood still, on the page or since the machine fell behind."""
+    """Real time that a finished trial took according to its recording, s.
+
+    This is the simulated time, plus the times in which no simulated time passed (`STOOD_STILL`).
+    """
     recording = load_recording(path)
     assert recording.end is not None
     simulated = recording.end["step"] * recorded_settings(recording.header).physics.timestep
@@ -222,11 +228,11 @@ def recorded_seconds(path: Path, result: TrialResult) -> float:
 
 
 STOOD_STILL = ("waited_s", "away_s", "lost_s")
-"""Measures of real time in which no simulated time passes."""
+"""Measures that are real times in which no simulated time passes, s."""
 
 
 def unknown_recordings(session: Path, state: SessionState) -> list[str]:
-    """Recordings without a record, without `.gz`, in order.
+    """Recordings to which no record of the session refers: names without `.gz`, in order.
 
     Args:
         session: Folder of the session.
@@ -239,10 +245,10 @@ def unknown_recordings(session: Path, state: SessionState) -> list[str]:
 
 
 def is_whole(path: Path) -> bool:
-    """True if a recording has its end, whether the attempt was broken off or not."""
+    """True if a recording is complete, whether its attempt was broken off or not."""
     return _ended(path) is not None
 
 
 def whole_leftovers(session: Path, state: SessionState) -> list[str]:
-    """Those of `unknown_recordings` that have their end; see `is_whole`."""
+    """The complete recordings among `unknown_recordings`; see `is_whole`."""
     return [file for file in unknown_recordings(session, state) if is_whole(session / file)]

@@ -169,7 +169,7 @@ def test_a_mistake_is_told_with_its_line_and_a_remedy(sound: str, wrong: str, to
 NAMES = [
     *(('name = "age"', f'name = "{name}"', name) for name in FILLED),
     ('name = "effort"\nat', 'name = "demographics"\nat', "questions about the person"),
-    ("seed = 3\n", 'seed = 3\nlanguages = ["pt_BR"]\n', "'pt_BR' is no tag of a language"),
+    ("seed = 3\n", 'seed = 3\nlanguages = ["pt_BR"]\n', "'pt_BR' is not a language tag"),
     ('"hard", "soft"', '{name = "a, b", contact = "soft"}, "hard"', "'a, b' has ', ' in it"),
     ('"hard", "soft"', '{name = "a / b", contact = "soft"}, "hard"', "'a / b' has ' / ' in it"),
 ]
