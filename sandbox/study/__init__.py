@@ -1,1 +1,1 @@
-"""User studies: who does what in which order, and a record of it that nothing can lose."""
+"""User studies: plans of sessions, running them, journals that survive kills, and reports."""

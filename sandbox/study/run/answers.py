@@ -24,8 +24,8 @@ RANGES = {
     "ja": ("{low} から {high} まで", "、{step} 刻み"),
     "ar": ("من {low} إلى {high}", " بخطوات من {step}"),
 }
-"""Allowed numbers and their steps in words, by language, for the terminal and the sheet: the page
-draws scales. Not read by native speakers."""
+"""Texts for allowed numbers and their steps, by language, for the terminal and the sheet; the page
+draws scales instead. Native speakers have not checked them."""
 
 LONGEST = 2000
 """Largest number of characters of a free-text answer."""
@@ -36,9 +36,9 @@ class Draft:
     """The answers in a form that is being filled in.
 
     Attributes:
-        answers: Answers so far, by item, also from before an interruption.
-        write: Function that stores an answer of an item at once.
-        step: Id of the step, since the same form may occur more than once.
+        answers: Answers so far, by item, including those from before an interruption.
+        write: Function that stores an answer durably; its arguments are item and answer.
+        step: Id of the step. It identifies the form, which may occur more than once.
     """
 
     answers: Answers = field(default_factory=dict)
@@ -46,7 +46,7 @@ class Draft:
     step: str = ""
 
     def store(self, item: str, value: Any) -> None:
-        """Stores an answer; None removes an earlier one."""
+        """Stores an answer; None removes an earlier answer."""
         self.write(item, value)
         self.answers[item] = value
 
@@ -57,7 +57,7 @@ def hint(item: Item, language: str = "", numbered: bool = False) -> str:
     Args:
         item: The question.
         language: Language of the choices; empty for their stored values.
-        numbered: True puts its number before each choice, where `read_answer` takes a number.
+        numbered: True puts a number before each choice, if `read_answer` accepts this number.
     """
     if item.kind == "choice":
         words = [item.called(c, language) if language else c for c in item.choices]
@@ -68,12 +68,12 @@ def hint(item: Item, language: str = "", numbered: bool = False) -> str:
 
 
 def _range(item: Item, low: str, high: str, language: str = "") -> str:
-    """Allowed values in words: both ends, and the step of a scale unless it is 1.
+    """Text for the allowed values: both ends, and the step of a scale unless it is 1.
 
     Args:
         item: The question.
-        low, high: Its ends, as they are shown.
-        language: Language of the words; English if it is missing in `RANGES`.
+        low, high: The ends, as they are shown.
+        language: Language of the text; English is used if `RANGES` does not have it.
     """
     ends, step = RANGES.get(base(language), RANGES["en"])
     text = ends.format(low=low, high=high)
@@ -94,9 +94,9 @@ def question(item: Item, language: str, numbered: bool = False) -> str:
 
 
 def read_answer(item: Item, text: str, language: str = "") -> Any:
-    """Converts a typed answer to the stored one.
+    """Converts a typed answer to the value that is stored.
 
-    A choice may be given by its stored value, by its text in the language, or by its number.
+    A choice may be typed as its stored value, as its text in the language, or as its number.
 
     Raises:
         StudyError: The item does not allow this answer.
@@ -130,9 +130,9 @@ def read_answer(item: Item, text: str, language: str = "") -> Any:
 
 
 def chosen(text: str, options: Sequence[str]) -> int | None:
-    """Place of the option, from 0, whose word or number, from 1, was typed; None for neither.
+    """Index, from 0, of the option that was typed, as its word or its number; None for neither.
 
-    Where an option is a number itself, numbers are words.
+    The numbers of options count from 1. If an option is itself a number, options have no numbers.
     """
     words = [option.lower() for option in options]
     text = text.strip().lower()
@@ -148,7 +148,7 @@ def choice_of(options: Sequence[str]) -> str:
 
 
 def _numbers(options: Sequence[str]) -> list[str]:
-    """Numbers by which options can be chosen; none where an option is a number itself."""
+    """Numbers by which options can be chosen; none if an option is itself a number."""
     if any(option.strip().isdecimal() for option in options):
         return []
     return [str(place) for place in range(1, len(options) + 1)]
@@ -160,9 +160,10 @@ def _numbered(options: Sequence[str]) -> list[str]:
 
 
 def check_answer(item: Item, value: object) -> Any:
-    """Checks an answer from the page, which may be any value, and returns the stored one.
+    """Checks an answer from the page, and returns the value that is stored.
 
-    None removes an answer. A required item allows it as well, but the form cannot be finished then.
+    The page may send any value. None removes an answer, also of a required item; the form cannot be
+    finished then.
 
     Raises:
         StudyError: The item does not allow this answer.
@@ -173,7 +174,7 @@ def check_answer(item: Item, value: object) -> Any:
         case "choice", str() if value in item.choices:
             return value
         case "text", str() if len(value) <= LONGEST:
-            # Spaces around an answer are removed; an empty text is no answer.
+            # Spaces around an answer are removed. An empty text counts as no answer.
             return plain_text(value, item.name).strip() or None
         case (("scale" | "number"), bool()):
             pass
@@ -189,7 +190,7 @@ def check_answer(item: Item, value: object) -> Any:
 
 
 def still_allowed(items: Sequence[Item], answers: Mapping[str, Any]) -> dict[str, Any]:
-    """The stored answers that a form still allows, since its design may have changed."""
+    """The stored answers that a form allows now; its design may have changed since then."""
     kept = {}
     for item in items:
         with suppress(StudyError):
@@ -210,6 +211,6 @@ def _number(item: Item, value: float, given: str) -> Any:
 
 
 def _on_step(item: Item, value: float) -> bool:
-    """True if a value is on a step of a scale; computed exactly from the decimal numbers."""
+    """True if a value is on a step of a scale. Computed exactly, from the decimal digits."""
     exact = Fraction(repr(value)) - Fraction(repr(float(item.low)))
     return exact % Fraction(repr(float(item.step))) == 0

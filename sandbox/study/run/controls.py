@@ -1,4 +1,4 @@
-"""Commands that the experimenter types in the terminal while a session runs."""
+"""Commands that the experimenter types in the terminal during a session."""
 
 from __future__ import annotations
 
@@ -20,16 +20,16 @@ COMMANDS = {
     "p": "pause or continue",
     "r": "repeat this trial, or the last one if none is running: r REASON",
     "s": "skip this trial or step: s REASON",
-    "x": "exclude this trial or the last one from the results: x REASON",
+    "x": "exclude this trial, or the last one if none is running: x REASON",
     "X": "exclude the participant from the results: X REASON",
     "n": "write a note: n TEXT",
     "q": "stop; the session can be resumed later",
     "h": "show these keys",
 }
-"""Description of each command by its key; commands are confirmed with Enter."""
+"""Description of each command, by its key. Enter confirms a command."""
 YES_OR_NO = ("yes", "no")
 NEED_WORDS = "xXn"
-"""Keys that need a text."""
+"""Keys that must be followed by a text."""
 
 
 @dataclass(frozen=True)
@@ -95,7 +95,7 @@ class Controls:
                 yield command
 
     def show_keys(self) -> None:
-        """Prints all keys."""
+        """Prints all keys with their descriptions."""
         self.say("\n".join(f"  {key}  {about}" for key, about in COMMANDS.items()))
 
 
@@ -103,14 +103,15 @@ class Terminal:
     """Reads lines from the terminal: answers while a question is open, otherwise commands.
 
     A line that begins with `/` is always a command. If participants answer in the terminal, only
-    such lines are commands, so that early typing cannot stop or skip anything.
+    such lines are commands, so that an answer that is typed too early cannot stop the session or
+    skip a step.
 
     Args:
         controls: Queue for the commands.
         source: Text stream to read; None reads standard input.
         answers: True if participants answer in this terminal. Lines that are typed while no
-            question is open are then discarded. Lines of a file or a pipe arrive early, and are
-            stored as answers to the next questions.
+            question is open are then discarded. Lines from a file or a pipe arrive before the
+            questions, so they are stored as answers to the next questions.
     """
 
     def __init__(
@@ -149,7 +150,11 @@ class Terminal:
         options: Sequence[str],
         show: Callable[[str], object],
         poll: Callable[[], None] = lambda: None,
-        ended: Callable[[], StudyError] = lambda: StudyError("the input has ended"),
+        ended: Callable[[], StudyError] = lambda: StudyError(
+            "the input has ended before an option was chosen",
+            where="the terminal",
+            remedy="Start the command again, in a terminal",
+        ),
         experimenter: bool = False,
     ) -> int:
         """Waits until an option is typed, as its word or its number; returns its index.
@@ -159,8 +164,8 @@ class Terminal:
             show: Prints the prompt with the options, before each try.
             poll: See `ask`.
             ended: Creates the error for the end of the input.
-            experimenter: True if the question is for the experimenter, before the session runs; h
-                then shows the keys, as it does during the session.
+            experimenter: True if the question is for the experimenter, before the session begins.
+                The key h then shows the keys, as it does during the session.
 
         Raises:
             StudyError: The input has ended.
@@ -180,7 +185,7 @@ class Terminal:
 
     @contextmanager
     def form(self) -> Iterator[None]:
-        """Context of a form: lines are answers, also between two questions."""
+        """Context in which typed lines are answers, also between two questions of a form."""
         was = self._asking.is_set()
         self._asking.set()
         try:
@@ -202,8 +207,8 @@ class Terminal:
                     self._answers.put(text)
                 elif text.strip():
                     self._controls.say(
-                        "no question is open, so this line was discarded; keys begin with /, "
-                        "as in /h"
+                        "no question is open, so this line was discarded; commands begin with /, "
+                        "such as /h"
                     )
         finally:
             self.ended = True

@@ -1,9 +1,10 @@
-"""Decisions about participants, taken after their sessions: each is a note in the person's folder.
+"""Decisions about participants after their sessions. Each is a note in the participant's folder.
 
-Exclusions, releases and remarks can be undone, and delete nothing. An accepted loss is final: the
-record of a session that has lost lines is continued without them. Whole recordings without a record
-become trials if they fit the plan, and are set aside otherwise. Lost answers are requested again.
-The earlier tables, which may have such answers, remain in `tables/before-DATE`.
+Exclusions, releases and remarks can be undone, and delete no data. An accepted loss is final: a
+session whose journal has lost lines is continued without them. A complete recording without a
+record is added as a trial if it fits the plan, and is set aside otherwise. Forms whose answers were
+lost are asked again. The earlier tables remain in `tables/before-DATE`; they may have the lost
+answers.
 """
 
 from __future__ import annotations
@@ -39,21 +40,21 @@ def decide(
     session: int | None = None,
     trial: int | None = None,
 ) -> str:
-    """Notes a decision, or a remark, about a participant or one of their trials.
+    """Writes a note with a decision or a remark about a participant or one of their trials.
 
-    A participant whose number was freed and who is included gets a number again; see
-    `StudyFolder.include`.
+    If a participant whose number was freed is included again, `StudyFolder.include` gives them a
+    number.
 
     Args:
         study: The study.
         ppid: Pseudonym of the participant.
         kind: `EXCLUDE`, `INCLUDE` or `REMARK`.
-        reason: Words for the tables.
+        reason: Reason for the decision, or the text of the remark, for the tables.
         session: Session of the trial.
         trial: Number of the trial; None for the participant.
 
     Returns:
-        A sentence on the participant's freed number; empty if no number was freed.
+        A sentence on the number that the participant has again; empty if none was freed.
 
     Raises:
         StudyError: There is no such participant or trial, or the note cannot be written.
@@ -64,7 +65,7 @@ def decide(
     if trial is not None and (of is None or trial not in of.state.attempts):
         known = ", ".join(str(n) for n in sorted(of.state.attempts)) if of else ""
         raise StudyError(
-            "no such trial has begun",
+            "this trial has not begun",
             where=f"participant {ppid}, session {session}",
             got=trial,
             expected=known or ", ".join(f"session {s.number}" for s in sessions) or None,
@@ -80,19 +81,19 @@ def decide(
         return f"{ppid} has number {now.number} again"
     given = f"number {person.number} was given to {other.ppid} meanwhile"
     if begun:
-        return f"{given}: both have its orders, and both count"
-    return f"{given}: {ppid} has number {now.number} now, and its orders"
+        return f"{given}: both participants have the orders of this number, and both count"
+    return f"{given}: {ppid} has number {now.number} now, and the orders of that number"
 
 
 @dataclass(frozen=True)
 class Found:
-    """A whole recording without a record.
+    """A complete recording to which no record of its session refers.
 
     Attributes:
         file: The recording, without `.gz`.
-        trial: Its trial in the plan; None if it cannot be added.
-        result: Its result; None if it cannot be added.
-        why_not: Reason why it cannot be added; empty if it can be added.
+        trial: The trial of the plan to which the recording can be added; None if there is none.
+        result: Result at the end of the recording; None if it cannot be added.
+        why_not: Reason why the recording cannot be added; empty if it can be added.
     """
 
     file: str
@@ -106,12 +107,13 @@ class Loss:
     """Losses of a session.
 
     Attributes:
-        person, session: The participant, and the number of the session.
-        records: Number of lines that were sealed, or stand in the record behind a damaged line or
-            are that line, and that the record has not without them.
-        damaged: Number of the first damaged line, from 1; None if none is.
+        person: The participant.
+        session: Number of the session.
+        records: Number of lost lines of the journal. This is the larger of two numbers: sealed
+            lines that are missing at the end, and lines from the first damaged line to the end.
+        damaged: Number of the first damaged line, from 1; None if no line is damaged.
         unlike: True if sealed lines have changed.
-        found: Whole recordings without a record.
+        found: Complete recordings without a record.
     """
 
     person: Participant
@@ -123,10 +125,10 @@ class Loss:
 
 
 def losses(study: StudyFolder) -> Iterator[Loss]:
-    """Losses of the sessions of a study that have lost data, or whose record is damaged.
+    """Yields the losses of each session of a study that has lost data or has a damaged journal.
 
     Raises:
-        StudyError: Notes are damaged, or a record cannot be read.
+        StudyError: Notes are damaged, or a journal cannot be read.
     """
     for person in study.participants():
         for path in session_folders(study.path / person.ppid):
@@ -145,10 +147,10 @@ def losses(study: StudyFolder) -> Iterator[Loss]:
 
 
 def unsealed(study: StudyFolder) -> list[str]:
-    """Ended sessions without a seal, as in a copy without notes.
+    """Ended sessions without a seal, such as in a copy of a study without its notes.
 
     Raises:
-        StudyError: A record is damaged.
+        StudyError: A journal is damaged.
     """
     return [
         f"{person.ppid}, session {session.number}"
@@ -166,17 +168,17 @@ def accept_loss(study: StudyFolder, loss: Loss, reason: str, say: Say) -> None:
         StudyError: The session is open, or cannot be written.
     """
     with SessionFolder(study, loss.person, loss.session, recovering=True) as session:
-        say(f"the tables of before are in {keep_tables(study)}")
+        say(f"the earlier tables are in {keep_tables(study)}")
         if session.damaged is not None:
-            say(f"the damaged record stays as {session.damaged}")
+            say(f"a copy of the damaged journal is {session.damaged}")
         session.accept_loss(loss.records, loss.unlike, reason)
         for found in loss.found:
             trial, result = found.trial, found.result
-            # Of two attempts at one trial, the first one counts.
+            # If there are two recordings of one trial, the first one is added.
             counted = trial is not None and session.state.counted(trial.number) is not None
             if trial is not None and result is not None and not counted:
                 session.take_in(trial, found.file, result)
-                say(f"{found.file}: taken in as trial {trial.number}")
+                say(f"{found.file}: added as trial {trial.number}")
             else:
                 session.set_aside(found.file, reason)
                 say(f"{found.file}: set aside")
@@ -198,7 +200,7 @@ def _found(
     if (about.get("ppid"), about.get("session")) != mine or trial is None:
         return Found(file, None, None, "it is of another participant or session")
     if (header["settings"]["seed"], about.get("levels")) != (trial.seed, trial.levels):
-        return Found(file, None, None, "the plan has another trial of this number")
+        return Found(file, None, None, "the plan has another trial with this number")
     if state.counted(trial.number) is not None:
-        return Found(file, None, None, "another attempt of this trial counts")
+        return Found(file, None, None, "another attempt at this trial counts")
     return Found(file, trial, result)

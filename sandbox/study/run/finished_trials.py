@@ -15,12 +15,13 @@ def bring_up_to_date(
 ) -> None:
     """Compresses the recordings of a session, seals its journal, and makes the study's tables.
 
-    Files that cannot be written are reported, and are written when the session is opened again.
+    If a file cannot be written, the error is printed. The next call after the session is opened
+    again writes the file.
 
     Args:
         session: The session.
         say: Prints a line.
-        tables: False leaves the tables to the caller.
+        tables: False if the caller makes the tables.
     """
     try:
         for attempts in session.state.attempts.values():

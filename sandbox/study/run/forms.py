@@ -1,7 +1,7 @@
 """Interface for texts and questions to a participant, with two implementations.
 
-Implemented here are forms in the terminal and a simulated participant; forms on the page are in
-`sandbox.study.run.page_forms`.
+This module has forms in the terminal and forms for a simulated participant. Forms on the page are
+in `sandbox.study.run.page_forms`.
 """
 
 from __future__ import annotations
@@ -30,11 +30,11 @@ class NewTask:
     """Text for a participant before a new task, and at the end of a task's practice.
 
     Attributes:
-        number: Number of the next trial among those of the session, from 1.
+        number: Number of the next trial in the session, from 1.
         count: Number of trials of the session.
-        title, goal: Name of the task, and its goal; empty if the design does not show it.
+        title, goal: Name and goal of the task; each is empty if the design does not show it.
         practice: True if the next trial is practice.
-        picture: Data URL of a picture of it; empty without one.
+        picture: Data URL of a picture of the task; empty without a picture.
     """
 
     number: int
@@ -61,7 +61,7 @@ class Forms(Protocol):
         ...
 
     def ask(self, form: Form, language: str, poll: Poll, draft: Draft) -> Answers:
-        """Asks the questions of a form; returns the answers by item, None for an omitted one.
+        """Asks the questions of a form; returns the answers by item, with None for no answer.
 
         Args:
             form: The form.
@@ -82,7 +82,7 @@ class TerminalForms:
     Args:
         terminal: Terminal in which answers are typed.
         show: Prints a text.
-        again: Command that continues the session, for the error at the end of the input.
+        again: Command that resumes the session; the error names it if the input ends.
     """
 
     def __init__(
@@ -144,13 +144,13 @@ class TerminalForms:
         return StudyError(
             "the input has ended, so that questions cannot be answered",
             where="the terminal",
-            remedy=f"In a terminal, `{self._again}` resumes the session at this step. Nobody "
-            "needs to answer in `sandbox study simulate`",
+            remedy=f"In a terminal, `{self._again}` resumes the session at this step. `sandbox "
+            "study simulate` runs without answers",
         )
 
 
 class SimulatedForms:
-    """A simulated participant, who answers at once and at random.
+    """Forms for a simulated participant, who answers at once and at random.
 
     Args:
         seed: Seed of the answers.
@@ -171,7 +171,7 @@ class SimulatedForms:
 
     def ask(self, form: Form, language: str, poll: Poll, draft: Draft) -> Answers:
         poll()
-        # An answer depends only on seed, step and item, and is the same after an interruption.
+        # An answer depends on seed, step and item only, so it is the same after an interruption.
         return {item.name: self._answer(draft.step or form.name, item) for item in form.items}
 
     def rest(self, least: float, poll: Poll) -> None:

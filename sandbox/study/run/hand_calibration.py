@@ -1,4 +1,4 @@
-"""Measures a participant's hand over a Leap before their first trial, as in PAALM (2013)."""
+"""Measures a participant's hand over a Leap before the first trial, as in PAALM (2013)."""
 
 from __future__ import annotations
 
@@ -16,7 +16,8 @@ from sandbox.study.run.forms import Forms, Poll
 from sandbox.words.words import words_in
 
 TRIES = 2
-"""Number of frames read for every required frame, since half may not show an open hand."""
+"""At most so many frames are read for each required frame, since up to half of them may not show an
+open hand."""
 AGAIN = "`{}` resumes the session at this step"
 
 
@@ -31,17 +32,17 @@ def hand_measurer(
 ) -> Callable[[Poll], dict[str, Any]]:
     """Returns a function that measures the participant's hand.
 
-    The function repeats the measurement until the hand was held correctly. The experimenter may
-    skip it; an average hand is used then. It raises a DeviceError if the service sends no data.
+    The function repeats the measurement until the hand was held correctly. If the experimenter
+    skips it, an average hand is used. It raises a DeviceError if the service sends no data.
 
     Args:
         forms: Shows the instruction to the participant.
         person: The participant.
         address: Address of the Leap service.
         say: Prints the result for the experimenter.
-        wanted: Number of frames with five fingers; 1000 in the paper, about ten seconds.
+        wanted: Number of required frames with five fingers; 1000 in the paper, about ten seconds.
         own: The design's own words in the participant's language, by key.
-        again: Command that continues the session, for the error if the service falls silent.
+        again: Command that resumes the session; the error names it if the service sends no data.
     """
     text = words_in(person.language, own)["measure_hand"]
     side = cast(Literal["right", "left"], person.hand)

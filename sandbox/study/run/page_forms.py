@@ -99,7 +99,7 @@ class PageForms:
             self._page.say(f"rejected an answer: {error}")
             return
         if draft.answers.get(item.name) != value:
-            # First for a page that comes back: the disk may take long.
+            # The sheet is updated first, for a page that reconnects, since the disk may be slow.
             self._page.update_sheet(answers={**draft.answers, item.name: value})
             draft.store(item.name, value)
 
@@ -111,7 +111,7 @@ class PageForms:
         return not missing
 
     def _pause(self, poll: Poll, show: Callable[[], None]) -> None:
-        """Executes the experimenter's commands; hides the form while the session is paused."""
+        """Executes the experimenter's commands, and hides the sheet while the session is paused."""
         poll()
         if not self._paused():
             return
@@ -130,7 +130,10 @@ class PageForms:
     def _show_until_left(
         self, poll: Poll, ways: tuple[str, ...], show: Callable[[], None], until: float = 0.0
     ) -> str:
-        """Shows a sheet and returns how the participant leaves it, at the earliest at `until`."""
+        """Shows a sheet until the participant leaves it in one of `ways`, and returns this way.
+
+        Attempts to leave it before the monotonic time `until` (s) are ignored.
+        """
         self._page.wait_until_open(poll)
         show()
         try:
@@ -148,13 +151,13 @@ class PageForms:
 
 
 def measure_screens(page: StudyPage, poll: Poll) -> None:
-    """Has the experimenter measure the screens of pages with a bank card, unless that was done.
+    """Waits until the experimenter has measured the screens of all pages with a bank card.
 
-    It is done before the consent form, or as soon as another device has become a page, and never
-    over a form.
+    Screens that are measured, or whose guessed size was accepted, are left out. The function is
+    called between steps: before the consent form, and when another device has become a page.
 
     Args:
-        page: The participant's page, which may have that of the second hand beside it.
+        page: The participant's page; the page of the second hand is measured, too.
         poll: See `Poll`.
     """
     page.wait_until_open(poll)
@@ -163,7 +166,7 @@ def measure_screens(page: StudyPage, poll: Poll) -> None:
             continue
         each.say(
             f"measure the screen of {each.whose} with a bank card, before the participant gets it; "
-            "s guesses its size"
+            "the key s skips this and uses a guessed size"
         )
         each.show_sheet("measure", text=each.texts["wait"])
         try:

@@ -27,16 +27,16 @@ from sandbox.trial.logs import TimedDevice, Timing
 from sandbox.trial.settings import Settings
 
 AFTER, AFTER_WITH_RESULT = 1.2, 3.0
-"""Times (s) for which the end of a trial is visible: without and with a result to read."""
+"""Times (s) for which the scene stays visible after a trial: without, and with its result."""
 PATIENCE = 30.0
-"""Longest time (s) for which a trial waits for its demonstration."""
+"""Longest time (s) for which a trial waits until its demonstration ends."""
 
 
 class PagePlayer:
     """Runs trials on the page in real time; implements `sandbox.study.run.players.TrialPlayer`.
 
     Args:
-        page: The participant's page, to which a page of the second hand may belong.
+        page: The participant's page. A page of the second hand may belong to it.
         options: Settings of trials on the page.
         language: Language of the participant.
     """
@@ -47,7 +47,7 @@ class PagePlayer:
     def play(self, request: TrialRequest) -> PlayedAttempt:
         for page in self._page.pages:
             page.server.latency.begin_trial()
-            page.device = None  # trials over a Leap have none
+            page.device = None  # trials over a Leap have no device on the page
         attempt = RunningAttempt(request)
         try:
             with attempt.open(self._views) as trial:
@@ -77,7 +77,7 @@ class PagePlayer:
 
     @property
     def _trial_pages(self) -> list[StudyPage]:
-        """The pages that show this trial: the participant's, and another page that is touched."""
+        """The pages that show this trial: the participant's page, and any other that is touched."""
         return [page for page in self._page.pages if page is self._page or page.device]
 
     def _show(self, session: Session, request: TrialRequest) -> None:
@@ -97,7 +97,7 @@ class PagePlayer:
         return title, goal, task_hint(self._options, name, page.texts)
 
     def _demonstrate(self, attempt: RunningAttempt, request: TrialRequest) -> None:
-        """Waits for the demonstration that the design shows before the first trial of a task."""
+        """Shows a demonstration, if the design has one and this is the first trial of its task."""
         due = "demo" in self._options.shows and request.first
         if not due or self._page.device is None or len(request.settings.hands) > 1:
             return
@@ -130,8 +130,8 @@ class PagePlayer:
 class _PageClock:
     """Decides when simulated time stops, and measures how long a page was away.
 
-    Time stops before the first touch, during a pause, and while a page is away, as the settings of
-    the page say (`AutoPause`).
+    Time stops during a pause, and, depending on the settings of the page, before the first touch
+    and while a page is away (`AutoPause`).
     """
 
     def __init__(self, pages: Sequence[StudyPage], options: PageSettings) -> None:
@@ -149,8 +149,11 @@ class _PageClock:
         self._seats = [(page.server.seated, page.server.screen) for page in pages]
 
     def pause(self, attempt: RunningAttempt, session: Session) -> Pause:
-        """Reason why simulated time must stand still now; empty if it may run. It may break the
-        attempt off, but not for a page that leaves once the goal is held."""
+        """Reason why simulated time must stop now; empty if it may run.
+
+        The attempt is broken off if another device becomes the page, or if the page is gone and the
+        design repeats such attempts.
+        """
         for page in self._pages:
             page.check_connection()
         self._follow_pause(attempt.check_pause())
@@ -158,7 +161,7 @@ class _PageClock:
         pause = self._auto.check(session.time, held, self._paused)
         now = time.monotonic()
         if self._waited is None and (self._paused or self._auto.away):
-            # The scene is not visible meanwhile.
+            # The scene is not visible now, so this time does not count as waiting.
             self._shown += now - self._last
         if self._waited is None and self._auto.begun:
             self._waited = now - self._shown
@@ -170,12 +173,12 @@ class _PageClock:
             page.server.seated != seated and _is_another(page.server.screen, screen)
             for page, (seated, screen) in zip(self._pages, self._seats, strict=True)
         ):
-            # The surface of the trial no longer exists.
+            # The touch surface of this trial no longer exists.
             attempt.broken = attempt.broken or "another device became the participant's page"
         return pause
 
     def _add_absence(self, now: float) -> None:
-        """Adds up the number and duration of absences of pages."""
+        """Counts absences of pages, and adds up their duration."""
         was, self._was_away = self._was_away, bool(self._auto.away)
         if self._was_away:
             # The silence before a page counts as away is part of its absence.
@@ -207,7 +210,8 @@ def settings_for_screen(page: StudyPage, settings: Settings, designed: bool) -> 
     Args:
         page: The page, which must be open.
         settings: Settings from the design.
-        designed: True if the design sets the size of the touch rectangle; else it is the screen.
+        designed: True if the design sets the size of the touch rectangle; else the screen's size
+            is used.
 
     Raises:
         StudyError: The screen is too small for the touch rectangle.
@@ -220,7 +224,7 @@ def settings_for_screen(page: StudyPage, settings: Settings, designed: bool) -> 
             where="the participant's page",
             got=f"a table that fills the screen of a {screen.fit}",
             expected="a table of true size",
-            remedy="Open the study's own link anew; the session resumes at this trial",
+            remedy="Open the study's own link again; the session resumes at this trial",
         )
     if not designed:
         hands = len(settings.hands) if settings.surface.shared else 1
@@ -232,14 +236,19 @@ def settings_for_screen(page: StudyPage, settings: Settings, designed: bool) -> 
             where="surface" if screen.calibrated else "surface; the screen was not measured",
             got=f"{inches(screen)} of screen{lift_size_note(lifts(settings))}",
             expected=f"{wanted[0]:g} x {wanted[1]:g} in",
-            remedy="Rotate it, use a larger screen or full screen, or remove `surface` from the "
-            "design; the session resumes at this trial",
+            remedy="Rotate the screen, use full screen or a larger screen, or remove `surface` "
+            "from the design; the session resumes at this trial",
         )
     return settings.changed(calibrated=screen.calibrated)
 
 
 def on_both_screens(settings: Settings, other: Settings) -> Settings:
-    """The settings with a touch rectangle that fits on two screens, each with its own settings."""
+    """The settings with a touch rectangle that fits on both screens.
+
+    Args:
+        settings: Settings fitted to the first screen.
+        other: Settings fitted to the second screen.
+    """
     sizes = [
         {"size_in": s.surface.size_in, "calibrated": s.surface.calibrated}
         for s in (settings, other)
@@ -248,13 +257,16 @@ def on_both_screens(settings: Settings, other: Settings) -> Settings:
 
 
 def page_device(page: StudyPage, surface: Surface) -> Device:
-    """Creates the device of a trial on the page, whose latency is logged."""
+    """Creates the device of a trial on the page, with a log of its latency."""
     return TimedDevice(page.use_device(WebDevice(surface)), Timing(page.server.latency))
 
 
 def _is_another(now: PageScreen | None, before: PageScreen | None) -> bool:
-    """True if a page is on another screen than before, at any turn of it. The same screen may have
-    lost a fifth of its room to the browser's bars."""
+    """True if a page is on another screen than before.
+
+    A rotated screen is the same screen, as is one that has lost up to a fifth of its length or
+    width to the browser's bars.
+    """
     if now is None or before is None:
         return False
     sides = [sorted((s.width_px / s.px_per_in, s.height_px / s.px_per_in)) for s in (now, before)]

@@ -1,4 +1,4 @@
-"""Players, which run single trials: headless, or with a person in a window."""
+"""Players, which run single trials: headless, or in a window."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from sandbox.server.protocol import Pause
 
 Watch = Callable[[], str]
-"""Executes the experimenter's commands; returns the reason to break the attempt off, or empty."""
+"""Executes the experimenter's commands; returns the reason to break off the attempt, or empty."""
 
 
 @dataclass(frozen=True)
@@ -38,8 +38,8 @@ class TrialRequest:
         about: Further fields of the recording's header.
         time_limit: Time limit of the study, s.
         watch: See `Watch`.
-        paused: Returns True while simulated time must stand still.
-        learns: Names of the hands whose new layouts of five fingers are kept for the next trial.
+        paused: Returns True while simulated time must stop.
+        learns: Names of the hands whose new layouts of five fingers the next trial uses.
         first: True for the first trial of its task in the session.
     """
 
@@ -56,7 +56,13 @@ class TrialRequest:
 
 @dataclass
 class PlayedAttempt:
-    """A finished attempt: result, frames, and the reason if it was broken off (else empty)."""
+    """A finished attempt.
+
+    Attributes:
+        result: The result.
+        table: The frames.
+        broken: Reason why the attempt was broken off; empty if it was not.
+    """
 
     result: TrialResult
     table: FrameTable
@@ -75,7 +81,7 @@ class TrialPlayer(Protocol):
         ...
 
     def close(self) -> None:
-        """Releases resources that are kept between trials."""
+        """Releases resources that stay open between trials."""
         ...
 
 
@@ -102,8 +108,9 @@ class HeadlessPlayer:
 
 @dataclass
 class WindowPlayer:
-    """Runs trials in a window, in real time. Keys to restart or pause are disabled, since only the
-    experimenter may do so.
+    """Runs trials in a window, in real time.
+
+    The window has no keys to restart or pause, since only the experimenter may do this.
 
     Attributes:
         caption: Text that is shown if a simulated user plays.
@@ -151,10 +158,10 @@ class RunningAttempt:
     """A running attempt at a trial: collects its frames, for every kind of player.
 
     Attributes:
-        table: Its frames, collected while the trial runs.
+        table: The frames so far.
         broken: Reason why the attempt was broken off; empty otherwise.
-        demonstrated: True if the participant's page got a demonstration, False if there was none to
-            get; None if none was due.
+        demonstrated: True if the participant's page showed a demonstration, False if none was
+            available in time; None if the trial should not have one.
     """
 
     def __init__(self, request: TrialRequest) -> None:
@@ -175,7 +182,8 @@ class RunningAttempt:
             return [lambda snapshot: self._watch(session, snapshot), *more]
 
         request = self._request
-        # What `study check` has let pass is played: a participant waits.
+        # Overlapping objects are accepted here, since a participant is waiting. `study check` has
+        # already drawn trials of the design with several seeds.
         return open_trial(
             request.settings,
             request.makers,
@@ -186,12 +194,12 @@ class RunningAttempt:
         )
 
     def check_pause(self) -> bool:
-        """Executes the experimenter's commands; returns True if time must stand still."""
+        """Executes the experimenter's commands; returns True if simulated time must stop."""
         self.broken = self.broken or self._request.watch()
         return self._request.paused() and not self.broken
 
     def wait_if_paused(self) -> bool:
-        """Same as `check_pause`, but also waits for `TICK` if time must stand still."""
+        """Same as `check_pause`, but also waits for `TICK` if simulated time must stop."""
         paused = self.check_pause()
         if paused:
             time.sleep(TICK)

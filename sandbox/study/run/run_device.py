@@ -1,4 +1,4 @@
-"""Devices of participants, and adaptation of trials to the size of their surfaces."""
+"""Devices of participants, and adaptation of trials to the size of the devices' surfaces."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ from tasks.task import Task
 from tasks.user import UserConfiguration
 
 SLACK = 0.02
-"""Relative difference that is allowed between the surfaces of the design and the device."""
+"""Largest relative difference in size between the design's surface and the device's surface."""
 
 
 def person_devices(
@@ -43,10 +43,10 @@ def person_devices(
     """Returns a function that opens the devices of a trial.
 
     Args:
-        device: Device `mouse`, `web`, `tuio`, `evdev`, `evdev:NODE` or `simulated`.
-        person: The participant, who touches, or moves a hand over a Leap or before a camera if the
-            design says so.
-        page: Page of device `web`; the second hand's is beside it.
+        device: Device for touches: `mouse`, `web`, `tuio`, `evdev`, `evdev:NODE` or `simulated`.
+        person: The participant. In trials whose design sets a Leap or a camera, the participant
+            uses that instead of the device for touches.
+        page: Page of device `web`; the page of the second hand belongs to it (`StudyPage.beside`).
         leap: Address of the Leap service.
         second: Device of a second hand; None if no trial needs one.
         camera: The session's camera; None if no trial needs one.
@@ -68,8 +68,7 @@ def person_devices(
                 assert camera is not None
                 return cast(Device, camera.of_trial())
             if in_air is not None:
-                # By the design, this trial uses a Leap, and starts with the scene, not with a
-                # touch of the page.
+                # This trial uses a Leap. It starts when the scene appears, not with a touch.
                 return cast(Device, open_leap(leap))
             if page is not None and name == "web":
                 opened = page_device(page.pages[hand], surface)
@@ -85,7 +84,7 @@ def person_devices(
 
     def of_trial(trial: TrialStep, settings: Settings) -> DeviceMakers:
         first = opens(device, trial, settings, 0)
-        # Keys of the window lift the hands whose devices have no lift control.
+        # With a mouse, keys of the window lift the hands whose devices have no lift control.
         keys = "mouse" in (device.name, second.name if second else "")
         if len(settings.hands) == 1:
             return with_lift((first,), keys)
@@ -123,7 +122,7 @@ def needs_second_device(values: Mapping[str, Any], settings: Settings) -> bool:
 
 
 def before_cameras(settings: Settings) -> tuple[bool, ...]:
-    """For each hand, True if it is before a camera."""
+    """For each hand, True if a camera sees it instead of a touch device or a Leap."""
     return tuple(h.in_air is not None and h.in_air.camera is not None for h in settings.hands)
 
 
@@ -135,12 +134,12 @@ def settings_fitter(
 ) -> FitSettings:
     """Returns a function that adapts the settings of a trial to the touch devices.
 
-    The function may wait for the page, and for the camera. It raises a StudyError if the surface of
-    the design differs from that of the device, or if the surfaces of two hands differ in size.
+    The function may wait for the page, and for the camera. It raises a StudyError if the design's
+    surface and the device's surface differ in size, or if the surfaces of two hands differ in size.
 
     Args:
         name: Touch device of the first hand.
-        page: Page of device `web`; the second hand's is beside it.
+        page: Page of device `web`; the page of the second hand belongs to it (`StudyPage.beside`).
         second: Touch device of the second hand; empty if there is none.
         camera: The session's camera; None if no trial needs one.
     """
@@ -188,8 +187,8 @@ def settings_fitter(
                 )
             return settings.changed(size_in=(native.width_in, native.height_in))
         if kind_of(name).guessed_size:
-            # The device reports no size. Without one in the design it is a guess, which the
-            # recording notes.
+            # The device reports no size. If the design has none either, the size is a guess, and
+            # the recording marks it as not calibrated.
             return settings if designed else settings.changed(calibrated=False)
         return settings
 

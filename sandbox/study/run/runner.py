@@ -42,7 +42,7 @@ OpenDevices = Callable[[TrialStep, Settings], DeviceMakers]
 FitSettings = Callable[[TrialStep, Settings, Poll], Settings]
 """Adapts the settings of a trial to the participant's device; may wait for the device."""
 Calibrate = Callable[[Poll], dict[str, Any] | None]
-"""Measures the participant's hand over a Leap; None uses an average hand."""
+"""Measures the participant's hand over a Leap; returns None for an average hand."""
 
 
 class SessionOutcome(StrEnum):
@@ -54,7 +54,8 @@ class SessionOutcome(StrEnum):
 
 
 SCREENS = Step("screens")
-"""A task of the experimenter before a step, which can be skipped like a step."""
+"""Measuring of the pages' screens by the experimenter, before a step of the plan. It can be skipped
+like a step."""
 
 
 class _StepLeft(Exception):  # noqa: N818 - not an error, but a signal that ends a form
@@ -75,11 +76,11 @@ class SessionRunner:
         device: The device of the first hand, for recordings.
         fit: See `FitSettings`.
         calibrate: See `Calibrate`.
-        makes_tables: False leaves the tables of the study to the caller.
-        second_device: The second hand's device, for recordings of trials with two hands.
-        before_step: Called before every step, with a function to call while it waits.
-        picture_of: Returns the data URL of a picture of a task; empty for none. It polls while it
-            waits.
+        makes_tables: False if the caller makes the tables of the study.
+        second_device: The device of the second hand, for recordings of trials with two hands.
+        before_step: Called before every step, with a `Poll` that it must call while it waits.
+        picture_of: Returns the picture of a task as a data URL; empty for none. It calls its `Poll`
+            while it waits.
     """
 
     session: SessionFolder
@@ -100,7 +101,7 @@ class SessionRunner:
         self._leave_key = self._leave_reason = ""
         self._step: Step | None = None
         self._introduced = "", False
-        # A session that goes on after a crash may begin with a trial to exclude.
+        # In a session that was resumed, the experimenter may exclude the last trial before that.
         self._last = self.session.state.last_finished(self.session.steps)
         self._frames = FrameWriter()
 
@@ -114,7 +115,7 @@ class SessionRunner:
         try:
             return self._run_steps()
         except StudyError:
-            # Missing files are made when the session is opened again.
+            # Files that are missing now are written when the session is opened again.
             disk_is_writable = False
             raise
         finally:
@@ -277,7 +278,7 @@ class SessionRunner:
         )
 
     def _introduce(self, task: str, practice: bool) -> None:
-        """Shows the goal if the last trial had another task or was practice for this task."""
+        """Shows the goal if the task is new, or if practice of the task begins or ends."""
         if (task, practice) == self._introduced:
             return
         session = self.session
@@ -293,7 +294,8 @@ class SessionRunner:
         self._introduced = task, practice
 
     def _learning_hands(self, trial: TrialStep, settings: Settings) -> tuple[str, ...]:
-        """Names of the participant's hands if the design lets a session learn their layouts."""
+        """Names of the participant's hands whose layouts are learned; empty if the design does not
+        let a session learn layouts."""
         if self.session.study.design.learning != "session":
             return ()
         if self._has_partner(trial):
@@ -306,7 +308,7 @@ class SessionRunner:
         return self.session.person.user is not None or PARTNER in asked
 
     def _with_devices(self, trial: TrialStep, settings: Settings) -> Settings:
-        """The settings with the devices of the session, for the recording."""
+        """The settings with the session's devices, which the recording then names."""
         person = self.session.person
         device, second = self.device, self.second_device
         if person.user is not None:
@@ -331,25 +333,28 @@ class SessionRunner:
             return
         session.finish(trial, played.result)
         self._last = trial
-        # With this hash on paper, a record that was cut here or before is detected.
+        # Whoever notes this hash on paper can prove later that no record up to here is missing.
         self.say(f"  {_trial_summary(played.result)}; hash {session.journal.head[:12]}")
         file = session.state.attempts[trial.number][-1].start["file"]
-        # The participant goes on; the frames are written meanwhile.
+        # The frames are written in the background while the participant continues.
         self._frames.write(played.table, session.path / file)
 
     def _break_off(self, trial: TrialStep, why: str) -> None:
-        """Records that an attempt was broken off; if that fails, the next opening does it."""
+        """Records that an attempt was broken off.
+
+        If the record cannot be written, it is written when the session is next opened.
+        """
         try:
             self.session.break_off(trial, why)
         except StudyError as error:
             self.say(str(error))
 
     def _announce(self, step: Step) -> None:
-        """Prints the step that begins."""
+        """Prints that a step begins."""
         self.say(f"{self.session.person.ppid}  {_called(step)}")
 
     def _say_left(self, step: Step, why: str = "") -> None:
-        """Prints the state of a step that was left, and the reason if it was not a command."""
+        """Prints what happens to a step that was left, and the reason if it was not a command."""
         done = {"s": "skipped", "q": "left"}.get(self._leave_key, "begins again")
         self.say(f"  {_called(step)}: {done}" + (f", as {why}" if why else ""))
 
@@ -410,7 +415,10 @@ class SessionRunner:
                 self._leave_key, self._leave_reason = "r", words or "repeated"
                 self.say(f"trial {self._last.number} is repeated")
             case "s" if isinstance(self._step, ConsentStep):
-                self.say("consent is not skipped: the participant agrees or does not; q stops")
+                self.say(
+                    "consent is not skipped: the participant must agree or decline; q stops the "
+                    "session"
+                )
             case "s" | "q":
                 self._leave_key, self._leave_reason = (
                     command.key,

@@ -1,5 +1,5 @@
-"""The camera of a participant's session: one page in a browser, from the first trial that needs it
-to the session's end."""
+"""The camera of a session: one page in a browser, open from the first trial that needs the camera
+to the end of the session."""
 
 from __future__ import annotations
 
@@ -17,10 +17,10 @@ TICK = 0.05
 
 
 class SessionCamera(Closeable):
-    """Opens the camera's page when a trial first needs it, and keeps it for all further trials.
+    """Opens the camera's page when a trial first needs it, and uses it for all further trials.
 
-    A participant allows the camera once. It is on until the session ends, as the page states.
-    Pictures between trials are discarded.
+    So the participant allows the camera only once. The camera stays on until the session ends, and
+    its page states this. Pictures between trials are discarded.
 
     Args:
         engine: Folder of the engine (`sandbox.devices.webcam.engine`).
@@ -29,7 +29,7 @@ class SessionCamera(Closeable):
         say: Prints a line for the experimenter.
 
     Attributes:
-        mirrored: True if the camera's picture is a mirror's; read when the page is opened.
+        mirrored: True if the camera's picture is mirrored; read when the page is opened.
     """
 
     def __init__(
@@ -44,7 +44,7 @@ class SessionCamera(Closeable):
         self._device: WebcamDevice | None = None
 
     def wait_until_on(self, poll: Poll) -> None:
-        """Waits until the page sends pictures; the reason for a delay is printed.
+        """Waits until the page sends pictures, and prints the reason for a delay.
 
         Args:
             poll: See `Poll`; an exception from it ends the wait.
@@ -63,7 +63,7 @@ class SessionCamera(Closeable):
                 self._say(", ".join(told))
 
     def of_trial(self) -> LandmarkDevice:
-        """The camera as a device of one trial, whose end does not switch it off."""
+        """Returns the camera as the device of one trial; it stays on when the trial ends."""
         device = self._opened()
         device.poll(0.0)
         return _StaysOn(device)
@@ -92,19 +92,19 @@ class _StaysOn(LandmarkDevice):
 
     @property
     def name(self) -> str:
-        """The camera's."""
+        """Name of the camera."""
         return self._camera.name
 
     @property
     def address(self) -> str:
-        """The camera's."""
+        """Address of the camera's page."""
         return self._camera.address
 
     @property
     def notices(self) -> Sequence[str]:
-        """The camera's."""
+        """Notices of the camera."""
         return self._camera.notices
 
     def poll(self, now: float) -> Sequence[LandmarkFrame]:
-        """The pictures since the last call."""
+        """Landmarks of the pictures since the last call."""
         return () if self.finished else self._camera.poll(now)

@@ -1,7 +1,7 @@
 """The sheet of a session: all texts, questions and trials for a participant, in order.
 
-The steps are those of `session_plan`, and the texts are those that forms get from the session. Its
-lines are text, its page is one HTML file without scripts.
+The steps come from `session_plan`, and the texts are the same as in the session. A sheet can be
+printed as lines of text, or as one HTML page without scripts.
 """
 
 from __future__ import annotations
@@ -50,9 +50,9 @@ class SheetPart:
     """A part of a sheet.
 
     Attributes:
-        steps: Ids of its steps; several for trials of one condition that follow each other.
+        steps: Ids of the steps. Successive trials of one condition are one part.
         heading: Heading for the experimenter.
-        texts: Texts for the participant, in their language.
+        texts: Texts for the participant, in the participant's language.
         questions: Questions for the participant, each in one line.
     """
 
@@ -86,17 +86,17 @@ def session_sheet(
         design: Design of the study.
         number: Number of the participant, from 1 in order of arrival.
         session: Number of the session, from 1.
-        language: Language of the participant; empty means the first one of the design.
+        language: Language of the participant; empty for the first language of the design.
 
     Raises:
-        StudyError: There is no such number, or the design has no texts in the language.
+        StudyError: The number is below 1, or the design has no texts in the language.
     """
     if number < 1:
         raise StudyError(
-            "not the number of a participant",
+            "this is not the number of a participant",
             where="--participant-number",
             got=number,
-            expected="1 for the first who comes, 2 for the second, and so on",
+            expected="1 for the first participant, 2 for the second, and so on",
         )
     if language and language not in design.languages:
         raise StudyError(
@@ -128,7 +128,7 @@ def sheet_lines(sheet: SessionSheet) -> Iterator[str]:
 
 
 def sheet_page(sheets: Sequence[SessionSheet]) -> str:
-    """Returns the HTML text of sheets, in the order of the sessions."""
+    """Returns one HTML page with several sheets, in the order of the sessions."""
     body = "\n".join(line for sheet in sheets for line in _html(sheet))
     return (
         '<!doctype html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n'
@@ -139,7 +139,7 @@ def sheet_page(sheets: Sequence[SessionSheet]) -> str:
 
 
 def _html(sheet: SessionSheet) -> Iterator[str]:
-    """Lines of the page; what the participant reads is marked with their language."""
+    """Lines of the page. Texts for the participant are marked with the participant's language."""
     yield f"<h1>{escape(sheet.title)}</h1>"
     for number, part in enumerate(sheet.parts, 1):
         yield f"<section>\n<h2>{number}. {escape(part.heading)}</h2>"
@@ -152,7 +152,7 @@ def _html(sheet: SessionSheet) -> Iterator[str]:
 
 
 def _together(numbered: tuple[int, Step]) -> object:
-    """Key of steps that are one part: trials of one condition, and each other step by itself."""
+    """Key by which steps are grouped: trials of one condition together, any other step alone."""
     place, step = numbered
     if isinstance(step, TrialStep):
         return step.practice, tuple(step.levels.items())
@@ -160,7 +160,7 @@ def _together(numbered: tuple[int, Step]) -> object:
 
 
 def _part(design: Design, language: str, steps: list[Step]) -> SheetPart:
-    """The part of some steps that belong together."""
+    """The part of the sheet for steps that belong together."""
     words = words_in(language, design.page.words.get(language))
     questions: list[str] = []
     match step := steps[0]:
@@ -193,7 +193,7 @@ def _part(design: Design, language: str, steps: list[Step]) -> SheetPart:
 
 
 def _trials(trials: list[TrialStep]) -> str:
-    """Heading of trials of one condition."""
+    """Heading for successive trials of one condition."""
     first, last = trials[0], trials[-1]
     several = f"s {first.number} to {last.number}" if last is not first else f" {first.number}"
     levels = ", ".join(f"{name} = {level}" for name, level in first.levels.items())

@@ -33,20 +33,22 @@ from tasks.task import Task
 from tasks.user import UserConfiguration
 
 HAND_SPREAD = 0.07
-"""Standard deviation of hand lengths over people, relative to the mean; about that of adults of
-both sexes together."""
+"""Standard deviation of hand lengths over people, relative to the mean; about the value for adults
+of both sexes together."""
 LEFT = 0.1
 """Share of left-handed people."""
 
 _STREAM = 7_106
 DAYS = 16
-"""Number of low bits of a seed; the bits above them differ between sessions."""
+"""The number of the session, from 0, is shifted by so many bits and combined with a seed (XOR)."""
 
 
 def simulated_person(design: Design, number: int) -> dict[str, Any]:
-    """Draws a simulated participant: hand, its size, language, and configuration of the user.
+    """Draws a simulated participant: side and size of the hand, language, and the configuration of
+    the simulated user.
 
-    Skill is from 0 to 1; a user of skill 0.5 is the simulated user of regression runs.
+    Skill is from 0 to 1. With skill 0.5, reaction, speed and noise are those of the simulated user
+    of regression runs.
 
     Args:
         design: Design of the study, whose seed is used.
@@ -81,7 +83,7 @@ def simulated_devices(person: Participant) -> OpenDevices:
     user = person.simulated_user
 
     def of_trial(trial: TrialStep, settings: Settings) -> DeviceMakers:
-        # The seed differs from the task's own, between participants, and between sessions.
+        # The seed differs from that of the task, between participants, and between sessions.
         seed = trial.seed ^ person.number ^ ((trial.session - 1) << DAYS)
         makers = tuple(
             simulated_hand(user, settings, hand, seed) for hand in range(len(settings.hands))
@@ -107,7 +109,7 @@ def simulated_hand(
 
     def make(task: Task, surface: Surface) -> Device:
         if whose.in_air is not None:
-            # Most studies have no hand in the air, and this one imports some 35 modules.
+            # Imported here, since it imports some 35 modules and most studies do not need it.
             from sandbox.devices.simulated.in_air import SimulatedLeap
 
             leap = SimulatedLeap(task, user, seed, whose.in_air.at, person=whose.person, hand=hand)
@@ -142,15 +144,15 @@ def run_simulated(
         study: The study.
         number: Number of the participant, from 1.
         say: Prints a line.
-        controls: Commands of the experimenter; None gives none.
-        tables: False leaves the tables to the caller.
+        controls: Commands of the experimenter; None for no commands.
+        tables: False if the caller makes the tables.
     """
     person = study.add(number, **simulated_person(study.design, number))
     outcome = SessionOutcome.COMPLETE
     for n in range(1, study.design.sessions + 1):
         with SessionFolder(study, person, n) as session:
             if session.state.complete:
-                # A design that has changed since may have more for it; it stays as it was.
+                # It stays complete, even if the design has changed and now has more steps.
                 bring_up_to_date(session, say, tables)
                 continue
             seed = study.design.seed % 2**31 + number - 1
@@ -180,7 +182,7 @@ def simulate(
     Args:
         study: The study.
         participants: Number of participants.
-        resume: True continues with those who have begun.
+        resume: True continues with the participants who have begun.
         say: Prints a line.
 
     Returns:
@@ -215,8 +217,8 @@ def simulate(
         say(f"participant {number} of {participants}: {outcome}{already}")
     if finished >= set(everybody):
         say(
-            "all was done before, so nothing was played. What was found: "
+            "all participants had finished before, so nothing was played. For the results: "
             f"{shlex.join(['sandbox', 'study', 'report', str(study.path)])}. "
-            f"For more people: --participants {len(finished) + 1} or more"
+            f"For more participants: --participants {len(finished) + 1} or more"
         )
     return make_tables(study, say)

@@ -25,12 +25,12 @@ from sandbox.study.run.players import PlayedAttempt, TrialPlayer, TrialRequest
 from sandbox.words.words import words_in
 
 SLACK = 0.02
-"""Share by which a screen may be smaller than the touch rectangle, since people measure it by hand
-with a bank card."""
+"""Share by which a screen may be smaller than the touch rectangle, since the screen is measured by
+hand, with a bank card."""
 TICK = 0.02
 """Time (s) between two checks of inputs of the participant and the experimenter."""
 GONE = 3.0
-"""Time (s) without a message after which the page counts as gone; it sends two a second."""
+"""Time (s) without a message after which the page counts as gone. It sends two of them a second."""
 
 Given = str | float | None
 
@@ -47,14 +47,15 @@ class StudyPage:
 
     Attributes:
         server: Server of the page.
-        whose: See above.
-        texts: Texts of the page in the participant's language, by name.
-        beside: Page of the second hand, for trials with two hands; None without one. It has no
+        whose: Name of the page in lines for the experimenter.
+        texts: Texts of the page in the participant's language, by key.
+        beside: Page of the second hand, for trials with two hands; None without one. It shows no
             forms.
         device: Device of the running trial; None if it does not use the page.
         needed_in: Size of the touch rectangle that trials need, inches; None for any size.
         needed_lifts: True if a trial also needs the lift control next to the touch rectangle.
-        record: Records that the page was opened, left, returned or changed its size.
+        record: Function that records that the page was opened, was lost, came back or changed its
+            size.
     """
 
     def __init__(
@@ -83,7 +84,7 @@ class StudyPage:
 
     @property
     def pages(self) -> tuple[StudyPage, ...]:
-        """This page, and that of the second hand if there is one."""
+        """This page, and the page of the second hand if there is one."""
         return (self,) if self.beside is None else (self, self.beside)
 
     def show_sheet(
@@ -122,7 +123,7 @@ class StudyPage:
     def update_sheet(
         self, answers: dict[str, Given] | None = None, seconds: float | None = None
     ) -> None:
-        """Updates the sheet for a page that reconnects; the open page already shows it."""
+        """Updates the sheet for a page that reconnects. The open page already shows the update."""
         values: dict[str, object] = {}
         if answers is not None:
             values["answers"] = dict(answers)
@@ -185,21 +186,22 @@ class StudyPage:
 
     @property
     def is_unmeasured(self) -> bool:
-        """True if the size of this page's screen is a guess that was not accepted."""
+        """True if the size of this page's screen is a guess that was not accepted yet."""
         screen = self.server.screen
         known = screen is None or screen.calibrated
         return not known and self._measured_at != self.server.seated
 
     def leave_guessed(self) -> None:
-        """Accepts the guessed size of this screen; that of another device is requested again."""
+        """Accepts the guessed size of this screen, until another device becomes this page."""
         if self.is_unmeasured:
             self._measured_at = self.server.seated
 
     def _check_screen(self) -> None:
-        """Reports to the experimenter before the first trial that the screen is too small for the
-        trials, and later that it is large enough.
+        """Prints for the experimenter that the screen is too small for the trials, or that it has
+        become large enough.
 
-        A guessed size counts once the participant has gone on, who may measure it until then.
+        A guessed size is checked only after the first input on the page, since the screen may be
+        measured until then.
         """
         screen, wanted = self.server.screen, self.needed_in
         if wanted is None or screen is None or screen == self._screen:
@@ -220,7 +222,11 @@ class StudyPage:
             self.say(f"the screen of {self.whose} is large enough for the trials now")
 
     def wait_until_open(self, poll: Callable[[], None]) -> None:
-        """Waits until the page is open; `poll` is called meanwhile, and may raise an exception."""
+        """Waits until the page is open.
+
+        Args:
+            poll: Called repeatedly meanwhile; its exceptions are passed on.
+        """
         announced = False
         while True:
             poll()
@@ -242,22 +248,22 @@ def is_too_small(screen: PageScreen, wanted: tuple[float, float], lifts: bool = 
 
 
 def lift_size_note(lifts: bool) -> str:
-    """Words after a size that does not include the lift control; empty where there is none."""
+    """Text after a size, on the room for the lift control; empty if no lift control is needed."""
     return f", and the lift control needs {LIFT_STRIP_PX:g} pixels of its width" if lifts else ""
 
 
 def inches(screen: PageScreen) -> str:
-    """Size of a screen as text."""
+    """Size of a screen as text, inches."""
     width, height = screen.width_px / screen.px_per_in, screen.height_px / screen.px_per_in
     return f"{width:.2f} x {height:.2f} in"
 
 
 class OffPagePlayer:
-    """Runs trials outside of the page, which shows a note meanwhile.
+    """Runs trials outside of the page. The page shows a text meanwhile.
 
     Args:
         player: Player in a window or in another program.
-        page: The participant's page, which is used for forms.
+        page: The participant's page, which shows the forms.
     """
 
     def __init__(self, player: TrialPlayer, page: StudyPage) -> None:

@@ -1,9 +1,10 @@
 """Pictures of the tasks of a session, which participants see before a new task.
 
-They are drawn by a process of their own at low priority while the session begins, so that they
-cause no wait, and do not disturb a window's graphics. Without OpenGL there are none.
+Another process draws the pictures at low priority while the session begins, so that the session
+need not wait for them and a window's graphics are not disturbed. Without OpenGL there are no
+pictures.
 
-    python -m sandbox.study.run.task_pictures    # settings on stdin, a picture a line on stdout
+    python -m sandbox.study.run.task_pictures    # settings on stdin, one picture a line on stdout
 """
 
 from __future__ import annotations
@@ -26,19 +27,19 @@ from sandbox.study.run.forms import Poll
 from sandbox.trial.settings import Settings, decoded, encoded
 
 SIZE = (960, 540)
-"""Size (px) of a picture."""
+"""Width and height (px) of a picture."""
 QUALITY = 80
-"""Quality of its JPEG, of 100."""
+"""JPEG quality of a picture, up to 100."""
 LONGEST = 8.0
 """Longest time (s) for which a participant waits for a picture."""
 TICK = 0.02
-"""Time (s) between two calls of `poll` meanwhile."""
+"""Time (s) between two calls of `poll` during this wait."""
 NICE = 10
-"""Priority of the process, as of `nice`."""
+"""Niceness of the process that draws; see `os.nice`."""
 
 
 class TaskPictures(Closeable):
-    """Draws the tasks of some trials, each once.
+    """Draws each task of some trials once, in another process.
 
     Args:
         trials: Settings of the trials, in order.
@@ -60,11 +61,11 @@ class TaskPictures(Closeable):
         threading.Thread(target=self._read, args=(given, [*order]), daemon=True).start()
 
     def of(self, task: str, poll: Poll) -> str:
-        """A picture of a task as a data URL; empty without one.
+        """The picture of a task as a data URL; empty if there is none.
 
         Args:
             task: Name of the task.
-            poll: Called repeatedly while the picture is awaited.
+            poll: Called repeatedly while this waits for the picture.
         """
         drawn, until = self._drawn.get(task), time.monotonic() + LONGEST
         while drawn is not None and not drawn.wait(TICK) and time.monotonic() < until:
@@ -72,7 +73,7 @@ class TaskPictures(Closeable):
         return self._pictures.get(task, "")
 
     def close(self) -> None:
-        """Ends the drawing."""
+        """Ends the process that draws."""
         self._process.kill()
         self._process.wait()
 
@@ -94,7 +95,7 @@ def picture_of(settings: Settings) -> str:
     from sandbox.trial.driver import open_trial
     from sandbox.views.renderer import Renderer
 
-    # A picture needs no sensor: its hands are before the first touch.
+    # The picture shows the scene before the first touch, so its hands need no device.
     hands = tuple(replace(hand, in_air=None) for hand in settings.hands)
     own = replace(settings, hands=hands, device=Settings().device, second_device=None)
     with open_trial(own, may_overlap=True) as trial:
@@ -110,11 +111,11 @@ def main() -> None:
     """Draws the trials on stdin, and writes a line with each picture to stdout."""
     with suppress(AttributeError, OSError):  # Windows has no such priority.
         os.nice(NICE)
-    # All other output goes elsewhere.
+    # Other output must not mix with the pictures.
     out, sys.stdout = sys.stdout, sys.stderr
     for settings in json.load(sys.stdin):
         picture = ""
-        with suppress(HandSandboxError):  # such as a task that needs a device of its own
+        with suppress(HandSandboxError):  # such as a task that only special devices can play
             picture = picture_of(decoded(settings))
         print(picture, file=out, flush=True)
 

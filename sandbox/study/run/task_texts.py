@@ -11,11 +11,13 @@ from tasks.task import summary
 def task_texts(
     page: PageSettings, key: str, name: str, goal: str, language: str, words: Mapping[str, str]
 ) -> tuple[str, str]:
-    """Title and goal of a task: the design's own, or those of the language, or those of the task.
+    """Title and goal of a task.
+
+    They come from the design; or else from the page's words in the language; or else from the task.
 
     Args:
         page: Settings of trials on the page.
-        key: The task in the design: a name or a file.
+        key: The task as in the design: a name or a file.
         name: Name of the task.
         goal: The task's own summary.
         language: Language of the participant.
@@ -26,7 +28,7 @@ def task_texts(
 
 
 def task_hint(page: PageSettings, name: str, words: Mapping[str, str]) -> str:
-    """How a task is done, in the words of a language; empty unless the design shows hints.
+    """Text on how a task is done, in a language; empty unless the design shows hints.
 
     Args:
         page: Settings of trials on the page.
@@ -39,7 +41,7 @@ def task_hint(page: PageSettings, name: str, words: Mapping[str, str]) -> str:
 def texts_by_design(
     page: PageSettings, key: str, language: str, words: Mapping[str, str]
 ) -> tuple[str, str]:
-    """Title and goal of a task as `task_texts` has them, each empty if the design hides it."""
+    """Title and goal of a task as in `task_texts`; each is empty if the design hides it."""
     from tasks.registry import find_task
 
     task = find_task(key)
@@ -48,6 +50,6 @@ def texts_by_design(
 
 
 def _readable(task: str) -> str:
-    """Name of a task as words: `box-to-goal` becomes `Box to goal`."""
+    """Title from the name of a task: `box-to-goal` becomes `Box to goal`."""
     words = task.replace("-", " ").replace("_", " ")
     return words[:1].upper() + words[1:]
