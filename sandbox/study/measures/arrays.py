@@ -1,6 +1,6 @@
-"""A finished trial as arrays, read from the file of its frames; measures are functions of it.
+"""A finished trial as arrays, read from the file of its frames. Measures are functions of it.
 
-Numbers are those of the file, rounded to 0.01 mm and 0.00001 rad, so that everyone who has the file
+Numbers are rounded to 0.01 mm and 0.00001 rad, as in the file, so that everyone who has the file
 can compute the same measures.
 """
 
@@ -24,11 +24,11 @@ from models.skeleton import ADULT
 T = TypeVar("T")
 
 SECOND = "hand2_"
-"""Prefix of the columns of a second hand; the rest of the name is that of the first hand."""
+"""Prefix of the columns of a second hand, before the name of the first hand's column."""
 NO_CONTACT = -1
-"""Id in the arrays of labels where no contact has the label."""
+"""Value in the arrays of labels if no contact has the label."""
 DOWN = "down"
-"""Phase of a hand whose movements are the person's."""
+"""Phase of a hand that follows the person's touches."""
 POSE_COLUMNS = tuple(
     f"q_{name}_{axis}"
     for name in ("position", "rotation", *(b.name for b in ADULT.bones))
@@ -38,7 +38,7 @@ POSE_COLUMNS = tuple(
 
 
 class Cells:
-    """Cells of a table by column; each is a text, empty for a missing value.
+    """Cells of a table, by column. Each cell is a text, which is empty for a missing value.
 
     Args:
         texts: Cells by column; all columns have the same length.
@@ -57,7 +57,7 @@ class Cells:
         """Cells of a column.
 
         Raises:
-            KeyError: There is no such column; the error names one that is nearly called so.
+            KeyError: There is no such column. The error names the column with the nearest name.
         """
         if name not in self.texts:
             near = get_close_matches(name, self.texts, 1)
@@ -78,7 +78,7 @@ class Cells:
 
 
 def texts_of(values: Any) -> list[str]:
-    """Cells of a column, rounded to 0.01 mm and 0.00001 rad; empty for None."""
+    """Cells of a column: numbers with five decimals (0.01 mm, 0.00001 rad); empty for None."""
     if isinstance(values, np.ndarray):
         return list(np.char.mod("%.5f", values).tolist())
     return ["" if v is None else f"{v:.5f}" if isinstance(v, float) else str(v) for v in values]
@@ -92,7 +92,7 @@ class HandArrays:
 
     @cached_property
     def down(self) -> NDArray[np.bool_]:
-        """(n,) true while the hand is down: its movements are the person's."""
+        """(n,) true while the hand is down, and so follows the person's touches."""
         return np.array([phase == DOWN for phase in self._cells.words(f"{self._prefix}phase")])
 
     @cached_property
@@ -107,12 +107,13 @@ class HandArrays:
 
     @cached_property
     def labels(self) -> NDArray[np.int64]:
-        """(n, 5) id of the contact with each finger label; `NO_CONTACT` without one."""
+        """(n, 5) id of the contact with each finger label; `NO_CONTACT` if there is none."""
         return self._cells.ids(*(f"{self._prefix}touch_{name}" for name in FINGERS))
 
     @cached_property
     def true(self) -> NDArray[np.int64]:
-        """(n, 5) id of the contact that each finger really makes, as far as that is known."""
+        """(n, 5) id of the contact that each finger really makes; `NO_CONTACT` if there is none or
+        it is unknown."""
         return self._cells.ids(*(f"{self._prefix}true_{name}" for name in FINGERS))
 
 
@@ -131,59 +132,60 @@ class ObjectArrays:
 
     @cached_property
     def place(self) -> Array:
-        """(n, 3) position of its centre in the world, m."""
+        """(n, 3) position of the object's centre in the world, m."""
         return self._cells.numbers(*(f"{self._name}_{axis}" for axis in "xyz"))
 
     @cached_property
     def rotation(self) -> Array:
-        """(n, 4) its rotation as a quaternion w, x, y, z."""
+        """(n, 4) rotation of the object in the world, as a quaternion w, x, y, z."""
         return self._cells.numbers(*(f"{self._name}_q{axis}" for axis in "wxyz"))
 
     @cached_property
     def goal(self) -> Array | None:
-        """(n, 3) position of the goal of its centre, m; None without a goal."""
+        """(n, 3) position of the goal of the object's centre, m; None without a goal."""
         if f"{self._name}_goal_x" not in self._cells:
             return None
         return self._cells.numbers(*(f"{self._name}_goal_{axis}" for axis in "xyz"))
 
     @cached_property
     def off(self) -> Array | None:
-        """(n,) angle about the vertical from the goal to it, rad; None without a goal."""
+        """(n,) angle about the vertical from the goal to the object, rad; None without a goal."""
         return self._numbers("off_rad")
 
     @cached_property
     def hinge(self) -> Array | None:
-        """(n,) position of its hinge, rad; None without one."""
+        """(n,) angle of the object's hinge, rad; None without a hinge."""
         return self._numbers("hinge_rad")
 
     @cached_property
     def slide(self) -> Array | None:
-        """(n,) position of its slide, m; None without one."""
+        """(n,) position of the object's slide, m; None without a slide."""
         return self._numbers("slide_m")
 
     @cached_property
     def pushes_are_known(self) -> bool:
-        """True if what pushes it is known at all moments."""
+        """True if the pushes on the object are known at all moments."""
         return all(self._words("grip_N"))
 
     @property
     def digits(self) -> Sequence[str]:
-        """(n,) letters of the digits that push it; capital letters for a second hand."""
+        """(n,) letters of the digits that push the object; capital letters for a second hand."""
         return self._words("digits")
 
     @cached_property
     def grip(self) -> Array:
-        """(n,) sum of the normal forces of all hands on it, N."""
+        """(n,) sum of the normal forces of all hands on the object, N."""
         return self._cells.numbers(f"{self._name}_grip_N")[:, 0]
 
     @property
     def pushed_by(self) -> Sequence[str]:
-        """(n,) other things that push it, separated by spaces: the table, names of objects."""
+        """(n,) other bodies that push the object: the table, names of objects, separated by
+        spaces."""
         return self._words("by")
 
     @property
     def borne_by(self) -> Sequence[str]:
-        """(n,) those of `pushed_by` that bear it."""
+        """(n,) the bodies of `pushed_by` that bear the object, separated by spaces."""
         return self._words("on")
 
 
@@ -191,7 +193,7 @@ class TrialArrays:
     """A finished trial, every 16 ms.
 
     Args:
-        cells: The cells of the file of its frames.
+        cells: Cells of the file of the trial's frames.
 
     Attributes:
         t: (n,) simulated time since the trial's start, s.
@@ -210,7 +212,7 @@ class TrialArrays:
 
     @classmethod
     def of(cls, table: Mapping[str, Any]) -> TrialArrays:
-        """The trial of a table of values by column, rounded as in the file."""
+        """The trial for a table of values, by column. Values are rounded as in the file."""
         return cls(Cells({name: texts_of(values) for name, values in table.items()}))
 
     @classmethod
@@ -229,7 +231,7 @@ class TrialArrays:
         return TrialArrays(Cells({name: x[:last] for name, x in self._cells.texts.items()}))
 
     def once(self, function: Callable[[TrialArrays], T]) -> T:
-        """What a function of this trial returns, which is computed when it is first needed."""
+        """Value of a function of this trial; it is computed at the first call and then stored."""
         if function not in self._groups:
             self._groups[function] = function(self)
         return self._groups[function]  # type: ignore[return-value]

@@ -13,17 +13,17 @@ from models.scene import CONTROL_PERIOD
 from sandbox.study.measures.arrays import NO_CONTACT, ObjectArrays, TrialArrays
 
 RELEASE = 0.1
-"""Time (s) without any push of the hand after which the object counts as released."""
+"""An object counts as released after this time (s) without any push of a hand."""
 FORCE = 0.05
-"""N; a push begins when the force reaches this value, and ends when no digit pushes at all. With
-one threshold for both, a single light touch would count as many."""
+"""Force (N) at which a push begins. It ends when no digit pushes at all. With one threshold for
+begin and end, a single light touch would count as many pushes."""
 FALL = 0.010
-"""Least fall (m) of an untouched object that counts as dropped. An object that is released a little
-above its place is put down, not dropped."""
+"""An untouched object counts as dropped if it falls by more than this (m). If it is released a
+little above its place, it is put down, not dropped."""
 PALM = "p"
 
 FingersByContact = Mapping[Any, int]
-"""Finger label (thumb 0 .. little 4) by contact; with two hands, by hand and contact."""
+"""Finger label (thumb 0 .. little 4) by contact, or by (hand, contact) with several hands."""
 
 
 def true_intervals(mask: ArrayLike) -> list[tuple[int, int]]:
@@ -41,8 +41,8 @@ def true_intervals(mask: ArrayLike) -> list[tuple[int, int]]:
 def push_intervals(digits: Sequence[str], grip: ArrayLike, period: float) -> list[tuple[int, int]]:
     """Intervals in which a hand pushes an object, by first and last index.
 
-    An interval begins with a push of `FORCE` or more; later pushes of any force belong to it until
-    there was none for `RELEASE`.
+    An interval begins with a push of `FORCE` or more. Later pushes of any force belong to it, until
+    there is no push for `RELEASE`.
 
     Args:
         digits: Letters of the pushing digits at each moment.
@@ -65,7 +65,7 @@ def grasps(digits: Sequence[str], runs: Sequence[tuple[int, int]]) -> int:
 
 
 def _grasped(digits: str) -> bool:
-    """True if two digits of one hand push; capital letters are those of a second hand."""
+    """True if two digits of one hand push. Capital letters are digits of a second hand."""
     fingers = digits.lower().replace(PALM, "")
     second = sum(map(str.isupper, digits.replace(PALM.upper(), "")))
     return max(second, len(fingers) - second) >= 2
@@ -75,7 +75,7 @@ def drops(free: ArrayLike, height: ArrayLike) -> int:
     """Number of times that an object was dropped.
 
     Args:
-        free: (n,) true while nothing touches the object.
+        free: (n,) true while nothing pushes the object.
         height: (n,) height of the object, m.
     """
     heights = np.asarray(height, float)
@@ -91,7 +91,7 @@ def _handled(item: ObjectArrays) -> list[tuple[int, int]]:
 
 
 def first_push(trial: TrialArrays) -> int | None:
-    """First row in which a hand pushes an object; None if there is none."""
+    """First frame in which a hand pushes an object; None if no hand does."""
     known = [item for item in trial.objects.values() if item.pushes_are_known]
     return min((first for item in known for first, _ in _handled(item)), default=None)
 
@@ -127,7 +127,7 @@ def labels(trial: TrialArrays) -> dict[str, Any]:
 
 
 def fingers_by_contact(trial: TrialArrays, true: bool) -> list[FingersByContact]:
-    """Finger by hand and contact, for each row: as labelled, or the true one."""
+    """Finger by (hand, contact), for each frame: the true finger, or the label."""
     hands = [(hand.true if true else hand.labels).tolist() for hand in trial.hands]
     return [
         {
@@ -141,7 +141,7 @@ def fingers_by_contact(trial: TrialArrays, true: bool) -> list[FingersByContact]
 
 
 def label_switches(labels: Sequence[FingersByContact]) -> int:
-    """Number of times that a labelled contact got another label, at once or later."""
+    """Number of times that a labelled contact got another label, even after a time without one."""
     last: dict[Any, int] = {}
     switches = 0
     for now in labels:
@@ -155,13 +155,13 @@ def label_errors(
 ) -> dict[str, Any]:
     """Compares labels with the true fingers.
 
-    An error begins when a contact gets a wrong label, and ends when it gets the right one. Moments
-    without a label in between do not end it. If the contact ends first, the error was never
-    corrected.
+    An error begins when a contact gets a wrong label, and ends when it gets the right label.
+    Moments without a label in between do not end the error. If the contact ends first, the error
+    was not corrected.
 
     Args:
         labels: Assigned labels at each moment.
-        true: True fingers at each moment; contacts that are missing here are ignored.
+        true: True fingers at each moment. Contacts without a true finger are ignored.
         period: Time between two moments, s.
 
     Returns:

@@ -1,8 +1,8 @@
-"""The measures of a trial: each is declared once, here, with its computation.
+"""The measures of a trial, each with its declaration and its computation.
 
 docs/measures.md defines them in full. The column of `trials.csv`, the row in the codebook, the use
-in exclusion rules and the place in the report follow from the declaration. A study may have one
-measure of its own, in a file beside its design.
+in exclusion rules and the place in the report all follow from the declaration. A study may also
+have one measure of its own, in a file beside its design.
 """
 
 from __future__ import annotations
@@ -29,11 +29,12 @@ Value = bool | int | float | str | None
 HIGH, LOW = "high", "low"
 """Values of `Measure.better`."""
 LIMIT, SHARE, COUNT, LOG, PLAIN = "limit", "share", "count", "log", "plain"
-"""Values of `Measure.scale`: a time that ends at a limit, yes or no, a count, a number above 0 of
-which ratios are compared, another number."""
+"""Values of `Measure.scale`: a time that ends at a limit; yes or no; a count; a number above 0
+whose ratios are compared; any other number."""
 
 SIMULATED_USER, DEVICE = "simulated user", "device"
-"""Values of `label_truth`: who played a trial in the place of a person, or a device knows."""
+"""Values of `label_truth`: the true fingers come from the simulated user who played the trial, or
+from the device."""
 BALASUBRAMANIAN = "Balasubramanian, Melendez-Calderon, Roby-Brami and Burdet 2015"
 ISO = "ISO 9241-411; Soukoreff and MacKenzie 2004"
 
@@ -47,17 +48,17 @@ class Measure:
         unit: Unit of the numbers; `0/1` for yes or no; empty for counts and words.
         title: Title in plots.
         means: Definition in one line, for the codebook.
-        of: Computes it from the trial up to `time_s` and its result; None where it does not apply.
-            If it raises an error, or returns a number that is not finite, the cell is empty, the
-            reason is printed, and the trial is kept. None for the throughput, which is a measure of
-            several trials.
+        of: Function that computes the value from the trial up to `time_s` and the trial's result;
+            it returns None if the measure does not apply. If the function raises an error, or
+            returns a number that is not finite, the cell is empty and the reason is printed. None
+            for the throughput, which is a measure of several trials.
         better: `HIGH` or `LOW`, the better direction; empty if neither is better.
-        scale: How a report averages and compares it.
-        source: Publication that defines it; empty if it was defined for this program.
+        scale: How a report averages and compares values; see `LIMIT` and the others.
+        source: Publication that defines the measure; empty if it was defined for this program.
         low: Smallest possible value.
-        words: True if the values are words; exclusion rules and reports cannot use them.
-        by_frames: False if the result alone is enough.
-        in_report: False if the report leaves it to the tables.
+        words: True if the values are words; exclusion rules and reports cannot use such measures.
+        by_frames: False if the result alone is enough to compute it.
+        in_report: False if only the tables have it, and not the report.
     """
 
     name: str
@@ -88,7 +89,7 @@ Of = Callable[[TrialArrays, TrialResult], Value]
 
 
 def _group(function: Callable[[TrialArrays], dict[str, Any]], name: str) -> Of:
-    """One value of a group that is computed once for a trial."""
+    """A function for `Measure.of`: one value of a group that `function` computes once a trial."""
     return lambda trial, result: trial.once(function).get(name)
 
 
@@ -108,7 +109,7 @@ def _of_result(name: str, title: str, better: str, scale: str) -> Measure:
 
 
 def _live(name: str, unit: str, title: str, means: str) -> Measure:
-    """A measure that is known only while the trial runs, such as a latency."""
+    """A measure that is taken while the trial runs, such as a latency, and stored in the result."""
     return Measure(
         name,
         unit,
@@ -122,7 +123,8 @@ def _live(name: str, unit: str, title: str, means: str) -> Measure:
 
 
 def _first_attempt(trial: TrialArrays, result: TrialResult) -> bool | None:
-    """Success without a regrasp, a drop or an object put back; None if contacts are unknown."""
+    """True for success without a regrasp, a drop or an object that was put back; None if contacts
+    with objects are unknown."""
     found = trial.once(handling)
     if not found:
         return None
@@ -183,8 +185,8 @@ MEASURES: tuple[Measure, ...] = (
         "regrasps",
         "",
         "Regrasps",
-        "number of grasps, up to time_s, of an object that had been grasped before and let go for "
-        "0.1 s or longer",
+        "number of grasps, up to time_s, of an object that had been grasped before and released "
+        "for 0.1 s or longer",
         _group(handling, "regrasps"),
         LOW,
         COUNT,
@@ -202,7 +204,7 @@ MEASURES: tuple[Measure, ...] = (
         "palm_path_m",
         "m",
         "Path of the palm",
-        "length of the commanded palm's path while the hand was down",
+        "length of the path of the commanded palm while the hand was down",
         _group(palm, "palm_path_m"),
         LOW,
         LOG,
@@ -267,8 +269,8 @@ MEASURES: tuple[Measure, ...] = (
         "placement_error_deg",
         "deg",
         "Placement error (angle)",
-        "angle about the vertical between an object and its goal at time_s, for a symmetric "
-        "object to the nearest equivalent angle; mean over goals",
+        "angle about the vertical between an object and its goal at time_s; for a symmetric "
+        "object, to the nearest equivalent angle; mean over goals",
         _group(objects, "placement_error_deg"),
         LOW,
     ),
@@ -276,7 +278,7 @@ MEASURES: tuple[Measure, ...] = (
         "hinge_travel_deg",
         "deg",
         "Travel of the hinge",
-        "total angle by which the hinges of all parts with a goal were turned, there and back",
+        "total angle by which the hinges of all parts with a goal were turned, in both directions",
         _group(joints, "hinge_travel_deg"),
         LOW,
     ),
@@ -284,7 +286,7 @@ MEASURES: tuple[Measure, ...] = (
         "hinge_efficiency",
         "0 to 1",
         "Efficiency of the hinge",
-        "sum of the changes of these hinges from start to end, divided by hinge_travel_deg",
+        "sum of the net turns of these hinges from start to end, divided by hinge_travel_deg",
         _group(joints, "hinge_efficiency"),
         HIGH,
     ),
@@ -292,7 +294,8 @@ MEASURES: tuple[Measure, ...] = (
         "slide_travel_m",
         "m",
         "Travel of the slide",
-        "total way by which the slides of all parts with a goal were moved, there and back",
+        "total distance by which the slides of all parts with a goal were moved, in both "
+        "directions",
         _group(joints, "slide_travel_m"),
         LOW,
         LOG,
@@ -301,7 +304,7 @@ MEASURES: tuple[Measure, ...] = (
         "slide_efficiency",
         "0 to 1",
         "Efficiency of the slide",
-        "sum of the changes of these slides from start to end, divided by slide_travel_m",
+        "sum of the net displacements of these slides from start to end, divided by slide_travel_m",
         _group(joints, "slide_efficiency"),
         HIGH,
     ),
@@ -359,8 +362,9 @@ MEASURES: tuple[Measure, ...] = (
         "waited_s",
         "s",
         "Time before the first touch",
-        "real time for which the scene is seen until the first touch, which starts simulated time; "
-        "pauses and time without the page are left out; 0 if simulated time starts at once",
+        "real time from the moment at which the scene is visible to the first touch, which starts "
+        "simulated time; pauses and time without the page are left out; 0 if simulated time starts "
+        "at once",
     ),
     _live(
         "away_s",
@@ -379,14 +383,14 @@ MEASURES: tuple[Measure, ...] = (
         "throughput_bit_s",
         "bit/s",
         "Effective throughput",
-        "effective throughput over the successful trials of the session with the same levels (at "
-        "least 3, without practice and excluded trials); equal in all rows with these levels",
+        "effective throughput over the successful trials of the session with the same task and "
+        "levels (at least 3, without practice and excluded trials); equal in all rows with these",
         better=HIGH,
         scale=LOG,
         source=ISO,
     ),
 )
-"""All measures but a study's own, in the order of their columns."""
+"""All measures except a study's own measure, in the order of their columns."""
 
 REMOVED = {
     "instant": "progress",
@@ -401,17 +405,17 @@ REMOVED = {
     "move_amplitude_m": "throughput_bit_s",
     "move_error_m": "throughput_bit_s",
 }
-"""Measures of earlier versions, and what takes their place."""
+"""Removed measures of earlier versions, and the measures that replace them."""
 
 _BY_NAME = {measure.name: measure for measure in MEASURES}
 _IN_FILES: PluginKind[Measure] = PluginKind("measure", "", InputError)
 
 
 def find_measure(name: str, own: Measure | None = None) -> Measure | None:
-    """Returns the measure of a name; None if it does not exist.
+    """Returns the measure with a name; None if it does not exist.
 
     Args:
-        name: Name of its column.
+        name: Name of the measure's column.
         own: The study's own measure, if it has one.
     """
     return own if own is not None and name == own.name else _BY_NAME.get(name)
@@ -423,7 +427,8 @@ def all_measures(own: Measure | None) -> tuple[Measure, ...]:
 
 
 def rule_measures(own: Measure | None) -> tuple[str, ...]:
-    """Names of the measures that exclusion rules may use (numbers of one trial), default first."""
+    """Names of the measures that exclusion rules may use: numbers of a single trial, `time_s`
+    first."""
     names = [m.name for m in all_measures(own) if not m.words and m.of is not None]
     return ("time_s", *(name for name in names if name != "time_s"))
 
@@ -436,16 +441,17 @@ def load_measure(place: str, folder: Path) -> Measure:
         folder: Folder of the design, in which the file is.
 
     Raises:
-        InputError: It is not there, is no valid measure, or has the name of another one.
+        InputError: The file or the measure does not exist, the measure is not valid, or it has the
+            name of another measure.
     """
     named = place_in(place)
     beside = named is not None and Path(named.source).name == named.source
     if named is None or not (named.in_file and named.member and beside):
         raise InputError(
-            "this is not the place of a measure",
+            "this does not name a measure in a file",
             where="own_measure",
             got=place,
-            expected="FILE.py:NAME, with the file beside the design",
+            expected="FILE.py:NAME, with the file in the folder of the design",
         )
     measure = _IN_FILES.load(named._replace(source=str(folder / named.source))).value
     if not isinstance(measure, Measure):
@@ -473,8 +479,9 @@ class Measured:
 
     Attributes:
         values: `Value` by name; None for an empty cell.
-        failed: Reasons of the empty cells of measures that failed, by name.
-        moved: Amplitude and error of the movement to the goal, m, for the throughput.
+        failed: Reasons why measures failed, by name; their cells are empty.
+        moved: Amplitude and error of the movement to the goal, m, for the throughput; None if
+            there is no such movement.
     """
 
     values: dict[str, Any] = field(default_factory=dict)
@@ -488,11 +495,11 @@ def measure_trial(
     """Computes the measures of a trial.
 
     Args:
-        trial: The trial; None, or one without rows, leaves the measures by frames empty.
-        result: Its result.
+        trial: The trial's frames. If they are None or empty, measures that need them are empty.
+        result: The trial's result.
         measures: The measures to compute.
     """
-    # What happens after success does not count.
+    # Frames after `time_s`, such as those after success, do not count.
     counts = TrialArrays.of({}) if trial is None else trial.until(result.time_s)
     found = Measured(moved=movement(counts))
     for measure in measures:
@@ -503,7 +510,7 @@ def measure_trial(
             try:
                 value = measure.of(counts, result)
             except Exception as error:
-                # A study's own measure may raise anything; the reason is printed.
+                # A study's own measure may raise any error. The caller prints the reason.
                 found.failed[measure.name] = failure(error)
             value = value.item() if isinstance(value, np.generic) else value
             if wrong := _wrong(value):
@@ -513,7 +520,7 @@ def measure_trial(
 
 
 def _wrong(value: Any) -> str:
-    """Reason why a value cannot be stored in a table; empty if it can."""
+    """Reason why a value cannot be stored in a table; empty if it can be stored."""
     if value is not None and not isinstance(value, bool | int | float | str):
         return f"it returned a {type(value).__name__}, not a number, yes or no, or a word"
     if isinstance(value, float) and not isfinite(value):

@@ -15,28 +15,30 @@ from sandbox.study.measures.arrays import TrialArrays
 from sandbox.study.measures.grasping import first_push, true_intervals
 
 JUMP = 0.05
-"""Displacement (m) in one control period that only an object that is put back reaches."""
+"""Displacement (m) in one control period above which an object was put back, not moved."""
 
 STILL = 0.001
-"""m; efficiency and smoothness of a shorter path are meaningless."""
+"""Length of a path (m) below which its efficiency and smoothness are meaningless."""
 
 CUTOFF = 10.0
-"""Hz; SPARC ignores higher frequencies."""
+"""Highest frequency that SPARC uses, Hz."""
 THRESHOLD = 0.05
-"""Share of the largest amplitude at which SPARC cuts the spectrum off."""
+"""Share of the largest amplitude at which SPARC cuts off the spectrum."""
 PADDING = 4
-"""Powers of two by which SPARC pads the speed with zeros. All three values are its authors'."""
+"""SPARC pads the speeds with zeros to 2^PADDING times the next power of two of their number.
+`CUTOFF`, `THRESHOLD` and `PADDING` have the values of the authors of SPARC."""
 FEWEST = 8
 """Smallest number of speeds for SPARC."""
 
 
 WIDTH = 4.133
 """Ratio of the effective width to the standard deviation of endpoints. 4 percent of a normal
-distribution lie outside (Welford 1960, ISO 9241-411); sqrt(2 pi e) is 4.1327."""
+distribution are outside of this width (Welford 1960, ISO 9241-411). sqrt(2 pi e) is 4.1327."""
 FEWEST_MOVES = 3
-"""Smallest number of movements; a standard deviation of two values is too uncertain."""
+"""Smallest number of movements for a throughput. A standard deviation of two values is too
+uncertain."""
 NEAR = 0.010
-"""m; if start and goal are nearer than this, the line between them has no defined direction."""
+"""Distance (m) of start and goal below which the direction from start to goal is not defined."""
 
 
 def path_length(points: ArrayLike) -> float:
@@ -51,7 +53,7 @@ def end_distance(points: ArrayLike) -> float:
 
 
 def efficiency(distance: float, length: float) -> float | None:
-    """Distance divided by length of path, 0 to 1; None if the path is shorter than `STILL`."""
+    """Distance divided by the length of the path, 0 to 1; None if the path is below `STILL`."""
     return distance / length if length >= STILL else None
 
 
@@ -65,8 +67,8 @@ def sparc(speed: ArrayLike, period: float) -> float | None:
 
     This is the negative length of the amplitude spectrum's curve, from 0 Hz to the last frequency
     at which the amplitude is at least 5 percent of its maximum, and at most 10 Hz; both axes are
-    scaled to 1. It does not depend on the size and duration of the movement. A single smooth bell
-    gives about -1.4; every halt in between makes the value more negative.
+    scaled to 1. It does not depend on the size and duration of the movement. A movement whose speed
+    is one smooth bell curve gives about -1.4; every halt makes the value more negative.
 
     Balasubramanian, Melendez-Calderon, Roby-Brami and Burdet, "On the analysis of movement
     smoothness", Journal of NeuroEngineering and Rehabilitation 12:112, 2015.
@@ -95,7 +97,7 @@ def sparc(speed: ArrayLike, period: float) -> float | None:
 
 
 def palm(trial: TrialArrays) -> dict[str, Any]:
-    """Path and smoothness of the commanded palms, over all hands."""
+    """Path and smoothness of the commanded palms of all hands; empty if no hand was down."""
     paths: list[tuple[list[Array], list[Array]]] = []
     for hand in trial.hands:
         parts = [hand.palm[first : last + 1] for first, last in true_intervals(hand.down)]
@@ -115,7 +117,7 @@ def palm(trial: TrialArrays) -> dict[str, Any]:
 
 
 def objects(trial: TrialArrays) -> dict[str, Any]:
-    """Path, smoothness and placement of the objects with a goal."""
+    """Path, smoothness and placement of the objects with a goal; empty without such objects."""
     items = [(item, item.goal) for item in trial.objects.values() if item.goal is not None]
     if not items:
         return {}
@@ -151,7 +153,7 @@ def joints(trial: TrialArrays) -> dict[str, Any]:
         (of_hinges, 1.0, "hinge_travel_deg", "hinge_efficiency"),
         (of_slides, STILL, "slide_travel_m", "slide_efficiency"),
     ):
-        # A part that is put back is not moved by anybody.
+        # The jump of a part that is put back does not count as travel.
         parts = [part for place, joint in some for part in np.split(joint, _put_back(place))]
         if parts:
             length = total(float(np.abs(np.diff(part)).sum()) for part in parts)
@@ -164,7 +166,7 @@ def joints(trial: TrialArrays) -> dict[str, Any]:
 def movement(trial: TrialArrays) -> tuple[float, float] | None:
     """The movement of the object to its goal, for the throughput; see `movement_along`.
 
-    None for a trial with another number of goals than one, and for a goal that moves.
+    None unless the trial has exactly one object with a goal, and this goal does not move.
     """
     items = [(item, item.goal) for item in trial.objects.values() if item.goal is not None]
     if len(trial) == 0 or len(items) != 1:
@@ -176,12 +178,12 @@ def movement(trial: TrialArrays) -> tuple[float, float] | None:
 
 
 def _unbroken(places: Array) -> list[Array]:
-    """Splits a path (n, 3) at the moments at which the object was put back."""
+    """The parts of a path (n, 3) between the moments at which the object was put back."""
     return np.split(places, _put_back(places))
 
 
 def _put_back(places: Array) -> list[int]:
-    """Rows of a path (n, 3) at which the object was put back."""
+    """Indices of the points of a path (n, 3) at which the object had just been put back."""
     far = np.linalg.norm(np.diff(places, axis=0), axis=1) > JUMP
     return (np.flatnonzero(far) + 1).tolist()
 
@@ -193,8 +195,8 @@ def movement_along(start: ArrayLike, goal: ArrayLike, end: ArrayLike) -> tuple[f
         start, goal, end: (3,) positions, m.
 
     Returns:
-        Distance moved along the line, and signed distance of the end beyond the goal, m; None if
-        start and goal are nearer than `NEAR`.
+        Distance moved along the line, and signed distance of the end beyond the goal, m. None if
+        start and goal are less than `NEAR` apart.
     """
     way = np.asarray(goal, float) - start
     distance = float(np.linalg.norm(way))
@@ -209,15 +211,16 @@ def throughput(
 ) -> float | None:
     """Effective throughput of one person's movements under one condition, bit/s.
 
-    The effective index of difficulty log2(Ae / We + 1) over the mean time: Ae is the mean
-    amplitude, We 4.133 times the standard deviation of the endpoints along the way (ISO 9241-411;
-    Soukoreff and MacKenzie, "Towards a standard for pointing device evaluation, perspectives on 27
-    years of Fitts' law research in HCI", International Journal of Human-Computer Studies 61, 2004).
+    It is the effective index of difficulty, log2(Ae / We + 1), divided by the mean time. Ae is the
+    mean amplitude. We is 4.133 times the standard deviation of the endpoints along the line from
+    start to goal (ISO 9241-411; Soukoreff and MacKenzie, "Towards a standard for pointing device
+    evaluation, perspectives on 27 years of Fitts' law research in HCI", International Journal of
+    Human-Computer Studies 61, 2004).
 
     Args:
-        amplitudes: Distance moved along the line from start to goal, of each movement, m.
-        errors: Signed distance beyond the goal at its end, m.
-        times: Duration, s.
+        amplitudes: For each movement, the distance moved along the line from start to goal, m.
+        errors: For each movement, the signed distance of its end beyond the goal, m.
+        times: For each movement, its duration, s.
 
     Returns:
         The throughput; None for fewer than three movements, or if all errors are equal.

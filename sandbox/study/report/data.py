@@ -1,7 +1,7 @@
-"""Reads a study's tables from a folder, selects the used trials, and averages them by person.
+"""Reads a study's tables from a folder, selects the trials to use, and averages them by person.
 
-Only the CSV files are read, so that a report can be made from any copy. The codebook has the name
-and kind of the study, the number of people who withdrew, and changes of the design.
+Only the CSV files are read, so a report can be made from any copy of the tables. The codebook has
+the name and kind of the study, the number of people who withdrew, and changes of the design.
 """
 
 from __future__ import annotations
@@ -60,17 +60,18 @@ NUMBERS = (
     "limit_s",
 )
 RATIO_UNITS = ("s", "m", "mm", "m/s", "bit/s", "ms")
-"""Units of measures that are compared by ratios, if all values are above 0."""
+"""Units of measures that are compared by ratios if all values are above 0. They are used for
+columns whose scale the codebook does not have."""
 LABEL_TRUTH, SIMULATED_USER = "label_truth", "simulated user"
-"""Column with the source of the true fingers, and one of its values."""
+"""Column with the source of the true fingers, and its value for trials of a simulated user."""
 FRAMES = "frames"
 """Column with the file of the frames."""
 SIMULATED = "simulated"
-"""Kind of the data of a study without people."""
+"""Kind of the data of a study with simulated participants."""
 RECORDS = "*/S[0-9][0-9][0-9]/session.jsonl"
-"""Files from which the tables of a study are derived."""
+"""Journals from which the tables of a study are derived."""
 SESSION = "session"
-"""Name of the factor that is added if participants repeat the same levels in several sessions."""
+"""Name of the factor that is added if participants do the same levels in several sessions."""
 
 
 def _empty() -> DataFrame:
@@ -86,7 +87,7 @@ class ObservedFactor:
     Attributes:
         name: Name as in the design.
         levels: Levels in the design's order.
-        within: True if at least one participant did more than one of them.
+        within: True if at least one participant did more than one of the levels.
     """
 
     name: str
@@ -95,17 +96,17 @@ class ObservedFactor:
 
     @property
     def column(self) -> str:
-        """Name of its column in tables."""
+        """Name of the factor's column in tables."""
         return FACTOR + self.name
 
     @property
     def place(self) -> str:
-        """Name of the column of `StudyData.used` with the place of its level in its order."""
+        """Name of the column of `StudyData.used` with the place of a trial's level in its order."""
         return "place of " + self.name
 
     @property
     def round(self) -> str:
-        """Name of the column of `StudyData.used` with the round, whose order is its own."""
+        """Name of the column of `StudyData.used` with the round; each round has its own order."""
         return "round of " + self.name
 
 
@@ -115,12 +116,13 @@ class Measure:
 
     Attributes:
         name: Column of `trials.csv`, or name of a questionnaire, scale or question.
-        title: Title for people.
-        unit: Unit of its values; empty for counts and indices.
+        title: Title in the report.
+        unit: Unit of the values; empty for counts and indices.
         means: Definition in one line.
         better: high or low, the better direction; empty if neither is better.
         low, high: Smallest and largest possible value.
-        scale: limit, a time with a limit; share, 0 or 1; count; log; plain, another number; score.
+        scale: `limit`, a time with a limit; `share`, 0 or 1; `count`; `log`, a number whose ratios
+            are compared; `plain`, any other number; `score`, of a questionnaire.
     """
 
     name: str
@@ -149,7 +151,10 @@ class Measure:
         return np.log(values) if self.scale == "log" else values
 
     def in_unit(self, mean: Estimate) -> Estimate:
-        """Converts a mean on that scale back to the unit, a difference of logarithms to a ratio."""
+        """Converts a mean on that scale back to the unit.
+
+        A difference of logarithms becomes a ratio.
+        """
         if self.scale != "log":
             return mean
         value, low, high = (float(np.exp(v)) for v in (mean.value, mean.low, mean.high))
@@ -161,11 +166,11 @@ class Values:
     """An outcome of every person under every condition.
 
     Attributes:
-        factors: Factors whose levels the conditions are.
+        factors: Factors whose combinations of levels are the conditions.
         names: Names of the conditions.
-        levels: Level of each factor, by name, for each condition.
-        means: (people, conditions) means of a person's trials, on the outcome's scale; nan where
-            there is none. People are those of `StudyData.ppids`, in order.
+        levels: For each condition, the level of each factor by the factor's name.
+        means: (people, conditions) means of each person's trials, on the outcome's scale; nan for
+            a person without values. The people are `StudyData.ppids`, in order.
         trials: (people, conditions) numbers of trials.
         limits: Time limits of the trials of each condition, s.
     """
@@ -178,7 +183,7 @@ class Values:
     limits: tuple[frozenset[float], ...] = ()
 
     def cells_of(self, factor: ObservedFactor, level: str) -> list[int]:
-        """Numbers of the conditions with a level."""
+        """Indices of the conditions with a level."""
         return [i for i, of in enumerate(self.levels) if of.get(factor.name) == level]
 
     def by_level(self, factor: ObservedFactor) -> Array:
@@ -188,7 +193,7 @@ class Values:
         )
 
     def matched(self, factor: ObservedFactor, first: str, second: str) -> list[tuple[int, int]]:
-        """Pairs of conditions that differ in these levels of one factor alone."""
+        """Pairs of conditions that differ only in these two levels of a factor."""
 
         def apart_from_it(cell: int) -> dict[str, str]:
             return {name: x for name, x in self.levels[cell].items() if name != factor.name}
@@ -206,7 +211,7 @@ class Values:
 
 
 def row_means(values: Array) -> Array:
-    """Mean of each row without the nan in it, (n,); nan where there is nothing else."""
+    """Mean of the finite values in each row, (n,); nan for a row without finite values."""
     known = np.isfinite(values)
     count = known.sum(axis=1)
     sums = np.where(known, values, 0.0).sum(axis=1)
@@ -216,13 +221,13 @@ def row_means(values: Array) -> Array:
 
 @dataclass(frozen=True)
 class Words:
-    """The answers to a question in words or by a choice.
+    """The answers to a question whose answers are texts or choices.
 
     Attributes:
         form, item: Names of the questionnaire and the question.
         ask: The question.
         is_choice: True if the answers are choices.
-        answers: Person, condition, and answer, in the order of the table.
+        answers: (person, condition, answer) of each answer, in the order of the table.
     """
 
     form: str
@@ -241,27 +246,31 @@ class StudyData:
         mode: real, pilot, simulated, or unknown.
         factors: Factors in the design's order.
         trials: Every finished attempt, as in the table, with numbers converted.
-        used: Counted attempts, without practice and excluded trials. Added columns: `condition`,
-            `cell` (its number), `position` (number of the participant's trial, from 1, without
-            practice; in its session, where `by_session`), `censored` (no success, so that it would
-            have taken longer), and for every factor the round, and the place of its level in the
-            order of the round, both from 1. Excluded trials count in them and in `position`, since
-            they were practice as well.
+        used: Counted attempts, without practice and excluded trials. These columns are added:
+            `condition`;
+            `cell`, the index of the condition;
+            `position`, the number of the participant's trial, from 1, without practice (counted
+            within the session if `by_session`);
+            `censored`, True without success: the time to success would have been longer;
+            and, for every factor, the round, and the place of the level in the order of the round,
+            both from 1. Excluded trials also count for `position` and for places, since people
+            learn from them, too.
         conditions: Names of all combinations of levels that were used, in the design's order.
         people: `participants.csv`, or participants derived from the trials.
         answers: `answers.csv`; may be empty.
         scores: `scores.csv`; may be empty.
         primary: Confirmatory outcomes of the design: measures, and questionnaires for their scores.
-            Empty if it names none.
+            Empty if the design names none.
         by_session: True if the session was added as a factor.
-        wordings: The codebook's notes on questionnaires without the published wording.
+        wordings: Notes in the codebook on questionnaires whose wording is not the published
+            wording, by questionnaire.
         digest: SHA-256 of `trials.csv`.
-        withdrawn: Number of people who withdrew, without any other data of them; None if the
-            codebook does not have it.
+        withdrawn: Number of people who withdrew, whose data were deleted; None if the codebook does
+            not have it.
         upgrades: Sentences on every `--force-upgrade` after the first participation.
         events: `events.csv`; may be empty.
         columns: Rows of the codebook about factors, measures and questions, by name.
-        has_records: True if the records from which the tables follow are in the folder.
+        has_records: True if the journals from which the tables follow are in the folder.
         title: Title of the design; empty if it has none.
         unused: Combinations of the design without a used trial, with a level for each of `factors`;
             empty if the codebook does not have the design's combinations.
@@ -290,13 +299,16 @@ class StudyData:
 
     @property
     def orders(self) -> str:
-        """Number of participants in a full cycle of orders, by the design; empty if unknown."""
+        """Text on the number of participants in a full cycle of orders; empty if unknown."""
         return self.columns.get(ORDERS, {}).get("meaning", "")
 
     @property
     def unused_conditions(self) -> tuple[str, ...]:
-        """Names of the combinations without a used trial, by the factors of `conditions`, or by all
-        factors if these do not distinguish them."""
+        """Names of the combinations without a used trial.
+
+        A name has the levels of factors with several used levels, as in `conditions`. If a used
+        condition has the same name, the name has the levels of all factors.
+        """
         several = [i for i, f in enumerate(self.factors) if len(f.levels) > 1]
         names = [JOINED.join(levels[i] for i in several) for levels in self.unused]
         return tuple(
@@ -329,17 +341,17 @@ class StudyData:
             return []
         told = ", ".join(f"{person} {steps} s" for person, steps in steps.items())
         return [
-            f"The wall clock made steps during sessions ({told}), and no time here depends on it: "
-            "all come from a clock that nobody sets"
+            f"The wall clock was set during sessions ({told}). No time in this report depends on "
+            "it: all times come from a clock that cannot be set"
         ]
 
     @property
     def rehearsed(self) -> str:
-        """Sentence on trials by a simulated user in data that are not simulated, as in a rehearsal;
-        empty without such trials."""
+        """Sentence on trials that a simulated user played in a study of people, such as in a
+        rehearsal; empty without such trials."""
         if self.mode == SIMULATED or LABEL_TRUTH not in self.used:
             return ""
-        # A trial without touches gives no evidence.
+        # The source is empty for a trial without touches.
         telling = [source for source in self.used[LABEL_TRUTH] if source]
         count = telling.count(SIMULATED_USER)
         if not count:
@@ -350,14 +362,14 @@ class StudyData:
 
     @property
     def withdrawals(self) -> str:
-        """Sentence on people who withdrew; empty if the folder has no number."""
+        """Sentence on people who withdrew; empty if their number is unknown."""
         if self.withdrawn is None:
             return ""
         if not self.withdrawn:
             return "Nobody withdrew."
         return (
             f"{counted(self.withdrawn, 'person', 'people')} withdrew. All their data were deleted, "
-            "and no other number here counts them."
+            "and no other number in this report includes them."
         )
 
     @property
@@ -378,15 +390,15 @@ class StudyData:
 
     @property
     def measures(self) -> list[str]:
-        """Names of the measures that the codebook has titles for, in order."""
+        """Names of the measures that have a title in the codebook, in order."""
         return [name for name, row in self.columns.items() if row.get("title")]
 
     def measure(self, name: str, must: bool = False) -> Measure | None:
-        """A measure of the trials used; None if it has no numbers.
+        """A measure of the trials used; None if its column has no numbers.
 
         Args:
-            name: Name of its column.
-            must: True raises an error instead.
+            name: Name of the column.
+            must: True raises an error instead of returning None.
 
         Raises:
             StudyError: The column does not exist, or has no numbers; only if `must`.
@@ -429,7 +441,7 @@ class StudyData:
 
 
 def _guessed_scale(name: str, unit: str, values: Series) -> str:
-    """Scale of a column that is not a measure of the program, such as one of an older table."""
+    """Scale of a column without a scale in the codebook, such as in an older table."""
     if name == "success" or unit == "0/1":
         return "share"
     if unit in RATIO_UNITS:
@@ -438,11 +450,12 @@ def _guessed_scale(name: str, unit: str, values: Series) -> str:
 
 
 ENDS = (("low", -inf), ("high", inf))
-"""Columns of the codebook with the smallest and the largest possible value."""
+"""Columns of the codebook with the smallest and the largest possible value of a measure, each with
+the value for an empty cell."""
 
 
 def number_in(text: str, nothing: float = nan) -> float:
-    """A number in a cell; `nothing` for an empty cell."""
+    """The number in a cell; `nothing` if the cell has none."""
     try:
         return float(text)
     except ValueError:
@@ -450,7 +463,10 @@ def number_in(text: str, nothing: float = nan) -> float:
 
 
 def trial_numbers(data: StudyData, what: Measure) -> Array:
-    """A measure of the trials used, on the scale of the means; nan where there is none."""
+    """Values (n,) of a measure in the trials used, on the scale of the means; nan without a value.
+
+    A time with a limit is the limit in trials without success.
+    """
     used = data.used
     numbers = to_numbers(used[what.name]).to_numpy(float)
     if what.scale == "limit":
@@ -463,7 +479,7 @@ def trial_numbers(data: StudyData, what: Measure) -> Array:
 def trial_values(data: StudyData, what: Measure) -> Values:
     """Person means of a measure by condition.
 
-    A time with a limit is the limit in a trial without success: the mean is the restricted mean.
+    A time with a limit is the limit in a trial without success, so its mean is the restricted mean.
     """
     used, numbers = data.used, trial_numbers(data, what)
     factors = tuple(f for f in data.factors if len(f.levels) > 1)
@@ -477,7 +493,7 @@ def trial_values(data: StudyData, what: Measure) -> Values:
 def _by_person(
     data: StudyData, ppids: Series, cells: Sequence[int], numbers: Array, count: int
 ) -> tuple[Array, Array]:
-    """Means and numbers of the present values of every person in every cell."""
+    """Means and numbers of the finite values of each person in each cell, both (people, cells)."""
     row = {ppid: i for i, ppid in enumerate(data.ppids)}
     at = np.array([row.get(ppid, -1) for ppid in ppids], dtype=np.intp)
     known = np.isfinite(numbers) & (at >= 0)
@@ -493,8 +509,8 @@ def score_values(data: StudyData, main: bool = True) -> list[tuple[Measure, Valu
 
     Args:
         data: The study.
-        main: True gives the first scale of questionnaires about levels, which is their score;
-            False all other scales.
+        main: True returns the first scale of each questionnaire about levels, which is the
+            questionnaire's score; False returns all other scales.
     """
     table = data.scores
     if not {"instrument", "scale", "score", "ppid"} <= set(table.columns):
@@ -516,8 +532,10 @@ def score_values(data: StudyData, main: bool = True) -> list[tuple[Measure, Valu
 
 
 def item_values(data: StudyData) -> list[tuple[Measure, Values]]:
-    """Single questions with numbers as answers, by person and level, except those that are a scale
-    of their own, and those about the person."""
+    """Answers to single questions whose answers are numbers, by person and level.
+
+    Questions that are a scale by themselves, and questions about the person, are left out.
+    """
     table = data.answers
     if not {"ppid", "instrument", "item", "answer"} <= set(table.columns):
         return []
@@ -558,7 +576,7 @@ def _answered(data: StudyData, rows: DataFrame, numbers: Array) -> Values:
 
 
 def words(data: StudyData) -> list[Words]:
-    """All answers in words, and choices, by question."""
+    """All answers that are texts or choices, by question."""
     table = data.answers
     if not {"ppid", "instrument", "item", "answer"} <= set(table.columns):
         return []
@@ -598,7 +616,7 @@ def load_study(folder: Path) -> StudyData:
             where=str(folder),
             expected="the folder of a study",
             remedy="Give OUT/NAME, OUT/NAME-pilot or OUT/NAME-simulated; `sandbox study tables` "
-            "makes them",
+            "makes the tables",
         )
     trials = _read(path)
     missing = [name for name in NEEDED if name not in trials.columns]
@@ -649,7 +667,7 @@ def load_study(folder: Path) -> StudyData:
 
 
 def read_table(path: Path) -> DataFrame:
-    """Reads a table with all cells as text, since a pseudonym like 12E345 is not a number.
+    """Reads a table with all cells as text, so that a pseudonym like 12E345 stays a text.
 
     Raises:
         StudyError: The file is not a table.
@@ -663,7 +681,7 @@ def read_table(path: Path) -> DataFrame:
             "not a table",
             where=str(path),
             got=str(error).strip()[:120],
-            remedy="`sandbox study tables` makes them again",
+            remedy="`sandbox study tables` makes all tables again",
         ) from None
     except OSError as error:
         raise StudyError("the table cannot be read", where=str(path), got=error.strerror) from None
@@ -701,12 +719,12 @@ def _optional(path: Path) -> DataFrame:
 
 
 def _read(path: Path) -> DataFrame:
-    """Reads a table; names of first columns, as in UXF or otherwise, become those of UXF."""
+    """Reads a table, and renames its columns to the names of UXF where these differ."""
     return read_table(path).rename(columns=UXF_NAMES)
 
 
 def _only(trials: DataFrame, column: str, path: Path) -> str:
-    """The only value of a column; empty if there is none."""
+    """The single value that a column has in all rows; empty if it has none."""
     values = [x for x in dict.fromkeys(trials.get(column, ())) if x]
     if len(values) > 1:
         raise StudyError(
@@ -719,7 +737,7 @@ def _only(trials: DataFrame, column: str, path: Path) -> str:
 
 
 def _codebook(tables: Path) -> DataFrame:
-    """The codebook, with the names of columns as in UXF; without rows if there is none."""
+    """The codebook, with the names of columns as in UXF; without rows if the file is missing."""
     import pandas as pd
 
     book = _optional(tables / "codebook.csv")
@@ -735,7 +753,7 @@ def _meanings(rows: DataFrame) -> dict[str, str]:
 
 
 def _described(book: DataFrame) -> dict[str, dict[str, str]]:
-    """Rows about factors, measures and questions, by name; of several with one name, the first."""
+    """Rows about factors, measures and questions, by name; the first row of each name."""
     about = book["table"].isin(["trials.csv", "participants.csv", "answers.csv"])
     found: dict[str, dict[str, str]] = {}
     for _, row in book[about].iterrows():
@@ -744,13 +762,14 @@ def _described(book: DataFrame) -> dict[str, dict[str, str]]:
 
 
 def _primary(book: DataFrame) -> tuple[str, ...]:
-    """Names of primary outcomes; a score is named `score QUESTIONNAIRE/SCALE`."""
+    """Names of primary outcomes. The codebook names a score `score QUESTIONNAIRE/SCALE`; the name
+    of the questionnaire is returned."""
     named = book.loc[book["role"] == PRIMARY, "column"] if "role" in book else ()
     return tuple(str(name).removeprefix("score ").partition("/")[0] for name in named)
 
 
 def _wordings(book: DataFrame) -> dict[str, str]:
-    """The codebook's notes on questionnaires without the published wording, by name."""
+    """Notes in the codebook on questionnaires without the published wording, by questionnaire."""
     told = _meanings(book[book["column"].astype(str).str.startswith(WORDING)])
     return {name.removeprefix(WORDING): meaning for name, meaning in told.items()}
 
@@ -761,8 +780,8 @@ def _unused(
     """Combinations of the design without a used trial.
 
     Args:
-        conditions: Those of the design, as in the codebook; levels of an earlier design are in no
-            such list, and neither are sessions.
+        conditions: Combinations of the design, as listed in the codebook. The list does not have
+            levels of an earlier design, or sessions.
         factors: Factors of the trials.
         used: The trials used.
     """
@@ -777,8 +796,10 @@ def _unused(
 
 
 def _did_the_same_again(trials: DataFrame) -> bool:
-    """Returns True if a participant had the same levels in two sessions, so that sessions can be
-    compared. Otherwise each session has its own levels, and the session is not a factor."""
+    """Returns True if a participant had the same levels in two sessions.
+
+    Then sessions are compared. Otherwise each session has its own levels, and is not a factor.
+    """
     factors = [name for name in trials.columns if name.startswith(FACTOR)]
     if "session_num" not in trials.columns or FACTOR + SESSION in factors:
         return False
@@ -801,7 +822,7 @@ def _factors(trials: DataFrame, described: dict[str, dict[str, str]]) -> tuple[O
             continue
         seen = [x for x in dict.fromkeys(main[column]) if x]
         listed = _listed(described.get(column, {}).get("meaning", "").partition(": ")[2], seen)
-        # The codebook has the order of the design; levels that are missing there come last.
+        # The codebook has the design's order. Levels that the codebook does not have come last.
         levels = [x for x in listed if x in seen] + [x for x in seen if x not in listed]
         within = len(main) > 0 and bool((main.groupby("ppid")[column].nunique() > 1).any())
         factors.append(ObservedFactor(column.removeprefix(FACTOR), tuple(levels), within))
@@ -809,7 +830,7 @@ def _factors(trials: DataFrame, described: dict[str, dict[str, str]]) -> tuple[O
 
 
 def _listed(text: str, names: Sequence[str]) -> list[str]:
-    """The entries of a list. Names may contain its separator; the longest matching name counts."""
+    """Splits a list of names. Names may contain the separator: the longest known name is taken."""
     parts = text.split(LISTED)
     entries: list[str] = []
     while parts:
@@ -821,8 +842,11 @@ def _listed(text: str, names: Sequence[str]) -> list[str]:
 
 
 def _rounds(main: DataFrame, within: Sequence[str], factor: ObservedFactor) -> Series:
-    """Number of the round of every trial: with `repeat_inside`, levels come back in an order of
-    their own; without it there is one round."""
+    """Number of the round of every trial.
+
+    With `repeat_inside`, the levels recur in each round, in the order of that round. Without it,
+    there is one round.
+    """
     import pandas as pd
 
     if "repetition" in main.columns:
@@ -843,8 +867,9 @@ def _used(
     order = [name for name in ("session_num", "trial_num") if name in trials.columns]
     main = trials[(trials["counted"] == 1) & (trials["practice"] != 1)]
     main = main.sort_values(order, kind="stable").copy()
-    # Excluded trials were practice as well, so they are counted in the position. What is learned
-    # from one session to the next is the difference between sessions, where these are compared.
+    # Excluded trials count for the position, since people learn from them, too. If sessions are
+    # compared, learning from session to session is a difference between them, so that the position
+    # is counted within each session.
     once = ["ppid", "session_num"] if by_session else ["ppid"]
     main["position"] = main.groupby(once, sort=False).cumcount() + 1
     for i, factor in enumerate(factors):
@@ -869,6 +894,6 @@ def _used(
     used["cell"] = np.array([number[x] for x in used["condition"]], dtype=int)
     used["censored"] = used["success"] != 1
     if "limit_s" not in used or used["limit_s"].isna().all():
-        # A table without limits: no trial was longer than the longest one.
+        # The table has no limits. If some trial failed, the longest time is used as the limit.
         used["limit_s"] = used["time_s"].max() if used["censored"].any() else np.inf
     return used, conditions

@@ -1,4 +1,4 @@
-"""Data excluded from the report, with reasons, and the remaining data."""
+"""The steps from all data to the data that the report uses, and notes on the remaining data."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ if TYPE_CHECKING:
     from pandas import DataFrame
 
 MORE = {"real": "", "pilot": "--pilot "}
-"""Kinds of data whose sessions are resumed by a command, with its options."""
+"""Kinds of data whose sessions `sandbox study run` resumes, with the option for each kind."""
 
 
 @dataclass(frozen=True)
@@ -20,7 +20,9 @@ class FlowStep:
 
     Attributes:
         what: Description of the removed or remaining data.
-        participants, trials: Numbers; participants are removed with their last trial.
+        participants: Number of removed or remaining participants. A participant is removed with
+            their last trial.
+        trials: Number of removed or remaining trials.
         remains: True for remaining data, False for removed data.
     """
 
@@ -68,8 +70,10 @@ def _take(steps: list[FlowStep], rest: DataFrame, gone: DataFrame, what: str) ->
 
 
 def unfinished(data: StudyData) -> list[str]:
-    """Participants who consented, if consent was requested, and have not finished all sessions;
-    empty if the table has no such column."""
+    """Participants who did not decline to consent and have not finished all sessions.
+
+    Empty if the table does not have the column `complete`.
+    """
     if "complete" not in data.people.columns:
         return []
     done = to_numbers(data.people["complete"])
@@ -78,7 +82,7 @@ def unfinished(data: StudyData) -> list[str]:
 
 
 def _without_consent(data: StudyData) -> set[str]:
-    """Participants who declined, and thus have no data and no open sessions."""
+    """Participants who declined to consent, and thus have no data and no open sessions."""
     if "consent" not in data.people.columns:
         return set()
     return set(data.people.loc[to_numbers(data.people["consent"]) == 0, "ppid"])
@@ -91,7 +95,7 @@ def gaps(data: StudyData) -> list[str]:
         told.append(f"Not finished yet: {', '.join(missing)}. Their finished trials are used.")
         if data.mode in MORE:
             run = f"sandbox study run DESIGN {MORE[data.mode]}--participant {missing[0]}"
-            told.append(f"`{run}` goes on where that person stopped.")
+            told.append(f"`{run}` resumes the session of that person.")
     counts = ("trials_planned", "trials_done")
     if "complete" in data.people.columns and set(counts) <= set(data.people.columns):
         whole = data.people.loc[to_numbers(data.people["complete"]) == 1]
@@ -110,23 +114,27 @@ def gaps(data: StudyData) -> list[str]:
 
 
 def unbalanced_states(data: StudyData) -> str:
-    """Sentence on conditions that were not equally often run by each generation of simulated
-    states; empty where one generation ran all, or where each ran all conditions alike."""
+    """Sentence on conditions that were not run equally often by each version of the simulation.
+
+    Empty if one version ran all trials, or if each version ran all conditions equally often.
+    """
     if "states" not in data.used or not len(data.used):
         return ""
     counts = data.used.groupby([to_numbers(data.used["states"]), "condition"]).size().unstack()
     if len(counts) < 2 or (counts.nunique(axis=1, dropna=False) == 1).all():
         return ""
     return (
-        f"Trials were run by programs with {len(counts)} generations of simulated states "
-        f"({', '.join(f'{n:g}' for n in counts.index)}), and not all conditions equally often by "
-        "each: a difference between conditions may be one between programs."
+        f"Trials were run by {len(counts)} versions of the simulation (`states` "
+        f"{', '.join(f'{n:g}' for n in counts.index)}), and not all conditions equally often by "
+        "each version: a difference between conditions may be one between programs."
     )
 
 
 def endings(data: StudyData) -> dict[str, dict[str, int]]:
-    """Numbers of used trials by condition and status at their end, also of conditions of the design
-    without any."""
+    """Numbers of used trials by condition and status at their end.
+
+    Conditions of the design without used trials are included.
+    """
     used = data.used
     if "status" not in used.columns:
         status = used["success"].map({1.0: "success", 0.0: "no success"})

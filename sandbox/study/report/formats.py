@@ -1,4 +1,4 @@
-"""Formats numbers as text for people."""
+"""Formats numbers as text for readers of the report."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ def number(value: float, digits: int = 3) -> str:
 
 
 def percent(share: float) -> str:
-    """A share as a number of per cent, with one decimal near 0 and 100."""
+    """A share in percent, without the sign %, with one decimal near 0 and 100."""
     if not isfinite(share):
         return UNKNOWN
     value = 100.0 * share
@@ -30,7 +30,7 @@ def percent(share: float) -> str:
 
 
 def points(difference: float) -> str:
-    """A difference of shares, as a number of percentage points with a sign."""
+    """A difference of shares in percentage points, with a plus or minus sign."""
     if not isfinite(difference):
         return UNKNOWN
     return f"{100.0 * difference:+.1f}".replace("-", "−")

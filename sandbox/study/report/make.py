@@ -1,4 +1,4 @@
-"""Creates the report of a study: `report.html`, its numbers as CSV files, and the R script."""
+"""Creates the report of a study: the page, its numbers as CSV files, and a script for R."""
 
 from __future__ import annotations
 
@@ -21,20 +21,22 @@ SCRIPT_COLUMNS = (
     *("outcome", "factor", "first", "second", "model", "kind"),
     *("estimate", "low", "high", "p"),
 )
-"""Columns of its output."""
+"""Columns of the script's output."""
 NEEDS = ("pandas", "matplotlib", "jinja2")
+"""Libraries that a report needs, and which the core of the program does not."""
 RESULTS = (
     ("outcome", "column of trials.csv, or name of a questionnaire"),
     (
         "scale",
-        "limit: a time, the time limit without success; share: 0 or 1; count; log: compared by "
-        "ratios; plain; score",
+        "limit: a time, which is the time limit without success; share: 0 or 1; count; log: "
+        "compared by ratios; plain: any other number; score: of a questionnaire",
     ),
     ("unit", "unit of the outcome; shares are from 0 to 1"),
     (
         "row",
-        "condition or level: a mean over people; pair: second level against first; interaction: "
-        "difference of two such differences; further: a mean of an outcome that is not compared",
+        "condition or level: a mean over people; pair: second level compared with the first; "
+        "interaction: difference of two such differences; further: a mean of an outcome that is "
+        "not compared",
     ),
     ("factor", "factor of the levels"),
     ("first", "condition, level, or the first level of a pair, which is the reference"),
@@ -47,14 +49,14 @@ RESULTS = (
     ("high", "upper end of this interval"),
     (
         "sd",
-        "standard deviation over people of the difference, for ratios of its logarithm; of two "
-        "groups, that within groups",
+        "standard deviation over people of the difference, or, for ratios, of its logarithm; for "
+        "two groups, the standard deviation within groups",
     ),
-    ("dz", "difference divided by sd; of two groups, Cohen's d"),
+    ("dz", "difference divided by sd; for two groups, Cohen's d"),
     ("median", "median over people of the difference, or ratio"),
     ("role", "confirmatory: tested; exploratory: not tested"),
     ("test", "name of the test"),
-    ("p", "p value of this test alone"),
+    ("p", "p value of this test, not adjusted"),
     ("p_holm", "p value adjusted for all tests of the study (Holm)"),
 )
 """Columns of `results.csv`, with their meanings."""
@@ -81,12 +83,12 @@ def make_report(
     """Creates a report.
 
     Args:
-        folder: Folder of the study, or of a copy of its tables.
+        folder: Folder of the study, or of a copy that has its tables.
         out: Folder of the report, created if needed.
         measures: Names of measures to compare besides time and success.
         say: Callback for progress messages.
-        note: Callback for lines that matter to the reader of the report.
-        lacking: Sentences on data missing in the tables, for the top of the page.
+        note: Callback for lines that the reader of the report should know.
+        lacking: Sentences on data that the tables do not have, for the top of the page.
 
     Returns:
         Path of the page.
@@ -145,7 +147,7 @@ def check_libraries() -> None:
 
 
 def read_script_rows(path: Path) -> list[dict[str, str]]:
-    """Rows that `analysis.R` has written; none if it has not run."""
+    """Rows that `analysis.R` has written; empty if it has not run."""
     if not path.is_file():
         return []
     with path.open(encoding="utf-8", newline="") as file:
@@ -153,7 +155,7 @@ def read_script_rows(path: Path) -> list[dict[str, str]]:
 
 
 def tables(found: Any) -> dict[str, bytes]:
-    """Contents of the CSV files by name.
+    """Contents of the report's CSV files, by name.
 
     Args:
         found: `Results` of a study.
@@ -219,7 +221,7 @@ def _people(found: Any) -> Iterator[Row]:
 
 
 def csv_of(rows: Any, columns: Sequence[str]) -> bytes:
-    """A table as CSV, with ten digits of every number; unknown values are empty."""
+    """A table as CSV, with ten significant digits of every number and empty unknown values."""
     import pandas as pd
 
     cells = [{k: _cell(v) for k, v in row.items() if k in columns} for row in rows]
@@ -235,5 +237,5 @@ def _cell(value: Any) -> Any:
         return int(value)
     if not isinstance(value, float):
         return value
-    # The digits after the tenth differ from machine to machine.
+    # Digits after the tenth may differ between machines.
     return float(f"{value:.10g}") if np.isfinite(value) else None

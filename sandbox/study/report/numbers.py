@@ -1,11 +1,11 @@
-"""Results of a study in numbers: person means, and their ordinary statistics by SciPy.
+"""Results of a study in numbers: person means, and statistics of these by SciPy.
 
-The person is the unit of all statistics. A person's trials under one condition give one number,
-their mean. Two levels of a factor are compared by the differences of these numbers within the same
-people, or between groups of people. Models are fitted by `analysis.R`, not here.
+The person is the unit of analysis: a person's trials under one condition give one number, their
+mean. Two levels of a factor are compared by the differences of these means within people, or
+between groups of people. Models are fitted by `analysis.R`, not here.
 
-With fewer than `FEWEST` people there is no interval and no p value. An interval never exceeds the
-possible values of the outcome.
+With fewer than `FEWEST` people there is no interval and no p value. Intervals are cut at the limits
+of the outcome.
 """
 
 from __future__ import annotations
@@ -30,18 +30,20 @@ from sandbox.study.report.data import (
 )
 
 FEWEST = 6
-"""Smallest number of people with an interval or a p value."""
+"""Smallest number of people for an interval or a p value."""
 ALPHA = 0.05
-"""Probability of any false finding in a study without differences, at most."""
+"""Largest probability that a study without any real difference has a false finding."""
 LEVEL = 0.95
 """Coverage of intervals."""
 EXACT = 13
-"""Largest number of people for whom all 2^n signs are tried; above it, `DRAWN` are drawn."""
+"""Largest number of people for whom all 2^n flips of signs are tried."""
 DRAWN = 9_999
+"""Number of random flips of signs for more people."""
 LARGE = 50
-"""Smallest group whose ranks are compared by the normal distribution although there are no ties."""
+"""Size of the larger group from which on the Mann-Whitney test uses the normal distribution, even
+without ties."""
 EQUAL = 1e-6
-"""Values that differ by less than this part of the largest one differ by rounding alone."""
+"""Values that differ by at most this share of the largest value differ only by rounding."""
 CONFIRMATORY, EXPLORATORY = "confirmatory", "exploratory"
 MAIN = ("time_s", "success")
 """Outcomes that are compared in every study."""
@@ -49,7 +51,7 @@ MAIN = ("time_s", "success")
 
 @dataclass(frozen=True)
 class Estimate:
-    """A value with its 95 % interval; nan if it is unknown."""
+    """A value with its 95 % interval from `low` to `high`; nan for unknown numbers."""
 
     value: float = nan
     low: float = nan
@@ -67,8 +69,8 @@ class Mean:
 
     Attributes:
         name: The condition, or the level of a factor.
-        people, trials: Numbers of them.
-        mean: Mean over people, each counted once; geometric for a logarithmic outcome.
+        people, trials: Numbers of people and of trials.
+        mean: Mean over people, each counted once; a geometric mean for a logarithmic outcome.
     """
 
     name: str
@@ -83,17 +85,18 @@ class Pair:
 
     Attributes:
         factor: Name of the factor.
-        first, second: The levels; the estimate is of the second against the first.
-        kind: `difference` or `ratio`, of the second to the first.
-        people: People who did both levels; for two groups, all people.
-        estimate: Mean difference, or ratio, with its interval.
-        sd: Standard deviation over people of the difference, for a ratio of its logarithm; of two
-            groups, that within groups.
-        dz: Difference divided by `sd`; of two groups, Cohen's d.
-        median: Median of the differences over people.
+        first, second: The levels. The second level is compared with the first.
+        kind: `difference` (second minus first) or `ratio` (second divided by first).
+        people: Number of people who did both levels; for two groups, of all people.
+        estimate: Mean difference or ratio, with its interval.
+        sd: Standard deviation over people of the difference, or, for ratios, of its logarithm. For
+            two groups, the standard deviation within groups.
+        dz: Difference divided by `sd`; for two groups, Cohen's d.
+        median: Median over people of the difference or ratio; for two groups, the difference of
+            their medians.
         test: Name of the test.
-        p: Its p value; nan where it cannot be computed.
-        p_holm: P value adjusted for all tests of the study; nan if this one is exploratory.
+        p: P value of the test; nan if it cannot be computed.
+        p_holm: P value adjusted for all tests of the study; nan for an exploratory comparison.
         why: Reason for a missing estimate; empty with an estimate.
     """
 
@@ -113,7 +116,7 @@ class Pair:
 
     @property
     def title(self) -> str:
-        """The levels, in words."""
+        """The two levels as text, such as `soft against hard`."""
         return f"{self.second} against {self.first}"
 
 
@@ -127,8 +130,9 @@ class Compared:
         cells: Means by condition.
         levels: Means by level of each factor with several levels.
         pairs: Comparisons of all pairs of levels.
-        interactions: Differences of differences, of the first two factors: exploratory.
-        role: `CONFIRMATORY` if its pairs are tested.
+        interactions: Differences of differences for the first two factors, each with its name and
+            number of people; they are exploratory.
+        role: `CONFIRMATORY` if the pairs are tested, else `EXPLORATORY`.
     """
 
     what: Measure
@@ -146,7 +150,7 @@ class Results:
 
     Attributes:
         data: The study.
-        compared: Outcomes that are compared, those that are tested first.
+        compared: Outcomes that are compared; tested outcomes come first.
         missing: Primary outcomes that these data cannot compare.
         tests: Number of tests for which p values are adjusted.
     """
@@ -165,9 +169,10 @@ def results(data: StudyData, asked: Sequence[str] = ()) -> Results:
     """Compares the outcomes of a study.
 
     The primary outcomes of the design are tested. Without primary outcomes, time, success, the
-    requested measures and one score of every questionnaire are tested. All tests are one family,
-    whose p values are adjusted together (Holm 1979). A pair with an estimate but too few people
-    for a test is part of the family: lost data make no other difference more certain.
+    requested measures and one score of every questionnaire are tested. All tests are one family:
+    their p values are adjusted together (Holm 1979). A pair with an estimate but too few people for
+    a test also counts in the family, so that missing data do not make other differences more
+    certain.
 
     Args:
         data: The study.
@@ -180,7 +185,7 @@ def results(data: StudyData, asked: Sequence[str] = ()) -> Results:
     planned = data.primary or tuple(every)
     order = [*(name for name in planned if name in every), *(n for n in every if n not in planned)]
     compared = [_compare(data, *every[name]) for name in order]
-    # Changes from session to session are practice, which the design does not compare.
+    # Sessions are a factor of the report, not of the design: their differences are not tested.
     tested = [
         (i, j)
         for i, one in enumerate(compared)
@@ -240,7 +245,14 @@ def _compare(data: StudyData, what: Measure, values: Values) -> Compared:
 
 
 def mean_of(what: Measure, values: Values, name: str, cells: Sequence[int]) -> Mean:
-    """The mean over people of an outcome under some conditions together, which have a name."""
+    """The mean over people of an outcome under some conditions together.
+
+    Args:
+        what: The outcome.
+        values: Person means of the outcome.
+        name: Name of the result: the condition, or the level that these conditions have.
+        cells: Indices of the conditions.
+    """
     own = row_means(values.means[:, list(cells)])
     own = own[np.isfinite(own)]
     trials = int(values.trials[:, list(cells)].sum())
@@ -249,7 +261,7 @@ def mean_of(what: Measure, values: Values, name: str, cells: Sequence[int]) -> M
 
 
 def interval(values: Array, low: float = -inf, high: float = inf) -> Estimate:
-    """Mean of values of people with Student's interval, cut at what is possible.
+    """Mean of the values of people, with Student's interval cut at the possible values.
 
     Args:
         values: (n,) values.
@@ -267,12 +279,12 @@ def interval(values: Array, low: float = -inf, high: float = inf) -> Estimate:
 
 
 def _equal(values: Array) -> bool:
-    """True if values differ by rounding alone, and so are no measure of scatter."""
+    """True if values differ only by rounding, so that their spread has no meaning."""
     return float(np.ptp(values)) <= EQUAL * max(float(np.abs(values).max()), 2.0 * EQUAL)
 
 
 def _pair(what: Measure, values: Values, factor: ObservedFactor, first: str, second: str) -> Pair:
-    """Compares two levels within the people who did both, or else between groups."""
+    """Compares two levels within the people who did both, or, if there are none, between groups."""
     pair = Pair(factor.name, first, second, "ratio" if what.scale == "log" else "difference")
     matched = values.matched(factor, first, second)
     own = paired_differences(values, factor, first, second)
@@ -289,8 +301,11 @@ def _pair(what: Measure, values: Values, factor: ObservedFactor, first: str, sec
 
 
 def paired_differences(values: Values, factor: ObservedFactor, first: str, second: str) -> Array:
-    """Each person's difference (people,) between two levels, under otherwise equal conditions if
-    there are any; nan for people who did not do both levels."""
+    """Each person's difference (people,) between two levels; nan for people without both levels.
+
+    If there are pairs of conditions that differ only in these levels, the difference is the mean
+    over these pairs. Otherwise it is the difference of the means over all conditions.
+    """
     matched = values.matched(factor, first, second)
     if matched:
         one, other = ([values.means[:, pair[i]] for pair in matched] for i in (0, 1))
@@ -364,7 +379,10 @@ def welch(one: Array, other: Array) -> tuple[Estimate, float]:
 
 
 def mann_whitney(one: Array, other: Array) -> float:
-    """P value of Mann and Whitney's test of two groups (n,), (m,): exact without ties."""
+    """P value of the Mann-Whitney test of two groups (n,), (m,).
+
+    It is exact for groups below `LARGE` without ties.
+    """
     from scipy import stats
 
     every = np.concatenate([one, other])
@@ -374,10 +392,10 @@ def mann_whitney(one: Array, other: Array) -> float:
 
 
 def sign_flips(own: Array) -> float:
-    """P value of the mean of differences (n,) among all flips of their signs.
+    """P value of a permutation test of the mean of differences (n,), which flips their signs.
 
-    All 2^n flips are tried for `EXACT` people or fewer; for more, `DRAWN` flips that are always
-    the same.
+    For at most `EXACT` people, all 2^n flips are tried. For more people, `DRAWN` random flips are
+    tried, always with the same seed.
     """
     from scipy import stats
 
@@ -394,9 +412,10 @@ def sign_flips(own: Array) -> float:
 
 
 def wilcoxon(own: Array) -> float:
-    """P value of Wilcoxon's signed ranks of differences (n,); of ties by all flips of signs.
+    """P value of Wilcoxon's signed-rank test of differences (n,); nan if all are 0.
 
-    Tables have six decimals, so differences that agree in five are ties.
+    With ties, it comes from `sign_flips` of the signed ranks. Tables have six decimals, so
+    differences that agree in five decimals are ties.
     """
     from scipy import stats
 
@@ -413,7 +432,8 @@ def wilcoxon(own: Array) -> float:
 def _interactions(
     what: Measure, values: Values, factors: Sequence[ObservedFactor]
 ) -> list[tuple[str, Estimate, int]]:
-    """Differences of differences of the first two factors, with their people."""
+    """Name, estimate and number of people of each difference of differences of the first two
+    factors."""
     if len(factors) < 2:
         return []
     one, other = factors[:2]
@@ -443,7 +463,7 @@ def holm(p: Sequence[float], untested: int = 0) -> list[float]:
 
     Args:
         p: P values; nan for a test that was not made.
-        untested: How many tests of the family were not made, each of which counts as p = 1.
+        untested: Number of tests of the family that were not made. Each counts as p = 1.
     """
     known = sorted((value, i) for i, value in enumerate(p) if isfinite(value))
     adjusted = [nan] * len(p)

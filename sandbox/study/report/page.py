@@ -60,22 +60,22 @@ MODES = {
     ),
 }
 """Kinds of data: name, title and warning of their pages."""
-ALONE = (
-    "There are no records in this folder: these are its tables as they are, and nothing here shows "
-    "whether somebody has changed them."
-)
+ALONE = "There are no records in this folder, so changes of its tables by hand cannot be detected."
+"""Warning of a page that was made from tables without the records of the study."""
 LATE = 60.0
-"""Latency (ms, 95th percentile) from which a session is marked."""
+"""Latency (ms, 95th percentile) above which the page shows the latency of a session."""
 MOST_CONDITIONS = 6
-"""Most columns of the table of further measures; of more conditions, it has a factor's levels."""
+"""Largest number of conditions in the table of further measures. With more conditions, the table
+has the levels of the first factor instead."""
 MORE_TITLES = ("Screen size", "Resumed")
 LIBRARIES = ("hand-sandbox", "pandas", "scipy", "numpy")
 FILES = (
     ("results.csv", "every mean, difference, interval and p value of this page"),
-    ("people.csv", "every person's mean by outcome and condition, from which all of these come"),
+    ("people.csv", "every person's mean by outcome and condition, from which results.csv follows"),
     ("codebook.csv", "the columns of these tables"),
-    ("analysis.R", "mixed and other models in R; what it found is shown here once it ran"),
+    ("analysis.R", "mixed and other models in R; a report that is made later shows its results"),
 )
+"""Files next to the page, with their contents."""
 
 
 @dataclass(frozen=True)
@@ -87,7 +87,7 @@ class Table:
         head: Headings of the columns.
         rows: Texts of the cells; the first cell of each row is its heading.
         note: Note below the table.
-        words: True if its cells are words, which begin at the left.
+        words: True if the cells are texts, which are aligned to the left.
     """
 
     caption: str
@@ -100,11 +100,11 @@ class Table:
 
 @dataclass(frozen=True)
 class Picture:
-    """Pictures, and their tables.
+    """Pictures, and tables with their numbers.
 
     Attributes:
-        pictures: Each picture as SVG, with its description.
-        tables: Tables with their numbers.
+        pictures: (SVG, description) of each picture.
+        tables: Tables with the numbers of the pictures.
     """
 
     pictures: tuple[tuple[str, str], ...]
@@ -149,9 +149,9 @@ def page(found: Results, lacking: str = "", in_r: Sequence[dict[str, str]] = ())
     """Returns the HTML text of the report.
 
     Args:
-        found: What is shown.
-        lacking: Sentences on data missing in the tables, for the top of the page.
-        in_r: Rows of `results_R.csv`, if `analysis.R` ran.
+        found: The results to show.
+        lacking: Sentences on data that the tables do not have, for the top of the page.
+        in_r: Rows of `results_R.csv`; empty if `analysis.R` has not run.
     """
     from jinja2 import Environment
 
@@ -167,7 +167,7 @@ def page(found: Results, lacking: str = "", in_r: Sequence[dict[str, str]] = ())
 
 
 class _Safe(str):
-    """Text that is already HTML and is not escaped."""
+    """Text that is already HTML, so that it is not escaped."""
 
     def __html__(self) -> str:
         return str(self)
@@ -179,7 +179,8 @@ def head(found: Results) -> dict[str, Any]:
     mode = data.mode if data.mode in MODES else "unknown"
     kind, title, warning = MODES[mode]
     upgraded = (
-        "The study was changed after people had begun; the last section says what and why."
+        "The study was changed after people had begun; the last section describes the changes and "
+        "their reasons."
         if data.upgrades
         else ""
     )
@@ -194,7 +195,7 @@ def head(found: Results) -> dict[str, Any]:
 
 
 def sections(found: Results, in_r: Sequence[dict[str, str]] = ()) -> list[Section]:
-    """Sections of the page, in order; those without content are left out."""
+    """Sections of the page, in order; sections without content are left out."""
     data = found.data
     some = [
         _sessions(data),
@@ -230,7 +231,7 @@ def _tested(one: Compared) -> list[Pair]:
 
 
 def _finding(one: Compared, pair: Pair) -> str:
-    """A sentence on a test."""
+    """A sentence on the result of a test."""
     word = "there may be no difference" if pair.p_holm >= 0.05 else "a difference"
     return (
         f"{one.what.title}, {pair.title}: {_difference_text(one.what, pair.estimate)}; p, Holm "
@@ -239,11 +240,11 @@ def _finding(one: Compared, pair: Pair) -> str:
 
 
 def _sessions(data: StudyData) -> Section:
-    """A row for every session, with a remedy."""
+    """The section with a row for every session, and notes on unfinished sessions."""
     section = Section("sessions", "Sessions")
     trials = data.trials
     if not len(trials):
-        section.say("Nobody has finished a trial.")
+        section.say("No trial has been finished yet.")
         return section
     keys = ["ppid", "session_num"] if "session_num" in trials else ["ppid"]
     columns = [f.column for f in data.factors if f.name != "session"]
@@ -286,7 +287,7 @@ def _sessions(data: StudyData) -> Section:
 
 
 def _resumes(data: StudyData, key: Sequence[Any]) -> str:
-    """Number of interruptions after which a session went on; empty without any."""
+    """Number of times that a session was resumed, as text; empty if it never was."""
     events = data.events
     if not {"ppid", "session_num", "event"} <= set(events.columns):
         return ""
@@ -297,7 +298,7 @@ def _resumes(data: StudyData, key: Sequence[Any]) -> str:
 
 
 def _without_empty(table: Table) -> Table:
-    """A table without the columns in which all cells are empty."""
+    """A table without the columns in which all cells are empty or 0."""
     used = [i for i in range(len(table.head)) if any(row[i] not in ("", "0") for row in table.rows)]
     used = sorted({0, *used})
     rows = [[row[i] for i in used] for row in table.rows]
@@ -305,7 +306,7 @@ def _without_empty(table: Table) -> Table:
 
 
 def _cell(rows: DataFrame, name: str) -> str:
-    """The cell of the first row; empty without the column."""
+    """The cell of a column in the first row; empty if there is no such column."""
     return str(rows[name].iloc[0]) if name in rows else ""
 
 
@@ -326,10 +327,11 @@ def _largest(rows: DataFrame, name: str) -> float:
 
 
 def _progress(data: StudyData) -> Section:
-    """The used orders with their confounded effects, and endings of trials."""
+    """The section on the orders in which people got the levels, and on the endings of trials."""
     section = Section("progress", "Orders and endings")
     if data.orders:
-        section.say(f"By the design, {data.orders}. Trials of {len(data.ppids)} are used.")
+        people = counted(len(data.ppids), "participant")
+        section.say(f"By the design, {data.orders}. Trials of {people} are used.")
     rows = []
     for factor in data.factors:
         if len(factor.levels) < 2 or not len(data.used):
@@ -342,7 +344,7 @@ def _progress(data: StudyData) -> Section:
     if rows:
         section.parts.append(
             Table(
-                "Orders in which people met the levels first", ["Factor", "Order", "People"], rows
+                "Orders in which people first got the levels", ["Factor", "Order", "People"], rows
             )
         )
     if states := unbalanced_states(data):
@@ -354,22 +356,22 @@ def _progress(data: StudyData) -> Section:
                 "How the trials used ended",
                 ["Condition", *kinds],
                 [[c, *(str(n[k]) for k in kinds)] for c, n in endings(data).items()],
-                "Everything but success counts as no success.",
+                "Every other ending than success counts as no success.",
             )
         )
     return section
 
 
 def _outcome(data: StudyData, one: Compared) -> Section:
-    """An outcome that is compared: a dot for every person, conditions, and pairs of levels."""
+    """The section on an outcome that is compared: a picture of all people, means and pairs."""
     what = one.what
     section = Section(f"outcome-{_id(what.name)}", what.title)
     if what.means and what.name not in ("time_s", "success"):
         section.say(f"{what.means[:1].upper()}{what.means[1:]}.")
     if what.scale == "limit":
         section.say(
-            "Seconds to success, or the time limit without one: the mean is the restricted mean "
-            "time, in which failures count."
+            "Seconds to success, or the time limit in a trial without success. The mean is the "
+            "restricted mean time, in which failures count."
         )
     factors = [f for f in one.values.factors if f.name in one.levels]
     if not factors:
@@ -401,8 +403,10 @@ def _outcome(data: StudyData, one: Compared) -> Section:
 
 
 def _no_interaction(one: Compared, factors: Sequence[ObservedFactor]) -> str:
-    """Reason for a missing table of the interaction of the first two factors; empty with a table,
-    or with a single factor."""
+    """Reason why there is no table of the interaction of the first two factors.
+
+    Empty if there is a table, or if there is only one factor.
+    """
     if len(factors) < 2 or (one.interactions and _has_interval(one)):
         return ""
     names = f"the interaction of {factors[0].name} and {factors[1].name}"
@@ -412,7 +416,7 @@ def _no_interaction(one: Compared, factors: Sequence[ObservedFactor]) -> str:
 
 
 def _nothing(name: str) -> Mean:
-    """The mean of a condition or level of the design that no used trial has."""
+    """The empty mean of a condition or level of the design without used trials."""
     return Mean(name, 0, 0, Estimate())
 
 
@@ -421,7 +425,7 @@ def _has_interval(one: Compared) -> bool:
 
 
 def _people(one: Compared, factors: Sequence[ObservedFactor]) -> str:
-    """The picture of every person's means."""
+    """The picture of the means of every person."""
     what, values = one.what, one.values
     scale = _drawn(what)
     tables = [values.by_level(factor) for factor in factors]
@@ -457,7 +461,7 @@ def _mean_text(what: Measure, mean: Estimate) -> str:
 
 
 def _difference_text(what: Measure, difference: Estimate) -> str:
-    """A difference with its interval, or a ratio of a logarithmic outcome."""
+    """A difference with its interval; for a logarithmic outcome, a ratio."""
     if what.scale == "share":
         return formats.estimate(difference, formats.points, "points")
     if what.scale == "log":
@@ -475,7 +479,7 @@ def _means(one: Compared, means: Sequence[Mean], caption: str) -> Table:
 
 def _pairs(one: Compared) -> Table:
     tested = one.role == CONFIRMATORY
-    # For a few people, only their difference is shown.
+    # If no interval is known, only the differences are shown.
     known = any(pair.estimate.is_known for pair in one.pairs)
     rows, note = [], ""
     for pair in one.pairs:
@@ -511,7 +515,7 @@ def _differences(one: Compared) -> Table:
 
 
 def _solved(data: StudyData, factor: ObservedFactor, what: Measure) -> tuple[str, str]:
-    """The picture of the share of trials solved by each second, and its description."""
+    """(SVG, description) of the picture of the share of trials that are solved by each second."""
     used = data.used
     times = [
         np.where(
@@ -528,14 +532,14 @@ def _solved(data: StudyData, factor: ObservedFactor, what: Measure) -> tuple[str
 
 
 def _order(found: Results) -> Section:
-    """Practice, and places of levels in their orders."""
+    """The section on practice, on the places of levels in their orders, and on carry-over."""
     section, data = Section("order", "Practice and order"), found.data
     one = found.of("time_s")
     if one is None or not len(data.used):
         return section
     used = data.used.assign(value=trial_numbers(data, one.what))
     used["value"] = used["value"].where(np.isfinite(used["value"]))
-    # Without the differences between conditions, which are thus not taken as practice.
+    # Differences between conditions are removed, so that they do not look like practice.
     used["value"] -= used.groupby("cell")["value"].transform("mean") - used["value"].mean()
     lines = [
         (mine["position"].to_numpy(float), mine["value"].to_numpy(float))
@@ -546,8 +550,8 @@ def _order(found: Results) -> Section:
         by_trial = mean.index.to_numpy(float), mean.to_numpy(float)
         svg = plots.practice(one.what.label, lines, by_trial)
         caption = (
-            "Thin lines are people; the thick line is their mean. Without the differences between "
-            "conditions."
+            "Thin lines are people; the thick line is their mean. Differences between conditions "
+            "are removed."
         )
         within = [f for f in one.values.factors if f.within and len(f.levels) > 1]
         tables = [_places(used, factor) for factor in within]
@@ -558,8 +562,10 @@ def _order(found: Results) -> Section:
 
 
 def _carried_over(data: StudyData, one: Compared) -> Table | None:
-    """The differences of an outcome between pairs of levels, by the level that people met first;
-    None if all people met the levels in one order."""
+    """A table of the differences of an outcome between two levels, by the level that came first.
+
+    None if no pair of levels came in both orders.
+    """
     rows = []
     for pair in one.pairs:
         factor = next(f for f in one.values.factors if f.name == pair.factor)
@@ -586,12 +592,13 @@ def _carried_over(data: StudyData, one: Compared) -> Table | None:
         f"{one.what.title}: differences by what was met first",
         ["", "The first level first", "The second first", "Apart"],
         rows,
-        "An effect that one level leaves for the next would make the two differ.",
+        "In each row, the first level is the one after `against`. The two differences differ if "
+        "one level has an effect on the next level.",
     )
 
 
 def _places(used: DataFrame, factor: ObservedFactor) -> Table:
-    """Means and counts of a factor's levels at each place of its orders."""
+    """A table of the means of a factor's levels at each place in its orders, with counts."""
     numbers = sorted(set(used[factor.place]))
     rows = []
     for level in factor.levels:
@@ -613,7 +620,7 @@ def _places(used: DataFrame, factor: ObservedFactor) -> Table:
 
 
 def _words(data: StudyData) -> Section:
-    """Every open answer, choice and note, verbatim."""
+    """The section with every free-text answer, choice and note, verbatim."""
     section = Section("words", "Answers in words, and notes")
     for one in words(data):
         asked = f"{one.form}, {one.item}" + (f": {one.ask}" if one.ask else "")
@@ -653,7 +660,7 @@ def _words(data: StudyData) -> Section:
 
 
 def _rest(found: Results) -> Section:
-    """One table of all measures, scales and questions that are not compared."""
+    """The section with the means of all measures, scales and questions that are not compared."""
     section, data = Section("measures", "Further measures"), found.data
     rest = list(further(found))
     if not rest:
@@ -683,14 +690,18 @@ def _rest(found: Results) -> Section:
         )
         section.parts.append(Table(caption, ["", *own], rows))
     section.say(
-        "Described and not tested: among many measures some differ by chance. `[analysis] primary` "
-        "of the design names what is to be tested; codebook.csv of the study defines each."
+        "Described and not tested: among many measures, some differ by chance. `[analysis] "
+        "primary` of the design names the outcomes to test; codebook.csv of the study defines "
+        "every measure."
     )
     return section
 
 
 def further(found: Results) -> list[tuple[Measure, Values]]:
-    """Measures, scales and questions that are not compared and differ, with their person means."""
+    """Measures, scales and questions that are not compared, with their person means.
+
+    Measures with the same value in all trials are left out.
+    """
     data, done = found.data, {one.what.name for one in found.compared}
     some: list[tuple[Measure, Values]] = []
     for name in data.measures:
@@ -730,14 +741,16 @@ def _minus(n: int) -> str:
 def _methods(found: Results, in_r: Sequence[dict[str, str]]) -> Section:
     section, data = Section("methods", "How this was computed"), found.data
     section.say(
-        "The person is the unit. Each person's trials give one mean per condition. Levels of a "
-        "factor are compared by the differences of these means within people: Student's t interval "
-        "and test for times and other numbers, for lengths, speeds and other times as "
-        "logarithms if all are above 0; a test over flips of signs for shares and counts; "
-        "Wilcoxon's signed ranks for scores. Groups are compared by Welch's test, scores of groups "
-        "by that of Mann and Whitney. The time to success is the time limit in a trial without "
-        "success (restricted mean), and is compared only between levels with equal limits. Below "
-        f"{FEWEST} people there are no intervals and no tests. Intervals end where an outcome ends."
+        "The unit of analysis is the person: each person's trials give one mean per condition. "
+        "Levels of a factor are compared by the differences of these means within people. The "
+        "intervals are Student's t intervals. The tests are Student's t test for times and other "
+        "numbers, a permutation test that flips signs for shares and counts, and Wilcoxon's "
+        "signed-rank test for scores. Lengths, speeds and times other than the time to success are "
+        "compared as logarithms if all are above 0. Groups are compared by Welch's test, scores of "
+        "groups by the Mann-Whitney test. In a trial without success, the time to success is the "
+        "time limit (restricted mean); it is compared only between levels with equal limits. Below "
+        f"{FEWEST} people there are no intervals and no tests. Intervals are cut at the limits of "
+        "the outcome."
     )
     outcomes = [one.what.name for one in found.compared if one.role == CONFIRMATORY and one.pairs]
     named = (
@@ -748,12 +761,12 @@ def _methods(found: Results, in_r: Sequence[dict[str, str]]) -> Section:
     missing = f" Without data to compare: {', '.join(found.missing)}." if found.missing else ""
     section.say(
         f"{named}: {counted(found.tests, 'test')}, adjusted together by Holm's method (1979). All "
-        f"else is exploratory.{missing}"
+        f"other results are exploratory.{missing}"
     )
     if in_r:
         section.parts.append(_in_r(found, in_r))
     for form, wording in data.wordings.items():
-        section.say(f"{form} has {wording}.", "note")
+        section.say(f"{form}: {wording}.", "note")
     for sentence in data.upgrades:
         section.say(sentence, "note")
     for line in (*data.without_frames, *data.clock_steps):
@@ -770,7 +783,7 @@ def _methods(found: Results, in_r: Sequence[dict[str, str]]) -> Section:
 
 
 def _in_r(found: Results, rows: Sequence[dict[str, str]]) -> Table:
-    """Results of `analysis.R` next to those of this page."""
+    """A table of the results of `analysis.R` next to the results of this page."""
     cells = []
     for row in rows:
         one = found.of(row.get("outcome", ""))

@@ -1,8 +1,7 @@
-"""Plots as SVG with the colours (light or dark) and the font of the page.
+"""Plots as SVG, with the colours (light or dark) and the font of the page.
 
-matplotlib draws with placeholder colours, which are replaced in the SVG by variables of the page's
-style sheet. Levels also differ in the shape of their markers, for readers who cannot distinguish
-colours.
+matplotlib draws with placeholder colours. In the SVG, these are replaced by variables of the page's
+style sheet.
 """
 
 from __future__ import annotations
@@ -22,11 +21,12 @@ _NAMES = {INK: "--ink", MUTED: "--muted", GRID: "--grid", PAPER: "--paper"}
 SERIES = tuple(f"#0a0b{i:02x}" for i in range(8))
 """Placeholders of the colours --s0 ... --s7 of the page."""
 FARTHEST = 2.0
-"""Farthest end of a drawn interval, in multiples of the span of values; see `_scale`."""
+"""Largest distance of an axis's end from the values, in multiples of the span of the values; see
+`_scale`."""
 MARGIN = 0.03
-"""Space beyond fixed ends of an axis, in multiples of their distance: markers are whole there."""
+"""Space beyond fixed ends of an axis, as a share of its length, so that markers are not cut."""
 WIDTH, LEFT = 7.2, 0.75
-"""Width of a plot, and of its left margin, in; the page scales it."""
+"""Width of a plot, and of its left margin, inches; the page scales plots."""
 _STYLE: Any = {
     "svg.fonttype": "none",
     # A dollar sign in the name of a level must not start a formula.
@@ -64,7 +64,10 @@ def _figure(
     columns: int = 1,
     **how: Any,
 ) -> Iterator[tuple[Any, list[Any]]]:
-    """A figure with given margins, in; to compute them would take longer than drawing."""
+    """Context of a figure with given height and margins, inches.
+
+    matplotlib could compute margins, but this takes longer than drawing.
+    """
     from matplotlib import rc_context
     from matplotlib.backends.backend_svg import FigureCanvasSVG
     from matplotlib.figure import Figure
@@ -81,7 +84,7 @@ def _figure(
 
 
 def _above(series: Sequence[str]) -> float:
-    """Upper margin for the legend, in."""
+    """Upper margin for the legend, inches."""
     return 0.1 if len(series) < 2 else 0.2 + 0.22 * -(-len(series) // _per_row(series))
 
 
@@ -105,8 +108,8 @@ def svg_of(figure: Any, name: str, title: str) -> str:
 
     Args:
         figure: Figure of matplotlib.
-        name: Prefix of all ids, so that those of two pictures differ.
-        title: Text for blind readers.
+        name: Prefix of all ids, so that the ids of two figures differ.
+        title: Description for screen readers.
     """
     from html import escape
 
@@ -118,7 +121,7 @@ def svg_of(figure: Any, name: str, title: str) -> str:
     text = re.sub(r' id="([^"]+)"', rf' id="{name}-\1"', text)
     text = re.sub(r"url\(#", f"url(#{name}-", text)
     text = re.sub(r'xlink:href="#', f'href="#{name}-', text)
-    # The font of the page instead of that of the figure.
+    # The page's font replaces the figure's font; only the size stays.
     text = re.sub(r"font: (?:[a-z0-9]+ )*?(\d[\d.]*)px [^;\"]+", r"font-size: \1px", text)
     for colour, variable in _NAMES.items():
         text = text.replace(colour, f"var({variable})")
@@ -149,13 +152,13 @@ def lines_by_person(
     Args:
         name, title: See `svg_of`.
         label: Label of the measure's axis.
-        panels: Factors, side by side.
+        panels: Names of the factors; each has a panel, side by side.
         levels: Levels of each panel.
         values: Values of each panel, (people, levels); nan if missing.
         means: Means of each panel, with intervals.
         log: True for a logarithmic axis.
-        ends: Ends of the measure's axis, such as 0 and 100 of shares in %; None fits it to the
-            values.
+        ends: Ends of the measure's axis, such as 0 and 100 for shares in %; None to fit the axis to
+            the values.
     """
     tilted = any(len(some) > 4 for some in levels)
     with _figure(
@@ -163,7 +166,7 @@ def lines_by_person(
     ) as (figure, all_axes):
         for k, axes in enumerate(all_axes):
             x = np.arange(len(levels[k]))
-            # People who did only one level are drawn as points with small shifts.
+            # People who did only one level are points, slightly shifted to the left or right.
             many = np.isfinite(values[k]).sum(axis=1) > 1
             axes.plot(x, values[k][many].T, "-", color=MUTED, alpha=0.5, lw=0.9)
             for i, own in enumerate(values[k][~many]):
@@ -186,7 +189,7 @@ def lines_by_person(
             axes.set_xlim(-0.5, len(x) - 0.5)
             axes.set_title(panels[k])
             axes.grid(axis="x", visible=False)
-        # This must come last, since the panels share the axis.
+        # The panels share the axis, so its limits are set after all panels are drawn.
         if ends is None:
             _scale(all_axes[0], log, np.concatenate([v.ravel() for v in values]))
         else:
@@ -202,7 +205,7 @@ def solved(series: Sequence[str], times: Sequence[np.ndarray], limit: float) -> 
 
     Args:
         series: Levels.
-        times: Times of the trials of each level, s; infinity without success.
+        times: Times of the trials of each level, s; infinity for a trial without success.
         limit: End of the axis, s.
     """
     with _figure(2.4, above=_above(series)) as (figure, (axes,)):
@@ -229,8 +232,8 @@ def practice(
 
     Args:
         label: Label of the measure's axis.
-        people: Numbers of trials, and values, of each person.
-        mean: Those of the mean.
+        people: For each person, numbers of trials and values.
+        mean: Numbers of trials and values of the mean.
     """
     with _figure(2.4) as (figure, (axes,)):
         for x, y in people:
@@ -243,7 +246,8 @@ def practice(
 
 
 def _label(name: str) -> str:
-    """Entry of a legend; matplotlib ignores names that begin with an underscore."""
+    """Entry of a legend. A character without width precedes an underscore, since matplotlib ignores
+    names that begin with one."""
     return "\u200b" + name if name.startswith("_") else name
 
 
@@ -252,11 +256,10 @@ def _short(text: str) -> str:
 
 
 def _scale(axes: Any, log: bool, values: np.ndarray) -> None:
-    """Sets limits of the vertical axis around values, and plain numbers as ticks of a logarithmic
-    one.
+    """Sets the limits of the vertical axis, and the ticks if it is logarithmic.
 
-    Intervals can be so wide that nothing else would be visible. The axis therefore ends at
-    `FARTHEST` times the span of the values beyond them.
+    Intervals can be so wide that nothing else would be visible. So the axis ends at most `FARTHEST`
+    times the span of the values below and above the values.
     """
     known = values[np.isfinite(values) & ((values > 0.0) | (not log))]
     if not len(known):
@@ -272,7 +275,7 @@ def _scale(axes: Any, log: bool, values: np.ndarray) -> None:
     from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter, NullLocator
 
     axes.set_yscale("log")
-    # Finer ticks where the axis is shorter.
+    # A shorter axis has finer ticks.
     low, high = sorted(axis.get_view_interval())
     steps: tuple[float, ...] = (1.0,)
     if high / low < 6.0:

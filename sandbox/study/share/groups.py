@@ -1,7 +1,7 @@
-"""k-anonymity (Sweeney 2002): number of people who share the same demographic values.
+"""k-anonymity (Sweeney 2002): number of people with the same demographic values.
 
-A person with a unique combination of age, handedness and other values can be recognised in spite of
-the pseudonym.
+A person with a unique combination of age, handedness and other values can be recognised despite the
+pseudonym.
 """
 
 from __future__ import annotations
@@ -13,11 +13,12 @@ from math import floor
 from typing import Any
 
 SMALLEST = 5
-"""Number of people who should share every combination; a usual choice without a guarantee."""
+"""Number of people who should share each combination of values. This is a usual choice, and no
+guarantee."""
 DIGITS = 9
 """Decimals of rounded numbers."""
 NARROWEST, WIDEST = 1e-6, 1e6
-"""Least and greatest width of a bin."""
+"""Smallest and largest width of a bin."""
 
 
 @dataclass(frozen=True)
@@ -41,7 +42,7 @@ class Groups:
 
 
 def groups(people: Sequence[Mapping[str, Any]], columns: Sequence[str]) -> Groups:
-    """Groups people who have equal values in all given columns; without columns, all are one."""
+    """Groups people who have equal values in all given columns; one group without columns."""
     counted = Counter(tuple(person.get(name) for name in columns) for person in people)
     few = tuple((what, n) for what, n in counted.items() if n < SMALLEST)
     return Groups(tuple(columns), min(counted.values(), default=0), few)

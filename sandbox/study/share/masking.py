@@ -1,8 +1,9 @@
-"""Masked records, notes, recordings and frames of a participant, for other people.
+"""Masks records, notes, recordings and frames of a participant, so that they can be published.
 
 Only fields that are declared as shared are included. Fields of records and notes are declared in
-`sandbox.study.record`, fields of recordings in `sandbox.recording` and `sandbox.trial`, and fields
-of frames with the frames. A field of a later version is left out unless it is declared as shared.
+`sandbox.study.record`, fields of recordings in `sandbox.recording` and `sandbox.trial`, and columns
+of frames in `sandbox.study.tables.frames`. A field that a later version adds is left out until it
+is declared as shared.
 """
 
 from __future__ import annotations
@@ -35,14 +36,14 @@ from sandbox.trial.settings import declared
 from tasks.user import UserConfiguration
 
 EPOCH = datetime(2000, 1, 1, tzinfo=UTC)
-"""Start time of every anonymous session: dates and times of day are removed, durations are kept."""
+"""Start time of every anonymous session. Dates and times of day are removed; durations stay."""
 WITHHELD = "(words are left out)"
-"""Replaces texts typed by the experimenter."""
+"""Text that replaces texts typed by the experimenter."""
 
 HAND_SIZE = "hand_size"
-"""Field with the length of a hand relative to the trained one."""
+"""Field with the length of a hand, relative to the hand on which the encoders were trained."""
 COPY = "anonymous copy"
-"""Replacement of the id of the machine's start."""
+"""Text that replaces the id of the machine's boot."""
 
 _WITHIN: dict[str, tuple[str, ...]] = {
     "build": SHARED_BUILD,
@@ -51,17 +52,17 @@ _WITHIN: dict[str, tuple[str, ...]] = {
     "user": tuple(each.name for each in fields(UserConfiguration)),
     "versions": SHARED_VERSIONS,
 }
-"""Shared fields of objects in records, notes and recordings, by their name."""
+"""Shared fields of the JSON objects in records, notes and recordings, by the object's name."""
 _USER_OPTIONS = ("user", "drop_outs")
-"""Options of devices that are about a simulated user. Other options, such as addresses of a
+"""Options of devices that configure a simulated user. Other options, such as addresses of a
 laboratory's devices, are private."""
 HEADER, DUMP, BROKEN_OFF = "header", "dump", "broken_off"
-"""Kind of a recording's first line; fields with the file of a divergence, and with words on an
-attempt that was broken off."""
+"""`HEADER` is the kind of a recording's first line. `DUMP` is the field of a result with the file
+of a divergence, `BROKEN_OFF` the field with the reason why an attempt was broken off."""
 COMMANDS = ("pause", "go_on", "repeat", "begin_again", "skip", "exclude", "note")
 """Commands that stay in a copy."""
 LEFT_OUT = "left_out"
-"""Command of the records that replace drafts of forms and records of unlisted kinds."""
+"""Command of the records that replace drafts of forms and records of unknown kinds."""
 
 
 @dataclass(frozen=True)
@@ -70,10 +71,10 @@ class PersonMasking:
 
     Attributes:
         ppid: The new pseudonym.
-        answer: Function of form, item and answer that returns the kept part of the answer, or
-            None to leave it out.
+        answer: Function of form, item and answer that returns the part of the answer to be shared,
+            or None to leave it out.
         words: True keeps texts typed by the experimenter.
-        hand_size: Returns the size of the hand in the copy.
+        hand_size: Function from the size of the hand to the size in the copy.
     """
 
     ppid: str
@@ -83,7 +84,7 @@ class PersonMasking:
 
 
 def shared_records(records: Iterable[Record], masking: PersonMasking) -> list[Record]:
-    """Masks the journal of a session; number and order of records are unchanged."""
+    """Masks the journal of a session. The number and the order of the records do not change."""
     masked: list[Record] = []
     clock = SessionClock()
     for record in records:
@@ -99,16 +100,16 @@ def shared_note(note: Record, masking: PersonMasking) -> Record:
 
 
 def time_after(seconds: float) -> str:
-    """Masked time of the wall clock at a time after a session's start, s."""
+    """Masked time of the wall clock, `seconds` after the start of a session."""
     return (EPOCH + timedelta(seconds=seconds)).isoformat(timespec="milliseconds")
 
 
 def _masked_record(record: Record, seconds: float, masking: PersonMasking) -> Record:
-    """Masks a record that was written at a time after the session's start, s."""
+    """Masks a record that was written `seconds` after the start of the session."""
     kind = record["kind"]
     names = shared_fields(forms()[kind]) if kind in forms() else {}
     if names.keys() <= {"n"} or record.get("command", "note") not in COMMANDS:
-        # Drafts of forms, and kinds that a later version adds.
+        # Drafts of forms and records of kinds from a later version are replaced.
         kind, names, record = COMMAND, {}, {"n": record["n"], "command": LEFT_OUT}
     masked: Record = {
         "n": record["n"],
@@ -133,7 +134,7 @@ def _shared(record: Record, names: Mapping[str, bool], masking: PersonMasking) -
 
     Args:
         record: The record.
-        names: Its shared fields; True for words.
+        names: Names of the shared fields; True for fields with words.
         masking: Settings.
     """
     kept: Record = {}
@@ -147,7 +148,7 @@ def _shared(record: Record, names: Mapping[str, bool], masking: PersonMasking) -
 
 
 def _within(name: str, value: Any) -> Any:
-    """A field without its parts that are not shared."""
+    """The value of a field, without the parts of it that are not shared."""
     if name not in ("settings", *_WITHIN):
         return value
     if not isinstance(value, Mapping):
@@ -161,13 +162,16 @@ def _within(name: str, value: Any) -> Any:
         return value
     value = {k: _within(k, v) for k, v in value.items() if k in _WITHIN[name]}
     if isinstance(value.get(DUMP), str):
-        # A folder need not begin like a path: that of a study may be `studies/NAME/...`.
+        # `without_folders` misses relative paths, such as `studies/NAME/...`.
         value[DUMP] = PureWindowsPath(value[DUMP]).name
     return value
 
 
 def without_folders(value: Any) -> Any:
-    """A JSON value without the folders of paths, whose names may be names of people."""
+    """A JSON value in which every path is reduced to its file name.
+
+    Names of folders may be names of people.
+    """
     if isinstance(value, Mapping):
         return {without_folders(key): without_folders(inner) for key, inner in value.items()}
     if isinstance(value, list | tuple):
@@ -192,7 +196,7 @@ def shared_line(line: bytes, masking: PersonMasking, where: str = "recording") -
         where: Name of the file, for the error.
 
     Returns:
-        The masked line; empty for a line of an undeclared kind.
+        The masked line; empty for a line of an unknown kind.
 
     Raises:
         StudyError: The line is damaged.
@@ -215,7 +219,7 @@ def shared_line(line: bytes, masking: PersonMasking, where: str = "recording") -
 
 
 def _masked_result(result: Mapping[str, Any], masking: PersonMasking) -> dict[str, Any]:
-    """Masks the result of a trial, or the header of its recording, which has fields of it."""
+    """Masks the result of a trial, or the header of its recording, which has the same fields."""
     masked: dict[str, Any] = _within("result", without_folders(result))
     if isinstance(masked.get("study"), dict):
         masked["study"]["ppid"] = masking.ppid
@@ -227,7 +231,7 @@ def _masked_result(result: Mapping[str, Any], masking: PersonMasking) -> dict[st
 
 
 def shared_frames(data: bytes) -> bytes:
-    """Frames of a trial with the declared columns.
+    """The file of a trial's frames, without columns that are not declared.
 
     Raises:
         StudyError: The file is damaged.

@@ -1,9 +1,10 @@
-"""Shared folder of a study: new pseudonyms, no dates, no free text, no names of folders.
+"""Makes the shared folder of a study: new pseudonyms, no dates, no free text, no names of folders.
 
-The copy is an ordinary study folder. It is built only from the declared fields of records, notes,
-recordings and frames (`sandbox.study.share.masking`), so that its tables contain no other data. It
-opens, replays and reports like the original. No list of old and new pseudonyms is written, but
-anyone with the original can match the two by seeds, state hashes or results.
+The shared folder is an ordinary study folder: it can be opened, replayed and reported like the
+original. It is built only from the declared fields of records, notes, recordings and frames
+(`sandbox.study.share.masking`), so that its tables contain no other data. No list of old and new
+pseudonyms is written, but anyone with the original can match the two by seeds, state hashes or
+results.
 """
 
 from __future__ import annotations
@@ -78,7 +79,8 @@ HAND_SIZE_BIN = 0.1
 """Default bin width of hand sizes. Hand sizes of people have a standard deviation of about 0.07
 (`sandbox.study.run.simulated_study`)."""
 ABOUT = "anonymised.json"
-"""File with the masking and the left-out data; the note `ANONYMISED` has the same content."""
+"""File that describes the masking and what was left out; the note `ANONYMISED` has the same
+content."""
 README, VERIFIED = "README.md", "verify.txt"
 """Files with the list of contents, and with the result of a verification of the folder."""
 
@@ -92,11 +94,11 @@ class Masking:
     Attributes:
         words: True keeps free-text answers and texts typed by the experimenter.
         drop: Names of demographic items that are left out.
-        bins: Bin width by demographic item, and of `hand_size`; numbers are rounded down to a
-            multiple of it.
+        bins: Bin widths by demographic item, or `hand_size`. Numbers are rounded down to a multiple
+            of the width.
         recordings: True includes recordings of trials.
-        hands: True includes recordings that reveal a hand's shape: those in the air, which contain
-            the lengths of fingers, those of hands with a rare exact size, and those of sessions
+        hands: True includes recordings that reveal the shape of a hand: of hands in the air, since
+            they contain the lengths of fingers; of hands with a rare exact size; and of sessions
             that learn layouts of fingers.
     """
 
@@ -113,9 +115,9 @@ class Shared:
 
     Attributes:
         people: Number of participants in the folder.
-        without_consent: Number of participants left out for lack of consent.
+        without_consent: Number of participants who were left out because they did not consent.
         groups: Groups of participants with equal demographics.
-        hands: Number of recordings that were left out because they reveal a hand's shape.
+        hands: Number of recordings that were left out because they reveal the shape of a hand.
     """
 
     people: int
@@ -138,8 +140,8 @@ def share_study(
         out: The folder, which must not exist.
         masking: Settings of the copy.
         say: Callback for progress messages.
-        complete: Called with the temporary folder when all but the report is written, before the
-            folder is renamed to its final name.
+        complete: Called with the temporary folder when everything except the report is written,
+            before the folder gets its final name.
 
     Raises:
         StudyError: A journal is damaged, there are no participants, or the folder cannot be
@@ -158,8 +160,8 @@ def share_study(
         raise StudyError("the study has no participant to share", where=str(study.path))
     names = _new_names(agreed)
     sizes = {p: some[0].state.start[HAND_SIZE] for p, some in agreed.items()}
-    # With learning, headers of recordings contain layouts of the person's fingers. An earlier
-    # design may have had learning too.
+    # If a session learns layouts, headers of recordings contain layouts of the person's fingers.
+    # An earlier design may have had learning, too.
     learns = study.design.learning == "session"
     learned = {p for p, some in agreed.items() if learns or any(s.state.learned for s in some)}
     tell_hands = learned | _rare(sizes)
@@ -192,12 +194,12 @@ def share_study(
 
 
 def shared_size(size: float, masking: Masking) -> float:
-    """Returns the size of a hand in the copy: rounded down to its bin."""
+    """Returns the size of a hand in the copy: it is rounded down to the bin width."""
     return float(binned(size, (masking.bins or {}).get(HAND_SIZE, HAND_SIZE_BIN)))
 
 
 def _rare(sizes: Mapping[str, float]) -> set[str]:
-    """Returns the participants with a rare exact hand size; recordings contain this size."""
+    """Returns the participants whose exact hand size, which recordings contain, is rare."""
     shared = Counter(sizes.values())
     return {ppid for ppid, size in sizes.items() if shared[size] < min(SMALLEST, len(sizes))}
 
@@ -218,7 +220,7 @@ def _check(known: Sequence[str], masking: Masking) -> None:
 
 
 def _item_name(item: str) -> str:
-    """Returns the name of a demographic item, distinct from the program's own fields."""
+    """Returns the name of a demographic item, made distinct from the program's own columns."""
     return f"{item} (asked)" if item in FILLED else item
 
 
@@ -234,7 +236,7 @@ def _new_names(sessions: Mapping[str, object]) -> dict[str, str]:
 
 
 def _answer(designs: Sequence[Design], masking: Masking) -> Callable[[str, str, Any], Any]:
-    """Returns a function of form, item and answer that returns the kept part of the answer.
+    """Returns a function of form, item and answer, for `PersonMasking.answer`.
 
     Args:
         designs: Designs of all sessions.
@@ -249,7 +251,7 @@ def _answer(designs: Sequence[Design], masking: Masking) -> Callable[[str, str, 
             kinds.setdefault((DEMOGRAPHICS, item.name), set()).add(item.kind)
 
     def shared_answer(form: str, item: str, value: Any) -> Any:
-        # An item that no design contains was never declared as shared.
+        # The kind of an item that no design contains is unknown, so it is left out.
         if (form, item) not in kinds or ("text" in kinds[form, item] and not masking.words):
             return None
         if form == DEMOGRAPHICS and item in masking.drop:
@@ -267,7 +269,7 @@ def _write_notes(
     people: Sequence[tuple[str, list[StoredSession]]],
     masking: Masking,
 ) -> list[Record]:
-    """Writes the notes of a copy: about each participant, and of the study, with new seals.
+    """Writes the notes of a copy: about each participant, and about the study, with new seals.
 
     Returns:
         The notes of the study.
@@ -280,7 +282,7 @@ def _write_notes(
             ppid, words=masking.words, hand_size=lambda size: shared_size(size, masking)
         )
         first = {**sessions[0].state.start, "kind": PARTICIPANT}
-        # Notes about no particular session are in the list of every session.
+        # A note about no single session is in the lists of all sessions, but is written once.
         decided = {id(note): note for session in sessions for note in session.notes}.values()
         person = [shared_note(n, mask) for n in decided if n["kind"] in DECISIONS]
         write_notes(
@@ -307,7 +309,7 @@ def _write_session(
         work: Folder of the copy.
         session: The original session.
         person_masking, masking: Settings.
-        tells_hand: True if the hand's size, which all recordings contain, identifies the person.
+        tells_hand: True if all recordings of the person reveal the shape of the hand.
     """
     source, records = session.path, shared_records(session.records, person_masking)
     path = session_path(work, person_masking.ppid, session.number)
@@ -317,7 +319,7 @@ def _write_session(
         tells = tells_hand or in_the_air(attempt.start["values"])
         kept = masking.recordings and (masking.hands or not tells)
         if kept and stored(recording).exists():
-            # Drop a half-written last line.
+            # A half-written last line is left out.
             *lines, _ = read_stored(recording).data.split(b"\n")
             copied = (shared_line(line, person_masking, str(recording)) for line in lines if line)
             data = packed(b"".join(line + b"\n" for line in copied if line))
@@ -341,16 +343,16 @@ def _finish(
     exact: Mapping[str, float],
     questions: Sequence[str],
 ) -> Shared:
-    """Builds all tables from the written files, and documents the anonymisation in the folder.
+    """Makes all tables from the written files, and the files that describe the copy.
 
     Args:
         work: Folder of the copy.
         study: Values of the study's first note.
         copied: Sessions by new pseudonym.
         masking: Settings of the copy.
-        left_out: Numbers of participants who did not consent, and who withdrew.
+        left_out: Numbers of participants who did not consent, and of participants who withdrew.
         exact: Exact sizes of hands by new pseudonym.
-        questions: Names of all questions about the person, of any design.
+        questions: Names of all questions about the person, in any design of the study.
     """
     without_consent, withdrawn = left_out
     notes = _write_notes(work, study, copied, masking)
@@ -404,11 +406,11 @@ def _finish(
         raise StudyError(
             "the shared folder failed its own verification, so it was not written",
             where=str(wrong[0]),
-            got=f"{counted(len(wrong), 'finding')} in a verification of it",
-            remedy="`sandbox replay STUDY --verify` shows whether it is the study itself",
+            got=counted(len(wrong), "finding"),
+            remedy="`sandbox replay STUDY --verify` shows whether the study itself has faults",
         )
-    replays = "`sandbox replay FOLDER --verify` makes them"
-    replays = replays if recordings else "no recording is in this folder"
+    replays = "`sandbox replay FOLDER --verify` replays the recordings"
+    replays = replays if recordings else "this folder has no recordings"
     lines = [*found.lines(), *found.notes, f"replays: {replays}"]
     write_atomically(work / VERIFIED, "".join(f"{line}\n" for line in lines).encode())
     for folder in (work, work / TABLES):
@@ -420,13 +422,13 @@ def _readme(study: StudyFolder, about: Mapping[str, Any]) -> str:
     """Returns the README of a shared folder."""
     people = counted(about["participants"], "participant")
     gone = [
-        *("names, dates and times of day, and who did not agree to the consent form",),
+        *("names, dates and times of day, and people who did not agree to the consent form",),
         *([] if about["words_kept"] else ["answers in words, and the experimenter's notes"]),
         *([f"the answers to {', '.join(about['left_out'])}"] if about["left_out"] else []),
         *(
             []
             if about["recordings_that_tell_how_a_hand_is_made"]
-            else ["recordings that hold the lengths of fingers or a rare size of the hand"]
+            else ["recordings that reveal the shape of a hand"]
         ),
     ]
     replayed = "| `*/S*/trials/*.jsonl.gz` | recordings, which replay |\n"
@@ -447,7 +449,7 @@ Licence: (to be filled in)
 | `report/report.html`, `report/results.csv` | the results as a page, and its numbers |
 | `report/people.csv`, `report/codebook.csv` | means of each person; columns of these files |
 | `report/analysis.R` | models in R, which read `tables/` and write `results_R.csv` |
-| `design.toml` | the design, with its texts; forms by a name are those of the program |
+| `design.toml` | the design, with its texts; forms that it only names are those of the program |
 | `*/S*/session.jsonl` | the record of each session, from which the tables follow |
 | `*/notes.jsonl`, `notes/` | decisions about people, and about the study |
 | `*/S*/trials/*.frames.csv.gz` | poses and objects of each trial, 62.5 times a second |
@@ -458,18 +460,18 @@ again, and `sandbox replay FOLDER --verify` compares {compares}.
 
 Not in here: {"; ".join(gone)}. Every session begins on 1 January 2000.
 
-What may still identify a person: the smallest group of people with equal hand, language and answers
-about themselves has {about["smallest_group"]} (k-anonymity), and {exposed} share theirs with fewer
-than 4 others. `number` is the order in which people came. Frames show how somebody moves.
+Data that may still identify a person: the smallest group of people with equal hand, language and
+answers about themselves has size {about["smallest_group"]} (k-anonymity); {exposed} are in groups
+of fewer than 5. `number` is the order in which people came. Frames show how a person moves.
 """
 
 
 @contextmanager
 def _new_folder(out: Path) -> Iterator[Path]:
-    """Creates a folder under a temporary name, and renames it when it has been filled.
+    """Context that creates a folder under a temporary name, and renames it at its end.
 
     Args:
-        out: Its final path, which must not exist.
+        out: The final path, which must not exist.
 
     Raises:
         StudyError: The path exists, or the folder cannot be created.
@@ -498,7 +500,7 @@ def refuse_existing(out: Path) -> None:
     """
     if out.exists() or out.is_symlink():
         raise StudyError(
-            "the path exists already, and nothing is overwritten",
+            "this path exists already, and is not overwritten",
             where=str(out),
             remedy="Choose another name with --out",
         )

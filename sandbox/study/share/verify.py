@@ -1,7 +1,7 @@
-"""Verifies that a study's data are as they were written: nine points, each with its findings.
+"""Verifies that a study's data are as they were written, in nine checks (`POINTS`).
 
-Nothing is repaired or written. What a killed program leaves (a half-written last line, an attempt
-without an end, a recording without one) is not wrong; it is counted or noted.
+Nothing is repaired or written. The remains of a killed program are not findings: a half-written
+last line, an attempt without an end, an incomplete recording. They are counted or noted.
 """
 
 from __future__ import annotations
@@ -56,8 +56,9 @@ FOLDERS, CHAINS, SEALS, RECORDINGS, STATES, FRAMES, TABLES, PLANS, GONE = (
     "withdrawals",
 )
 NOT_COMPARED = "not compared"
-"""Begin of the words about a point for which there is nothing to compare with."""
+"""First words of the result of a check that could not be made."""
 POINTS = (FOLDERS, CHAINS, SEALS, RECORDINGS, STATES, FRAMES, TABLES, PLANS, GONE)
+"""The checks, by the name under which their results are printed."""
 
 
 @dataclass(frozen=True)
@@ -66,7 +67,7 @@ class Finding:
 
     Attributes:
         path: The file or folder, relative to the folder of the study.
-        what: The cause, in words.
+        what: Description of the difference.
         line: Number of the line, from 1; None for a whole file.
     """
 
@@ -85,8 +86,8 @@ class Verified:
 
     Attributes:
         root: Folder of the study.
-        found: Findings by point.
-        compared: The comparisons, in words, by point.
+        found: Findings by check.
+        compared: Text on what was compared, by check.
         notes: Lines about normal states, such as attempts that were broken off.
     """
 
@@ -97,7 +98,7 @@ class Verified:
 
     @property
     def sound(self) -> bool:
-        """True if nothing is wrong."""
+        """True if there are no findings."""
         return not any(self.found.values())
 
     def add(self, point: str, path: Path, what: str, line: int | None = None) -> None:
@@ -113,7 +114,7 @@ class Verified:
         return path.relative_to(self.root).as_posix()
 
     def lines(self) -> Iterator[str]:
-        """A line for each point, with the result and the comparisons."""
+        """Yields a line for each check, with its result and what was compared."""
         for point in POINTS:
             wrong, compared = len(self.found[point]), self.compared.get(point, "")
             if wrong:
@@ -128,14 +129,14 @@ class Verified:
 
 @dataclass(frozen=True)
 class _Read:
-    """The record of a session, as far as its lines are right.
+    """The journal of a session, up to its first damaged line.
 
     Attributes:
-        path: Its file.
+        path: File of the journal.
         person: The participant; None without notes about a participant.
         number: Number of the session.
-        records: The records.
-        sound: True if nothing was wrong.
+        records: Records before the first damaged line.
+        sound: True if no line is damaged.
     """
 
     path: Path
@@ -150,11 +151,13 @@ def verify(path: Path, seals: Path | None = None, replays: bool = True) -> Verif
 
     Args:
         path: Folder of the study.
-        seals: A copy of `notes/SITE.jsonl` that was kept elsewhere, whose seals must hold, too.
-        replays: False leaves states and frames out.
+        seals: A copy of `notes/SITE.jsonl` that was stored elsewhere; the journals must also match
+            its seals.
+        replays: False leaves out the checks of states and frames, which replay the recordings.
 
     Raises:
-        StudyError: It is not a study's folder, notes cannot be read, or the copy has no seals.
+        StudyError: The path is not the folder of a study, notes cannot be read, or the copy has no
+            seals.
     """
     study, done = StudyFolder.at(path), Verified(path)
     copy = read_notes(seals) if seals else []
@@ -184,10 +187,10 @@ def verify(path: Path, seals: Path | None = None, replays: bool = True) -> Verif
 
 
 def _check_folders(done: Verified) -> list[Path]:
-    """Names copies of folders inside of the study.
+    """Adds a finding for each copy of a folder inside of the study.
 
     Returns:
-        The records of sessions that are no copies.
+        The journals of all sessions, without those in copies.
     """
     apart = copies(done.root)
     for copy in apart:
@@ -199,7 +202,7 @@ def _check_folders(done: Verified) -> list[Path]:
 
 
 def _read(done: Verified, path: Path, person: Participant | None) -> _Read:
-    """Reads the record of a session up to its first damaged line, which is named."""
+    """Reads the journal of a session up to its first damaged line, and adds a finding for it."""
     data = path.read_bytes()
     records, sound, damage = sound_records(data, path)
     rest, number = data[sound:], len(records) + 1
@@ -223,7 +226,7 @@ def _check_seals(
     for ppid, number in dict.fromkeys((n["ppid"], n["session"]) for n in kept):
         if (ppid, number) not in known and ppid not in gone:
             path = session_path(done.root, ppid, number) / JOURNAL
-            done.add(SEALS, path, "missing: a session that was sealed")
+            done.add(SEALS, path, "missing: the session was sealed")
     count = 0
     for (ppid, number), session in known.items():
         seals = seals_of(study.path, ppid, number)
@@ -249,10 +252,10 @@ def _check_seals(
 
 
 def _check_recordings(done: Verified, session: _Read) -> list[Path]:
-    """Compares the recordings of a session with its record.
+    """Compares the recordings of a session with their digests in its journal.
 
     Returns:
-        Those of finished attempts that are as they were written, without `.gz`.
+        The unchanged recordings of finished attempts, without `.gz`.
     """
     folder = session.path.parent
     digests: dict[str, str | None] = {}
@@ -262,7 +265,7 @@ def _check_recordings(done: Verified, session: _Read) -> list[Path]:
             digests[record["file"]] = record["recording"]
         if record["kind"] == TRIAL_END and not is_broken(record):
             ended.add(record["file"])
-            # The last states of an attempt that diverged, which `sandbox replay` plays.
+            # The file with the last states of a diverged attempt belongs to the attempt, too.
             known.add(PureWindowsPath(record["result"].get("dump") or "").name)
         known.add(Path(record.get("file", "")).name)
     right = {file for file, digest in digests.items() if _is_right(done, folder / file, digest)}
@@ -274,16 +277,17 @@ def _check_recordings(done: Verified, session: _Read) -> list[Path]:
             if is_whole(folder / file):
                 done.add(RECORDINGS, path, "a whole recording without a record")
             else:
-                done.note(path, "left by a program that was killed")
+                done.note(path, "incomplete: the program was killed while it wrote this file")
     return [folder / file for file in sorted(ended & right)]
 
 
 def _is_right(done: Verified, path: Path, digest: str | None) -> bool:
-    """Compares a recording with its digest; False for one that is not there, as it should."""
+    """True if a recording has its digest. Otherwise a finding is added, unless the attempt has no
+    recording, as its record states."""
     files = [p for p in (path, path.with_name(path.name + SUFFIX)) if p.exists()]
     if digest in (None, LEFT_OUT):
         for file in files:
-            done.add(RECORDINGS, file, "its attempt had no recording")
+            done.add(RECORDINGS, file, "unexpected: the record of its attempt has no recording")
         return False
     if not files:
         done.add(RECORDINGS, path.with_name(path.name + SUFFIX), "missing")
@@ -291,13 +295,13 @@ def _is_right(done: Verified, path: Path, digest: str | None) -> bool:
     for file in files:
         data, whole = read_stored(file)
         if not whole or digest_of(data) != digest:
-            done.add(RECORDINGS, file, "changed: it is not the recording of this attempt")
+            done.add(RECORDINGS, file, "changed: its digest is not that in the record")
             return False
     return True
 
 
 def _check_replays(done: Verified, finished: Sequence[Path]) -> None:
-    """Replays attempts, and compares states and frames with the written ones."""
+    """Replays finished attempts, and compares their states and frames with the stored data."""
     others: Counter[str] = Counter()
     played, frames = 0, 0
     for path in finished:
@@ -312,17 +316,18 @@ def _check_replays(done: Verified, finished: Sequence[Path]) -> None:
             continue
         frames += 1
         if frames_of(path).read_bytes() != made:
-            done.add(FRAMES, frames_of(path), "changed: a replay of the recording has others")
+            done.add(FRAMES, frames_of(path), "changed: a replay gives other frames")
     done.compared[STATES] = f"{counted(played, 'recording')} replayed"
     there = len(list(done.root.glob(f"*/{SESSIONS}/{TRIALS}/*.frames.csv.gz")))
-    none = f"{NOT_COMPARED}: no replay of the recordings of {counted(there, 'file')}"
+    none = f"{NOT_COMPARED}: the recordings of {counted(there, 'file')} were not replayed"
     done.compared[FRAMES] = counted(frames, "file") if frames or not there else none
     for reason, count in others.items():
         done.notes.append(f"{counted(count, 'recording')} not replayed: {reason}")
 
 
 def verified(verification: Verification) -> bool:
-    """True if a recording is complete, and its states are equal or agree as another machine's."""
+    """True if a recording is complete, and its states are equal, or agree within the bound for
+    another machine."""
     agrees = (
         not verification.same_machine
         and verification.agreement is not None
@@ -332,9 +337,9 @@ def verified(verification: Verification) -> bool:
 
 
 def _differs(verification: Verification) -> str:
-    """Findings of a replay, in words."""
+    """Text on the differences that a replay has found."""
     if verification.exact:
-        return "incomplete: its states are equal, up to where it breaks off"
+        return "incomplete: its states are equal, but it ends before the end of the trial"
     why = (verification.task_change, *verification.differs_in)
     because = "; ".join(filter(None, why))
     where = f"its states differ from physics step {verification.first_difference} on"
@@ -358,20 +363,20 @@ def _check_tables(done: Verified, study: StudyFolder, sound: bool) -> None:
     there = {name for name in made if (folder / name).exists()}
     for name in sorted(there):
         if (folder / name).read_bytes() != made[name]:
-            what = "not what follows from the records; `sandbox study tables` makes it again"
+            what = "differs from the table by the records; `sandbox study tables` makes it again"
             done.add(TABLES, folder / name, what)
     done.compared[TABLES] = counted(len(there), "table")
 
 
 def _check_plan(done: Verified, session: _Read) -> None:
-    """Checks that number, orders and seeds follow from the design in the record."""
+    """Checks that number, orders and seeds follow from the design in the session's journal."""
     if not session.sound or not session.records:
         return
     person, start = session.person, session.records[0]
     if person is None:
-        done.add(PLANS, session.path.parents[1], "nobody's: it has no notes.jsonl")
+        done.add(PLANS, session.path.parents[1], "no person: the folder has no notes.jsonl")
         return
-    # A number may be another one until a trial has begun; see `StudyFolder.include`.
+    # The number may change until a trial has begun; see `StudyFolder.include`.
     runs = [record for record in session.records if record["kind"] in RUNS]
     begun = any(record["kind"] == TRIAL for record in session.records)
     start = {**start, "number": runs[-1].get("number") if begun else person.number}
@@ -387,10 +392,10 @@ def _check_plan(done: Verified, session: _Read) -> None:
         if record["kind"] in RUNS and FILES in record:
             design = readable_design(record[FILES])
             if design is None:
-                done.note(session.path, f"line {line}: a design that cannot be read here")
+                done.note(session.path, f"line {line}: this version cannot read the design")
                 return
             if design.digest != record["design"]:
-                done.add(PLANS, session.path, "the design is not that of its digest", line)
+                done.add(PLANS, session.path, "the design does not have its digest", line)
             plan = trials_of(session_plan(design, person.number, session.number))
             planned = {trial.number: (trial.levels, trial.seed) for trial in plan}
         elif record["kind"] == TRIAL and planned.get(record["trial"]) != (
@@ -402,9 +407,9 @@ def _check_plan(done: Verified, session: _Read) -> None:
 
 
 def _check_design(done: Verified, study: StudyFolder) -> None:
-    """Checks that the design in force is the one that the study is locked to."""
+    """Checks that the design in the folder is the design to which the study is locked."""
     if study.design.digest != study.build["design"]:
-        what = "changed: it is not the design that the study is locked to"
+        what = "changed: it is not the design to which the study is locked"
         done.add(PLANS, study.path / "design.toml", what)
 
 
@@ -412,5 +417,5 @@ def _check_withdrawals(done: Verified, study: StudyFolder) -> None:
     gone = withdrawn(study.records())
     for ppid in sorted(gone):
         if (study.path / ppid).exists():
-            done.add(GONE, study.path / ppid, "a person who has withdrawn is still there")
+            done.add(GONE, study.path / ppid, "data of a person who has withdrawn")
     done.compared[GONE] = counted(len(gone), "withdrawal")

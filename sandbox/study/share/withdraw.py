@@ -1,7 +1,7 @@
 """Withdrawal: deletes all data of a participant, and leaves a note with the pseudonym and the date.
 
-The note marks data in a restored backup, or in a copy of another site, as withdrawn. It is written
-first, so that another call completes an interrupted withdrawal.
+The note marks data in a restored backup, or in a copy of another site, as withdrawn. The note is
+written before the data are deleted, so that another call can complete an interrupted withdrawal.
 """
 
 from __future__ import annotations
@@ -40,11 +40,11 @@ class Withdrawal:
     Attributes:
         files: Number of deleted files.
         before: True if the participant had been withdrawn before.
-        copies: Exports that contain the data.
+        copies: Shared folders that contain the data.
         still: Files in the study folder that still contain the pseudonym, or may contain it
-            because they are damaged, and pages of reports, which have the participant in them.
+            because they are damaged; and pages of reports, which include the participant.
         unmade: Reason why the tables could not be made again, such as another person's damaged
-            record; empty if they were made. The participant is in none of them.
+            journal; empty if they were made. In both cases they do not contain the participant.
     """
 
     files: int
@@ -58,8 +58,8 @@ def withdraw(study: StudyFolder, ppid: str) -> Withdrawal:
     """Deletes all data of a participant. Another call completes an interrupted withdrawal.
 
     Raises:
-        StudyError: The participant does not exist, a session is open, or a file cannot be deleted;
-            in the last case the note has been written, and another call continues.
+        StudyError: The participant does not exist, a session is open, or a file cannot be deleted.
+            If a file cannot be deleted, the note is already written, and another call continues.
     """
     before = ppid in withdrawn(study.records())
     if not before:
@@ -86,7 +86,7 @@ def withdraw(study: StudyFolder, ppid: str) -> Withdrawal:
 
 
 def _remove_from_notes(path: Path, ppid: str) -> None:
-    """Removes a participant from the notes of a site, but for the note of the withdrawal."""
+    """Removes a participant from the notes of a site, except the note of the withdrawal."""
     notes = read_notes(path)
     kept = [
         {**note, "ppids": [other for other in note["ppids"] if other != ppid]}
@@ -112,7 +112,7 @@ def _delete(folder: Path) -> int:
 
 
 def _remove_from_tables(folder: Path, ppid: str) -> None:
-    """Removes a participant from all tables, also from those of before an accepted loss."""
+    """Removes a participant from all tables, including those from before an accepted loss."""
     for path in (*folder.glob("*.csv"), *folder.glob(f"{BEFORE}*/*.csv")):
         with path.open(encoding="utf-8", newline="") as file:
             rows = [*csv.reader(file)]
@@ -123,8 +123,11 @@ def _remove_from_tables(folder: Path, ppid: str) -> None:
 
 
 def _traces(study: StudyFolder, ppid: str) -> list[Path]:
-    """Files of the study that contain the pseudonym or may contain it, since they are damaged, and
-    pages of reports, which count the participant; not in folders of other participants."""
+    """Files of the study that contain the pseudonym, or may contain it because they are damaged,
+    and pages of reports, which include the participant.
+
+    Folders of other participants, and notes of sites, are not searched.
+    """
     others = {person.ppid for person in study.participants()}
     paths = []
     for path in sorted(study.path.rglob("*")):

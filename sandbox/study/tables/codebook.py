@@ -1,5 +1,8 @@
-"""Columns of all tables of a study, and `codebook.csv`, which gives type, unit and meaning of each,
-the role of primary outcomes, and titles, scales and limits of measures."""
+"""Columns of all tables of a study, and the table `codebook.csv`, which describes these columns.
+
+The codebook has the type, unit and meaning of each column, marks primary outcomes, and has the
+title, scale and limits of each measure.
+"""
 
 from __future__ import annotations
 
@@ -34,24 +37,27 @@ COLUMNS = (
     *("table", "column", "type", "unit", "meaning", "role"),
     *("title", "better", "scale", "low", "high"),
 )
-"""Columns of the codebook; the last five are about measures that a report shows."""
+"""Columns of the codebook. The last five have values only for measures that a report shows."""
 INTEGERS = (
     *("session", "trial", "block", "trial_in_block", "position", "respawned", "states"),
     *("number", "attempt", "repetition", "place", "items_missing", "seed", "step"),
     *("sessions_done", "trials_done", "trials_planned"),
 )
 NUMBERS = ("hand_size", "score", "score_low", "score_high")
-"""Columns of numbers without a unit."""
+"""Columns of numbers without a unit that are not measures."""
 ITEM_TYPES = {"text": "text", "choice": "factor", "scale": "number", "number": "number"}
 """Type of the answers to an item, by its kind."""
 TOLD = {"paraphrase": "a paraphrase", "translation": "a translation that nobody has validated"}
-"""Descriptions of wordings that matter to readers."""
+"""Descriptions of the wordings that readers of a study must know about."""
 
 
 def columns_by_table(
     design: Design, rows: Mapping[str, Sequence[Row]] = MappingProxyType({})
 ) -> dict[str, list[Column]]:
-    """All columns of the tables, by table, also those of an earlier design that its rows have."""
+    """All columns of the tables, by table.
+
+    They include columns of an earlier design that the rows have.
+    """
     return {
         "trials.csv": trial_columns(design, rows.get("trials.csv", ())),
         "answers.csv": answer_columns(design, rows.get("answers.csv", ())),
@@ -62,7 +68,7 @@ def columns_by_table(
 
 
 def _wording(form: Form) -> str:
-    """Words on a wording that is not the published one, by language; empty for others."""
+    """Text about a paraphrased or translated wording; empty for any other wording."""
     told = [f"{TOLD[word]} in {code}" for code, word in form.wording.items() if word in TOLD]
     return f"not the published wording, but {', '.join(told)}" if told else ""
 
@@ -77,8 +83,8 @@ def codebook(
 
     Args:
         design: Design of the study.
-        tables: Columns of the tables as they were written, by table.
-        names: Other names of columns, as they were written.
+        tables: Columns that the written tables have, by table.
+        names: Names of columns in the written tables, by our names, if they differ.
         study: Facts about the study, by name.
     """
     language = design.languages[0]
@@ -129,7 +135,7 @@ def codebook(
 
 
 def _measured(measure: Measure | None) -> Row:
-    """Cells about a measure that a report shows; none for other columns."""
+    """Cells about a measure that a report shows; empty for any other column."""
     if measure is None or measure.words or not measure.in_report:
         return {}
     low, high = (None if isinf(end) else end for end in measure.limits)
@@ -147,7 +153,7 @@ def type_of(column: Column, measure: Measure | None = None) -> str:
 
     Args:
         column: The column.
-        measure: The measure of its name, if there is one.
+        measure: The measure with the column's name, if there is one.
     """
     if column.name.startswith(FACTOR):
         return "factor"

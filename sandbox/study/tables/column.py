@@ -10,12 +10,12 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    # A report, which reads tables and nothing else, gets their names from here.
+    # A report imports this module for the names of columns, and must not load designs.
     from sandbox.study.design.design import Design
 
 Row = dict[str, Any]
 TABLES = "tables"
-"""Folder of a study with its tables."""
+"""Name of the folder with the tables of a study."""
 FACTOR = "factor_"
 """Prefix of the names of columns with levels."""
 UXF_NAMES = {
@@ -28,25 +28,26 @@ UXF_NAMES = {
     "started_s": "start_time",
     "ended_s": "end_time",
 }
-"""Names of columns in UXF (Unity Experiment Framework), by ours."""
+"""Names of columns in UXF (Unity Experiment Framework), by the names in our tables."""
 ORDERS = "orders of the design"
 """Row of the codebook with the number of participants in a full cycle of orders."""
 WORDING = "wording of "
-"""Prefix of the codebook's rows about questionnaires without the published wording."""
+"""Prefix of the codebook's rows about questionnaires whose wording is not the published wording."""
 PRIMARY = "primary"
 """Role of a confirmatory outcome in the codebook."""
 STUDY = "study"
-"""Replacement of a table's name in the codebook's rows about the study."""
+"""Value of the column `table` in rows of the codebook that are facts about the study."""
 EXPERIMENT, TITLE, MODE, CONDITIONS = "experiment", "title", "mode", "conditions"
 WITHDRAWALS, CHANGE = "withdrawals", "change "
-"""Such rows: its name, its title, its kind of data, all combinations of levels, how many people
-withdrew, and the begin of the names of those on changes after somebody had taken part."""
+"""Names of such rows: name, title and kind of data of the study, all combinations of levels, and
+number of people who withdrew. `CHANGE` is the prefix of the rows on changes of the study after the
+first participation."""
 CLOCK_STEPS = "clock_steps"
 """Column of `participants.csv` with the steps of the wall clock."""
 LISTED = ", "
-"""Separator of levels, and of conditions, in the codebook."""
+"""Separator between levels, and between conditions, in the codebook."""
 JOINED = " / "
-"""Separator of the levels of a condition."""
+"""Separator between the levels of one condition."""
 
 
 @dataclass(frozen=True)
@@ -65,8 +66,10 @@ class Column:
 
 
 def factor_columns(design: Design, rows: Iterable[Row] = ()) -> list[Column]:
-    """Columns of the factors of a design, and then those that rows have from an earlier design, as
-    after `--force-upgrade`."""
+    """Columns of the factors of a design, and then of factors that only an earlier design had.
+
+    Rows have factors of an earlier design after `--force-upgrade`.
+    """
     columns = [
         Column(FACTOR + f.name, "", "level: " + LISTED.join(x.name for x in f.levels))
         for f in design.factors
@@ -94,13 +97,14 @@ def names_of(columns: Iterable[Column]) -> list[str]:
 def csv_bytes(
     rows: Iterable[Row], columns: Sequence[str], names: Mapping[str, str] = MappingProxyType({})
 ) -> bytes:
-    """A table as CSV: UTF-8, separated by commas, with decimal points, 1 and 0 for yes and no, and
-    empty cells for missing values.
+    """A table as CSV in UTF-8, with commas and decimal points.
+
+    Yes and no are 1 and 0, and missing values are empty cells.
 
     Args:
         rows: The rows.
         columns: Names of the columns in the rows.
-        names: Other names of columns in the header line.
+        names: Names of columns in the header line, by the names in the rows, if they differ.
     """
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
@@ -110,7 +114,7 @@ def csv_bytes(
 
 
 def is_empty(value: Any) -> bool:
-    """True if the cell of a value is empty."""
+    """True if a value gives an empty cell."""
     return value is None or value == ""
 
 
@@ -122,6 +126,6 @@ def _cell(value: Any) -> Any:
     if isinstance(value, float):
         return repr(round(value, 6))
     if isinstance(value, str):
-        # The csv module does not quote a lone carriage return, but many readers end a row at it.
+        # Many readers end a row at a lone carriage return, which the csv module does not quote.
         return value.replace("\r\n", "\n").replace("\r", "\n")
     return value

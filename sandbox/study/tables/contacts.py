@@ -1,9 +1,9 @@
-"""Finds the digits and objects that push each object in a simulation, or the table, for frames.
+"""Finds what pushes each object in a simulation: digits of hands, other objects, or the table.
 
-Contact sensors, which tasks use as well, give the force between an object and the table or another
-object. For a hand they give only the net force of all digits, so the forces of single digits are
-read from the solver's list of contacts. The order of that list is undefined; nothing here depends
-on it, since forces are only added.
+The frames of a trial have the result. Contact sensors, which tasks use as well, give the force
+between an object and the table or another object. For a hand they give only the net force of all
+digits, so the forces of single digits are read from the solver's list of contacts. The order of
+this list is undefined, but the result does not depend on it.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ PALM = "p"
 """Letter of the palm among the letters of digits."""
 
 LETTERS = (str.lower, str.upper)
-"""Functions that convert a letter for the first hand and for the second."""
+"""Functions that convert the letter of a digit: of the first hand, and of the second hand."""
 
 
 @dataclass(frozen=True)
@@ -37,7 +37,8 @@ class ObjectPushes:
             letters for a second hand.
         grip: Sum of the normal forces of all hands on it, N.
         by: Other bodies that push it: the table, names of objects.
-        on: Those of `by` that bear it, with an upward force of most of its weight.
+        on: The bodies in `by` that bear it: their upward force is more than `SUPPORT` of its
+            weight.
     """
 
     digits: str = ""
@@ -53,8 +54,9 @@ class ContactSample(NamedTuple):
 
     Attributes:
         sensors: Readings of all contact sensors.
-        geoms: (n, 2) geoms of each contact of the solver.
-        addresses: (n,) index of the normal force of each contact in `forces`; negative if none.
+        geoms: (n, 2) ids of the two geoms of each contact of the solver.
+        addresses: (n,) index of the normal force of each contact in `forces`; negative if it has
+            none.
         forces: All constraint forces of the solver, N.
     """
 
@@ -68,13 +70,14 @@ class ContactReader:
     """Finds the digits and other bodies that push each object of a simulation.
 
     Args:
-        scene: Scene with elliptic friction cones, as all scenes of this program have.
-        data: State of the simulation, read at each moment.
+        scene: The scene. It has elliptic friction cones, as all scenes of this program.
+        data: State of the simulation, which each call of `copy` reads.
     """
 
     def __init__(self, scene: Scene, data: mujoco.MjData) -> None:
         model = scene.model
-        # The array of sensor readings stays valid; the arrays of contacts do not.
+        # The array of sensor readings stays valid during the simulation. The arrays of contacts
+        # do not, so they are not stored here.
         self._data, self._readings = data, data.sensordata
         self._scene = scene
         letters, palms = {}, {}
@@ -103,14 +106,14 @@ class ContactReader:
             for name in scene.object_bodies
             for hand in hands
         ]
-        # By object: name, address of the sensor, and sign of the force, for every other body that
-        # may push it.
+        # For each object, every other body that may push it: name, address of the sensor, and sign
+        # of the sensor's force.
         self._others: dict[str, list[tuple[str, int, float]]] = {n: [] for n in scene.object_bodies}
         names = list(scene.object_bodies)
         for i, name in enumerate(names):
             for other in (TABLE, *names[i + 1 :]):
                 adr = int(model.sensor(touching_sensor(name, other)).adr[0])
-                # The sensor gives the force of the first body on the second one.
+                # The sensor gives the force of the first body on the second body.
                 self._others[name].append((other, adr, -1.0))
                 if other in self._others:
                     self._others[other].append((name, adr, 1.0))

@@ -1,7 +1,7 @@
 """The frames of a trial, every 16 ms: commanded pose, labels, objects and contacts, as CSV.
 
-They are collected while the trial runs, written once after its end, and made from its recording by
-a replay where they are missing.
+Frames are collected while the trial runs, and written once after its end. If their file is missing,
+a replay of the trial's recording makes it again.
 """
 
 from __future__ import annotations
@@ -39,7 +39,7 @@ if TYPE_CHECKING:
     from tasks.task import Goal
 
 SAME_MACHINE = "the program or the recording's settings (MuJoCo, architecture and libm are equal)"
-"""Name of the difference if states differ although equal states are promised."""
+"""Text on the difference if a replay gives other states although nothing known differs."""
 
 FRAMES = (
     Column("time_s", "s", "simulated time since the trial's start"),
@@ -56,8 +56,8 @@ FRAMES = (
     Column(
         "true_*",
         "",
-        "id of the contact that this finger really makes; empty if neither simulated user nor "
-        "device tells",
+        "id of the contact that this finger really makes; empty if neither a simulated user nor "
+        "the device reports it",
     ),
     Column("hand2_phase", "", "phase of the second hand; only in trials with two hands"),
     Column("hand2_solid", "", "same as solid, for the second hand"),
@@ -72,7 +72,7 @@ FRAMES = (
     Column(
         "OBJECT_hinge_rad",
         "rad",
-        "position of the hinge of a mechanism's part; turns are counted on beyond a whole one",
+        "angle of the hinge of a mechanism's part; it continues beyond a whole turn",
     ),
     Column("OBJECT_slide_m", "m", "position of the slide of a mechanism's part"),
     Column(
@@ -82,11 +82,12 @@ FRAMES = (
         "second hand; unknown if grip_N is empty",
     ),
     Column("OBJECT_grip_N", "N", "sum of the normal forces of all hands on the object"),
-    Column("OBJECT_by", "", "other things that push the object: the table, names of objects"),
+    Column("OBJECT_by", "", "other bodies that push the object: the table, names of objects"),
     Column(
         "OBJECT_on",
         "",
-        "those of OBJECT_by that bear the object: each pushes up 60 percent of its weight or more",
+        "the bodies of OBJECT_by that bear the object: the upward force of each is more than 60 "
+        "percent of the object's weight",
     ),
     Column("OBJECT_goal_*", "m", "position of the goal of the object's centre"),
     Column(
@@ -104,14 +105,14 @@ _PARTS = {
     "OBJECT_*": tuple(f"OBJECT_{part}" for part in (*"xyz", "qw", "qx", "qy", "qz")),
     "OBJECT_goal_*": tuple(f"OBJECT_goal_{part}" for part in "xyz"),
 }
-"""Columns of a column of `FRAMES` that means several columns."""
+"""Names of the columns in the file, for each entry of `FRAMES` that stands for several columns."""
 
 
 def declared_columns(names: Collection[str]) -> list[str]:
-    """Those of the columns of a file that `FRAMES` declares, in order.
+    """The columns of a file that `FRAMES` declares, in the order of the file.
 
     Args:
-        names: Columns of a file; each object of the trial is one that has a rotation.
+        names: Columns of the file. Objects of the trial are recognised by their columns `*_qw`.
     """
     objects = [name.removesuffix("_qw") for name in names if name.endswith("_qw")]
     known = set()
@@ -125,9 +126,9 @@ def declared_columns(names: Collection[str]) -> list[str]:
 
 
 def frames_bytes(columns: Iterable[str], rows: Iterable[Sequence[str]]) -> bytes:
-    """The file of frames, compressed: the same cells give the same bytes."""
+    """The content of a file of frames, compressed. Equal cells give equal bytes."""
     out = StringIO(newline="")
-    # Names of objects are in names of columns, and may have commas.
+    # Names of columns contain names of objects, which may have commas, so they are quoted.
     writer = csv.writer(out, lineterminator="\n")
     writer.writerow(columns)
     writer.writerows(rows)
@@ -135,11 +136,11 @@ def frames_bytes(columns: Iterable[str], rows: Iterable[Sequence[str]]) -> bytes
 
 
 class FrameTable:
-    """A view that collects the snapshots of a trial and writes its frames.
+    """A view that collects the snapshots of a trial and makes the frames of them.
 
     Attributes:
-        truths: True finger by id of the contact, for each hand, of a simulated user; labels that
-            devices report are used where these are empty.
+        truths: True fingers of a simulated user: for each hand, the finger by contact id. If they
+            are empty, labels that the devices report are used instead.
     """
 
     def __init__(self) -> None:
@@ -156,29 +157,29 @@ class FrameTable:
         return next((s.time for s in self._snapshots if any(h.contacts for h in s.hands)), None)
 
     def watch(self, session: Session) -> None:
-        """Sets the session that the snapshots come from, and from which contacts are read."""
+        """Sets the session from which snapshots come and contacts are read."""
         if self._session is None:
             self._session, self._reader = session, ContactReader(session.scene, session.data)
 
     def show(self, snapshot: Snapshot) -> None:
         """Collects a snapshot; must be called for every snapshot before the session continues."""
-        # Rows are computed after the trial, so that the session's loop is not delayed.
+        # Rows are computed after the trial, so as not to delay the session's loop.
         self._snapshots.append(snapshot)
         if self._session is not None and self._reader is not None:
             self._inputs.append([self._session.latest_frame(k) for k in range(len(snapshot.hands))])
             self._contacts.append(self._reader.copy())
 
     def forget_contacts(self) -> None:
-        """Discards the contacts with objects, if the simulation differs from the recorded poses."""
+        """Discards the contacts with objects: the simulation differed from the recorded poses."""
         self._contacts = []
 
     def data(self) -> bytes:
-        """The file of the frames, compressed CSV, which R and pandas can read directly."""
+        """The content of the file of frames: compressed CSV, which R and pandas read directly."""
         columns = {name: texts_of(values) for name, values in self.columns().items()}
         return frames_bytes(columns, zip(*columns.values(), strict=True))
 
     def _true_fingers(self) -> list[dict[int, int]]:
-        """True finger by id of the contact, for each hand, also from labels of devices."""
+        """True fingers for each hand, by contact id: `truths`, or the labels of devices."""
         if any(self.truths):
             return self.truths
         labels = [
@@ -193,7 +194,7 @@ class FrameTable:
         return labels
 
     def columns(self) -> dict[str, Any]:
-        """Columns of the table of frames, by name: one row for every snapshot."""
+        """Columns of the frames by name; each has one value for every snapshot."""
         shots, truths = self._snapshots, self._true_fingers()
         columns: dict[str, Any] = {
             "time_s": [s.time for s in shots],
@@ -227,7 +228,7 @@ class FrameTable:
         return {prefix + name: values for name, values in columns.items()}
 
     def _joints(self) -> dict[str, Any]:
-        """Columns of the positions of hinges and slides, of parts that have one."""
+        """Columns of the positions of hinges and slides, for the parts that have such a joint."""
         if self._session is None:
             return {}
         return {
@@ -236,7 +237,7 @@ class FrameTable:
         }
 
     def _pushes(self) -> dict[str, Any]:
-        """Columns of the pushes on each object; the cells are empty if they are unknown."""
+        """Columns of the pushes on each object; empty cells if the pushes are unknown."""
         columns: dict[str, Any] = {}
         names = self._snapshots[0].objects if self._snapshots else ()
         rows: list[Mapping[str, ObjectPushes] | None] = [None] * len(self._snapshots)
@@ -253,7 +254,7 @@ class FrameTable:
         return columns
 
     def _goals(self) -> dict[str, Any]:
-        """Columns of the goal of each object that has one, and of its yaw relative to the goal."""
+        """Columns for each object with a goal: the goal, and the object's yaw relative to it."""
         columns: dict[str, Any] = {}
         symmetries = self._symmetries()
         for i, goal in enumerate(self._snapshots[0].goals if self._snapshots else ()):
@@ -268,7 +269,7 @@ class FrameTable:
         return columns
 
     def _symmetries(self) -> dict[str, int]:
-        """Number of equivalent angles in one full turn about the vertical, by object; 0: all."""
+        """Number of equivalent angles in a full turn about the vertical, by object; 0: all are."""
         objects = self._session.task.objects if self._session is not None else ()
         symmetries = {}
         for item in objects:
@@ -290,7 +291,7 @@ def yaw_error(view: ObjectView, goal: Goal, symmetry: int) -> float:
     if symmetry == 0:
         return 0.0
     part = 2.0 * np.pi / symmetry
-    # A box that lies on another face may have its x axis upright; its edges still have a yaw.
+    # The x axis of a box may be upright. `flat_yaw` uses an edge that is not upright instead.
     yaw = flat_yaw(view.rotation) if symmetry > 1 else _yaw(view.rotation)
     return float((yaw - goal.yaw + part / 2) % part - part / 2)
 
@@ -300,8 +301,7 @@ def _yaw(rotation: Any) -> float:
 
 
 class FrameWriter:
-    """Writes the frames of trials one after another, and compresses their recordings, while the
-    participant goes on."""
+    """A thread that writes the frames of trials and compresses their recordings, one by one."""
 
     def __init__(self) -> None:
         self._thread = ThreadPoolExecutor(max_workers=1, thread_name_prefix="frames")
@@ -311,14 +311,14 @@ class FrameWriter:
         """Begins to write the frames of a finished trial, and to compress its recording.
 
         Args:
-            table: The frames, to which nothing is added any more.
-            recording: Path of its recording, whose end is recorded.
+            table: The frames of the trial; they must not change any more.
+            recording: Path of the trial's recording, which is complete.
         """
         self._written.append(self._thread.submit(_write, table, recording))
         self._written.append(self._thread.submit(pack, recording))
 
     def finish(self) -> Iterator[str]:
-        """Waits until all are written; yields a line for every file that could not be."""
+        """Waits until all files are written; yields a line for every file that failed."""
         while self._written:
             try:
                 self._written.pop(0).result()
@@ -342,13 +342,15 @@ def make_frames(recording: Path) -> str:
     """Writes the frames of a trial by replaying its recording.
 
     If the replay does not give the recorded states, the frames are made from the recorded poses,
-    without the pushes on objects. If it cannot begin, there are no frames.
+    without the pushes on objects. If there are no recorded poses, or the replay cannot begin, no
+    file is written.
 
     Args:
         recording: Recording of a finished trial.
 
     Returns:
-        Differences of this machine, if the replayed states are not the recorded ones; else empty.
+        Empty if the replay gives the recorded states. Otherwise the differences of this machine or
+        program from those of the recording, or the error of the replay.
 
     Raises:
         StudyError: The file cannot be written.
@@ -356,7 +358,7 @@ def make_frames(recording: Path) -> str:
     try:
         verification, table = _replayed(recording)
     except RecordingError as error:
-        # Without its folders: their names may be names of people, and tables are shared.
+        # The path is left out: names of folders may be names of people, and the text may be shared.
         return error.what if error.got is None else f"{error.what} (got {error.got})"
     differs = ""
     if not (verification.exact and verification.complete):
@@ -376,7 +378,8 @@ def frames_again(recording: Path) -> tuple[Verification, bytes | None]:
         recording: Recording of a finished trial.
 
     Returns:
-        The comparison of the states, and the file of the frames; None if the states differ.
+        The comparison of the states, and the content of the file of frames, or None if the states
+        differ.
 
     Raises:
         RecordingError: The recording cannot be replayed.

@@ -36,7 +36,7 @@ _COMMON = {column.name: column for column in (*SESSION, *HAND, *TRIAL, *SURFACE)
 
 PARTICIPANT = (
     *(_COMMON[name] for name in ("study", "mode", "site", "participant", "number")),
-    Column("group", "", "levels of the factors of which each participant gets one level only"),
+    Column("group", "", "level of each factor that varies between participants"),
     Column("date", "", "day on which the first session began, UTC"),
     *HAND,
     Column("language", "", "language in which the participant takes part"),
@@ -55,17 +55,16 @@ PARTICIPANT = (
     Column(
         CLOCK_STEPS,
         "s",
-        "steps of the wall clock during the sessions, separated by spaces; times of trials come "
-        "from another clock; empty if there was none",
+        "steps of the wall clock during the sessions, separated by spaces; empty if there was "
+        "none; times of trials come from another clock",
     ),
 )
 
 
 def participant_columns(design: Design, rows: Sequence[Row] = ()) -> list[Column]:
-    """Columns of `participants.csv`, and then those of questions that rows have from an earlier
-    design.
+    """Columns of `participants.csv`, and then of questions that only an earlier design had.
 
-    A question of an older design that is named like one of `PARTICIPANT` has no column here; its
+    A question of an older design with the name of a column in `PARTICIPANT` has no column here; its
     answers are in `answers.csv`.
     """
     language, filled = design.languages[0], names_of(PARTICIPANT)
@@ -101,7 +100,7 @@ def participant_row(
     ended = sum(state.complete for state in states)  # any order: whole numbers
     between = [factor.name for factor in design.factors if factor.order == "between"]
     return {
-        # A question must not change the program's own values.
+        # The answers come first, so that a question cannot replace the program's own values.
         **(asked[-1] if asked else {}),
         **{k: cell for k, cell in session_cells(states[0]).items() if k != "session"},
         **{name: start[name] for name in ("hand", "hand_size", "language")},
@@ -122,7 +121,7 @@ def participant_row(
 
 
 def _only(rows: Sequence[Row], name: str) -> str:
-    """The values of a column, each once."""
+    """The different values of a column, as text."""
     values = dict.fromkeys(row.get(name) for row in rows)
     return LISTED.join(str(int(x) if isinstance(x, bool) else x) for x in values if x is not None)
 
@@ -132,7 +131,7 @@ ABOUT = (
     Column("instrument", "", "name of the questionnaire"),
     _COMMON["block"],
 )
-"""First columns of both tables."""
+"""First columns of `answers.csv` and `scores.csv`."""
 PLACE = Column(
     "place",
     "",
@@ -144,19 +143,20 @@ ANSWER = (
     Column(
         "seconds",
         "s",
-        "time from the answer before in this form, or from its opening, to this one; of an answer "
-        "that was changed, with the times to its changes; empty if it is unknown",
+        "time from the previous answer in this form, or from the opening of the form, to this "
+        "answer; for an answer that was changed, the times to its changes are added; empty if it "
+        "is unknown",
     ),
     Column(
         "form_complete",
         "0/1",
-        "0: the participant left the form before its end, and this is what was answered until then",
+        "0: the participant left the form before its end, and this answer was given until then",
     ),
 )
 SCORE = (
     Column("scale", "", "scale of the questionnaire; docs/studies.md has its formula"),
     Column("score", "", "score; empty if an answer is missing (no answer is imputed)"),
-    Column("items_missing", "", "number of answers that the score needs and that are missing"),
+    Column("items_missing", "", "number of missing answers among those that the score needs"),
     Column("score_low", "", "lowest possible score"),
     Column("score_high", "", "highest possible score"),
 )
@@ -164,7 +164,7 @@ WHEN = (
     Column("language", "", "language of the questions"),
     Column("time", "", "time at which the questionnaire was completed, UTC; empty if it was not"),
 )
-"""Last columns of both tables."""
+"""Last columns of `answers.csv` and `scores.csv`."""
 
 
 def answer_columns(design: Design, rows: Sequence[Row] = ()) -> list[Column]:
@@ -178,7 +178,7 @@ def score_columns(design: Design, rows: Sequence[Row] = ()) -> list[Column]:
 
 
 def answer_rows(session: StoredSession, designs: Callable[[str], Design]) -> list[Row]:
-    """Rows of `answers.csv` for a session; those of forms that were left come last.
+    """Rows of `answers.csv` for a session. Answers in unfinished forms come last.
 
     Args:
         session: The session.
@@ -219,7 +219,7 @@ def answer_rows(session: StoredSession, designs: Callable[[str], Design]) -> lis
 
 
 def _seconds(session: StoredSession) -> dict[tuple[str, str], float]:
-    """Time (s) for every answer, by step and item, as far as it is known."""
+    """Time (s) that each answer took, by step and item, for answers whose time is known."""
     of = session.state.seconds.of
     opened = {
         record["step"]: of[record["n"]] - record["seconds"]
@@ -230,7 +230,7 @@ def _seconds(session: StoredSession) -> dict[tuple[str, str], float]:
     seconds: dict[tuple[str, str], float] = {}
     for record in session.records:
         if record["kind"] in kinds.RUNS:
-            # No question was answered while the program did not run.
+            # The time in which the program did not run does not count.
             before = {}
         if record["kind"] != kinds.ANSWER or record["n"] not in of:
             continue
@@ -244,12 +244,13 @@ def _seconds(session: StoredSession) -> dict[tuple[str, str], float]:
 
 
 def score_rows(states: Sequence[SessionState], designs: Callable[[str], Design]) -> list[Row]:
-    """Rows of `scores.csv`; forms without scales have none.
+    """Rows of `scores.csv` for a participant; forms without scales have no rows.
 
-    Answers are scored by the form that was shown, since a later design may have another form.
+    Answers are scored by the design by which they were asked, since a later design may have other
+    scales.
 
     Args:
-        states: States of a participant's sessions, over which places are counted.
+        states: States of all sessions of the participant. The column `place` counts over them.
         designs: Function from a digest to the design, such as `StudyFolder.design_of`.
     """
     places: Counter[str] = Counter()
@@ -278,7 +279,8 @@ def score_rows(states: Sequence[SessionState], designs: Callable[[str], Design])
 
 
 def _forms(state: SessionState) -> Iterator[tuple[Record, Row]]:
-    """The record of every answered form of a session, with the cells that both tables share."""
+    """Yields the record of each completed form of a session, and the cells about the form that rows
+    of answers and of scores share."""
     for record in state.answers.values():
         cells = _form_cells(state, record["form"], record["block"], record["levels"])
         yield record, {**cells, "time": record["time"]}
@@ -296,7 +298,7 @@ def _form_cells(state: SessionState, form: str, block: int, levels: Mapping[str,
 
 
 KINDS = {
-    "session_resume": "the session went on after an interruption",
+    "session_resume": "the session was resumed after an interruption",
     "note": "a note of the experimenter",
     "pause": "the experimenter paused",
     "go_on": "the experimenter ended the pause",
@@ -307,12 +309,12 @@ KINDS = {
     "trial_broken": "an attempt was broken off",
     "clock_step": "the wall clock was set; text has the seconds",
     "page_gone": "the page of the participant, or of the second hand, was gone",
-    "page_back": "it was back",
+    "page_back": "that page was back",
     "recovered": "a half-written record was cut off",
-    "lost": "the loss of records was accepted",
+    "lost": "the experimenter accepted a loss of records",
     "session_end": "the session ended",
     INCLUDE: "an exclusion was taken back after the session",
-    RELEASE: "the number of the participant was freed for a newcomer",
+    RELEASE: "the number of the participant was freed for a new participant",
     REMARK: "a remark that was written after the session",
 }
 """Events that have a row, with their meanings."""
@@ -320,18 +322,18 @@ EVENT = (
     *SESSION,
     Column("time_s", "s", "time from the start of the session (monotonic clock)"),
     Column("event", "", "; ".join(f"{kind}: {meaning}" for kind, meaning in KINDS.items())),
-    Column("trial", "", "number of the trial that it is about; empty for others"),
+    Column("trial", "", "number of the trial that the event is about; empty if it is about none"),
     Column("text", "", "words of the experimenter, or the reason"),
 )
 _TEXTS = ("text", "reason", "why", "seconds")
-"""Fields of records with the text of a row."""
+"""Fields of records that give the text of a row; the first field with a value is used."""
 
 
 def event_rows(session: StoredSession) -> list[Row]:
     """Rows of `events.csv` for a session."""
     state = session.state
     records = [(event_of(record), record) for record in session.records]
-    # Notes about the person, and no session, are in the rows of the first session.
+    # Notes about the person, but about no session, are in the rows of the first session.
     mine = (None, session.number) if session.number == 1 else (session.number,)
     notes = [n for n in session.notes if n["kind"] in DECISIONS and n.get("session") in mine]
     return [
@@ -348,7 +350,7 @@ def event_rows(session: StoredSession) -> list[Row]:
 
 
 def event_of(record: Record) -> str:
-    """Name of the event that a record is."""
+    """Name of the event that a record describes."""
     match record["kind"]:
         case "command":
             return str(record["command"])

@@ -1,8 +1,8 @@
 """Derives the tables of a study from the records and frames of its sessions: `tables/*.csv`.
 
-All their values follow from the records, so they may be deleted and made again at any time. Each
-table is written as a whole and atomically. They are made at the end of a session, before a report,
-and by `sandbox study tables`.
+All values of the tables follow from the records and frames, so the tables may be deleted and made
+again at any time. Each table is written as a whole, atomically. Tables are made at the end of a
+session, before a report, and by `sandbox study tables`.
 """
 
 from __future__ import annotations
@@ -58,7 +58,7 @@ from sandbox.study.tables.upgrades import upgrades_of
 
 CODEBOOK = "codebook.csv"
 BEFORE = "before-"
-"""Prefix of the folders in it with the tables of before an accepted loss."""
+"""Prefix of the folders, in the folder of tables, with the tables from before an accepted loss."""
 
 Say = Callable[[str], object]
 
@@ -76,25 +76,27 @@ def make_tables(
 ) -> dict[str, int]:
     """Makes all tables of a study.
 
-    Frames of trials that are missing are made before, by replays of their recordings, but for
-    sessions that are open in another program.
+    First, missing frames of trials are made by replays of their recordings, except in sessions that
+    another program has open.
 
     Args:
         study: The study.
         say: Called with a line for every file that cannot be made.
         mine: Folder of a session that this program has open.
         uxf_names: True names columns as UXF does; see `UXF_NAMES`.
-        compare: True reports tables that differ from the records, as after a change by hand.
+        compare: True reports existing tables that differ from the records, such as after a change
+            by hand.
 
     Returns:
-        Numbers of participants, of counted trials, and of excluded ones among these.
+        Numbers of `participants`, of counted `trials` without practice, and of `excluded` trials
+        among these.
 
     Raises:
         StudyError: A record is damaged, or a table cannot be written.
     """
     folder = study.path / TABLES
     make_folder(folder)
-    # With two programs, the program that reads last also writes last.
+    # The lock ensures that of two programs, the one that reads last also writes last.
     with locked(folder / ".lock", wait=True):
         remove_unfinished(folder)
         people = _people(study)
@@ -115,8 +117,11 @@ def make_tables(
 
 
 def _difference(path: Path, data: bytes) -> str:
-    """First difference of a table that is there from one that follows from the records, in words;
-    empty without one. Other columns, and another codebook, may come from another version."""
+    """Text on the first difference between an existing table and the table made from the records.
+
+    Empty if there is none. Columns that only one of the tables has are not compared, and neither is
+    the codebook, since another version of the program may have written them.
+    """
     if not path.exists() or path.name == CODEBOOK:
         return ""
     theirs = {new: old for old, new in UXF_NAMES.items()}
@@ -136,7 +141,7 @@ def _difference(path: Path, data: bytes) -> str:
 
 
 def table_files(study: StudyFolder) -> dict[str, bytes]:
-    """The tables of a study by name, as they follow from the records and frames that are there.
+    """The tables of a study by name, made from its present records and frames.
 
     Raises:
         StudyError: A record is damaged.
@@ -145,11 +150,13 @@ def table_files(study: StudyFolder) -> dict[str, bytes]:
 
 
 def keep_tables(study: StudyFolder) -> Path:
-    """Copies the tables of a study, before they are made from fewer records.
+    """Copies the tables of a study, before they are made again from fewer records.
+
+    Copies from the same moment are not overwritten, so that they are older than the first of
+    several losses that are accepted at once.
 
     Returns:
-        The folder of the copies, which have what was there when the first loss of this moment was
-        accepted.
+        The folder of the copies.
 
     Raises:
         StudyError: A table cannot be copied.
@@ -164,7 +171,10 @@ def keep_tables(study: StudyFolder) -> Path:
 
 
 def _people(study: StudyFolder) -> list[tuple[Participant, list[StoredSession]]]:
-    """All people who have begun, by site and number; a released number is assigned again."""
+    """All people who have begun, sorted by site, number and pseudonym.
+
+    Two people may have the same number, since a freed number is assigned again.
+    """
     return sorted(all_sessions(study), key=lambda x: (x[0].site, x[0].number, x[0].ppid))
 
 
@@ -240,7 +250,7 @@ def _rows_of(
 def _files(
     study: StudyFolder, rows: Mapping[str, Sequence[Row]], names: Mapping[str, str]
 ) -> dict[str, bytes]:
-    """Tables by name, without the columns that are empty in all rows, and their codebook."""
+    """Tables by name, without columns that are empty in all rows, and their codebook."""
     design = study.design
     columns = {name: _filled(of, rows[name]) for name, of in columns_by_table(design, rows).items()}
     files = {name: csv_bytes(rows[name], names_of(of), names) for name, of in columns.items()}
@@ -248,7 +258,7 @@ def _files(
 
 
 def _facts(study: StudyFolder) -> dict[str, str]:
-    """Facts about a study for its report that are in no row of a table."""
+    """Facts about a study that its report needs and that no table has, for the codebook."""
     return {
         EXPERIMENT: study.design.name,
         **({TITLE: study.design.title} if study.design.title else {}),
@@ -263,5 +273,5 @@ def _facts(study: StudyFolder) -> dict[str, str]:
 
 
 def _filled(columns: Sequence[Column], rows: Sequence[Row]) -> list[Column]:
-    """The columns that some row has a value of; of a table without rows, all."""
+    """The columns that have a value in some row; all columns if the table has no rows."""
     return [c for c in columns if not rows or any(not is_empty(row.get(c.name)) for row in rows)]

@@ -1,6 +1,6 @@
-"""`trials.csv`: one row for every finished attempt of a trial, and which are excluded.
+"""`trials.csv`: one row for every finished attempt at a trial.
 
-Excluded trials are never deleted.
+Excluded trials are marked, and never deleted.
 """
 
 from __future__ import annotations
@@ -46,7 +46,7 @@ SESSION = (
     Column("number", "", "number of the participant, from 1, which determines the order of levels"),
     Column("session", "", "session number of this participant, from 1"),
 )
-"""First columns, which all tables with rows of sessions have."""
+"""First columns of all tables whose rows belong to sessions."""
 HAND = (
     Column("hand", "", "hand that the participant uses: left or right"),
     Column(
@@ -58,13 +58,13 @@ TRIAL = (
     Column(
         "block",
         "",
-        "number of the block, which grows where the level of a factor changes; where those of two "
-        "factors change at once, a number is left out",
+        "number of the block; it grows by 1 whenever a level of a factor begins, so a number is "
+        "left out where levels of two factors begin at once",
     ),
     Column(
         "trial_in_block",
         "",
-        "number of the trial in its block, from 1; practice is counted by itself",
+        "number of the trial in its block, from 1; practice trials are counted separately",
     ),
     Column(
         "position", "", "number of the trial in the plan of the session, from 1; empty in practice"
@@ -78,18 +78,18 @@ TRIAL = (
     Column(
         "attempt",
         "",
-        "number of the attempt at this trial, from 1; attempts that were broken off are only in "
-        "the session's record, session.jsonl",
+        "number of the attempt at this trial, from 1; attempts that were broken off have no row "
+        "here, only records in session.jsonl",
     ),
     Column(
         "adopted",
         "0/1",
-        "1: the record of its end was lost, and its result comes from the recording; ended_s is "
-        "then started_s and the length of the recording; both are empty where the record of its "
-        "start was lost, too",
+        "1: the record of the trial's end was lost, and its result comes from the recording; "
+        "ended_s is then started_s plus the length of the recording; both are empty if the record "
+        "of its start was lost, too",
     ),
     Column("counted", "0/1", "1: this attempt counts; use only these rows"),
-    Column("excluded", "0/1", "1: excluded by a rule or by the experimenter; the data are kept"),
+    Column("excluded", "0/1", "1: excluded by a rule or by the experimenter; no data are deleted"),
     Column("exclusion_reason", "", "`rule NAME`, the experimenter's words, or `participant: ...`"),
 )
 TIMES = (
@@ -110,23 +110,24 @@ SURFACE = (
     Column("screen_measured", "0/1", "0: the size of the screen is a guess"),
 )
 FILES = (
-    Column("recording", "", "file of the recording, if it is here; `sandbox replay` plays it"),
-    Column("frames", "", "file of the frames; docs/measures.md says how to read them"),
+    Column("recording", "", "file of the recording, if it exists; `sandbox replay` plays it"),
+    Column("frames", "", "file of the frames; docs/measures.md describes how to read them"),
 )
 PERSON = "participant: "
 """Prefix of the reason if all trials of a participant are excluded."""
 MOVED = "moved"
-"""Key of a row for the amplitude and error of a movement, which determine the throughput."""
+"""Key, in a row, of the amplitude and error of a movement, from which throughput is computed. It
+is not a column."""
 FILE_NAMES = tuple(column.name for column in FILES)
 PLACE, ORDER = "place_", "order_"
-"""Prefixes of the names of columns with places of levels, and with their orders."""
+"""Prefixes of the names of columns with the place of a level, and with the order of the levels."""
 THEN = " > "
 """Separator of the levels in an order."""
 LIMIT = Column(
     "limit_s",
     "s",
-    "time at which the trial ends at the latest: the limit of the design, or a shorter one of the "
-    "task; empty where the task cannot be loaded any more",
+    "time at which the trial ends at the latest: the limit of the design, or of the task if that "
+    "is shorter; empty if the task cannot be loaded any more",
 )
 RESULT = tuple(
     Column(name, fields()[name].unit, fields()[name].meaning)
@@ -136,7 +137,7 @@ RESULT = tuple(
 
 
 def trial_columns(design: Design, rows: Sequence[Row] = ()) -> list[Column]:
-    """Columns of `trials.csv`, the same in every session of a study whose factors stay."""
+    """Columns of `trials.csv`. They depend on the design, and on the factors in the rows."""
     of_result = record_fields(ResultRecord.TABLE)
     measured = [m for m in all_measures(design.own_measure) if m.name not in of_result]
     return [
@@ -155,11 +156,11 @@ def trial_columns(design: Design, rows: Sequence[Row] = ()) -> list[Column]:
 
 
 def place_columns(design: Design) -> list[Column]:
-    """Columns of the place of a trial's level of each factor, and of the order of its levels."""
+    """Columns, for each factor, of the place of a trial's level and of the order of the levels."""
     columns = []
     for factor in design.factors:
         if len(factor.levels) > 1:
-            met = f"in the order in which this participant meets the levels of {factor.name}"
+            met = f"in the order in which this participant gets the levels of {factor.name}"
             within = "within the same outer levels; empty in practice"
             columns += [
                 Column(PLACE + factor.name, "", f"place of the level {met}, {within}"),
@@ -169,7 +170,7 @@ def place_columns(design: Design) -> list[Column]:
 
 
 def meaning_of(column: Column) -> str:
-    """Meaning of a field of the result, with the source of the measure of that name, if any."""
+    """Meaning of a field of the result; that of the measure with this name, if there is one."""
     measure = find_measure(column.name)
     return column.meaning if measure is None else measure.meaning
 
@@ -181,15 +182,15 @@ def trial_rows(
     empty: Counter[str] | None = None,
     run_by: Design | None = None,
 ) -> list[Row]:
-    """One row for every finished attempt; exactly one attempt of each trial counts.
+    """One row for every finished attempt in a session; at most one attempt at a trial counts.
 
     Args:
         design: Design of the study.
         state: State of the session.
         session: Folder of the session with the frames of trials; None leaves the cells of measures
             by frames empty.
-        empty: Counts the trials in which a measure is empty because it failed, by reason.
-        run_by: Design by which the session was run; None leaves cells empty that follow from it.
+        empty: Counter, by reason, of the trials in which a measure failed or frames are missing.
+        run_by: Design by which the session was run; None leaves out the cells that depend on it.
     """
     if not state.start:
         return []
@@ -211,8 +212,8 @@ def trial_rows(
 def planned_cells(design: Design, state: SessionState) -> dict[int, Row]:
     """Cells of a session's trials that follow from its plan, by number of the trial.
 
-    The place of a level is its place in the order in which the participant meets the levels of its
-    factor, within the same outer levels; with `repeat_inside`, in each round.
+    The place of a level is its place in the order in which the participant gets the levels of its
+    factor, within the same outer levels. With `repeat_inside`, each round has its own order.
     """
     plan = trials_of(session_plan(design, state.start["number"], state.start["session"]))
     met: dict[tuple[Any, ...], list[str]] = {}
@@ -240,14 +241,16 @@ def planned_cells(design: Design, state: SessionState) -> dict[int, Row]:
 
 
 def _comes_back(design: Design, factor: int) -> bool:
-    """True if a factor, by its number, has an order of its own in every round."""
+    """True if a factor, given by its index, has its own order in every round."""
     names = [f.name for f in design.factors]
     return bool(design.repeat_inside) and factor > names.index(design.repeat_inside)
 
 
 def time_limits(design: Design) -> dict[str, float]:
-    """Time limit of a trial of each task of a design, s, by the name that the design gives it; of
-    those tasks that can be loaded here."""
+    """Time limit, s, of each task of a design, by the task's name in the design.
+
+    Tasks that cannot be loaded are left out.
+    """
     limits = {}
     for levels in combinations(design):
         name = str(values_of(design, levels).get("task", ""))
@@ -326,7 +329,11 @@ def _trial_row(
 
 
 def _end_time(state: SessionState, start: Record, end: Record) -> float:
-    """Time at which an attempt ended, s; of an adopted one, its record was written later."""
+    """Time at which an attempt ended, s.
+
+    For an adopted attempt, this is the start plus the length of the recording, since the record of
+    its end was written later.
+    """
     recorded = state.seconds[end["n"]]
     if "lasted" not in end:
         return recorded
@@ -334,7 +341,7 @@ def _end_time(state: SessionState, start: Record, end: Record) -> float:
 
 
 def _add_throughput(rows: list[Row]) -> None:
-    """Adds the throughput to all rows with the same task and levels."""
+    """Adds the throughput to all rows: one value for all rows with the same task and levels."""
     cells: dict[tuple[Any, ...], list[Row]] = {}
     for row in rows:
         levels = tuple(v for name, v in row.items() if name.startswith(FACTOR))
@@ -363,9 +370,10 @@ def excluded_by_rule(design: Design, row: Row) -> str:
 
 
 def exclude_person(design: Design, states: Sequence[SessionState], rows: Sequence[Row]) -> None:
-    """Marks all trials of a participant as excluded, if the experimenter excluded the participant
-    in any session or a rule on participants applies. Rules apply once all sessions are complete.
-    A second call changes nothing.
+    """Marks all trials of a participant as excluded, if the participant is excluded.
+
+    The experimenter may have excluded the participant in any session, or a rule on participants may
+    apply. Rules apply only when all sessions are complete. A second call changes nothing.
 
     Args:
         design: Design of the study.
@@ -381,10 +389,11 @@ def exclude_person(design: Design, states: Sequence[SessionState], rows: Sequenc
 
 
 def excluded_person(design: Design, states: Sequence[SessionState], rows: Sequence[Row]) -> str:
-    """Reason why a participant is excluded, after `exclude_person`; empty without an exclusion.
+    """Reason why a participant is excluded; empty without an exclusion.
 
-    An experimenter may begin the reason for a single trial with `participant: `, too: only a rule
-    of the design that marks all trials is a rule on participants.
+    `exclude_person` must be called before. An experimenter may write a reason for a single trial
+    that begins with `participant: `, too. So a rule of the design counts only if it marks all
+    trials.
     """
     for state in states:
         if state.excluded_participant:
@@ -395,7 +404,7 @@ def excluded_person(design: Design, states: Sequence[SessionState], rows: Sequen
 
 
 def _by_rule(design: Design, rows: Sequence[Row]) -> str:
-    """Name of the first rule on participants that the mean over these trials meets, as a reason."""
+    """Reason with the first rule on participants that applies to the mean over these trials."""
     counted = [r for r in rows if r["counted"] and not r["practice"] and not r["excluded"]]
     for rule in design.exclusions:
         values = [float(r[rule.measure]) for r in counted if r.get(rule.measure) is not None]

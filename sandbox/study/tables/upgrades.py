@@ -1,4 +1,4 @@
-"""Sentences on changes by `--force-upgrade` after the first participation, from a study's notes."""
+"""Sentences on changes of a study by `--force-upgrade` after the first participation."""
 
 from __future__ import annotations
 
@@ -11,7 +11,8 @@ from sandbox.study.record.notes import ANONYMISED, UPGRADE
 
 
 def upgrades_of(study: StudyFolder) -> tuple[str, ...]:
-    """Returns sentences on every change that was forced after the first participation."""
+    """Returns sentences, from the notes, on every change that was forced after the first
+    participation."""
     notes = study.records()
     if any(note["kind"] == ANONYMISED for note in notes):
         return tuple(_of_anonymous_copy(study))
@@ -30,7 +31,7 @@ def upgrades_of(study: StudyFolder) -> tuple[str, ...]:
 
 
 def _of_anonymous_copy(study: StudyFolder) -> Iterator[str]:
-    """The same of a copy, which has the designs, and neither an order of people nor reasons."""
+    """Sentences on the changes of an anonymous copy, which has no reasons or order of people."""
     for digest in sorted({*study.session_designs()} - {study.design.digest}):
         yield (
             f"Some sessions were run by an earlier design ({digest}), before the study was "
@@ -39,19 +40,23 @@ def _of_anonymous_copy(study: StudyFolder) -> Iterator[str]:
 
 
 def _design(study: StudyFolder, digest: str) -> Design | None:
-    """The design of a digest; None where no session has it, or it cannot be read."""
+    """The design with a digest; None if no session has it or it cannot be read."""
     found = study.design_of(digest)
     return found if found.digest == digest else None
 
 
 def _differences(before: Design | None, after: Design | None) -> str:
-    """Differences of two designs that matter to a reader of results, in sentences after a space."""
+    """Sentences on the differences of two designs that change the meaning of results.
+
+    Each begins with a space.
+    """
     known = _meanings(before, after) if before and after else ()
     return "".join(f" {sentence}." for sentence in known)
 
 
 def _meanings(before: Design, after: Design) -> Iterator[str]:
-    """Other primary outcomes, and other meanings of levels with the same names."""
+    """Yields sentences on changed primary outcomes, and on changed settings of levels whose names
+    stay."""
     if before.primary != after.primary:
         names = [", ".join(design.primary) or "none" for design in (before, after)]
         yield f"Primary outcomes were {names[0]} before and are {names[1]}"

@@ -170,8 +170,8 @@ NAMES = [
     *(('name = "age"', f'name = "{name}"', name) for name in FILLED),
     ('name = "effort"\nat', 'name = "demographics"\nat', "questions about the person"),
     ("seed = 3\n", 'seed = 3\nlanguages = ["pt_BR"]\n', "'pt_BR' is not a language tag"),
-    ('"hard", "soft"', '{name = "a, b", contact = "soft"}, "hard"', "'a, b' has ', ' in it"),
-    ('"hard", "soft"', '{name = "a / b", contact = "soft"}, "hard"', "'a / b' has ' / ' in it"),
+    ('"hard", "soft"', '{name = "a, b", contact = "soft"}, "hard"', "'a, b' contains ', '"),
+    ('"hard", "soft"', '{name = "a / b", contact = "soft"}, "hard"', "'a / b' contains ' / '"),
 ]
 
 

@@ -58,7 +58,7 @@ ERRORS = {
     "E7 language missing": Planted(
         {"consent.text": {"en": "Do you agree?"}}, "consent.text", "missing in de", ("en", "de")
     ),
-    "E8 tag": Planted({"languages": ["pt_BR"]}, "languages", "no tag of a language"),
+    "E8 tag": Planted({"languages": ["pt_BR"]}, "languages", "not a language tag"),
     "E8 words": Planted({}, "languages.0", "no words in nl", ("nl",)),
     "E9 not built": Planted({"settings.encoder": "mine.npz"}, "settings.encoder", "mine.npz"),
     "E9 a value": Planted(
