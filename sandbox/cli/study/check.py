@@ -1,4 +1,4 @@
-"""`sandbox study new` and `check`: a template of a design, and the mistakes of one."""
+"""`sandbox study new` and `check`: writes a template of a design, and checks a design."""
 
 from __future__ import annotations
 
@@ -30,8 +30,8 @@ class NewOptions:
 class CheckOptions:
     """Checks form and numbers of a design, and lists every mistake with line and remedy.
 
-    A mistake: exit status 2. Texts are not read; print `sandbox study sheet` for those who read
-    them.
+    Exit status 2: there is a mistake. The meaning of texts is not checked: print `sandbox study
+    sheet`, and have people read it.
     """
 
     file: File = field(kw_only=False)
@@ -71,7 +71,7 @@ def check(options: CheckOptions, console: Console) -> int:
     for line in (cycle_line(design), *power_lines(design, design.participants)):
         console.print(line, highlight=False, markup=False)
     errors = sum(finding.error for finding in found)
-    said = f"{counted(errors, 'error')}, with which `run` refuses real participants"
+    said = f"{counted(errors, 'error')}, so `run` refuses real participants"
     console.print(
         f"[{'red' if errors else 'green'}]{design.name}[/]: {said if errors else 'no mistakes'}, "
         f"{counted(len(found) - errors, 'warning')}, {count} combinations of levels, all of which "

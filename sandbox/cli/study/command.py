@@ -22,7 +22,8 @@ ACTIONS = {
     "share": ("share", "ShareOptions"),
     "note": ("note", "NoteOptions"),
 }
-"""Action -> its file here, with a function of its name, and the name of its options there."""
+"""Action -> (file in this folder, name of the options in it). The file has a function with the name
+of the action."""
 
 FIRST_STEPS = """
 First steps:
@@ -54,7 +55,7 @@ def main(argv: list[str]) -> int:
 
 
 def _action(name: str) -> tuple[Any, Any]:
-    """Options of an action, and its function; its file alone is imported."""
+    """The options and the function of an action. Only the file of this action is imported."""
     file, options = ACTIONS[name]
     module = importlib.import_module(f"sandbox.cli.study.{file}")
     return getattr(module, options), getattr(module, name)

@@ -23,12 +23,13 @@ Reason = Annotated[str, Parameter(metavar="REASON")]
 
 @dataclass(frozen=True, kw_only=True)
 class NoteOptions:
-    """Records a decision or a remark about a participant, and derives the tables again.
+    """Records a decision or a remark about a participant, and makes the tables again.
 
     Try: sandbox study note studies/NAME --participant B5G5T3 --exclude "did not follow the task"
 
-    --include reverts an exclusion. A participant whose number was freed gets it back, or the next
-    free number if a newcomer has it now. --withdraw and --accept-loss cannot be undone.
+    --include reverts an exclusion. If the number of the participant was freed, the participant gets
+    it back, or the next free number if a new participant has it now. --withdraw and --accept-loss
+    cannot be undone.
     """
 
     folder: Annotated[Path, Parameter(metavar="DIR")] = field(kw_only=False)
@@ -50,7 +51,7 @@ class NoteOptions:
     """Revert an exclusion."""
 
     release: Reason = ""
-    """Free the participant's number, with its orders, for the next newcomer."""
+    """Free the participant's number, with its orders, for the next new participant."""
 
     remark: Annotated[str, Parameter(metavar="TEXT")] = ""
     """A remark for the tables and the report."""
@@ -59,8 +60,9 @@ class NoteOptions:
     """Delete all data of a participant who withdraws consent. You type the pseudonym to confirm."""
 
     accept_loss: Reason = ""
-    """Continue a session that differs from its seal. Recordings without a record become trials
-    if they fit the plan. A copy of the earlier tables is stored."""
+    """Accept that records of a session are missing or changed, so that the session can be
+    continued. Recordings without a record become trials if they fit the plan. A copy of the earlier
+    tables is stored."""
 
 
 DECISIONS = ("exclude", "include", "release", "remark", "withdraw", "accept_loss")
@@ -85,7 +87,7 @@ def note(options: NoteOptions, console: Console) -> int:
     (kind,) = given
     if options.trial is not None and kind not in ("exclude", "include", "remark"):
         raise InputError(
-            "this option is about a participant, not a trial",
+            "this option is about a participant, not about a trial",
             where=f"--{kind.replace('_', '-')}",
             remedy="Leave out --trial",
         )
@@ -94,7 +96,7 @@ def note(options: NoteOptions, console: Console) -> int:
     try:
         ppid = read_pseudonym(options.participant)
     except StudyError:
-        # An invalid id gets the same error as an unknown one, from `find` below.
+        # `find` below raises the same error for an invalid id as for an unknown id.
         ppid = options.participant
     if kind == "withdraw":
         return _withdraw(study, ppid, console)
@@ -103,7 +105,7 @@ def note(options: NoteOptions, console: Console) -> int:
     if kind == "accept_loss":
         return _accept_loss(study, ppid, options.accept_loss, console)
     if print_losses(study, console):
-        console.print("[yellow]accept or restore these sessions before any other decision[/]")
+        console.print("[yellow]restore these sessions, or accept their losses, before that[/]")
         return 1
     if kind == "release":
         study.release(ppid, options.release)
@@ -140,7 +142,7 @@ def _withdraw(study: StudyFolder, ppid: str, console: Console) -> int:
         console.print("nothing was deleted")
         return 1
     deleted = withdraw(study, ppid)
-    remains = ", left over from an earlier withdrawal" if deleted.before else ""
+    remains = ", which an earlier withdrawal had left" if deleted.before else ""
     console.print(f"{ppid}: {deleted.files} files deleted{remains}")
     if deleted.still:
         console.print(
@@ -158,8 +160,8 @@ def _withdraw(study: StudyFolder, ppid: str, console: Console) -> int:
         console.print(f"  {escape(str(path))}{there}")
     if deleted.unmade:
         console.print(
-            f"[yellow]{ppid} is deleted, and in no table. The tables could not be made again, "
-            f"because of another record: {escape(deleted.unmade)}[/]",
+            f"[yellow]{ppid} is deleted, and in no table. But the tables could not be made again: "
+            f"{escape(deleted.unmade)}[/]",
             highlight=False,
             soft_wrap=True,
         )
@@ -187,5 +189,5 @@ def _accept_loss(study: StudyFolder, ppid: str, reason: str, console: Console) -
     for loss in lost:
         accept_loss(study, loss, reason, say)
     if not lost:
-        say(f"{ppid}'s data are unchanged since sealing")
+        say(f"the records of {ppid} have no losses, so nothing was changed")
     return 0

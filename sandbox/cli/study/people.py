@@ -1,4 +1,4 @@
-"""Participant and number of a session."""
+"""Finds the participant and the number of a session."""
 
 from __future__ import annotations
 
@@ -18,10 +18,10 @@ if TYPE_CHECKING:
 
 
 def find_participant(options: StudyRunOptions, study: StudyFolder, console: Console) -> Participant:
-    """Returns the participant that options name, or a new one.
+    """Returns the participant that the options name, or a new participant.
 
     Raises:
-        StudyError: The options name no known participant, or are not valid for a new one.
+        StudyError: The options name an unknown participant, or are not valid for a new participant.
     """
     if options.participant and options.participant != "new":
         known = read_pseudonym(options.participant)
@@ -29,7 +29,7 @@ def find_participant(options: StudyRunOptions, study: StudyFolder, console: Cons
         _check_same(options, person)
         if study.is_released(person.ppid):
             raise StudyError(
-                "the number of this participant was freed for somebody else",
+                "the number of this participant was freed for another participant",
                 where="--participant",
                 got=person.ppid,
                 remedy=f"`sandbox study note {study.path} --participant {person.ppid} --include "
@@ -60,7 +60,7 @@ def find_participant(options: StudyRunOptions, study: StudyFolder, console: Cons
     checked = Person(options.hand, options.hand_size)
     if options.device == "simulated":
         drawn = simulated_person(design, len(study.participants()) + 1)
-        # What is not the default was asked for.
+        # Options that differ from their defaults replace the values that were drawn.
         if checked.hand != "right":
             drawn["hand"] = checked.hand
         if checked.hand_size != 1.0:
@@ -74,10 +74,10 @@ def find_participant(options: StudyRunOptions, study: StudyFolder, console: Cons
 
 
 def _check_same(options: StudyRunOptions, person: Participant) -> None:
-    """Checks that options for a new participant, where given, say what is known of this one.
+    """Checks that options about the participant agree with what is known of this participant.
 
     Raises:
-        StudyError: They differ. A default counts as not given.
+        StudyError: An option differs. A default value counts as not given.
     """
     asked = {
         "--hand": (options.hand, "right", person.hand),
@@ -95,18 +95,18 @@ def _check_same(options: StudyRunOptions, person: Participant) -> None:
 
 
 def next_session(study: StudyFolder, person: Participant) -> int:
-    """Returns the first unfinished session of a participant, or the last one."""
+    """Returns the number of a participant's first unfinished session, or of the last session."""
     done = {s.number for s in sessions_of(study, person) if s.state.complete}
     planned = study.design.sessions
     return next((n for n in range(1, planned + 1) if n not in done), planned)
 
 
 def has_begun(study: StudyFolder, person: Participant, number: int) -> bool:
-    """True if a participant's session was begun."""
+    """True if a participant has begun the session with this number."""
     return number in {session.number for session in sessions_of(study, person)}
 
 
 def _comes_again(study: StudyFolder, person: Participant) -> bool:
-    """True if a participant has a session that is not finished, or not begun."""
+    """True if a participant is not excluded and has a session that is not finished."""
     excluded = any(s.state.excluded_participant for s in sessions_of(study, person))
     return not (excluded or study.is_released(person.ppid) or has_finished(study, person))

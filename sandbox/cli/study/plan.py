@@ -1,4 +1,4 @@
-"""`sandbox study plan` and `sheet`: what participants will meet, before anybody takes part."""
+"""`sandbox study plan` and `sheet`: the sessions of participants, before the study begins."""
 
 from __future__ import annotations
 
@@ -29,13 +29,14 @@ class PlanOptions:
     """Design file."""
 
     participants: Annotated[int | None, Parameter(metavar="N")] = None
-    """Number of participants. Default: that of the design."""
+    """Number of participants. Default: the number in the design."""
 
     power: bool = False
     """Show which differences this number of participants can find."""
 
     detect: Annotated[float | None, Parameter(metavar="SD")] = None
-    """For --power: show how many participants a difference of so many standard deviations takes."""
+    """With --power: a difference, in standard deviations; show how many participants are needed to
+    find it."""
 
     markdown: bool = False
     """Print design, orders, people, exclusions and tests as a text for a preregistration."""
@@ -43,9 +44,9 @@ class PlanOptions:
 
 @dataclass(frozen=True, kw_only=True)
 class SheetOptions:
-    """Prints what a participant will meet in order: texts, questions, practice, trials, breaks.
+    """Prints a participant's session, step by step: texts, questions, practice, trials, breaks.
 
-    Nothing is run and nothing is written down. The steps and texts are those of the session.
+    Nothing is run or recorded. The steps and texts are the same as in the session.
 
     sandbox study sheet design.toml
 
@@ -56,26 +57,29 @@ class SheetOptions:
     """Design file."""
 
     participant_number: Annotated[int, Parameter(metavar="N")] = 1
-    """Number of the participant in order of arrival, from 1, which determines the orders."""
+    """Number of the participant in order of arrival, from 1. It determines the orders of levels."""
 
     language: str = ""
-    """Language of the participant. Default: the first one of the design."""
+    """Language of the participant. Default: the first language of the design."""
 
     out: Annotated[Path | None, Parameter(metavar="FILE.html")] = None
-    """Write a page to print instead. An existing file is never overwritten."""
+    """Write an HTML page for printing instead. An existing file is never overwritten."""
 
 
 def participants_of(asked: int | None, design: Design) -> int:
-    """Number of participants that was asked for; that of the design without one.
+    """The number of participants in the options, or in the design if the options have none.
 
     Raises:
-        InputError: Nobody would take part.
+        InputError: The number is below 1.
     """
     if asked is None:
         return design.participants
     if asked < 1:
         raise InputError(
-            "not a number of participants", where="--participants", got=asked, expected="1 or more"
+            "the number of participants is too small",
+            where="--participants",
+            got=asked,
+            expected="1 or more",
         )
     return asked
 
@@ -110,13 +114,15 @@ def _check(options: PlanOptions) -> None:
         return
     if not 0.0 < options.detect < 10.0:
         raise InputError(
-            "not a difference",
+            "this difference is out of range",
             where="--detect",
             got=options.detect,
-            expected="standard deviations above 0 and below 10",
+            expected="a number of standard deviations above 0 and below 10",
         )
     if not options.power:
-        raise InputError("this option needs another one", where="--detect", expected="--power")
+        raise InputError(
+            "this option needs --power", where="--detect", remedy="Add --power, or leave it out"
+        )
 
 
 def sheet(options: SheetOptions, console: Console) -> int:
@@ -126,7 +132,10 @@ def sheet(options: SheetOptions, console: Console) -> int:
 
     if options.out is not None and options.out.suffix != ".html":
         raise InputError(
-            "not the name of a page", where="--out", got=str(options.out), expected="FILE.html"
+            "this is not the name of an HTML file",
+            where="--out",
+            got=str(options.out),
+            expected="FILE.html",
         )
     design = load_design(options.file)
     sheets = [

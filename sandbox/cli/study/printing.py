@@ -17,19 +17,19 @@ if TYPE_CHECKING:
 
 
 def say_findings(found: Iterable[Finding], console: Console) -> None:
-    """Prints what is right in form and misleads, one line a cause."""
+    """Prints the findings of `checks.findings`, one line each."""
     for finding in found:
         colour = "red" if finding.error else "yellow"
         console.print(f"[{colour}]{escape(str(finding))}[/]", highlight=False)
 
 
 def say_noted(study: StudyFolder, say: Callable[[str], object]) -> None:
-    """Prints what has changed without a need to force an upgrade, if anything has."""
+    """Prints changes of the program or design that were accepted without `--force-upgrade`."""
     if study.anew:
         changed = ", ".join(study.anew)
-        say(f"nobody has taken part yet, so the study is now locked to what has changed: {changed}")
+        say(f"the study has no participant yet, so these changes are accepted: {changed}")
     if study.noted:
-        say(f"noted, and no state depends on it: {', '.join(study.noted)}")
+        say(f"recorded; no state depends on these changes: {', '.join(study.noted)}")
 
 
 def sayer(console: Console) -> Callable[[str], object]:
@@ -43,25 +43,25 @@ def sayer(console: Console) -> Callable[[str], object]:
 
 
 def print_copies(study: StudyFolder, console: Console) -> tuple[str, ...]:
-    """Names folders inside of a study that are copies, and no data.
+    """Prints the folders inside of a study that are copies of other folders.
 
     Returns:
-        Their names in the study.
+        Paths of these folders, relative to the study.
     """
     from sandbox.study.record.copies import copies
 
     found = {copy.path.relative_to(study.path).as_posix(): copy for copy in copies(study.path)}
     for name, copy in found.items():
-        line = f"{name} {copy}. Nothing of it counts"
+        line = f"{name} {copy}. Its data do not count"
         console.print(f"[yellow]{escape(line)}[/]", highlight=False, soft_wrap=True)
     return tuple(found)
 
 
 def print_losses(study: StudyFolder, console: Console) -> tuple[str, ...]:
-    """Says which sessions have lost something.
+    """Prints the sessions whose records are missing or changed.
 
     Returns:
-        Their participants, each once.
+        Pseudonyms of the participants of these sessions.
     """
     from sandbox.study.run.decisions import losses
 
@@ -69,16 +69,16 @@ def print_losses(study: StudyFolder, console: Console) -> tuple[str, ...]:
     for loss in losses(study):
         ppid = loss.person.ppid
         lost[ppid] = None
-        other = "; others than were sealed" if loss.unlike else ""
-        damaged = f"line {loss.damaged} of its record is damaged; " if loss.damaged else ""
+        other = "; sealed lines have changed" if loss.unlike else ""
+        damaged = f"line {loss.damaged} of its journal is damaged; " if loss.damaged else ""
         lines = "line from there on" if loss.damaged else "sealed line"
         more = "lines from there on" if loss.damaged else "sealed lines"
         console.print(
-            f"[yellow]{ppid}, session {loss.session}: it is not what was written "
+            f"[yellow]{ppid}, session {loss.session}: records are missing or changed "
             f"({damaged}{counted(loss.records, lines, more)} lost{other}; "
-            f"{counted(len(loss.found), 'whole recording')} without a record). Restore it from a "
-            f"backup, or accept it: `sandbox study note {escape(str(study.path))} --participant "
-            f'{ppid} --accept-loss "REASON"`[/]',
+            f"{counted(len(loss.found), 'whole recording')} without a record). Restore the session "
+            f"from a backup, or accept the loss: `sandbox study note {escape(str(study.path))} "
+            f'--participant {ppid} --accept-loss "REASON"`[/]',
             soft_wrap=True,
             highlight=False,
         )

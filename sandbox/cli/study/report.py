@@ -1,4 +1,4 @@
-"""`sandbox study tables` and `report`: a study's tables, and its results as a page."""
+"""`sandbox study tables` and `report`: makes a study's tables, and a page with its results."""
 
 from __future__ import annotations
 
@@ -19,8 +19,9 @@ from sandbox.cli.study.printing import print_copies, print_losses, sayer
 class ReportOptions:
     """Writes a page with the results of a study, CSV files and an R script.
 
-    It makes the tables of the study first, and reads only these, so that it also works on a copy of
-    them. Before the study has ended, the report covers the data so far. Needs the extra `study`.
+    The command makes the tables of the study first. The report reads only these tables, so it can
+    also be made from a copy of them. Before the study has ended, the report covers the data so far.
+    Needs the extra `study`.
 
     sandbox study report studies/three-encoders
 
@@ -36,9 +37,8 @@ class ReportOptions:
     """Folder for the report. Default: FOLDER/report."""
 
     measure: Annotated[tuple[str, ...], Parameter(metavar="NAME")] = ()
-    """Column of trials.csv that is compared like completion time and success; may be
-    repeated. It is tested unless the design names primary outcomes. All other columns are described
-    only."""
+    """Column of trials.csv to compare, like time and success; may be repeated. It is tested unless
+    the design names primary outcomes. Columns that are not compared are only described."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -47,8 +47,8 @@ class TablesOptions:
 
     Try: sandbox study tables studies/NAME
 
-    Frames of trials that are missing are made before, by replays. Exit status 1: a record is not
-    what was sealed, and nothing was written.
+    First, missing frames of trials are made by replays. Exit status 1: records are missing or
+    changed, and no table was written.
     """
 
     folder: Annotated[Path, Parameter(metavar="FOLDER")] = field(kw_only=False)
@@ -70,7 +70,7 @@ def tables(options: TablesOptions, console: Console) -> int:
         console.print("[yellow]until that is decided, the tables are left as they are[/]")
         return 1
     for session in unsealed(study):
-        line = f"{session}: no seal, as where the notes of its site were not copied"
+        line = f"{session}: no seal; perhaps the notes of its site were not copied"
         console.print(f"[yellow]{line}[/]", highlight=False)
     done = make_tables(study, sayer(console), uxf_names=options.uxf_names, compare=True)
     console.print(
@@ -105,15 +105,17 @@ def report(options: ReportOptions, console: Console) -> int:
             lambda text: console.print(f"[yellow]{escape(text)}[/]"),
             lacking,
         )
-    console.print(f"{escape(str(page))}: open it in a browser; tables and analysis.R are beside it")
+    console.print(
+        f"{escape(str(page))}: open it in a browser; tables and analysis.R are in the same folder"
+    )
     return 0
 
 
 def _bring_up_to_date(folder: Path, console: Console) -> str:
-    """Makes the tables of a study; those of a record that has lost something are left.
+    """Makes the tables of a study, unless records of it are lost.
 
     Returns:
-        What the tables lack, in sentences; empty if they are whole.
+        Sentences on data that the tables do not have; empty if the tables are complete.
     """
     from sandbox.study.record.folder import StudyFolder, is_study
     from sandbox.study.tables.tables import make_tables
@@ -126,14 +128,15 @@ def _bring_up_to_date(folder: Path, console: Console) -> str:
         if ppids := print_losses(study, console):
             console.print("[yellow]until that is decided, the tables are left as they are[/]")
             return (
-                f"Records of {', '.join(ppids)} are lost, and nobody has decided about them: some "
-                "trials may be missing here. Restore them from a backup, or `sandbox study note "
-                "--accept-loss` accepts that."
+                f"Records of {', '.join(ppids)} are missing or changed, so trials may be missing "
+                "in this report. Restore the records from a backup, or accept the loss with "
+                "`sandbox study note --accept-loss`."
             )
         make_tables(study, sayer(console), compare=True)
     except HandSandboxError as error:
         console.print(f"[yellow]the newest trials are not in the tables: {escape(str(error))}[/]")
         return (
-            f"The newest trials are missing here, because the tables could not be rebuilt: {error}."
+            "The newest trials are missing in this report, because the tables could not be made "
+            f"again: {error}."
         )
     return ""

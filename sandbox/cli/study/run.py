@@ -1,4 +1,4 @@
-"""`sandbox study run`: one participant's session, on their page, in a window or in the terminal."""
+"""`sandbox study run`: runs a participant's session, on a page, in a window or in the terminal."""
 
 from __future__ import annotations
 
@@ -43,9 +43,9 @@ if TYPE_CHECKING:
     from sandbox.trial.settings import Settings
 
 LONG_PAUSE = 1800.0
-"""s without a record after which a participant may have forgotten what was practised."""
+"""Time (s) without a record after which a participant may have forgotten the practice."""
 FAREWELL = 1.0
-"""s in which the page receives its last message before the program ends."""
+"""Time (s) for the page to receive its last message before the program ends."""
 
 
 def run(options: StudyRunOptions, console: Console) -> int:
@@ -75,13 +75,13 @@ def run(options: StudyRunOptions, console: Console) -> int:
             "this design is not for real participants yet",
             where=str(options.file),
             got=str(wrong[0]),
-            remedy="Correct it, or try it by --pilot",
+            remedy="Correct the design, or try it with --pilot",
         )
     study = StudyFolder(options.out, design, mode, options.force_upgrade, options.site)
     say = sayer(console)
     say_noted(study, say)
     if options.force_upgrade and study.participants():
-        # Tables follow the new design whatever becomes of the next session.
+        # The tables must have the columns of the new design, even if no further session is run.
         make_tables(study, say)
     controls = Controls(say)
     terminal = Terminal(controls, answers=not options.has_page)
@@ -91,7 +91,7 @@ def run(options: StudyRunOptions, console: Console) -> int:
         say(
             f"{person.ppid} has finished session {number - 1} of {design.sessions}. Begin the next?"
         )
-        if not _agreed(terminal, say, f"--session {number} begins it"):
+        if not _agreed(terminal, say, f"--session {number} begins that session"):
             say(f"session {number} was not begun")
             return 0
     found = shlex.join(["sandbox", "study", "report", str(study.path)])
@@ -99,7 +99,7 @@ def run(options: StudyRunOptions, console: Console) -> int:
         done, of = session.state.done(session.steps)
         if session.resumed and not options.resume and not session.state.complete:
             far = f"{done} of {counted(of, 'trial')}"
-            say(f"{person.ppid} has done {far}. Go on with the next?")
+            say(f"{person.ppid} has done {far}. Continue with the next trial?")
             if not _agreed(terminal, say, "--resume goes on"):
                 say("nothing was played; the session can be resumed later")
                 return 0
@@ -108,13 +108,13 @@ def run(options: StudyRunOptions, console: Console) -> int:
         if session.state.complete:
             bring_up_to_date(session, say)
             say(f"{person.ppid}{of_several}: complete, so nothing was played")
-            say(f"what was found so far: {found}; the next person: --participant new")
+            say(f"for the results so far: {found}; the next person: --participant new")
             return 0
         say(
             f"participant {person.ppid}"
             + of_several
             + (", a pilot" if options.pilot else "")
-            + f"; {'' if options.has_page else '/'}h and Enter shows your keys"
+            + f"; {'' if options.has_page else '/'}h and Enter show your keys"
         )
         with ExitStack() as closing:
             if options.mirror is not None:
@@ -128,22 +128,22 @@ def run(options: StudyRunOptions, console: Console) -> int:
             outcome = _play(options, session, page, camera, controls, terminal, console, pictures)
     say(f"{person.ppid}{of_several}: {outcome}")
     if outcome == "stopped":
-        say(f"to go on: {again(options, person.ppid)}")
+        say(f"to continue: {again(options, person.ppid)}")
     say(f"the data are in {study.path}")
-    say(f"what was found so far: {found}")
+    say(f"for the results so far: {found}")
     return 0
 
 
 def _agreed(terminal: Terminal, say: Callable[[str], object], otherwise: str) -> bool:
-    """Returns True if the experimenter says yes.
+    """Waits for an answer to a question that was printed; returns True if it is yes.
 
     Args:
-        terminal: Where the question was asked.
-        say: Prints which answers there are.
-        otherwise: Option that answers the question, and its effect.
+        terminal: Terminal in which the experimenter answers.
+        say: Prints the possible answers.
+        otherwise: Option that answers the question, and its effect; for the error.
 
     Raises:
-        StudyError: The input has ended, so that nobody can answer.
+        StudyError: The input has ended without an answer.
     """
     from sandbox.study.run.controls import YES_OR_NO
 
@@ -157,7 +157,7 @@ def offer_to_begin_again(
     """After a long pause in a block, asks whether the block begins again with its practice.
 
     Raises:
-        StudyError: The input has ended, so that nobody can answer.
+        StudyError: The input has ended without an answer.
     """
     from sandbox.study.design.session_plan import trials_of
 
@@ -168,8 +168,8 @@ def offer_to_begin_again(
     trials = counted(len(trials_of(again)), "trial")
     say(
         f"{session.person.ppid} was away for {minutes}, after {trials} of this block. Go on there, "
-        "or begin the block again with its instructions and practice? What was done of it stays, "
-        "and does not count"
+        "or begin the block again with its instructions and practice? If it begins again, its "
+        "earlier trials are stored but do not count"
     )
     ways = ("go on", "begin again")
     ended = partial(_input_ended, "--resume goes on")
@@ -178,7 +178,7 @@ def offer_to_begin_again(
 
 
 def _input_ended(otherwise: str) -> StudyError:
-    """The error of a question that nobody is there to answer.
+    """The error for a question without an answer.
 
     Args:
         otherwise: Option that answers the question, and its effect.
@@ -193,8 +193,10 @@ def _input_ended(otherwise: str) -> StudyError:
 def _open_page(
     options: StudyRunOptions, session: SessionFolder, console: Console, closing: ExitStack
 ) -> StudyPage | None:
-    """Serves the participant's page, and that of the second hand beside it where it is wanted, and
-    prints how to open them; None without a page."""
+    """Serves the participant's page, and prints how to open it; None without a page.
+
+    With `--second-device web`, the page of the second hand is served, too.
+    """
     if not options.has_page:
         return None
     two = options.second_device == "web"
@@ -250,7 +252,8 @@ def _camera(
     console: Console,
     closing: ExitStack,
 ) -> SessionCamera | None:
-    """The session's camera, on from the first trial that needs it; None if no trial does."""
+    """The session's camera, which the first trial that needs it switches on; None without an
+    engine."""
     from sandbox.study.run.run_device import before_cameras
     from sandbox.study.run.session_camera import SessionCamera
 
@@ -269,7 +272,7 @@ def _camera(
 
 
 def _pictures(session: SessionFolder) -> TaskPictures:
-    """Pictures of the tasks of what is left of a session."""
+    """Pictures of the tasks of a session's unfinished trials."""
     from sandbox.study.run.task_pictures import TaskPictures
 
     return TaskPictures(_settings_left(session))
@@ -314,7 +317,7 @@ def _play(
         forms = PageForms(page, lambda: controls.paused)
     else:
         if simulated:
-            say("questions come here in the terminal; `sandbox study simulate` asks nobody")
+            say("questions come here in the terminal; `sandbox study simulate` asks no questions")
         forms = TerminalForms(terminal, lambda text: console.print(text, markup=False), repeated)
     player = _player(options, session, page)
     own = session.study.design.page.words.get(person.language)

@@ -28,12 +28,12 @@ NOT_REPEATED = (
     "resume",
     "force_upgrade",
 )
-"""Options that are not copied to the command that continues a session."""
+"""Options that are not copied to the command that resumes a session."""
 
 
 @dataclass(frozen=True)
 class _Design:
-    """What stands behind the command; its base comes first, as a positional argument must."""
+    """The positional argument. It is a base class, so that it comes before all other options."""
 
     file: Annotated[Path, Parameter(metavar="DESIGN")]
     """Design file."""
@@ -45,25 +45,26 @@ class StudyRunOptions(PageOptions, _Design):
 
     `sandbox study run design.toml --participant new --tablet` prints a QR code. Scan it with the
     participant's tablet, which then shows the whole session. --device web does the same in a
-    browser on this machine. Otherwise trials are in a window, and forms on a page beside it.
+    browser on this machine. Otherwise trials are in a window, and forms on a page in a browser.
 
-    The terminal is for the experimenter: h and Enter shows the keys. If forms are in the terminal,
+    The terminal is for the experimenter: h and Enter show the keys. If forms are in the terminal,
     too, type a slash before a key.
     """
 
     participant: Annotated[str, Parameter(metavar="new|ID")] = ""
-    """new, or the id of a participant who has begun. Without this option, their ids are listed."""
+    """new, or the id of a participant who has begun. Without this option, the ids of unfinished
+    participants are listed."""
 
     out: Annotated[Path, Parameter(metavar="DIR")] = Path("studies")
     """Folder of studies."""
 
     site: Annotated[str, Parameter(metavar="LETTER")] = "A"
-    """Letter of the place where this computer is: numbers and orders count at each place by
-    themselves, and folders of several places are merged by copying."""
+    """Letter of the place of this computer. Each place numbers its own participants, and so has its
+    own orders. Folders of several places are merged by copying."""
 
     mirror: Annotated[Path | None, Parameter(metavar="DIR")] = None
-    """Folder on a second disk that gets every record and recording as it is written. Where it
-    fails, the session goes on, and the mirror catches up."""
+    """Folder on a second disk to which every record and recording is copied as it is written. If
+    copying fails, the session continues, and the mirror catches up later."""
 
     pilot: bool = False
     """Rehearse: the data go to a separate folder and never mix with those of the study."""
@@ -74,45 +75,45 @@ class StudyRunOptions(PageOptions, _Design):
     user, in a pilot only."""
 
     second_device: Annotated[str | None, Parameter(metavar="DEVICE")] = None
-    """Device of the second hand, in tasks for two hands. web: a page of its own, where the first
-    hand has one. tuio, evdev: as for --device. simulated: a simulated user. Not needed if both
-    hands are on one surface (one_surface in the design) or over one Leap."""
+    """Device of the second hand, in tasks for two hands. web: a second page, if the first hand has
+    a page. tuio, evdev: as for --device. simulated: a simulated user. Not needed if both hands are
+    on one surface (one_surface in the design) or over one Leap."""
 
     view: Literal["window", "none"] = "window"
     """none: trials without a window, for example if another program shows them. With --device web,
-    trials are on the page in any case. Questions are still asked: `sandbox study simulate` runs a
-    study with nobody there."""
+    trials are on the page in any case. Questions are still asked; `sandbox study simulate` runs a
+    study without people."""
 
     forms: Literal["auto", "page", "terminal"] = "auto"
     """Place of consent, instructions, questions and breaks. auto: on the page, or in the terminal
     with --device simulated."""
 
     no_browser: bool = False
-    """Do not open a browser for forms beside a window; the link is printed in any case."""
+    """Do not open a browser for the page with forms; its link is printed in any case."""
 
     hand: Literal["right", "left"] = "right"
     """Hand of a new participant."""
 
     hand_size: float = 1.0
-    """Length of a new participant's hand relative to the trained hand; `sandbox hand measure`
-    measures it."""
+    """Length of a new participant's hand, relative to the hand on which the encoders were trained;
+    `sandbox hand measure` measures it."""
 
     language: str = ""
-    """Language of a new participant. Default: the first one of the design."""
+    """Language of a new participant. Default: the first language of the design."""
 
     session: Annotated[int | None, Parameter(metavar="N")] = None
     """Number of the session, for designs with several `sessions`. Default: the first unfinished
-    one."""
+    session."""
 
     resume: bool = False
     """Continue an interrupted session without asking."""
 
     force_upgrade: Annotated[str, Parameter(metavar="REASON")] = ""
-    """Continue although program, encoder or design have changed; the reason is logged."""
+    """Continue although program, encoder or design have changed; the reason is recorded."""
 
     leap: Annotated[str, Parameter(metavar="URL")] = ""
     """WebSocket address of leapd or of the Ultraleap bridge, for trials with `device = "leap"`.
-    Default: its usual address."""
+    Default: the usual address of the service."""
 
     lsl: bool = False
     """Send touches, poses and markers over Lab Streaming Layer (extra `lsl`)."""
@@ -143,7 +144,7 @@ class StudyRunOptions(PageOptions, _Design):
 
 
 def again(options: StudyRunOptions, ppid: str) -> str:
-    """Returns the command that continues a participant's session."""
+    """Returns the command that resumes a participant's session."""
     words = ["sandbox", "study", "run", str(options.file), "--participant", ppid]
     for option in fields(options):
         value = getattr(options, option.name)
@@ -156,7 +157,12 @@ def again(options: StudyRunOptions, ppid: str) -> str:
 
 
 def check_options(options: StudyRunOptions) -> None:
-    """Checks that options fit together, before anything is written."""
+    """Checks that the options can be combined, before anything is written.
+
+    Raises:
+        InputError: Options cannot be combined, or a device cannot be opened.
+        StudyError: A simulated user would be a real participant.
+    """
     from sandbox.devices.device import Place
     from sandbox.devices.files.touch_files import guessed_surface
     from sandbox.devices.registry import DEVICES, built_in
@@ -174,22 +180,22 @@ def check_options(options: StudyRunOptions) -> None:
     if options.touches == "web":
         if options.device not in ("web", "mouse"):
             raise InputError(
-                "touches come from the page or from elsewhere, not both",
+                "touches come from the page or from another device, but not from both",
                 where="--tablet, --lan",
                 got=f"--device {options.device}",
-                remedy="Leave one of them out",
+                remedy="Leave out one of these options",
             )
         if options.forms == "terminal":
             raise InputError(
                 "with trials on the page, forms are on the page, too",
                 where="--forms terminal",
-                remedy="Leave it out",
+                remedy="Leave out --forms",
             )
         return
     if options.view == "window" and not has_display():
         raise InputError(
             "no display to open a window on",
-            remedy="--device web runs trials on a page, --view none without a view",
+            remedy="Use --device web for trials on a page, or --view none for no view",
         )
     if options.view == "none" and options.device == "mouse":
         raise InputError(
@@ -198,12 +204,12 @@ def check_options(options: StudyRunOptions) -> None:
             remedy="Use --device web or --device tuio",
         )
     if options.device not in ("mouse", "simulated"):
-        # Errors of a device are reported now, and not after the forms.
+        # The device is opened once, so that its errors are reported now and not after the forms.
         touch_device(options).open(Place(guessed_surface())).close()
 
 
 def check_leap(options: StudyRunOptions, design: Design) -> None:
-    """Checks the Leap, too, if the design has trials over it."""
+    """Checks that the Leap can be opened, if the design has trials over a Leap."""
     from sandbox.devices.leap.leap import open_leap
     from sandbox.study.design.conditions import combinations, values_of
     from sandbox.study.design.session_plan import over_a_leap
@@ -214,10 +220,10 @@ def check_leap(options: StudyRunOptions, design: Design) -> None:
 
 
 def check_camera(options: StudyRunOptions, design: Design) -> Path | None:
-    """Finds what sees hands, if the design has trials before a camera; None if it has none.
+    """Finds the engine that finds hands in pictures; None if the design needs no camera.
 
     Raises:
-        InputError: It is not installed, or a simulated participant would need a camera.
+        InputError: The engine is not installed, or a simulated participant would need a camera.
     """
     from sandbox.devices.webcam.engine import installed_engine
     from sandbox.study.design.conditions import uses_camera
@@ -234,10 +240,10 @@ def check_camera(options: StudyRunOptions, design: Design) -> Path | None:
 
 
 def check_second_device(options: StudyRunOptions, design: Design) -> None:
-    """Checks the second hand's device, if the design has trials for two hands.
+    """Checks the device of the second hand.
 
     Raises:
-        InputError: The device is missing, not needed, or cannot be used beside the first one.
+        InputError: The device is missing, is not needed, or cannot be used with the first device.
     """
     from sandbox.devices.device import Place
     from sandbox.devices.files.touch_files import guessed_surface
@@ -251,11 +257,11 @@ def check_second_device(options: StudyRunOptions, design: Design) -> None:
     if name is None:
         if wanted and options.device != "simulated":
             raise InputError(
-                "the design has trials for two hands, and there is a device for only one",
+                "the design has trials for two hands, but there is a device for one hand only",
                 where="--second-device",
                 expected="web, mouse, tuio, evdev, evdev:NODE or simulated",
-                remedy="Or write one_surface = true or second_device = 'simulated' "
-                "under [settings] of the design",
+                remedy="Add --second-device, or write one_surface = true or "
+                "second_device = 'simulated' under [settings] of the design",
             )
         return
     if not wanted:
@@ -263,12 +269,12 @@ def check_second_device(options: StudyRunOptions, design: Design) -> None:
             "no trial of the design needs a second device",
             where="--second-device",
             got=name,
-            remedy="Leave it out",
+            remedy="Leave out --second-device",
         )
     if name == "web":
         if options.touches != "web":
             raise InputError(
-                "a page cannot be the second one beside another device",
+                "the second hand can use a page only if the first hand uses a page",
                 where="--second-device web",
                 got=f"--device {options.device}",
                 remedy="Use --tablet or --device web for the first hand",
@@ -277,7 +283,7 @@ def check_second_device(options: StudyRunOptions, design: Design) -> None:
     kind = named_device(name, "--second-device").entry.kind
     if name not in ("mouse", PARTNER) and (kind.in_scene or kind.in_air or not kind.live):
         raise InputError(
-            "this device cannot be the second one in a study",
+            "this device cannot be the second device of a study",
             where="--second-device",
             got=name,
             expected="a live device of touches, the mouse or simulated",
@@ -287,7 +293,7 @@ def check_second_device(options: StudyRunOptions, design: Design) -> None:
             "one device cannot be used for both hands",
             where="--second-device",
             got=name,
-            remedy="Name another one, such as evdev:NODE",
+            remedy="Name another device, such as evdev:NODE",
         )
     if name == "mouse" and (options.touches == "web" or options.view == "none"):
         raise InputError(
@@ -309,7 +315,7 @@ def check_page(options: StudyRunOptions) -> None:
 
 
 def touch_device(options: StudyRunOptions) -> DeviceSettings:
-    """The touch device.
+    """The touch device of the first hand.
 
     Raises:
         InputError: An option of another device is given.
@@ -318,7 +324,10 @@ def touch_device(options: StudyRunOptions) -> DeviceSettings:
 
 
 def second_touch_device(options: StudyRunOptions) -> DeviceSettings | None:
-    """The touch device of the second hand; for TUIO, its port is one higher."""
+    """The touch device of the second hand; None without one.
+
+    If both hands use TUIO, the port of the second device is one higher.
+    """
     if options.second_device is None:
         return None
     port = options.port + 1 if options.port and options.device == "tuio" else options.port

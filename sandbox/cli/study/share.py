@@ -1,4 +1,4 @@
-"""`sandbox study share`: the folder of a study for others."""
+"""`sandbox study share`: makes an anonymous copy of a study."""
 
 from __future__ import annotations
 
@@ -25,15 +25,15 @@ Out = Annotated[Path, Parameter(metavar="FOLDER")]
 
 @dataclass(frozen=True, kw_only=True)
 class ShareOptions:
-    """Makes the folder of a study for others, such as for OSF: without names, dates and words.
+    """Makes a copy of a study to publish, such as on OSF: without names, dates and free text.
 
     Try: sandbox study share studies/NAME --out NAME-shared
 
-    Only fields that are declared to be shared go into it. Participants get new pseudonyms, of
-    which there is no list, every session begins on 1 January 2000, and who did not agree to the
-    consent form is left out. The folder replays and reports like the study. The page "What becomes
-    of a study's data" of the site (docs/privacy.md in the repository) explains what can still be
-    found out.
+    Only fields that are declared as shared are copied. Participants get new pseudonyms; no list of
+    old and new pseudonyms is written. Every session begins on 1 January 2000. People who did not
+    agree to the consent form are left out. The copy can be replayed and reported like the study.
+    The page "What becomes of a study's data" of the site (docs/privacy.md in the repository)
+    describes what may still identify a person.
     """
 
     folder: Folder = field(kw_only=False)
@@ -43,19 +43,20 @@ class ShareOptions:
     """New folder."""
 
     keep_words: bool = False
-    """Keep free-text answers and the experimenter's notes; read all of them before you share
-    them."""
+    """Keep free-text answers and the experimenter's notes. Read all of them before you publish the
+    copy."""
 
     keep_hands: bool = False
-    """Keep recordings over a Leap, which contain the lengths of fingers, and recordings of hands
-    whose exact size fewer than five participants share."""
+    """Keep recordings that reveal the shape of a hand: of hands in the air, which contain the
+    lengths of fingers; of hands whose exact size fewer than five participants have; and of sessions
+    that learn layouts of fingers."""
 
     drop: Annotated[tuple[str, ...], Parameter(metavar="ITEM")] = ()
     """Demographic item to leave out; may be repeated."""
 
     bin: Annotated[tuple[str, ...], Parameter(metavar="ITEM:WIDTH")] = ()
-    """Demographic number to round down, such as age:10, or hand_size (default hand_size:0.1); may
-    be repeated."""
+    """Demographic number, or hand_size, to round down to a multiple of WIDTH, such as age:10
+    (default: hand_size:0.1); may be repeated."""
 
     recordings: Annotated[bool, Parameter(negative="--no-recordings")] = True
     """Include recordings. Without them, trials cannot be replayed from the folder."""
@@ -142,31 +143,32 @@ def _print_summary(done: Shared, out: Path, console: Console) -> None:
     people = counted(done.people, "participant")
     console.print(f"{escape(str(out))}: {people} without names or dates")
     if done.without_consent:
-        console.print(f"  {done.without_consent} who did not agree are left out")
+        refused = counted(done.without_consent, "participant")
+        console.print(f"  {refused} without consent left out")
     if done.hands:
         console.print(
-            f"  {done.hands} recordings are left out: they hold the lengths of fingers, or a size "
-            "of the hand that few share; --keep-hands keeps them"
+            f"  {counted(done.hands, 'recording')} left out because they reveal the shape of a "
+            "hand; --keep-hands keeps them"
         )
     sizes = done.groups
     if not sizes.exposed:
         others = sizes.smallest - 1
         console.print(
-            f"  k = {sizes.smallest}: everybody shares hand, language and demographic answers with "
-            f"{others} others or more"
+            f"  k = {sizes.smallest}: at least {others} other participants have the same hand, "
+            "language and demographic answers as each participant"
         )
     elif not sizes.columns:
         console.print(
-            f"[yellow]k = {sizes.smallest}: the folder has fewer than {SMALLEST} people, who may "
-            "be recognised by who knows that they took part. Only more participants change that[/]"
+            f"[yellow]k = {sizes.smallest}: the folder has fewer than {SMALLEST} people. Whoever "
+            "knows that they took part may recognise them. Only more participants change that[/]"
         )
     else:
         several = sizes.exposed != 1
         console.print(
             f"[yellow]k = {sizes.smallest}: {counted(sizes.exposed, 'person', 'people')} "
             f"{'share' if several else 'shares'} their {', '.join(sizes.columns)} with fewer than "
-            f"{SMALLEST - 1} others, and may be recognised by who knows them. --bin ITEM:WIDTH and "
-            "--drop ITEM make groups larger[/]"
+            f"{SMALLEST - 1} others, and may be recognised by people who know them. --bin "
+            "ITEM:WIDTH and --drop ITEM make groups larger[/]"
         )
 
 

@@ -1,4 +1,4 @@
-"""`sandbox study simulate`: a study with simulated participants."""
+"""`sandbox study simulate`: runs a study with simulated participants."""
 
 from __future__ import annotations
 
@@ -31,16 +31,16 @@ class StudySimulateOptions:
     """Folder of studies."""
 
     participants: Annotated[int | None, Parameter(metavar="N")] = None
-    """Number of participants. Default: that of the design."""
+    """Number of participants. Default: the number in the design."""
 
     site: Annotated[str, Parameter(metavar="LETTER")] = "A"
-    """Letter of the place of these participants; numbers count at each place by themselves."""
+    """Letter of the place of these participants. Each place numbers its own participants."""
 
     resume: bool = False
     """Continue an earlier run, even if it was interrupted."""
 
     force_upgrade: Annotated[str, Parameter(metavar="REASON")] = ""
-    """Continue although program, encoder or design have changed; the reason is logged."""
+    """Continue although program, encoder or design have changed; the reason is recorded."""
 
 
 def simulate(options: StudySimulateOptions, console: Console) -> int:

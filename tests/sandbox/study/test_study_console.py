@@ -206,7 +206,7 @@ def test_a_session_in_the_terminal_asks_plays_and_hears_the_experimenter(
     assert told.count("type 1 yes, 2 no, then Enter") == 2, "`maybe` was asked again"
     folder = tmp_path / "quick-pilot"
     assert f"the data are in {folder}\n" in told
-    assert f"what was found so far: sandbox study report {folder}\n" in told
+    assert f"for the results so far: sandbox study report {folder}\n" in told
     assert [r["answer"] for r in rows_of(folder / "tables/answers.csv")] == ["33", "25", "95"]
     assert {r["mode"] for r in rows_of(folder / "tables/trials.csv")} == {"pilot"}
     notes = [

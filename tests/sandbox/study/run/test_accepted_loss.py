@@ -75,7 +75,7 @@ def test_a_session_whose_journal_has_lost_records_is_not_continued_and_stays_as_
         run_simulated(study, 1, quiet)
     assert main(["study", "tables", str(study.path)]) == 1
     said = capsys.readouterr().out
-    assert "it is not what was written" in said and f"T00{TRIALS}.jsonl: trial {TRIALS}" in said
+    assert "records are missing or changed" in said and f"T00{TRIALS}.jsonl: trial {TRIALS}" in said
     ppid = study.participants()[0].ppid
     assert main(["study", "note", str(study.path), "--participant", ppid, "--exclude", "r"]) == 1
     assert main(["replay", str(study.path), "--verify"]) == 1
@@ -154,11 +154,11 @@ def test_a_report_and_a_copy_of_a_study_that_lost_records_say_so_and_leave_its_t
     out = study.path.parent
     assert main(["study", "report", str(study.path), "--out", str(out / "report")]) == 0
     said = capsys.readouterr().out
-    assert "it is not what was written" in said and f"sandbox study note {study.path}" in said
+    assert "records are missing or changed" in said and f"sandbox study note {study.path}" in said
     assert "until that is decided, the tables are left as they are" in said
     assert (study.path / "tables/trials.csv").read_bytes() == before
     page = (out / "report" / "report.html").read_text(encoding="utf-8")
-    lost = f"Records of {study.participants()[0].ppid} are lost"
+    lost = f"Records of {study.participants()[0].ppid} are missing or changed"
     assert lost in page[: page.index("</header>")]
     shared = ["--out", str(out / "shared")]
     assert main(["study", "share", str(study.path), *shared]) == 0
