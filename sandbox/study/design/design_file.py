@@ -166,7 +166,7 @@ def _design(top: TomlTable, text: str, path: Path) -> Design:
 
 
 def _digest(text: str, forms: tuple[Form, ...], own: tuple[str, str] | None) -> str:
-    """Digest of the design, of its questionnaire files, and of the file of its own measure."""
+    """Digest of the design, its questionnaire files, and the file of the study's own measure."""
     digest = blake2b(text.encode(), digest_size=16)
     sources = {form.source for form in forms if form.source} | ({own} if own else set())
     for name, content in sorted(sources):

@@ -47,7 +47,7 @@ SHOWS = {
     "fingers": "names, colours and forces at the rings under the fingers",
     "sound": "sounds of contacts",
     "demo": "a simulated user on the same table, before a session's first trial of a task",
-    "hint": "how the task is done, in words, until it is well under way",
+    "hint": "a text on how the task is done, until the task is well under way",
     "result": "after a trial its time, or the condition of the goal that was missed",
 }
 """Items that the participant sees or hears."""

@@ -1,10 +1,10 @@
 """The tests that the report makes of a study, and their power.
 
 The power says which difference a number of people can find, and how many people are needed to find
-a difference. Differences are in units of a standard deviation over people. If each person does both
-levels, it is that of the difference between the levels; if each person does one level, it is that
-of the person's value. The tests are two-sided t tests at the level of Holm's first step: 0.05
-divided by the number of tests of the study.
+a difference. Differences are in units of a standard deviation (SD) over people. If each person does
+both levels, this is the SD of the difference between the levels. If each person does one level, it
+is the SD of the person's value. The tests are two-sided t tests at the level of Holm's first step:
+0.05 divided by the number of tests of the study.
 """
 
 from __future__ import annotations

@@ -53,7 +53,8 @@ class Measure:
             returns a number that is not finite, the cell is empty and the reason is printed. None
             for the throughput, which is a measure of several trials.
         better: `HIGH` or `LOW`, the better direction; empty if neither is better.
-        scale: How a report averages and compares values; see `LIMIT` and the others.
+        scale: How a report averages and compares values: one of `LIMIT`, `SHARE`, `COUNT`, `LOG`
+            and `PLAIN`.
         source: Publication that defines the measure; empty if it was defined for this program.
         low: Smallest possible value.
         words: True if the values are words; exclusion rules and reports cannot use such measures.

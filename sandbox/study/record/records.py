@@ -158,8 +158,8 @@ class Done(_Line, tag=DONE):
 
     Attributes:
         hand: The hand that was measured.
-        calibration: Measured values: of a hand, or the offset of LSL's clock from that of the
-            records.
+        calibration: Measured values: of a hand, or the offset between LSL's clock and the clock of
+            the records.
     """
 
     step: Shared[str]

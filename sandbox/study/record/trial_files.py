@@ -95,7 +95,7 @@ def find_recordings(name: str, out: Path) -> list[Path]:
         where=name,
         expected="a file, or a trial such as NAME/3B5G5T/S001/T007"
         + (f"; in {near} there are {', '.join(sorted(kept)[:6])}" if kept else ""),
-        # Names of files have a suffix, those of trials have none.
+        # Names of files have a suffix; names of trials have none.
         remedy=None if path.suffix else "For studies in another folder, add --out",
     )
 

@@ -1,16 +1,16 @@
-# Fits models in R to a study's tables, for the pairs that the report compares:
+# Fits models in R to a study's tables, for the pairs of levels that the report compares:
 #   Rscript analysis.R [TABLES]
-# It reads the folder TABLES (the study's, ../tables, unless it is given) and results.csv beside this
-# script, and writes results_R.csv, which the next report shows beside its own numbers, on the same
-# scale. Needs lme4, survival, emmeans and ordinal.
+# The script reads the tables in the folder TABLES (default: ../tables, those of the study) and
+# results.csv in the folder of this script. It writes results_R.csv, whose results the next report
+# shows beside its own numbers, on the same scale. Needs lme4, survival, emmeans and ordinal.
 
 options(width = 100)
-# Names of levels may have letters that the locale lacks, as that of many scheduled jobs.
+# Names of levels may have letters that the locale does not support, so a UTF-8 locale is set.
 for (locale in c("C.UTF-8", "en_US.UTF-8"))
   if (!l10n_info()[["UTF-8"]]) suppressWarnings(Sys.setlocale("LC_CTYPE", locale))
 given <- commandArgs(trailingOnly = TRUE)
 folder <- if (length(given)) given[[1]] else "../tables"
-# Tables have these columns by their own names, or by those of UXF.
+# Tables name these columns as the program does, or as UXF does. The names of UXF are used here.
 uxf <- c(participant = "ppid", session = "session_num", trial = "trial_num")
 words <- function(file) {
   table <- read.csv(file, colClasses = "character", check.names = FALSE,
@@ -21,7 +21,8 @@ words <- function(file) {
 }
 number <- function(text) suppressWarnings(as.numeric(text))
 
-# Trials that count, without practice, in order; then those that are not excluded.
+# First the trials that count, without practice, in order: practice_ is the logarithm of a trial's
+# number in them. Then excluded trials and trials without a result are left out.
 trials <- words(file.path(folder, "trials.csv"))
 trials <- trials[trials$counted == "1" & trials$practice != "1", ]
 trials <- trials[order(number(trials$session_num), number(trials$trial_num)), ]
@@ -35,8 +36,8 @@ scores <- if (file.exists(scores)) words(scores) else NULL
 pairs <- words("results.csv")
 pairs <- pairs[pairs$row == "pair" & pairs$estimate != "", ]
 
-# Rows of an outcome: the person, the value, practice, and factors f1_, f2_, ... whose levels are
-# L1, L2, ...; `names` has the names of factors and levels.
+# Data for the model of an outcome. `rows` has the person, the value y, practice, and the factors
+# f1_, f2_, ..., whose levels are L1, L2, ... `names` has the names of the factors and levels.
 rows_of <- function(outcome, scale) {
   if (scale == "score") {
     table <- scores[scores$instrument == outcome, ]
@@ -65,7 +66,7 @@ terms_of <- function(data) {
   paste(c(sapply(data$names, `[[`, "own"), practice), collapse = " + ")
 }
 
-# Random intercepts of people, and of people with a level that they have met several times.
+# Random intercepts for people, and for each person and level if people did a level several times.
 chance_of <- function(data) {
   several <- Filter(function(own) {
     met <- paste(data$rows$ppid, data$rows[[own]])
@@ -74,7 +75,7 @@ chance_of <- function(data) {
   paste(c("(1 | ppid)", sprintf("(1 | ppid:%s)", several)), collapse = " + ")
 }
 
-# A model with all factors and practice, and effects of people by chance.
+# A model with all factors and practice as fixed effects, and random effects of people.
 fit <- function(data, scale) {
   right <- paste(terms_of(data), chance_of(data), sep = " + ")
   with_y <- function(y) as.formula(paste(y, "~", right))
@@ -90,7 +91,7 @@ fit <- function(data, scale) {
 # Means by the levels of one factor, on the scale of the outcome.
 means_of <- function(model, data, own) {
   if (inherits(model, "clmm")) {
-    # The expected score: classes weighted by their probabilities.
+    # The expected score: the mean of the classes, weighted by their probabilities.
     classes <- emmeans::emmeans(model, as.formula(paste("~ class_ |", own)), mode = "prob")
     weights <- list(score = sort(unique(data$rows$y)))
     return(emmeans::contrast(classes, weights))
@@ -106,7 +107,7 @@ add <- function(pair, model, kind, estimate, low, high, p) {
     model = model, kind = kind, estimate = estimate, low = low, high = high, p = p))
 }
 
-# The second level against the first, by means of a model.
+# Compares the second level of a pair with the first, by the means of a model.
 compare <- function(pair, model, data) {
   factor <- data$names[[pair$factor]]
   weights <- (factor$levels == pair$second) - (factor$levels == pair$first)
@@ -118,7 +119,7 @@ compare <- function(pair, model, data) {
   add(pair, class(model)[[1]], pair$kind, ends[[1]], ends[[2]], ends[[3]], one$p.value[[1]])
 }
 
-# The ratio of times, of which failures were longer than the limit.
+# The ratio of times to success. Trials without success are censored at the time limit.
 survival_ratio <- function(pair, data) {
   rows <- data$rows
   rows$solved_ <- solved[as.numeric(rownames(rows))]
@@ -158,10 +159,10 @@ if (any(tapply(solved, condition, mean) %in% c(0, 1)))
   message("success: all or no trials of some combinations succeeded, so that a model of success ",
           "has no finite estimate for them")
 
-# The restricted mean by combination of levels, by survival::survfit.
+# Prints the restricted mean time of each combination of levels, by survival::survfit.
 if (all(is.finite(limits)) && nrow(trials) > 0) {
   time <- pmin(ifelse(solved, number(trials$time_s), limits), limits)
-  # Each combination up to its own limit.
+  # The mean of each combination is restricted to its own limit.
   means <- sapply(unique(condition), function(one) {
     own <- condition == one
     curve <- survival::survfit(survival::Surv(time[own], solved[own]) ~ 1)

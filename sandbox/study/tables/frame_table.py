@@ -349,8 +349,8 @@ def make_frames(recording: Path) -> str:
         recording: Recording of a finished trial.
 
     Returns:
-        Empty if the replay gives the recorded states. Otherwise the differences of this machine or
-        program from those of the recording, or the error of the replay.
+        Empty if the replay gives the recorded states. Otherwise a text: the differences between
+        this machine and program and those of the recording, or the error of the replay.
 
     Raises:
         StudyError: The file cannot be written.

@@ -96,7 +96,8 @@ def make_tables(
     """
     folder = study.path / TABLES
     make_folder(folder)
-    # The lock ensures that of two programs, the one that reads last also writes last.
+    # If two programs make tables at the same time, the program that reads last must write last.
+    # The lock ensures this.
     with locked(folder / ".lock", wait=True):
         remove_unfinished(folder)
         people = _people(study)

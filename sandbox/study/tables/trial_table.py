@@ -170,7 +170,7 @@ def place_columns(design: Design) -> list[Column]:
 
 
 def meaning_of(column: Column) -> str:
-    """Meaning of a field of the result; that of the measure with this name, if there is one."""
+    """Meaning of a field of the result, or of the measure with this name if there is one."""
     measure = find_measure(column.name)
     return column.meaning if measure is None else measure.meaning
 
