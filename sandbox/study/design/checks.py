@@ -388,8 +388,8 @@ def _limits(design: Design, lines: TomlLines) -> Iterator[Flaw]:
         names = ", ".join(f"{name} {time:g} s" for name, time in too_long.items())
         yield Flaw(
             ("trials", "time_limit_s"),
-            f"no trial can succeed whose goal must be held for longer than the limit, "
-            f"{design.time_limit:g} s: {names}",
+            "no trial can succeed: a goal must be held for at least as long as the limit, "
+            f"{design.time_limit:g} s ({names})",
             f"Write more than {max(too_long.values()):g}",
             error=True,
         )

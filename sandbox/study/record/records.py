@@ -219,7 +219,7 @@ class Command(_Line, tag=COMMAND):
     begin a block again.
 
     Attributes:
-        steps: For the last: the steps of the block.
+        steps: Ids of the steps of the block, if it begins again.
     """
 
     command: Shared[str]
