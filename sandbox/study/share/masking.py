@@ -2,7 +2,7 @@
 
 Only fields that are declared as shared are included. Fields of records and notes are declared in
 `sandbox.study.record`, fields of recordings in `sandbox.recording` and `sandbox.trial`, and columns
-of frames in `sandbox.study.tables.frames`. A field that a later version adds is left out until it
+of frames in `sandbox.study.tables.frame_table`. A field that a later version adds is left out until it
 is declared as shared.
 """
 
