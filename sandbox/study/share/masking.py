@@ -2,8 +2,8 @@
 
 Only fields that are declared as shared are included. Fields of records and notes are declared in
 `sandbox.study.record`, fields of recordings in `sandbox.recording` and `sandbox.trial`, and columns
-of frames in `sandbox.study.tables.frame_table`. A field that a later version adds is left out until it
-is declared as shared.
+of frames in `sandbox.study.tables.frame_table`. A field that a later version adds is left out until
+it is declared as shared.
 """
 
 from __future__ import annotations
