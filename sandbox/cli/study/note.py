@@ -87,7 +87,7 @@ def note(options: NoteOptions, console: Console) -> int:
     (kind,) = given
     if options.trial is not None and kind not in ("exclude", "include", "remark"):
         raise InputError(
-            "this option is about a participant, not about a trial",
+            "this option is about a participant, not a trial",
             where=f"--{kind.replace('_', '-')}",
             remedy="Leave out --trial",
         )

@@ -257,7 +257,7 @@ def check_second_device(options: StudyRunOptions, design: Design) -> None:
     if name is None:
         if wanted and options.device != "simulated":
             raise InputError(
-                "the design has trials for two hands, but there is a device for one hand only",
+                "the design has trials for two hands, but there is a device for only one of them",
                 where="--second-device",
                 expected="web, mouse, tuio, evdev, evdev:NODE or simulated",
                 remedy="Add --second-device, or write one_surface = true or "

@@ -65,7 +65,7 @@ def decide(
     if trial is not None and (of is None or trial not in of.state.attempts):
         known = ", ".join(str(n) for n in sorted(of.state.attempts)) if of else ""
         raise StudyError(
-            "this trial has not begun",
+            "no such trial has begun",
             where=f"participant {ppid}, session {session}",
             got=trial,
             expected=known or ", ".join(f"session {s.number}" for s in sessions) or None,
@@ -82,7 +82,7 @@ def decide(
     given = f"number {person.number} was given to {other.ppid} meanwhile"
     if begun:
         return f"{given}: both participants have the orders of this number, and both count"
-    return f"{given}: {ppid} has number {now.number} now, and the orders of that number"
+    return f"{given}: {ppid} has number {now.number} now, and its orders"
 
 
 @dataclass(frozen=True)

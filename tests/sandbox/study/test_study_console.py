@@ -346,7 +346,11 @@ def test_check_plan_new_and_simulate_say_what_they_should(
     assert main(["study", "check", str(file)]) == 2
     assert main(["study", "plan", str(file), "--power", "--participants", "3"]) == 0
     told = capsys.readouterr().out
-    assert "2 errors" in told and "no full cycle" in told and "standard deviation over" in told
+    assert (
+        "2 errors" in told
+        and "do not complete a cycle" in told
+        and "standard deviation over" in told
+    )
     assert "a break of 30 s or longer comes after 4 and 8 trials of a session" in told
     file.write_text(file.read_text().replace("latin", "lattin"))
     assert main(["study", "check", str(file)]) == 2

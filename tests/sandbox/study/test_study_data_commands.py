@@ -136,7 +136,7 @@ def test_a_number_that_was_freed_goes_to_a_newcomer_or_is_taken_back(
     assert main([*note, first.ppid, "--release", "did not come"]) == 0
     assert study.is_released(first.ppid)
     options = StudyRunOptions(Path("design.toml"), participant=first.ppid)
-    with pytest.raises(StudyError, match=r"freed for somebody else.*--include"):
+    with pytest.raises(StudyError, match=r"freed for another participant.*--include"):
         find_participant(options, study, Console())
     assert main([*note, first.ppid, "--include", "came after all"]) == 0
     assert "has number 1 again" in capsys.readouterr().out and not study.is_released(first.ppid)

@@ -148,7 +148,7 @@ def test_a_design_decides_whether_a_second_touch_device_is_needed(
     ("options", "what"),
     [
         ({}, "a device for only one"),
-        ({"second_device": "web"}, "cannot be the second one"),
+        ({"second_device": "web"}, "only if the first hand uses a page"),
         ({"second_device": "mouse"}, "cannot be used for both hands"),
     ],
 )

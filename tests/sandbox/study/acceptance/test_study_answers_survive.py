@@ -70,11 +70,11 @@ def test_a_letter_that_tables_cannot_keep_is_refused_where_it_is_typed(
     text: str, tmp_path: Path
 ) -> None:
     for check in (check_answer, read_answer):
-        with pytest.raises(StudyError, match="tables cannot keep"):
+        with pytest.raises(StudyError, match="tables cannot store"):
             check(TEXT, text)
-    assert "tables cannot keep" in str(parse_command(f"n {text}!"))
+    assert "tables cannot store" in str(parse_command(f"n {text}!"))
     journal = Journal(tmp_path / "session.jsonl")
-    with pytest.raises(StudyError, match="tables cannot keep"):
+    with pytest.raises(StudyError, match="tables cannot store"):
         journal.append("command", command="note", reason={"why": [text]})
     assert journal.records == [] and not (tmp_path / "session.jsonl").read_bytes()
     journal.append("command", command="note", text="a backslash before u0000: \\u0000")

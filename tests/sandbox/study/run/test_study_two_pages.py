@@ -123,7 +123,7 @@ def test_a_page_for_the_second_hand_goes_with_a_page_for_the_first_alone() -> No
     check_second_device(pages, design(PAIRS))
     check_second_device(replace(pages, device="mouse", tablet=True), design(PAIRS))
     assert "--second-device web" in again(pages, "3B5G5T")
-    with pytest.raises(InputError, match="beside another device"):
+    with pytest.raises(InputError, match="only if the first hand uses a page"):
         check_second_device(replace(pages, device="tuio"), design(PAIRS))
     one = PAIRS.replace("carry-together", "box-to-goal")
     with pytest.raises(InputError, match="no trial of the design"):
