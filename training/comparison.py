@@ -1,7 +1,7 @@
-"""Compares a file that was made anew with the one that ships: equal to the byte, or within a bound.
+"""Compares a new file with the shipped file: their bytes, or their contents within bounds.
 
-Processors and releases of libraries round differently, and rounding may decide between two nearly
-equal postures, or grow while a network is trained. The bounds are far below what a user could see.
+Processors and releases of libraries round differently. Rounding may decide between two nearly equal
+postures, or grow while a network is trained. The bounds are far below visible differences.
 """
 
 from __future__ import annotations
@@ -23,60 +23,66 @@ from models.skin.skin import dense
 from training.population.surface_people import surface_person
 
 SAME_POSE = 1e-4
-"""m and rad; poses that differ by less count as equal."""
+"""Difference (m and rad) below which poses count as equal."""
 
 DIFFERENT_FRAMES = 0.01
 """Share of a capture's frames that may differ."""
 
 SAME_PREDICTION = 1e-3
-"""m and rad; greatest root mean square difference of predicted poses."""
+"""Largest root mean square difference (m and rad) of predicted poses."""
 
 SAME_LABELS = 0.97
-"""Least share of layouts that both beliefs label alike. On another processor, where products are
-rounded otherwise, it was 98.5 %: the network goes another way while it is trained."""
+"""Least share of layouts to which both files give the same labels. For a file made on another
+processor, which rounds differently, it was 98.5 %, since training amplifies rounding."""
 
 SAME_RIGHT = 0.005
-"""Greatest difference of the shares of layouts that are labelled right; it was 0.0003 there."""
+"""Largest difference between the shares of correctly labelled layouts. For the same file, it was
+0.0003."""
 
 SAME_WEIGHTS = 5e-4
-"""Greatest difference of a weight of the network of palms, whose file has four decimal places."""
+"""Largest difference of a weight of the palms' network, whose file has four decimal places."""
 
 SAME_SKIN = 4.0
-"""mm, greatest distance of a vertex from the nearest one of the other skin."""
+"""Largest distance (mm) of a vertex from the nearest vertex of the other skin."""
 
 SAME_VOLUME, SAME_COUNT = 0.1, 3.0
-"""%, greatest differences of the volume and of the number of vertices."""
+"""Largest differences (%) of the volume and of the number of vertices."""
 
 SAME_SHARE = 0.02
-"""Greatest mean difference of the weights of nearest vertices, 0 to 1."""
+"""Largest mean difference of the weights (0 to 1) of nearest vertices."""
 
 _LAYOUTS = 20
-"""People whose layouts are labelled, whom no training has seen."""
+"""Number of people whose layouts are labelled. No training uses them."""
 
 
 class Comparison(NamedTuple):
-    """Whether a file agrees with the shipped one, and how they differ."""
+    """Result of a comparison.
+
+    Attributes:
+        agrees: True if the new file agrees with the shipped file.
+        how: Text about the differences.
+    """
 
     agrees: bool
     how: str
 
 
 Compare = Callable[[Path, Path], Comparison]
-"""Compares a file that was made with the shipped one."""
+"""Compares a new file with the shipped file."""
 
 
 def compared(made: Path, shipped: Path, compare: Compare) -> Comparison:
-    """Compares bytes, and the contents where these differ."""
+    """Compares the bytes of two files. If they differ, compares the contents by `compare`."""
     if made.read_bytes() == shipped.read_bytes():
         return Comparison(True, "identical")
     return compare(made, shipped)
 
 
 def compare_captures(made: Path, shipped: Path) -> Comparison:
-    """Contacts must be equal, and poses and touches in all but few frames."""
+    """Captures agree if their contacts are equal, and poses and touches in all but few frames."""
     new, old = load_capture(made), load_capture(shipped)
     if not np.array_equal(new.ids, old.ids):
-        return Comparison(False, "other contacts")
+        return Comparison(False, "the contacts differ")
     moved = np.abs(new.q - old.q).max(axis=1) > SAME_POSE
     moved |= np.nan_to_num(np.abs(new.xy - old.xy)).max(axis=(1, 2)) > SAME_POSE
     share = float(moved.mean())
@@ -88,16 +94,17 @@ def compare_captures(made: Path, shipped: Path) -> Comparison:
 
 
 def compare_polynomials(made: Path, shipped: Path) -> Comparison:
-    """Predictions for the frames of the shipped capture must be equal but for rounding."""
+    """Encoders agree if their predictions for the shipped capture are equal except for rounding."""
     capture = load_capture(shipped.with_name("capture.npz"))
     return _same_predictions(load_model(made, capture), load_model(shipped, capture))
 
 
 def compare_population_encoders(made: Path, shipped: Path) -> Comparison:
-    """People must be the same, and predictions for the stored frames equal but for rounding."""
+    """Encoders agree if they were trained on the same people, and their predictions for the stored
+    frames are equal except for rounding."""
     new, old = load_model(made), load_model(shipped)
     if new.meta["population"] != old.meta["population"]:
-        return Comparison(False, "trained on other people")
+        return Comparison(False, "it was trained on other people")
     return _same_predictions(new, old)
 
 
@@ -106,15 +113,17 @@ def _same_predictions(new: TrainedModel, old: TrainedModel) -> Comparison:
     size = float(np.sqrt(np.mean(off**2)))
     return Comparison(
         size <= SAME_PREDICTION,
-        f"predictions differ by {size:.1e} m or rad (root mean square), of {SAME_PREDICTION:g}",
+        f"predictions differ by {size:.1e} m or rad (root mean square; at most "
+        f"{SAME_PREDICTION:g})",
     )
 
 
 def compare_names(made: Path, shipped: Path) -> Comparison:
-    """People must be the same, and layouts of new people be labelled alike and as often right."""
+    """Labellers agree if they were trained on the same people, and if they label most layouts of
+    other people alike and equally often correctly."""
     new, old = load_population_belief(made), load_population_belief(shipped)
     if new.population != old.population:
-        return Comparison(False, "trained on other people")
+        return Comparison(False, "it was trained on other people")
     layouts = _unseen_layouts()
     ours, theirs = (
         np.array([np.argmax(belief.evidence.log_posterior(xy)) for xy, _ in layouts])
@@ -125,14 +134,15 @@ def compare_names(made: Path, shipped: Path) -> Comparison:
     better = float(np.mean(ours == truth) - np.mean(theirs == truth))
     return Comparison(
         alike >= SAME_LABELS and abs(better) <= SAME_RIGHT,
-        f"{100 * alike:.1f} % of layouts are labelled alike, of {100 * SAME_LABELS:g} % at least, "
-        f"and {100 * better:+.2f} points more are labelled right, of {100 * SAME_RIGHT:g}",
+        f"{100 * alike:.1f} % of layouts have the same labels (at least {100 * SAME_LABELS:g} %); "
+        f"{100 * better:+.2f} percentage points more have correct labels (at most "
+        f"{100 * SAME_RIGHT:g})",
     )
 
 
 def _unseen_layouts() -> list[tuple[Array, int]]:
-    """Layouts (k, 2) m of two to five contacts of people of whom none was trained on, and the rows
-    of the true labellings."""
+    """Layouts (k, 2) m of two to five contacts, of people on whom no file was trained, each with
+    the row of its true labelling."""
     people = [surface_person([1, number]) for number in range(_LAYOUTS)]
     return [
         (xy[down], true_row(np.flatnonzero(down)))
@@ -142,19 +152,20 @@ def _unseen_layouts() -> list[tuple[Array, int]]:
 
 
 def compare_palm_places(made: Path, shipped: Path) -> Comparison:
-    """Weights must be equal but for their last digits."""
+    """Networks agree if their weights are equal except for the last digits."""
     new, old = (json.loads(path.read_text(encoding="utf-8")) for path in (made, shipped))
     shapes = [{name: np.shape(values) for name, values in w.items()} for w in (new, old)]
     if shapes[0] != shapes[1]:
-        return Comparison(False, "a network of another shape")
+        return Comparison(False, "the network has another shape")
     off = max(float(np.abs(np.array(new[name]) - np.array(old[name])).max()) for name in old)
     return Comparison(
-        off <= SAME_WEIGHTS, f"weights differ by {off:g} at most, of {SAME_WEIGHTS:g}"
+        off <= SAME_WEIGHTS, f"weights differ by up to {off:g} (at most {SAME_WEIGHTS:g})"
     )
 
 
 def compare_skins(made: Path, shipped: Path) -> Comparison:
-    """Surfaces and their weights must be equal but for where the meshing library puts vertices."""
+    """Skins agree if their surfaces and weights are equal, except for the places at which the
+    meshing library puts vertices."""
     from scipy.spatial import cKDTree
 
     from training.skin.mesh import volume
@@ -170,16 +181,16 @@ def compare_skins(made: Path, shipped: Path) -> Comparison:
         and larger <= SAME_VOLUME
         and more <= SAME_COUNT
         and heavier <= SAME_SHARE,
-        f"vertices are up to {away:.2f} mm from the other skin, of {SAME_SKIN:g}; "
-        f"the volume differs by {larger:.3f} %, of {SAME_VOLUME:g}; "
-        f"the number of vertices by {more:.1f} %, of {SAME_COUNT:g}; "
-        f"the weights by {heavier:.4f} in the mean, of {SAME_SHARE:g}",
+        f"vertices are up to {away:.2f} mm from the other skin (at most {SAME_SKIN:g}); "
+        f"the volume differs by {larger:.3f} % (at most {SAME_VOLUME:g}); "
+        f"the number of vertices by {more:.1f} % (at most {SAME_COUNT:g}); "
+        f"the weights by {heavier:.4f} in the mean (at most {SAME_SHARE:g})",
     )
 
 
 def _skin(path: Path) -> tuple[Array, NDArray[np.int64], Array]:
-    """Vertices (n, 3) m, triangles (m, 3) and weights (n, 15) of the skin proper, without nails and
-    cuff."""
+    """Vertices (n, 3) m, triangles (m, 3) and weights (n, 15) of the part `skin` of a file, without
+    nails, cuff and sleeve."""
     with np.load(path, allow_pickle=False) as file:
         header = json.loads(bytes(file["header"].tobytes()).decode())
         places = file["rest"] * header["step"] + np.array(header["corner"])

@@ -1,9 +1,9 @@
-"""Training of the network that names contacts, on layouts of a population.
+"""Training of the network that labels contacts, on layouts of a population.
 
-The loss is minus the log probability of the true labelling. Every batch has one number of contacts,
-a set of fingers drawn evenly, and people drawn evenly; layouts are turned, scaled and trembled a
-little. Subsets of touching fingers count as layouts of their own: fingers rest beside others much
-as they do alone.
+The loss is minus the log probability of the true labelling. All layouts of a batch have the same
+number of contacts. The set of fingers and the person of each layout are drawn with equal
+probability, and each layout is rotated, scaled and disturbed a little. A subset of the touching
+fingers also serves as a layout, since fingers rest beside other fingers much as they do alone.
 """
 
 from __future__ import annotations
@@ -39,13 +39,14 @@ class TrainingSettings:
     Attributes:
         sizes: Sizes of the hidden layers; see `pair_network.SHAPES`.
         steps: Number of batches.
-        batch: Layouts in a batch.
-        rate: Greatest step size of Adam; it falls to 0 along half a cosine.
+        batch: Number of layouts in a batch.
+        rate: Largest step size of Adam; it falls to 0 along half a cosine.
         decay: Decay of the weights per step, as a share of the step size.
-        turn: rad, spread of rotations that are added to layouts.
-        growth: Spread of the logarithm of factors on their size.
-        tremble: m, spread of noise on every contact.
-        exact: Share of layouts whose fingers are all that touch.
+        turn: Standard deviation (rad) of the random rotation of a layout.
+        growth: Standard deviation of the logarithm of the random factor on a layout's size.
+        tremble: Standard deviation (m, per axis) of the noise on every contact.
+        exact: Share of layouts that contain all touching fingers; the others are subsets of them,
+            or contain all.
         seed: Seed of weights and batches.
     """
 
@@ -66,7 +67,7 @@ DEFAULT = TrainingSettings({"g": 48, "context": 32, "f": 64, "h": 48})
 
 
 class SeenLayouts(Protocol):
-    """Layouts of a person: captures have them, and more.
+    """Contract for the layouts of a person. A `Capture` fulfils it.
 
     Attributes:
         xy: (T, 5, 2) m, touches by finger; NaN for fingers that do not touch.
@@ -84,8 +85,8 @@ class LayoutPool:
     """Layouts of people, by number of contacts and set of fingers.
 
     Args:
-        people: Their layouts.
-        weights: Weight of every person in draws; by default all are equal.
+        people: The layouts of each person.
+        weights: Weight of every person in draws; by default all weights are equal.
     """
 
     def __init__(
@@ -107,7 +108,17 @@ class LayoutPool:
     def draw(
         self, rng: np.random.Generator, count: int, n: int, exact: float
     ) -> tuple[Array, NDArray[np.intp]]:
-        """Layouts (n, count, 2) m in random order, and their fingers (n, count)."""
+        """Draws layouts.
+
+        Args:
+            rng: Source of randomness.
+            count: Number of contacts in a layout.
+            n: Number of layouts.
+            exact: Share of layouts that are drawn from frames in which no other finger touches.
+
+        Returns:
+            Layouts (n, count, 2) m with contacts in random order, and their fingers (n, count).
+        """
         sets = finger_sets(count)
         chosen = rng.integers(len(sets), size=n)
         alone = rng.random(n) < exact
@@ -151,7 +162,7 @@ def train_network(
     Args:
         pool: Layouts to learn.
         settings: Sizes and schedule.
-        say: Called every 100 steps with the step and the mean loss since then.
+        say: Called every 100 steps with the step and the mean loss of these 100 steps.
     """
     rng = np.random.default_rng(settings.seed)
     weights = initial_weights(rng, settings.sizes)
@@ -191,7 +202,13 @@ def _varied(rng: np.random.Generator, xy: Array, settings: TrainingSettings) -> 
 def loss_and_slopes(
     weights: Weights, xy: Array, fingers: NDArray[np.intp]
 ) -> tuple[float, Weights]:
-    """Mean loss of a batch, and its derivatives by all weights."""
+    """Mean loss of a batch, and its derivatives with respect to all weights.
+
+    Args:
+        weights: Weights of the network.
+        xy: (n, k, 2) m, layouts.
+        fingers: (n, k), true fingers of the contacts.
+    """
     n, k = fingers.shape
     forward = _Forward(weights, xy)
     codes = 5 ** np.arange(k)
@@ -207,7 +224,7 @@ def loss_and_slopes(
 
 
 class _Forward:
-    """The network's layers for a batch of layouts (n, k, 2), and derivatives through them."""
+    """The network's layers for a batch of layouts (n, k, 2) m, and their derivatives."""
 
     def __init__(self, weights: Mapping[str, NDArray[np.float32]], xy: Array) -> None:
         w = self.w = weights
@@ -230,7 +247,8 @@ class _Forward:
         self.scores: NDArray[np.float32] = table @ self.sums.T
 
     def slopes(self, by_score: Array) -> Weights:
-        """Derivatives by the weights, given those by the scores (n, P)."""
+        """Derivatives of the loss with respect to the weights, given those with respect to the
+        scores (n, P)."""
         w = self.w
         n, k = self.features.shape[:2]
         pairs = len(self.pair[0])
@@ -262,7 +280,7 @@ class _Forward:
 
 
 def _summing(count: int) -> NDArray[np.float32]:
-    """Matrix (P, pairs * 25) that sums the scores of pairs to those of labellings."""
+    """Matrix (P, pairs * 25) that adds scores of pairs to the scores of the P labellings."""
     table = _SUMS.get(count)
     if table is None:
         places = score_places(count)

@@ -1,4 +1,4 @@
-"""Training of the names of fingers on a population."""
+"""Training of the labeller of fingers on a population."""
 
 from __future__ import annotations
 
@@ -11,10 +11,11 @@ from training.name_network import DEFAULT, LayoutPool, TrainingSettings, train_n
 from training.population.surface_people import surface_person
 
 SHARES = {"first": 1.0, "second": 1.0, "posed": 0.5, "surface": 1.0}
-"""Share of every source of people in the draws. Posed people have postures that nobody shows."""
+"""Weight of every source of people in the draws. Posed people have a small weight, since real
+people do not show many of their postures."""
 
 SURFACE_PEOPLE = 150
-"""People whose layouts are drawn beside those of the population, as real people put them down."""
+"""Number of additional people, whose layouts are like those of real people (`surface_people`)."""
 
 
 def train_names(
@@ -27,17 +28,17 @@ def train_names(
 
     Args:
         people: People to train on; `meta` names the source of each.
-        population: Digest of the population they are from.
+        population: Digest of the population that contains these people.
         say: Called with the share done and the mean loss of the last 100 steps.
         settings: Sizes and schedule.
 
     Raises:
-        EncoderError: Nobody is there to train on.
+        EncoderError: `people` is empty.
     """
     if not people:
         raise EncoderError(
             "no person of the population is in the group to train on",
-            remedy="`python -m training people --out FILE` makes one with people to train on",
+            remedy="`python -m training people --out FILE` makes a population with such people",
         )
     drawn = [surface_person([settings.seed, i]) for i in range(SURFACE_PEOPLE)]
     sources = [str(person.meta["source"]) for person in people] + ["surface"] * len(drawn)

@@ -1,7 +1,8 @@
-"""Training of the network that judges by its place whether a contact is a palm.
+"""Training of the network that decides by the place of a contact whether the contact is a palm.
 
-Palms and fingertips are those of people of the population: the fingers of a grip, and either one of
-its fingertips or the heel of the hand below it. Half of the contacts are palms. Needs scikit-learn.
+The examples are from people of a population. An example is a contact beside the touching fingers of
+a frame. The contact is either one of these fingers, or the heel of a hand. Half of the contacts are
+palms. Needs scikit-learn.
 """
 
 from __future__ import annotations
@@ -20,31 +21,33 @@ from models.rotations import exp
 from training.population import simulate_population
 
 SALT, PEOPLE = "palms to fit", 30
-"""Salt of the people, and their number from either generator; posed people grip nothing."""
+"""Salt of the people, and their number from each of the two generators. Posed people are not used,
+since they do not grip."""
 
 CONTACTS = 160_000
-"""Contacts that the network is trained on."""
+"""Number of contacts on which the network is trained."""
 
 DOUBTFUL = 26.5
-"""mm, diameter of these palms: of larger and smaller ones the size tells."""
+"""Diameter (mm) of the palms in the examples. For larger and smaller contacts, the size alone shows
+whether the contact is a palm."""
 
 USUAL = (7.0, 14.0)
-"""mm, least and greatest diameter of fingertips."""
+"""Least and greatest diameter (mm) of fingertips."""
 
 OTHER_HAND = 0.15
-"""Share of palms that are another hand's, anywhere around the grip."""
+"""Share of palms that belong to another hand, anywhere around the fingers."""
 
 HIDDEN, EPOCHS, BATCH, RATE, DECAY = 24, 30, 512, 3e-3, 1e-2
-"""Rectifiers, and how they are trained."""
+"""Number of hidden units (rectifiers), epochs, batch size, learning rate and weight penalty."""
 
 DIGITS = 4
-"""Decimal places of the weights in the file."""
+"""Number of decimal places of the weights in the file."""
 
 _SEED = 61_031
 
 Weights = dict[str, list[list[float]] | list[float]]
-"""The file's content: `first` (hidden, inputs), `bias` (hidden,), `second` (hidden,) and `constant`
-(1,)."""
+"""Content of the file: `first` (hidden, inputs), `bias` (hidden,), `second` (hidden,) and
+`constant` (1,)."""
 
 
 def train_palm_places(
@@ -93,7 +96,7 @@ def train_palm_places(
         random_state=1,
     )
     with warnings.catch_warnings():
-        # It ends after so many epochs on purpose.
+        # Training ends after a fixed number of epochs on purpose.
         warnings.simplefilter("ignore", ConvergenceWarning)
         network.fit(np.array(inputs), is_palm)
     progress(1.0)
@@ -109,7 +112,8 @@ def as_text(weights: Weights) -> str:
 
 
 def _grip(people: Sequence[Capture], rng: np.random.Generator) -> tuple[Capture, int, list[int]]:
-    """A person, a frame of theirs, and the fingers that touch in it, two or more."""
+    """A random person, a random frame of this person with two or more touching fingers, and these
+    fingers."""
     while True:
         person = people[int(rng.integers(len(people)))]
         frame = int(rng.integers(len(person)))
@@ -119,7 +123,8 @@ def _grip(people: Sequence[Capture], rng: np.random.Generator) -> tuple[Capture,
 
 
 def _palm_place(person: Capture, frame: int, rng: np.random.Generator) -> Array:
-    """(2,) m on the surface, the middle of a palm: the hand's own heel, or another hand's."""
+    """Position (2,) m on the surface of the middle of a palm: the heel of this hand, or of another
+    hand."""
     if rng.random() < OTHER_HAND:
         tips = person.xy[frame, person.down[frame]]
         return np.asarray(tips.mean(axis=0) + rng.uniform(0.09, 0.16) * _direction(rng))
@@ -137,7 +142,13 @@ def _palm_place(person: Capture, frame: int, rng: np.random.Generator) -> Array:
 
 
 def _clear_of(xy: Array, place: Array, room: Array) -> Array:
-    """A palm's place (2,) led away from the middle of touches (n, 2) until there is room (n,) m."""
+    """A palm's position (2,) m, moved away from the middle of touches until it is clear of them.
+
+    Args:
+        xy: (n, 2) m, the touches.
+        place: (2,) m, position of the palm.
+        room: (n,) m, least distance from each touch.
+    """
     away = place - xy.mean(axis=0)
     away = away / max(float(np.linalg.norm(away)), 1e-6)
     while (np.linalg.norm(xy - place, axis=1) < room).any():
@@ -146,7 +157,8 @@ def _clear_of(xy: Array, place: Array, room: Array) -> Array:
 
 
 def _chosen_finger(fingers: Sequence[int], rng: np.random.Generator) -> int:
-    """Number of a finger among those that touch: half of the time the thumb."""
+    """Index of a random finger in `fingers`. If the thumb touches, it is chosen more often: in half
+    of the draws, and then like any other finger."""
     if 0 in fingers and rng.random() < 0.5:
         return fingers.index(0)
     return int(rng.integers(len(fingers)))

@@ -1,11 +1,11 @@
-"""Training of the pose of any person's hand on a population of simulated people.
+"""Training of the encoder of any person's pose, on a population of simulated people.
 
-A person's layouts are divided by the size of the hand, and so is the place of the wrist. A larger
-hand in the same posture then gives the same numbers, and every person tells something about the
-others. The encoder is the one that turns with the hand (`yaw_normalised`). Its errors are those of
-people it was not trained on. What stays of them, for one person, in all frames is written down by
-itself: a resting posture that touches do not show, and that seeing the hand does
-(`encoders.person.rest_posture`).
+The touches and the wrist's position of a person are divided by the size of the hand. A larger hand
+in the same posture then gives the same numbers, so the encoder can learn from all people together.
+The encoder is `yaw_normalised`, whose predictions rotate with the hand. Its errors are measured on
+people on whom it was not trained. The part of the errors that is the same in all frames of a person
+is stored separately. It comes from the person's resting posture. Touches do not show this posture,
+but a camera or a Leap does (`encoders.person.rest_posture`).
 """
 
 from __future__ import annotations
@@ -32,28 +32,29 @@ from models.pose import ROOT_POSITION, absolute_pose, relative_pose
 from models.skeleton import ADULT
 
 SHARES = {"first": 1.0, "second": 1.0, "posed": 0.25}
-"""Share of every source of people in the frames. Chosen on people to choose on, for encoders that
-had not seen their generator: without posed people such strangers' joint angles are worse, with more
-of them the wrist is."""
+"""Weight of every source of people in the drawn frames. The weights were chosen on the people of
+the group `choose`, for encoders that were trained without their generator. Without posed people,
+errors of joint angles were larger; with more posed people, errors of the wrist were larger."""
 
 RIDGES = (0.03, 0.1)
 """Penalties of the encoder, chosen on the same people."""
 
 FRAMES = 60_000
-"""Most frames that are drawn for a fit; each person of a source gives as many as the others."""
+"""Largest number of frames that are drawn for a fit. Each person of a source gives equally many."""
 
 FOLDS = 3
-"""Parts into which people are divided to measure errors on people who were left out."""
+"""Number of parts into which people are divided, to measure errors on people who were left out."""
 
 JUDGED = 120
-"""Frames of each left-out person in which errors are measured; posed people give their share."""
+"""Number of frames of each left-out person in which errors are measured, times the weight of the
+person's source."""
 
 KEPT = 3
-"""Frames of each person that the model's file keeps: for the mean posture, and for methods that
-look up training frames."""
+"""Number of frames of each person in the model's file. They serve for the mean posture, and for
+methods that look up training frames."""
 
 MOST_PERSONAL = 0.9
-"""Greatest share of the variance, in any direction, that counts as personal."""
+"""Largest share of the errors' variance, in any direction, that counts as personal."""
 
 _LEAST = 1e-10
 """m2 and rad2, added to variances so that their matrix has an inverse."""
@@ -74,7 +75,7 @@ class _Sized:
 
 
 def at_trained_size(capture: Capture, size: float) -> Capture:
-    """The capture of the same postures by a hand of the trained hand's size.
+    """The capture, converted to the same postures of a hand of the trained hand's size.
 
     Args:
         capture: Capture of a hand.
@@ -95,7 +96,7 @@ def train_population(
 
     Args:
         people: Captures of people to train on; `meta` has their `source`, `number` and `size`.
-        population: What the model's `meta` says of the population: JSON values.
+        population: Description of the population for the model's `meta`, as JSON values.
         name: Name of the model.
         progress: Called with the share done, 0 to 1.
 
@@ -107,7 +108,7 @@ def train_population(
             "the population has too few people to train on",
             got=len(people),
             expected=f"{2 * FOLDS} or more",
-            remedy="`python -m training people --out FILE` makes one with people to train on",
+            remedy="`python -m training people --out FILE` makes a population with enough people",
         )
     sized = [_sized(person) for person in people]
     rng = np.random.default_rng(0)
@@ -159,7 +160,7 @@ def _sized(person: Capture) -> _Sized:
 
 
 def _fitted(people: Sequence[_Sized], rng: np.random.Generator) -> YawNormalisedEncoder:
-    """The encoder fitted to frames of people, by the shares of their sources."""
+    """The encoder, fitted to random frames of people with the weights of their sources."""
     sources = [person.source for person in people]
     total = sum(SHARES[source] for source in set(sources))
     drawn = min(FRAMES, sum(len(person.u) for person in people))
@@ -173,14 +174,14 @@ def _fitted(people: Sequence[_Sized], rng: np.random.Generator) -> YawNormalised
 
 
 def _covariances(errors: Sequence[Array], guesses: Sequence[Array]) -> tuple[Array, Array]:
-    """Second moments (48, 48) of errors, and the part of them that a person has in all frames.
+    """Second moments (48, 48) of errors, and their part (48, 48) that is constant for a person.
 
-    The personal part is that of the mean errors in the frame that turns with the hand, less what
-    means of few frames scatter.
+    The personal part is the second moment of the people's mean errors, in the frame that rotates
+    with the hand, minus the variance that means of few frames have by chance.
 
     Args:
         errors: (T, 48) of each person.
-        guesses: (T, 48) the encoder's poses for the same frames.
+        guesses: (T, 48) of each person, poses predicted for the same frames.
     """
     bounded = bounded_errors(np.concatenate(errors))
     parts = np.split(bounded, np.cumsum([len(e) for e in errors])[:-1])
@@ -188,7 +189,8 @@ def _covariances(errors: Sequence[Array], guesses: Sequence[Array]) -> tuple[Arr
     means = np.array([e.mean(axis=0) for e in turned])
     within = sum(np.cov(e, rowvar=False) / len(e) for e in turned) / len(turned)
     covariance = bounded.T @ bounded / len(bounded)
-    # As shares of the errors: none is below 0, and in no direction are all errors personal.
+    # The personal part is expressed as shares of the errors. They are limited, so that no share is
+    # below 0, and in no direction all errors are personal.
     root = np.linalg.cholesky(covariance + _LEAST * np.eye(len(covariance)))
     shares = np.linalg.solve(root, means.T @ means / len(means) - within)
     values, vectors = np.linalg.eigh(np.linalg.solve(root, shares.T))
@@ -199,7 +201,8 @@ def _covariances(errors: Sequence[Array], guesses: Sequence[Array]) -> tuple[Arr
 def _correction(
     left_out: Sequence[tuple[_Sized, NDArray[np.intp], Array]], covariance: Array
 ) -> PersonCorrection:
-    """The correction for people whose bones nobody knows, with a validated trust in touches."""
+    """The correction for people whose bones are unknown. Its distrust of touches is chosen by its
+    errors on left-out people."""
     hand = Kinematics(ADULT)
     poses = np.concatenate([p.q[frames] for p, frames, _ in left_out])
     touches = np.concatenate([p.xy[frames] for p, frames, _ in left_out])
@@ -219,7 +222,7 @@ def _correction(
 
 
 def _numbers(people: Sequence[Capture]) -> dict[str, list[int]]:
-    """Numbers of the people by source, which give their seeds with the population's salt."""
+    """Numbers of the people by source. With the population's salt, they determine the seeds."""
     numbers: dict[str, list[int]] = {}
     for person in people:
         numbers.setdefault(str(person.meta["source"]), []).append(int(person.meta["number"]))

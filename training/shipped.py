@@ -1,6 +1,6 @@
-"""The files that ship and are made by a program, and how each is made and compared.
+"""The shipped files that a program makes, and how each is made and compared.
 
-A maker writes the file that ships; equal inputs give equal bytes on one machine.
+For equal inputs, a maker writes equal bytes on one machine.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from training import comparison
 from training.population import Population
 
 ROOT = Path(__file__).resolve().parents[1]
-"""The checkout."""
+"""Folder of the checkout."""
 
 POPULATION_NAME = "population_pose"
 """Name of the model inside its file."""
@@ -26,7 +26,7 @@ Progress = Callable[[float], None]
 
 @dataclass(frozen=True)
 class Inputs:
-    """What makers may use.
+    """Inputs of makers.
 
     Attributes:
         population: The people to train on; None for a file that needs none.
@@ -43,10 +43,10 @@ class ShippedFile:
 
     Attributes:
         path: Its place in the checkout.
-        about: A line of help.
-        make: Writes the file.
-        compare: Compares a file that was made with the shipped one.
-        on_people: It is trained on the population.
+        about: One line of help.
+        make: Writes a new file.
+        compare: Compares a new file with the shipped file.
+        on_people: True if the file is trained on the population.
     """
 
     path: str
@@ -73,7 +73,7 @@ def _make_polynomial(name: str, out: Path, inputs: Inputs) -> None:
     from encoders.regression.training import save_model, train
     from encoders.store import load_capture
 
-    # As it is read, in single precision.
+    # The capture is read from its file, which has single precision.
     capture = load_capture(FILES["capture"].file)
     save_model(train(capture, name, *POLYNOMIALS[name]), out, training=False)
 
@@ -154,4 +154,4 @@ FILES: dict[str, ShippedFile] = {
         comparison.compare_skins,
     ),
 }
-"""Files by the names of their commands, in the order in which one is made from another."""
+"""Name of a command -> the file that it makes. Files come before those that are made from them."""

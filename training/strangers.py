@@ -1,8 +1,8 @@
-"""Pose and names for people on whom nothing was trained, and how true the probabilities are.
+"""Measures pose, finger labels and their probabilities of people who took no part in the training.
 
-Every person is judged from the beginning of each take, with true names for the pose. Intervals are
-of a bootstrap over people (or days of one person): frames and takes of one person say little about
-the next one.
+Every take of a person is judged from its beginning. The pose is estimated with true labels.
+Intervals are from a bootstrap over people (or over days of one person), since frames and takes of
+one person do not show how much people differ.
 """
 
 from __future__ import annotations
@@ -24,10 +24,10 @@ from encoders.regression.trained import TrainedModel
 from models.arithmetic import Array
 
 BINS = 10
-"""Bins of the reliability curve, equally wide from 0 to 1."""
+"""Number of bins of the reliability curve, equally wide from 0 to 1."""
 
 SURE = 0.99
-"""Probability from which on an answer counts as sure."""
+"""Least probability of a sure answer."""
 
 Progress = Callable[[float], None]
 
@@ -38,10 +38,11 @@ class StrangerResult:
 
     Attributes:
         fingers: (T,) number of contacts.
-        wrist: (T,) cm, error of the wrist with true names.
-        angle: (T,) degrees, mean error of the ball joints with true names.
-        right: (T,) true where all contacts are named right.
-        claimed: (T,) probability that the labeller gave its answer; NaN where nothing was named.
+        wrist: (T,) cm, error of the wrist's position with true labels.
+        angle: (T,) degrees, mean error of the ball joints with true labels.
+        right: (T,) true for frames in which all contacts have correct labels.
+        claimed: (T,) probability of the labels according to the labeller; NaN for frames without
+            labels.
     """
 
     fingers: NDArray[np.int64]
@@ -59,7 +60,7 @@ def judge_stranger(
     Args:
         capture: The person, at the trained hand's size.
         model: Encoder with its correction.
-        labeller: Names the contacts, with history; None leaves names out.
+        labeller: Labels the contacts, with the help of earlier frames; None judges no labels.
     """
     frames = len(capture)
     right, claimed = np.zeros(frames, bool), np.full(frames, np.nan)
@@ -89,7 +90,7 @@ def _name(
 
 
 def summary(people: Sequence[StrangerResult]) -> dict[str, Any]:
-    """Means over all frames with intervals over people, as JSON values."""
+    """Means over all frames, with intervals from a bootstrap over people, as JSON values."""
     person = np.repeat(np.arange(len(people)), [len(p.fingers) for p in people])
     wrist, angle, right, claimed, fingers = (
         np.concatenate([getattr(p, name) for p in people])
@@ -121,13 +122,14 @@ def summary(people: Sequence[StrangerResult]) -> dict[str, Any]:
 
 
 def reliability(claimed: Array, right: NDArray[np.bool_]) -> list[dict[str, float]]:
-    """Reliability curve: what was claimed and what was right, by claimed probability.
+    """Reliability curve: mean claimed probability and share of correct frames, for each bin of the
+    claimed probability.
 
-    The event is that all fingers of a frame are named right. Bins without frames are left out.
+    A frame is correct if all its fingers have correct labels. Bins without frames are left out.
 
     Args:
-        claimed: (n,) probabilities, 0 to 1.
-        right: (n,) whether the event happened.
+        claimed: (n,) claimed probabilities, 0 to 1.
+        right: (n,) true for correct frames.
     """
     bins = np.minimum((BINS * claimed).astype(int), BINS - 1)
     return [
@@ -143,7 +145,8 @@ def reliability(claimed: Array, right: NDArray[np.bool_]) -> list[dict[str, floa
 
 
 def calibration_error(curve: Sequence[dict[str, float]]) -> float:
-    """Mean gap (percent) between claimed and right over the bins, weighted by frames."""
+    """Mean difference (percent) between claimed probability and share of correct frames over the
+    bins, weighted by frames."""
     return 100.0 * sum(b["share"] * abs(b["claimed"] - b["right"]) for b in curve)
 
 

@@ -1,4 +1,4 @@
-"""Both simulated subjects by name, with judged days as `encoders.evaluation.subjects` has them."""
+"""Both simulated subjects by name, as `encoders.evaluation.subjects.Subject`."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from models.errors import EncoderError
 from training.second_subject import FROZEN, SEED, simulate
 
 SUBJECTS = ("first", "second")
-"""Names of the subjects. That of a judged one is in the digest that chooses its days."""
+"""Names of the subjects. The name is a part of the digest that chooses a subject's judged days."""
 
 
 @cache

@@ -146,8 +146,8 @@ def test_a_file_of_other_people_is_written_and_differs(
             "names --out kept.npz --population kept.npz",
             "would replace a file from which it is made",
         ),
-        ("all --out kept.npz", "folder cannot be made"),
-        ("people --out people.npz --share 2", "not a share"),
+        ("all --out kept.npz", "folder cannot be created"),
+        ("people --out people.npz --share 2", "share of people is out of range"),
         ("tables --days 0", "no test day"),
     ],
 )

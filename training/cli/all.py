@@ -16,8 +16,8 @@ from training.shipped import FILES
 
 @dataclass(frozen=True, kw_only=True)
 class AllOptions:
-    """Makes all files that ship into a folder, and compares them with the shipped ones. Exit status
-    1 if one differs by more than rounding.
+    """Makes all files that ship, in a folder, and compares them with the shipped files. The exit
+    status is 1 if a file differs by more than rounding.
 
     Try:
 
@@ -25,10 +25,10 @@ class AllOptions:
     """
 
     out: Annotated[Path, Parameter(metavar="FOLDER")]
-    """Folder for the files; it is made if there is none."""
+    """Folder for the files; it is created if it does not exist."""
 
     population: Annotated[Path | None, Parameter(metavar="FILE")] = None
-    """People to train on, by `python -m training people`. Default: they are made anew."""
+    """People to train on, written by `python -m training people`. Default: simulate them again."""
 
 
 def main(argv: list[str]) -> int:
@@ -39,7 +39,7 @@ def main(argv: list[str]) -> int:
         options.out.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise InputError(
-            "the folder cannot be made", where=f"--out {options.out}", got=str(error)
+            "the folder cannot be created", where=f"--out {options.out}", got=str(error)
         ) from error
     agree = [make(name, options.out / file.file.name, people) for name, file in FILES.items()]
     return 0 if all(agree) else 1

@@ -14,11 +14,11 @@ COMMANDS: dict[str, str] = {
     "people": "make a population of simulated people to train and judge on",
     **{name: f"make {file.path}: {file.about}" for name, file in FILES.items()},
     "all": "make all files that ship, into a folder",
-    "strangers": "measure how well people are served on whom nothing was trained",
+    "strangers": "measure the models on people who took no part in the training",
     "tables": "the tables of `sandbox evaluate` on the second simulated subject",
 }
-"""Command -> one line of help. `training/cli/shipped_file.py` has the commands of files; each other
-one is in training/cli/COMMAND.py."""
+"""Command -> one line of help. `training/cli/shipped_file.py` contains the commands that make a
+single file. Any other command is in training/cli/COMMAND.py."""
 
 EXIT_DONE, EXIT_DIFFERS, EXIT_BAD_INPUT = 0, 1, 2
 
@@ -27,7 +27,8 @@ def main(argv: Sequence[str] | None = None) -> int:
     """Runs a command.
 
     Returns:
-        0 done, 1 a file differs from the shipped one or a computation failed, 2 bad input.
+        0: done; 1: a file differs from the shipped file, or a computation failed; 2: bad input;
+        130: interrupted.
     """
     args = list(sys.argv[1:] if argv is None else argv)
     prepare()

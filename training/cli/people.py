@@ -25,10 +25,10 @@ class PeopleOptions:
     """Makes captures of hundreds of SIMULATED people, on whom the files for any person are trained.
 
     People have their own bones, resting postures, habits and sensors. They come from both
-    generators of simulated subjects with settings drawn at random, and from random postures of
+    generators of simulated subjects, with settings drawn at random, and from random postures of
     random hands. By default there are people to train on, people to choose settings on, and people
-    to judge on; nobody is in two groups. The file's header has their seeds and a digest. The same
-    salt gives the same people.
+    to judge on; no person is in two groups. The file's header contains their seeds and a digest.
+    The same salt gives the same people.
 
     Try:
 
@@ -40,13 +40,13 @@ class PeopleOptions:
     """File for the population; an existing file is replaced."""
 
     salt: str = ""
-    """Any text; another one draws other people."""
+    """Any text. Another text gives other people."""
 
     group: Literal["train", "choose", "judge", "all"] = "all"
     """Make the people of one group only."""
 
     share: float = 1.0
-    """Make this share of the people only, 0 to 1, for a quick try."""
+    """Make only this share of the people, above 0 to 1, for a quick test."""
 
 
 def main(argv: list[str]) -> int:
@@ -54,7 +54,12 @@ def main(argv: list[str]) -> int:
     options = parse(PeopleOptions, "python -m training people", argv)
     check_output(options.out, "--out")
     if not 0.0 < options.share <= 1.0:
-        raise InputError("not a share", where="--share", got=options.share, expected="0 to 1")
+        raise InputError(
+            "the share of people is out of range",
+            where="--share",
+            got=options.share,
+            expected="above 0 and up to 1",
+        )
     groups = {
         group: {source: ceil(options.share * count) for source, count in sources.items()}
         for group, sources in PEOPLE.items()

@@ -1,4 +1,4 @@
-"""A progress bar on the terminal; nothing where there is none."""
+"""A progress bar on the terminal; none if the output is not a terminal."""
 
 from __future__ import annotations
 
@@ -18,6 +18,6 @@ def bars() -> Iterator[Progress]:
 
 
 def bar(progress: Progress, what: str) -> Callable[[float], None]:
-    """Adds a bar, and returns what sets the share done, 0 to 1."""
+    """Adds a bar, and returns a function that sets the share done, 0 to 1."""
     task = progress.add_task(what, total=1.0)
     return lambda share: progress.update(task, completed=share)

@@ -1,5 +1,5 @@
 """`python -m training capture`, `names`, `skin` and so on: makes a file that ships, and compares it
-with the shipped one."""
+with the shipped file."""
 
 from __future__ import annotations
 
@@ -27,8 +27,8 @@ from training.shipped import FILES, Inputs
 
 @dataclass(frozen=True, kw_only=True)
 class FileOptions:
-    """Makes a file that ships, and compares it with the shipped one. Exit status 1 if they differ
-    by more than rounding; the file is written all the same.
+    """Makes a file that ships, and compares it with the shipped file. The exit status is 1 if they
+    differ by more than rounding; the file is written in any case.
 
     Try:
 
@@ -36,13 +36,13 @@ class FileOptions:
     """
 
     out: Annotated[Path, Parameter(metavar="FILE")]
-    """Where to write the file. To ship it, name its place in the checkout."""
+    """Path of the new file. To ship it, name its place in the checkout."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class PeopleFileOptions:
-    """Trains a file that ships on simulated people, and compares it with the shipped one. Exit
-    status 1 if they differ by more than rounding; the file is written all the same.
+    """Trains a file that ships on simulated people, and compares it with the shipped file. The exit
+    status is 1 if they differ by more than rounding; the file is written in any case.
 
     Try:
 
@@ -51,10 +51,10 @@ class PeopleFileOptions:
     """
 
     out: Annotated[Path, Parameter(metavar="FILE")]
-    """Where to write the file. To ship it, name its place in the checkout."""
+    """Path of the new file. To ship it, name its place in the checkout."""
 
     population: Annotated[Path | None, Parameter(metavar="FILE")] = None
-    """People to train on, by `python -m training people`. Default: they are made anew."""
+    """People to train on, written by `python -m training people`. Default: simulate them again."""
 
 
 def main(name: str, argv: list[str]) -> int:
@@ -72,10 +72,10 @@ def main(name: str, argv: list[str]) -> int:
 
 
 def people_to_train_on(file: Path | None) -> Callable[[], Population]:
-    """Gives the people of a file, or simulates them when they are first needed.
+    """Function that returns the people of a file, or simulates them when it is first called.
 
     Args:
-        file: A population by `python -m training people`; None simulates.
+        file: A population written by `python -m training people`; None simulates people.
 
     Raises:
         CaptureError: The file is missing, damaged or of another version.
@@ -95,15 +95,15 @@ def people_to_train_on(file: Path | None) -> Callable[[], Population]:
 
 
 def make(name: str, out: Path, people: Callable[[], Population]) -> bool:
-    """Makes a file, writes it and prints how it compares with the shipped one.
+    """Makes a file, writes it and prints the comparison with the shipped file.
 
     Args:
         name: Name of the file's command.
-        out: Where to write it.
-        people: Gives the people to train on.
+        out: Path of the new file.
+        people: Function that returns the people to train on.
 
     Returns:
-        True if the file agrees with the shipped one.
+        True if the file agrees with the shipped file.
 
     Raises:
         InputError: The file cannot be written.
@@ -114,7 +114,7 @@ def make(name: str, out: Path, people: Callable[[], Population]) -> bool:
         made = Path(folder) / file.file.name
         with bars() as progress:
             file.make(made, Inputs(population, bar(progress, name)))
-        # Before it is written, which may replace the shipped file.
+        # The comparison comes first, since writing may replace the shipped file.
         comparison = compared(made, file.file, file.compare)
         try:
             shutil.copyfile(made, out)

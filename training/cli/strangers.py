@@ -1,4 +1,4 @@
-"""`python -m training strangers`: how well people are served on whom nothing was trained."""
+"""`python -m training strangers`: measures models on people who took no part in the training."""
 
 from __future__ import annotations
 
@@ -39,12 +39,13 @@ Maker = Callable[[], BeliefLabels]
 
 @dataclass(frozen=True, kw_only=True)
 class StrangersOptions:
-    """Measures how well people are served on whom nothing was trained: pose with true names, names
-    with history, and how true the probabilities are. Intervals are over people.
+    """Measures pose and finger labels of people who took no part in the training. The pose is
+    estimated with true labels, and the labels from this and earlier frames. The calibration of the
+    labels' probabilities is measured as well. Intervals are over people.
 
-    --people: pinned people to judge on, half of each generator, the same for all models.
-    --hold-out: a frozen subject whose generator took no part in the training; it is trained anew on
-    people of all other sources, which takes minutes.
+    --people judges the pinned people, half of them from each generator; they are the same for all
+    models. --hold-out judges the frozen subject of one generator. For this, the models are trained
+    again on people of all other sources, which takes minutes.
     All people are SIMULATED. Their hand size is known.
 
     Try:
@@ -57,24 +58,24 @@ class StrangersOptions:
     """Generator that is left out of the training, and whose frozen subject is judged."""
 
     people: int | None = None
-    """Number of judged people of the population, of whom those whose fingers touch unlike
-    real people's are left out. Default: 12, or none with --hold-out."""
+    """Number of drawn people to judge. People whose fingers touch unlike those of real people are
+    left out. Default: 12, or none with --hold-out."""
 
     days: int = 12
-    """Judged days of the frozen subject, with --hold-out."""
+    """With --hold-out: number of judged days of the frozen subject."""
 
     day_seed: int = 0
     """Seed that chooses the days."""
 
     population: Annotated[Path | None, Parameter(metavar="FILE")] = None
-    """People to train on, by `python -m training people`. Default: they are made anew."""
+    """People to train on, written by `python -m training people`. Default: simulate them again."""
 
     rest: int = 0
-    """Most looks at each hand that are known beforehand, 0 to 12, as by --rest of `sandbox run`: at
-    the ends of other takes, of which there may be fewer."""
+    """Largest number of poses of each hand that are known beforehand, 0 to 12, as with --rest of
+    `sandbox run`. They are from the ends of other takes, of which there may be fewer."""
 
     names: Annotated[bool, Parameter(negative="--no-names")] = True
-    """Judge names of fingers as well, which takes most of the time."""
+    """Judge finger labels as well, which takes most of the time."""
 
     json: Annotated[Path | None, Parameter(metavar="OUT")] = None
     """File for all numbers as JSON; - is the terminal."""
@@ -119,7 +120,12 @@ def _check(options: StrangersOptions) -> None:
         ("--rest", options.rest, 0, MOST),
     ):
         if not least <= value <= most:
-            raise InputError("out of range", where=name, got=value, expected=f"{least} to {most:,}")
+            raise InputError(
+                "the number is out of range",
+                where=name,
+                got=value,
+                expected=f"{least} to {most:,}",
+            )
     if not _people(options) and options.hold_out is None:
         raise InputError("no people to judge", where="--people", got=0, expected="1 or more")
     check_output(options.json)
@@ -169,7 +175,7 @@ def _judge(
     make: Maker | None,
     samples: RestSamples,
 ) -> None:
-    """Judges a person, and once more with the hand seen."""
+    """Judges a person; if there are samples of the hand's rest, also with these samples."""
     judgement = judge_stranger(capture, model, make() if make else None)
     rows.setdefault(name, []).append(judgement)
     if samples:
@@ -178,7 +184,10 @@ def _judge(
 
 
 def _seen(person: Capture, count: int) -> tuple[RestSamples, Capture]:
-    """Looks at the ends of takes, and the person's other takes."""
+    """Samples of the hand's rest from the first half of the person's takes, and the other takes.
+
+    If `count` is 0, there are no samples, and all takes are returned.
+    """
     if not count:
         return (), person
     numbers = np.unique(person.trial)
@@ -187,7 +196,7 @@ def _seen(person: Capture, count: int) -> tuple[RestSamples, Capture]:
 
 
 def _trained(options: StrangersOptions, progress: Progress) -> tuple[TrainedModel, Maker | None]:
-    """Model and labels that did not see the generator that is held out."""
+    """Pose model and labeller, trained without people of the generator that is held out."""
     people = _training_people(options, progress).of(without=options.hold_out)
     bar = progress.add_task("training the pose", total=1.0)
     about = {"digest": people.digest, **people.meta}
@@ -240,7 +249,7 @@ def _interval(row: dict[str, Any], key: str, digits: int) -> str:
 
 
 def _within(value: float, ends: Sequence[float | None], digits: int) -> str:
-    """A value with its interval; of one person or day there is none."""
+    """A value with its interval; without an interval for a single person or day."""
     low, high = ends
     if low is None or high is None:
         return f"{value:.{digits}f}"

@@ -15,8 +15,9 @@ from training.subjects import subject
 
 @dataclass(frozen=True, kw_only=True)
 class TablesOptions:
-    """Measures encoders on the second SIMULATED subject: the tables of `sandbox evaluate`, which
-    explains them. Encoders are trained on day 0 of that subject, and tested on other days.
+    """Measures encoders on the second SIMULATED subject. The tables are those of `sandbox
+    evaluate`, whose help explains them. Encoders are trained on day 0 of that subject, and tested
+    on other days.
 
     Try:
 
@@ -38,7 +39,7 @@ class TablesOptions:
     """File for all numbers as JSON; - is the terminal."""
 
     plots: Annotated[Path | None, Parameter(metavar="DIR")] = None
-    """Folder for pictures of the tables and hands, as PNG and SVG; needs the extra `plots`."""
+    """Folder for pictures of the tables and hands, as PNG and SVG. Needs the extra `plots`."""
 
     copas: Annotated[bool, Parameter(negative="--no-copas")] = EvaluateOptions.copas
     """Run the Copas test, which trains every encoder twenty more times."""

@@ -1,4 +1,4 @@
-"""People of the first generator, each with a hand, a resting posture and habits of their own."""
+"""People of the first generator, each with their own hand, resting posture and habits."""
 
 from __future__ import annotations
 
@@ -14,14 +14,14 @@ from training.population.hands import drawn_size, drawn_skeleton
 from training.population.spreads import around, between
 
 LEAN = 0.4
-"""Spread of people's resting postures, as a share of the postures that one person shows."""
+"""Spread of resting postures between people, relative to the spread of one person's postures."""
 
 
 def drawn_configuration(rng: np.random.Generator) -> SubjectConfiguration:
-    """Draws a person's habits, and the sensors that see it.
+    """Draws a person's habits, and the errors of the sensors.
 
-    Openings reach from well below to well above those of the frozen subject: people who hold
-    something wide open their hands to 110 mm from thumb to index.
+    Openings of the hand range from well below to well above those of the frozen subject. People who
+    hold a wide object open their hands to 110 mm from thumb to index finger.
     """
     c = FROZEN
     yaw = between(rng, 0.7, 1.3)
@@ -62,8 +62,8 @@ def capture_person(
     Args:
         seed: Seed of the person.
         frames: Number of frames with 2, 3, 4 and 5 fingers.
-        day: 0 for the script of all finger sets, later ones for free play.
-        rate: Hz of the frames.
+        day: 0 for the script of all finger sets, a later day for free play.
+        rate: Rate (Hz) of the frames.
     """
     rng = np.random.default_rng(seed)
     size = drawn_size(rng)

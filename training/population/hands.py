@@ -1,9 +1,10 @@
 """Random hands: bones of people of any size, for each generator of simulated people.
 
-Hand lengths of adults run from 16.5 cm (5 % of women are smaller) to 21.1 cm (5 % of men are
-larger; Gordon and others 1989, anthropometric survey of the U.S. Army), which is 0.83 to 1.06 times
-the trained hand's 20.0 cm; sizes are drawn from a wider range. Finger lengths scatter by 6 to 11 %
-about their mean (Chatzioglou, Pinar, Govsa 2024); overall size explains about half of that.
+Hands of adults are 16.5 cm (5 % of women have smaller hands) to 21.1 cm long (5 % of men have
+larger hands; Gordon and others 1989, anthropometric survey of the U.S. Army). This is 0.83 to 1.06
+times the 20.0 cm of the trained hand. Sizes are drawn from a wider range. Finger lengths vary by 6
+to 11 % about their mean (Chatzioglou, Pinar, Govsa 2024). The size of the hand explains about half
+of this variation.
 """
 
 from __future__ import annotations
@@ -25,22 +26,22 @@ FINGER = 0.05
 """Spread of the logarithm of each finger's length."""
 
 BONE = 0.03
-"""Spread of the logarithm of each bone's length beside its finger's."""
+"""Spread of the logarithm of each bone's length, in addition to that of its finger."""
 
 KNUCKLE = (0.0015, 0.003, 0.003)
-"""m, spread of a knuckle's place across, along and above the hand. A knuckle is about 20 mm from
+"""Spread (m) of a knuckle's place across, along and above the hand. A knuckle is about 20 mm from
 its neighbour, and hands differ by 6 % in breadth."""
 
 SADDLE = (0.087, 0.087, 0.0175)
-"""rad, spread of the resting direction of a finger's first bone about its axes of flexion, twist
-and abduction; 5, 5 and 1 degrees. The last decides how far apart people put down neighbouring
-fingers, which differs little from person to person; see `population.NEIGHBOURS`."""
+"""Spread (rad) of the resting direction of a finger's first bone about its axes of flexion, twist
+and abduction: 5, 5 and 1 degrees. The abduction determines how far apart people put down
+neighbouring fingers. This distance differs little between people; see `population.NEIGHBOURS`."""
 
 SADDLE_OF_THUMB = (0.087, 0.087, 0.087)
-"""The same of the thumb."""
+"""The same spread (rad) for the first bone of the thumb."""
 
 HINGE = (0.035, 0.035, 0.0175)
-"""The same of the other bones."""
+"""The same spread (rad) for all other bones."""
 
 
 def drawn_size(rng: np.random.Generator) -> float:
@@ -49,7 +50,7 @@ def drawn_size(rng: np.random.Generator) -> float:
 
 
 def drawn_skeleton(rng: np.random.Generator, size: float, name: str) -> Skeleton:
-    """Draws a hand of a size with proportions of its own."""
+    """Draws a hand of a given size, with random proportions."""
     fingers = np.exp(rng.normal(0, FINGER, len(FINGERS)))
     bones: list[Bone] = []
     previous = 0.0
@@ -67,7 +68,7 @@ def drawn_skeleton(rng: np.random.Generator, size: float, name: str) -> Skeleton
 
 
 def drawn_second_hand(rng: np.random.Generator, size: float, name: str) -> SecondHand:
-    """The same for the second generator, whose hands have another description."""
+    """Draws a hand of a given size, with random proportions, for the second generator."""
     fingers = np.exp(rng.normal(0, FINGER, (len(FINGERS), 1)))
     bones = SLENDER.bones * size * fingers * np.exp(rng.normal(0, BONE, SLENDER.bones.shape))
     knuckle = size * (SLENDER.knuckle + rng.normal(0, KNUCKLE, SLENDER.knuckle.shape))

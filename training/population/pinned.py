@@ -1,9 +1,10 @@
-"""People to judge on who stay the same when models are trained anew.
+"""People to judge on who remain the same when models are trained again.
 
-People to judge on are drawn with the digest of the names that ship, so that nobody can choose them.
-After new training that digest draws others, and old and new models would meet different people.
-So the digest of the names of commit 3f5c89ca is pinned, with two groups of its people: those that
-these names were judged on, and the next ones, whom nobody looks at before new models are frozen.
+People to judge on are drawn with the digest of the shipped file of the labeller, so that nobody can
+choose them. After new training, the digest would draw other people, and old and new models could
+not be compared. Therefore the digest of the labeller of commit 3f5c89ca is fixed here, with two
+groups of people: those on whom this labeller was judged, and the next people, who are not used
+before new models are final.
 """
 
 from __future__ import annotations
@@ -14,7 +15,7 @@ from encoders.capture import Capture
 from training.population.population import PEOPLE, simulate_population
 
 SALT = "a3465088dba21f4cdb97f6d0598d0e0a"
-"""Digest of the names that shipped when the people were pinned."""
+"""Digest of the labeller that shipped when the people were fixed."""
 
 JUDGED, NEXT = "judged", "next"
 """Groups of pinned people."""
@@ -29,12 +30,12 @@ def pinned_people(
 
     Args:
         group: `judged` or `next`.
-        counts: People that are drawn, by source; by default as many as were pinned. Some are left
-            out, as their fingers touch unlike real people's.
+        counts: Number of people that are drawn, by source; by default all pinned people. Some of
+            them are left out, since their fingers touch unlike those of real people.
         progress: Called with the share done, 0 to 1.
 
     Raises:
-        InputError: A source is unknown, or nobody is drawn.
+        InputError: A source is unknown, or all counts are 0.
     """
     pinned = PEOPLE["judge"]
     counts = {source: n for source, n in (pinned if counts is None else counts).items() if n}

@@ -1,4 +1,4 @@
-"""The people of a population: who they are, their captures, and a file of them."""
+"""The people of a population: how they are drawn, their captures, and a file of them."""
 
 from __future__ import annotations
 
@@ -22,51 +22,54 @@ SCHEMA = 1
 """Version of the file's layout."""
 
 VERSION = 2
-"""Version of the people; a change of anything that draws them raises it, and draws others."""
+"""Version of the people. Every change that draws other people raises it."""
 
 SOURCES = ("first", "second", "posed")
-"""Where people come from: both generators, and kinematics alone."""
+"""Sources of people: both generators, and kinematics alone."""
 
 GROUPS = ("train", "choose", "judge")
-"""What people are for: to train on, to choose settings on, to judge on. No person is in two."""
+"""Purposes of people: to train on, to choose settings on, to judge on. No person has two
+purposes."""
 
 PEOPLE = {
     "train": {"first": 200, "second": 160, "posed": 360},
     "choose": {"first": 36, "second": 30, "posed": 0},
     "judge": {"first": 72, "second": 48, "posed": 0},
 }
-"""People that are drawn, by group and source. Posed people have no movement, so nothing with
-history is judged on them."""
+"""Number of people that are drawn, by group and source. Posed people have no movement, so they
+cannot be used to judge labels that depend on earlier frames."""
 
 SCRIPT = (120, 100, 60, 60)
-"""Frames of the script with 2, 3, 4 and 5 fingers; more frames of each person gained nothing, more
-people did."""
+"""Number of frames of the script with 2, 3, 4 and 5 fingers. More frames of each person did not
+improve the models; more people did."""
 
 SCRIPT_RATE = 2.0
-"""Hz of the script: successive frames of a movement are nearly equal."""
+"""Rate (Hz) of the script. It is low because successive frames of a movement are nearly equal."""
 
 PLAY = (240, 270, 160, 280)
-"""Frames of free play with 2, 3, 4 and 5 fingers; in the proportion of the frozen subjects'."""
+"""Number of frames of free play with 2, 3, 4 and 5 fingers, in the proportions of the frozen
+subjects."""
 
 PLAY_RATE = 30.0
-"""Hz of free play."""
+"""Rate (Hz) of free play."""
 
 POSTURES = 20
-"""Postures per set of two fingers that are tried for a posed person."""
+"""Number of postures that are tried for a posed person, for each set of two fingers."""
 
 ORDERLY = 0.75
-"""Least share of a person's layouts of four and five fingers whose touches are in the fingers'
-order. Of real layouts of five fingers 99 % are. Drawn people who cross their fingers more often are
-left out: about a fifth of those of the generators, half of the posed ones. Of the others, single
-frames are."""
+"""Least share of a person's layouts of four and five fingers in which the touches are in the order
+of the fingers. Of real layouts of five fingers, 99 % are in order. Drawn people below this share
+are left out: about a fifth of the generators' people, and half of the posed people. For all other
+people, only the frames with crossed fingers are left out."""
 
 NEIGHBOURS = ((41, 54, 62), (25, 29, 34), (19, 23, 26), (25, 31, 36))
-"""mm between neighbouring fingertips, thumb and index first, of 147 layouts that 19 real people put
-down with five fingers on a tablet: 10, 50 and 90 %."""
+"""Distances (mm) between neighbouring fingertips, thumb and index first: the 10, 50 and 90 percent
+quantiles of 147 layouts that 19 real people put down with five fingers on a tablet."""
 
 BEYOND = 3.0
-"""How far a person's median of these distances, divided by the hand's size, may be from the middle
-one of real layouts, in distances of the outer ones from it. People beyond are left out."""
+"""Limit for a person's median distances between neighbouring fingertips, divided by the hand's
+size. Their deviations from the medians in `NEIGHBOURS` must be less than this factor times the
+deviation of the 10 or 90 percent quantile. All other people are left out."""
 
 Progress = Callable[[float], None]
 
@@ -76,9 +79,9 @@ class Population:
     """Captures of simulated people, one person after another.
 
     Attributes:
-        people: Captures; the script of people to train on, free play of the others. Their `meta`
+        people: Captures: the script for people to train on, free play for all others. Their `meta`
             has `source`, `group`, `number`, `size` (relative to the trained hand) and `simulated`.
-        meta: Salt and version that people were drawn with.
+        meta: Salt and version with which people were drawn.
     """
 
     people: tuple[Capture, ...]
@@ -86,18 +89,19 @@ class Population:
 
     @cached_property
     def digest(self) -> str:
-        """BLAKE2b, hexadecimal, of all people: who they are, and their touches to a micrometre."""
+        """Digest (BLAKE2b, hexadecimal) of all people: group, source, number, seed and size, and
+        their touches to a micrometre."""
         hash_ = blake2b(digest_size=16)
         for person in self.people:
             hash_.update(json.dumps(_who(person), sort_keys=True).encode())
-            # Of single precision, as stored, so that a file's digest is that of its people.
+            # In single precision, as stored, so that people read from a file have its digest.
             stored = person.xy.astype(np.float32).astype(float)
             micrometres = np.where(person.down[..., None], np.rint(stored * 1e6), 0.0)
             hash_.update(micrometres.astype(np.int64).tobytes())
         return hash_.hexdigest()
 
     def of(self, *, group: str | None = None, without: str | None = None) -> Population:
-        """The people of a group, or of all sources but one."""
+        """The people of a group, and of all sources except `without`."""
         chosen = tuple(
             person
             for person in self.people
@@ -116,15 +120,15 @@ def simulate_population(
     """Simulates people; equal arguments give equal people.
 
     Args:
-        salt: Text from which all seeds are derived. People to judge on are drawn with the digest of
-            what is frozen, so that nobody can choose them.
-        groups: People by group and source; by default `PEOPLE`.
+        salt: Text from which all seeds are derived. For people to judge on, it is the digest of the
+            models that are judged, so that nobody can choose these people.
+        groups: Number of people by group and source; by default `PEOPLE`.
         progress: Called with the share done, 0 to 1.
-        first: Number of the first person by source; by default 0. The people after those of
-            another call are other people.
+        first: Number of the first person by source; by default 0. People with other numbers are
+            other people.
 
     Raises:
-        InputError: A group or a source is unknown, or nobody is asked for.
+        InputError: A group or a source is unknown, or all numbers of people are 0.
     """
     wanted = [
         (group, source, number)
@@ -133,7 +137,7 @@ def simulate_population(
         for number in range((first or {}).get(source, 0), (first or {}).get(source, 0) + count)
     ]
     if not wanted:
-        raise InputError("a population without people", expected="one person or more")
+        raise InputError("a population needs people", got=0, expected="one person or more")
     people = []
     for i, (group, source, number) in enumerate(wanted):
         person = _capture(salt, group, source, number)
@@ -145,7 +149,7 @@ def simulate_population(
 
 
 def _capture(salt: str, group: str, source: str, number: int) -> Capture | None:
-    """A person's capture; None for a person who is left out."""
+    """Capture of a person; None for a person who is left out (`ORDERLY`, `BEYOND`)."""
     for what, value, known in (("group", group, GROUPS), ("source", source, SOURCES)):
         if value not in known:
             raise InputError(f"no such {what} of people", got=value, expected=", ".join(known))
@@ -181,14 +185,15 @@ def _crossed(capture: Capture) -> NDArray[np.bool_]:
         xy = capture.xy[frames][capture.down[frames]].reshape(-1, count, 2)
         off = xy - xy.mean(axis=1, keepdims=True)
         angle = np.arctan2(off[..., 1], off[..., 0])
-        # Once round, in the fingers' order: the angle grows at all steps but one.
+        # Going around once in the order of the fingers, the angle grows at all steps but one.
         steps = np.roll(angle, -1, axis=1) > angle
         crossed[frames] = steps.sum(axis=1) != count - 1
     return crossed
 
 
 def _usual(capture: Capture) -> bool:
-    """True if a person usually puts down five fingers about as far apart as real people do."""
+    """True if a person's median distances between neighbouring fingers are like those of real
+    people."""
     five = capture.xy[capture.down.all(axis=1)]
     if not len(five):
         return False
@@ -264,6 +269,6 @@ def load_population(path: Path) -> Population:
         ) from error
     if not whole:
         raise CaptureError(
-            "the population's digest is not that of its people", where=str(path), remedy=remedy
+            "the population's digest does not fit its people", where=str(path), remedy=remedy
         )
     return population

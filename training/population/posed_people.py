@@ -1,8 +1,9 @@
 """People by kinematics alone: random hands in random postures with their fingertips on a plane.
 
-No habit, movement or grip of the two generators is in these: every joint is drawn by itself and
-with its neighbours, the hand is put over the surface, and each touching finger is bent at its
-knuckle and middle joint until its tip meets the surface. Postures in which it cannot are dropped.
+These people have none of the habits, movements and grips of the two generators. Joint angles are
+random, with parts that several joints share. The hand is put over the surface, and each touching
+finger is bent until its tip meets the surface. If a tip cannot reach the surface, the posture is
+left out.
 """
 
 from __future__ import annotations
@@ -21,29 +22,29 @@ from models.surface import Surface
 from training.population.hands import drawn_size, drawn_skeleton
 
 _ROUNDS = 8
-"""Steps in which a finger's bending is adapted to the surface."""
+"""Number of steps in which the bend of the fingers is adapted to the surface."""
 
 _NEAR = 0.003
-"""m, greatest distance of a touching fingertip from the surface."""
+"""Largest distance (m) of a touching fingertip from the surface."""
 
 _CLEAR = 0.003
-"""m, least height of a lifted fingertip above it."""
+"""Least height (m) of a lifted fingertip above the surface."""
 
 _APART = 0.012
-"""m, least distance between two fingertips."""
+"""Least distance (m) between two fingertips."""
 
 _WIDEST = np.array([0.115, 0.062, 0.056, 0.066])
-"""m, greatest distances between neighbouring fingertips, thumb and index first: half again as far
-as five fingers are usually put down."""
+"""Largest distances (m) between neighbouring fingertips, thumb and index first: 1.5 times the usual
+largest distances of five fingers on a surface."""
 
 _TIP_HEIGHT = 0.006
-"""m, centre of a touching fingertip above the surface."""
+"""Height (m) of the centre of a touching fingertip above the surface."""
 
 _SETS = np.array([[f in fingers for f in range(len(FINGERS))] for fingers in SETS])
 
 _TRIES = np.array([0, 0, 1, 1, 2, 8])
-"""How often a posture is tried, by number of fingers: about a third, a quarter, a quarter and a
-sixth are possible."""
+"""Factor on the number of tried postures, by number of fingers. About a third of the postures with
+two fingers are possible, a quarter with three, a quarter with four and a sixth with five."""
 
 
 def capture_person(seed: list[int], postures: int) -> Capture:
@@ -51,8 +52,9 @@ def capture_person(seed: list[int], postures: int) -> Capture:
 
     Args:
         seed: Seed of the person.
-        postures: Number of postures of two fingers that are tried per set. Of sets with more
-            fingers more are tried, since fewer are possible, so that all are about as frequent.
+        postures: Number of postures that are tried for each set of two or three fingers. For sets
+            with more fingers, the number is larger (`_TRIES`), so that all numbers of fingers are
+            about equally frequent.
     """
     rng = np.random.default_rng(seed)
     size = drawn_size(rng)
@@ -85,7 +87,8 @@ def capture_person(seed: list[int], postures: int) -> Capture:
 
 
 def _lean(rng: np.random.Generator) -> dict[str, Array]:
-    """A person's constants: mean yaw, pitch and roll, and mean bending of the fingers, rad."""
+    """Constants of a person, rad: mean pitch, roll and yaw of the hand, and mean bend of the
+    fingers."""
     return {
         "attitude": rng.normal(0, 1, 3) * [0.12, 0.10, 0.25],
         "bend": rng.normal(0, 0.12, (4, 2)) + rng.normal(0, 0.15, 2),
@@ -94,14 +97,15 @@ def _lean(rng: np.random.Generator) -> dict[str, Array]:
 
 
 def _postures(rng: np.random.Generator, n: int, lean: dict[str, Array]) -> Array:
-    """Poses (n, 48) before they meet the surface; rotation vectors about x bend negatively."""
+    """Poses (n, 48) before the fingers are adapted to the surface. Flexion is a negative rotation
+    about x."""
     q = np.zeros((n, POSE_SIZE))
     attitude = lean["attitude"] + rng.normal(0, 1, (n, 3)) * [0.22, 0.22, 0.35]
     turned = rng.random(n) < 0.15
     attitude[turned, 2] += rng.uniform(-1.0, 1.0, turned.sum())
     pitch, roll, yaw = attitude.T
     x, y, z = np.eye(3)
-    # The palm's front hangs a little: knuckles above the fingertips, wrist low.
+    # The front of the palm hangs a little: knuckles above the fingertips, wrist low.
     turn = exp(yaw[:, None] * z) @ exp((pitch - 0.1)[:, None] * x) @ exp(roll[:, None] * y)
     q[:, ROOT_ROTATION] = log(turn)
     common = rng.normal(0, 1, (n, 1, 2)) * [0.35, 0.45]
@@ -123,10 +127,13 @@ def _postures(rng: np.random.Generator, n: int, lean: dict[str, Array]) -> Array
 def _put_down(
     q: Array, down: NDArray[np.bool_], hand: Kinematics, rng: np.random.Generator
 ) -> tuple[Array, Array]:
-    """Poses (n, 48) whose touching fingertips meet the surface, and all heights (n, 5) m above it.
+    """Adapts poses (n, 48) so that the touching fingertips meet the surface.
 
-    The hand's height is that of the touching fingertips' middle; then every finger bends by
-    itself.
+    First the hand is moved so that the mean height of the touching fingertips is that of a touch.
+    Then each finger is bent separately.
+
+    Returns:
+        The poses (n, 48), and the heights (n, 5) m of all fingertips above that of a touch.
     """
     q = q.copy()
     tips = hand.tips(q)
@@ -137,7 +144,7 @@ def _put_down(
     for finger in range(1, 5):
         start = 12 + 9 * (finger - 1)
         bend[finger, [start, start + 3, start + 6]] = -0.8, -0.5, -0.3
-    # The thumb also sinks by opposing, which is a turn about the palm's length.
+    # The thumb also goes down by opposition, a rotation about the length of the palm.
     bend[0, 8] = -0.5
     lower, upper = hand.skeleton.lower, hand.skeleton.upper
     for _ in range(_ROUNDS):
@@ -152,7 +159,7 @@ def _put_down(
 
 
 def _possible(tips: Array, size: float) -> NDArray[np.bool_]:
-    """True (n,) where no fingertips overlap, fingers are in order and the thumb is in reach."""
+    """True (n,) if no two fingertips overlap, and neighbouring fingertips are not too far apart."""
     between = np.linalg.norm(tips[:, :, None] - tips[:, None], axis=-1)
     between[:, range(5), range(5)] = np.inf
     good = (between > _APART * size).all(axis=(1, 2))

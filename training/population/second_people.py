@@ -1,4 +1,4 @@
-"""People of the second generator, each with a hand, a manner and habits of their own."""
+"""People of the second generator, each with their own hand, manner and habits."""
 
 from __future__ import annotations
 
@@ -15,11 +15,11 @@ from training.second_subject.grips import MANNERS
 from training.second_subject.session import simulate
 
 LEAN = 0.6
-"""Spread of people's constant manner, as a share of the range of one person's habits."""
+"""Spread of the constant manner between people, relative to the range of one person's habits."""
 
 
 def drawn_configuration(rng: np.random.Generator) -> SecondConfiguration:
-    """Draws a person's habits, and the sensors that see it."""
+    """Draws a person's habits, and the errors of the sensors."""
     c = FROZEN
     weak = between(rng, 0.1, 0.5)
     turn = between(rng, 0.6, 1.3)
@@ -48,7 +48,7 @@ def drawn_configuration(rng: np.random.Generator) -> SecondConfiguration:
 def capture_person(
     seed: list[int], frames: tuple[int, int, int, int], day: int, rate: float
 ) -> Capture:
-    """Captures a person of this generator; arguments as those of the first generator's."""
+    """Captures a person of this generator; see `first_people.capture_person` for the arguments."""
     rng = np.random.default_rng(seed)
     size = drawn_size(rng)
     hand = drawn_second_hand(rng, size, f"drawn {size:.3f}")

@@ -1,4 +1,4 @@
-"""Draws of a person's constants."""
+"""Random draws of a person's constants."""
 
 from __future__ import annotations
 
@@ -6,10 +6,11 @@ import numpy as np
 
 
 def between(rng: np.random.Generator, least: float, greatest: float) -> float:
-    """A number, uniform in a range."""
+    """A random number, uniform in a range."""
     return float(rng.uniform(least, greatest))
 
 
 def around(rng: np.random.Generator, value: float, spread: float) -> float:
-    """A number near another one, normal in its logarithm."""
+    """A random number near `value`; its logarithm has a normal distribution with a standard
+    deviation of `spread`."""
     return float(value * np.exp(spread * rng.normal()))

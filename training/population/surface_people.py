@@ -1,11 +1,11 @@
-"""Layouts as real people put them down, drawn from what has been measured on tablets.
+"""Random layouts of touches, with the distances and directions that were measured on tablets.
 
-No bones, postures or movement are behind these: neighbouring fingertips lie on an arc, as far apart
-and in such directions as real ones (`population.NEIGHBOURS`; directions of the finger from the
-thumb are 16, 42 and 72 degrees, and pinches open to 45, 60 and 85 mm in 5, 50 and 95 % of 326
-pinches of 19 people). They scatter somewhat more than the real ones, which were of few people and
-gestures. Names are trained on them beside simulated people; poses and judgements know nothing of
-them.
+These people have no bones, postures or movement. Neighbouring fingertips lie on an arc, with the
+distances and directions of real fingertips (`population.NEIGHBOURS`). In 326 pinches of 19 real
+people, the 5, 50 and 95 percent quantiles of the direction from thumb to finger were 16, 42 and 72
+degrees, and those of the opening 45, 60 and 85 mm. The drawn layouts vary somewhat more than the
+real layouts, which come from few people and gestures. The labeller is trained on these layouts and
+on the simulated people. They are used neither to train poses nor to judge models.
 """
 
 from __future__ import annotations
@@ -21,25 +21,26 @@ from models.frames import FINGERS
 from training.population.hands import drawn_size
 
 FRAMES = (120, 100, 60, 60)
-"""Layouts of a person with 2, 3, 4 and 5 fingers."""
+"""Number of layouts of a person with 2, 3, 4 and 5 fingers."""
 
 _GAPS, _GAPS_OF_PEOPLE, _GAPS_OF_LAYOUTS = (29.0, 23.0, 31.0), (2.0, 1.6, 2.6), (2.2, 1.8, 2.8)
-"""mm from index to middle, ring and little finger: the mean, and its spread over people and
-layouts."""
+"""Distances (mm) from index to middle, middle to ring, and ring to little finger: mean, standard
+deviation over people, and standard deviation over a person's layouts."""
 
 _ARC, _ARC_OF_PEOPLE, _ARC_OF_LAYOUTS = (18.0, -12.0, -42.0), (9.0, 8.0, 10.0), (9.0, 8.0, 10.0)
-"""Degrees, the same of the directions of these gaps; the middle finger reaches farthest."""
+"""Directions (degrees) of these three lines: mean, standard deviation over people, and standard
+deviation over a person's layouts. The middle finger reaches farthest."""
 
 _LEAST_GAP = 13.0
-"""mm between neighbours: fingertips do not overlap."""
+"""Least distance (mm) between neighbouring fingertips, so that they do not overlap."""
 
 _OPENINGS = (22.0, 110.0)
-"""mm, least and greatest distance of the thumb from the index finger."""
+"""Least and greatest distance (mm) of the thumb from the index finger."""
 
 
 @dataclass(frozen=True)
 class SurfacePerson:
-    """Layouts of a person, one a frame.
+    """Layouts of a person, one per frame.
 
     Attributes:
         xy: (T, 5, 2) m, touches by finger in the frame of a right hand, y towards the person; NaN
@@ -87,7 +88,8 @@ def surface_person(seed: list[int], frames: tuple[int, int, int, int] = FRAMES) 
 
 
 def _down(rng: np.random.Generator, count: NDArray[np.int64]) -> NDArray[np.bool_]:
-    """Touching fingers (T, 5), sets of one number of fingers drawn evenly."""
+    """Touching fingers (T, 5), given their number (T,). All sets with this number of fingers have
+    equal probability."""
     down = np.zeros((len(count), len(FINGERS)), bool)
     for row, number in zip(down, count.tolist(), strict=True):
         sets = [fingers for fingers in SETS if len(fingers) == number]

@@ -1,8 +1,9 @@
 """Settings of the second simulated subject, with units.
 
-Frame counts are the paper's (Chung, Kim, Han, Pollard 2015, section 4; its split between two and
-five fingers is ours). All else is a guess at how a hand is moved and measured. Amplitudes were set
-while looking at seeds 0 to 2, after the bands in docs/encoding.md had been fixed.
+Numbers of frames are those of the paper (Chung, Kim, Han, Pollard 2015, section 4); their division
+between two and five fingers is an assumption. All other values are assumptions about how people
+move a hand and how it is measured. Amplitudes were set by looking at seeds 0 to 2, after the bands
+in docs/encoding.md had been fixed.
 """
 
 from __future__ import annotations
@@ -21,51 +22,57 @@ class SecondConfiguration:
     A spread is the half width of a uniform habit, or the scale of a heavy-tailed variation.
 
     Attributes:
-        training_frames: Frames of day 0 with 2, 3, 4 and 5 fingers.
-        test_frames: The same for every later day.
-        training_rate: Hz of day 0.
-        test_rate: Hz of later days.
-        five_finger_repeats: Clips of each gesture with all fingers.
-        stay: s, least and greatest time between two changes of the touching fingers.
-        take_length: s, after which a take of a later day ends at the next change.
-        landing: s, in which a finger comes down before it touches, and rises afterwards.
+        training_frames: Number of frames of day 0 with 2, 3, 4 and 5 fingers.
+        test_frames: Number of frames of every later day with 2, 3, 4 and 5 fingers.
+        training_rate: Rate (Hz) of day 0.
+        test_rate: Rate (Hz) of later days.
+        five_finger_repeats: Number of clips of each gesture with all fingers.
+        stay: Least and greatest time (s) between two changes of the touching fingers.
+        take_length: Time (s) after which a take of a later day ends at the next change.
+        landing: Time (s) in which a finger comes down before it touches, and in which it rises
+            afterwards.
 
-        pace: s, least and greatest time from one keyframe to the next.
-        strength: Least and greatest share of a grip, relative to the relaxed hand.
-        bold: Share of keyframes with the full grip.
-        whim: Share of keyframes with another grip than the take's.
+        pace: Least and greatest time (s) from one keyframe to the next.
+        strength: Least and greatest strength of a grip: 0 is the relaxed hand, 1 the full grip.
+        bold: Share of keyframes with a strength of 1.15.
+        whim: Share of keyframes in which a random grip replaces the take's grip.
         calm: Factor on strength, rotations and movements in free play.
-        way: m, half width and half height of the area in which the fingers' middle moves.
-        turn: rad, least and greatest yaw of turning, 0 straight away from the person.
-        bias: rad, half range of the yaw that a take with another gesture keeps to.
+        way: Half width and half height (m) of the area in which the middle of the fingertips moves.
+        turn: Least and greatest yaw (rad) of the gesture `rotate`; 0 is straight away from the
+            person.
+        bias: Half range of the mean yaw (rad) of a take without this gesture.
         forearm: Share of the direction from elbow to fingers in the yaw.
-        elbow: m, from the near edge of the screen to the elbow.
+        elbow: Distance (m) from the near edge of the screen to the elbow.
 
-        habit: Spread of a take's manner, in the order of `manners.MANNERS` (rad; the last in m).
-        variety: Scale of the manner's change from keyframe to keyframe, likewise.
-        drift: Greatest step of a habit from take to take, as a share of its spread.
+        habit: Spread of a take's manner, in the order of `grips.MANNERS` (rad; the last in m).
+        variety: Scale of the manner's change from keyframe to keyframe, in the same order and
+            units.
+        drift: Largest step of a habit from take to take, as a share of its spread.
         tail: Degrees of freedom of the Student distribution of the variety.
 
-        tip_width: m, distance that fingertips keep.
-        tip_height: m, middle of a touching fingertip above the screen.
-        wrist: m, least height of the wrist, where the heel of the hand rests on the table.
-        level: Share of the tilt that would level the touching fingertips that the palm follows.
-        clearance: m, least height of a lifted fingertip's middle above a touching one's.
-        raise_: rad, least and greatest angle by which a subject lifts one of its fingers.
-        lift_variety: Least and greatest factor on that from take to take.
+        tip_width: Least distance (m) between fingertips.
+        tip_height: Height (m) of the middle of a touching fingertip above the screen.
+        wrist: Least height (m) of the wrist, at which the heel of the hand rests on the table.
+        level: The palm is rotated by this share of the rotation that would bring the touching
+            fingertips to the same height.
+        clearance: Least height (m) of the middle of a lifted fingertip above that of a touching
+            fingertip.
+        raise_: Least and greatest angle (rad) by which a subject lifts a finger.
+        lift_variety: Least and greatest factor on this angle in a take.
         curl: Share of fingers that are lifted by curling.
-        coupling: Least and greatest share of its neighbours' bending that a lifted finger follows.
+        coupling: Least and greatest share of its neighbours' bend that a lifted finger follows.
 
-        pad: m, from fingertip's middle to the touch's with the finger flat on the screen.
-        jitter: m, of touches.
-        jitter_memory: Correlation of that from frame to frame at 30 Hz.
-        grid: m, in which the screen reports touches.
-        marker: m, constant error of each marker's place on the skin, drawn anew every day.
-        palm_marker: m, the same of the wrist's and the palm's markers.
-        tremble: m, fast error of markers.
+        pad: Distance (m) from the middle of a fingertip to the middle of its touch, for a finger
+            that is flat on the screen.
+        jitter: Noise (m) of touches.
+        jitter_memory: Correlation of this noise between successive frames at 30 Hz.
+        grid: Spacing (m) of the grid on which the screen reports touches.
+        marker: Constant error (m) of each marker's place on the skin, drawn again every day.
+        palm_marker: The same error (m) for the markers of wrist and palm.
+        tremble: Fast error (m) of markers.
 
         day_manner: Shift of all habits on another day, as a share of their spread.
-        day_elbow: m, by which the subject sits elsewhere.
+        day_elbow: Scale (m) of the shift of the subject's elbow on another day.
         taste: Scale of a subject's preferences among finger sets.
     """
 

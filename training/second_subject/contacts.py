@@ -35,7 +35,7 @@ class TakeSettings:
 
 
 def script(c: SecondConfiguration) -> list[TakeSettings]:
-    """Script of day 0: every finger set with every gesture, so that every set is known later."""
+    """Script of day 0: every finger set with every gesture, so that encoders learn every set."""
     takes = []
     for size, frames in enumerate(c.training_frames, start=2):
         chosen = SETS[SETS.sum(axis=1) == size]
@@ -51,8 +51,8 @@ def script(c: SecondConfiguration) -> list[TakeSettings]:
 def preferences(rng: np.random.Generator, scale: float) -> Array:
     """Preference (26,) of a subject for each finger set.
 
-    All subjects prefer the thumb, and fingers in a row from the index. Individual preferences, some
-    of them strong, have a Laplace distribution in the logarithm.
+    All subjects prefer sets with the thumb, and sets without gaps from the index finger on. The
+    logarithm of individual preferences has a Laplace distribution, so some of them are strong.
     """
     others = SETS[:, 1:]
     # Unused fingers between the index and the outermost finger in use.
@@ -62,8 +62,8 @@ def preferences(rng: np.random.Generator, scale: float) -> Array:
 
 
 def free_play(rng: np.random.Generator, taste: Array, c: SecondConfiguration) -> list[TakeSettings]:
-    """Free play of a later day: stretches with one set each, joined where one or two fingers
-    change."""
+    """Takes of the free play of a later day. A take consists of stretches with one finger set each;
+    from stretch to stretch, one or two fingers change."""
     stretches = _stretches(rng, taste, c)
     takes = []
     while stretches:
@@ -85,8 +85,10 @@ def free_play(rng: np.random.Generator, taste: Array, c: SecondConfiguration) ->
 def _stretches(
     rng: np.random.Generator, taste: Array, c: SecondConfiguration
 ) -> list[tuple[int, int]]:
-    """Pairs (set, frames) of a day's stretches; the frames of every set size add up to the
-    day's."""
+    """Stretches of a day, as pairs of the index of a finger set and the number of frames.
+
+    For every number of fingers, the frames add up to `test_frames`.
+    """
     out = []
     low, high = (int(s * c.test_rate) for s in c.stay)
     for size, left in enumerate(c.test_frames, start=2):
@@ -94,7 +96,7 @@ def _stretches(
         odds = taste[chosen] / taste[chosen].sum()
         while left:
             frames = int(rng.integers(low, high + 1))
-            # The last stretch includes a remainder that would be too short for its own stretch.
+            # If the remainder would be too short for a stretch, it is added to the last stretch.
             frames = left if left - frames < low else frames
             out.append((int(rng.choice(chosen, p=odds)), frames))
             left -= frames
@@ -102,7 +104,7 @@ def _stretches(
 
 
 def closeness(down: Mask, rate: float, landing: float) -> Array:
-    """Values (n, 5): 1 while a finger touches, with smooth transitions from and to 0."""
+    """Values (n, 5): 1 while a finger touches, 0 while it is lifted, with smooth transitions."""
     n = len(down)
     frame = np.arange(n)[:, None]
     before = np.maximum.accumulate(np.where(down, frame, -n * 9), axis=0)

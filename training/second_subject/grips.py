@@ -1,8 +1,8 @@
 """Named grips, a person's manner of doing them, and the movement between them.
 
-A take is a sequence of keyframes. Each is a grip of some strength in its own manner, and the hand
-moves from one to the next along a monotone cubic spline (Fritsch and Carlson 1980), which never
-overshoots a keyframe. No covariance of postures is assumed anywhere.
+A take is a sequence of keyframes. Each keyframe is a grip with a strength and a manner. The hand
+moves from keyframe to keyframe along a monotone cubic spline (Fritsch and Carlson 1980), which
+never overshoots a keyframe. No covariance of postures is assumed anywhere.
 """
 
 from __future__ import annotations
@@ -14,9 +14,10 @@ from training.second_subject.configuration import SecondConfiguration
 from training.second_subject.hand import FIRST, LAST, ROLL, SECOND, SWING, SecondHand
 
 GESTURES = ("move", "grasp", "pinch", "rotate")
-"""The four of the paper's section 4."""
+"""The four gestures of section 4 of the paper."""
 
-# Degrees: thumb (swing, first, second, roll); then index to little: swings, firsts, seconds.
+# Degrees: (swing, first, second, roll) of the thumb; then swing of index, middle, ring and little
+# finger, first of these fingers, and second of these fingers.
 _GRIPS = {
     "relaxed": ((0, 0, 20, 0), (2, 0, 0, -2), (30, 30, 30, 28), (45, 46, 46, 44)),
     "open": ((0, -22, 8, -4), (9, 2, -4, -12), (20, 18, 18, 18), (30, 28, 30, 32)),
@@ -38,7 +39,7 @@ _BETWEEN = {
     "pinch": (("open", "fan", "disk", "flat"), ("pinch", "tripod", "purse", "point")),
     "rotate": (("sphere", "disk", "tripod", "open"), ("sphere", "purse", "claw", "relaxed")),
 }
-"""Grips at the two ends of every gesture, which moves to and fro between them."""
+"""Gesture -> possible grips at its two ends. The hand moves to and fro between both ends."""
 
 MANNERS = (
     "knuckles",
@@ -55,13 +56,14 @@ MANNERS = (
     "roll",
     "palm height",
 )
-"""Parameters that vary in addition to the grip; all in rad, the last in m. Sweep: all fingers
-sideways, so that the hand stands askew over its touches. By finger: index less, little more."""
+"""Parameters that vary in addition to the grip; the last is in m, all others in rad. `sweep` moves
+all fingers sideways, so that the hand is rotated against the line of its touches. Parameters `by
+finger` bend the index finger less and the little finger more."""
 
 _SIDE = np.array([-1.0, -0.3, 0.4, 1.0])
 
 TILT = {"flat": -4.0, "claw": -8.0, "hook": -10.0, "open": 4.0, "fan": 6.0, "purse": -6.0}
-"""Degrees by which the palm's front is raised, by grip."""
+"""Grip -> angle (degrees) by which the front of the palm is raised."""
 
 
 def grip(name: str) -> Array:
@@ -92,8 +94,15 @@ def keyframes(
 ) -> tuple[Array, Array]:
     """Grips of a take.
 
-    A take has one grip for each end of its gesture, which some keyframes replace by another; the
-    strength of the grip varies between keyframes.
+    A take has one grip for each end of its gesture. In some keyframes, another grip of this end
+    replaces it. The strength of the grip varies between keyframes.
+
+    Args:
+        rng: Source of randomness.
+        moments: (k,) s, times of the keyframes.
+        gesture: One of `GESTURES`.
+        calm: Factor on the strength of grips.
+        c: Settings.
 
     Returns:
         (k, 5, 5) angles and (k,) tilt of the palm, rad.
@@ -113,7 +122,7 @@ def keyframes(
 
 
 def with_manner(angles: Array, manner: Array) -> Array:
-    """Angles (n, 5, 5) modified by a manner (n, 13), see `MANNERS`."""
+    """Angles (n, 5, 5) rad, modified by a manner (n, 13); see `MANNERS`."""
     out = angles.copy()
     m = manner[..., None]
     out[:, 1:, FIRST] += m[:, 0] + m[:, 2] * _SIDE

@@ -4,17 +4,17 @@ This module shares no code with `models.kinematics` or with the first subject. O
 the 48 numbers is common: frames, order of joints and the flexions at which a joint counts as zero
 are those of `models.skeleton`, so that angles can be compared.
 
-A finger is a planar chain on a saddle: the knuckle swings sideways by one angle, and all three
-joints then bend in the plane to which it swung. The thumb is the same with two bones, and rolls
-about the line from its saddle to its tip, which leaves the tip where it is. So a fingertip has a
-closed form, and so has a finger that is to reach a point (`reach.py`).
+A finger is a planar chain on a saddle joint. The knuckle swings sideways by one angle, and all
+three joints then bend in the resulting plane. The thumb has two bones, and also rolls about the
+line from its saddle joint to its tip, which does not move the tip. So the position of a fingertip
+has a closed form, and so have most angles with which a finger reaches a point (`reach.py`).
 
-Proportions: fingers 8 to 10 % longer than those of the first subject, on a palm 3 % shorter and
-11 % narrower, with the thumb's base nearer to the wrist and turned further outwards. Finger lengths
-of adults scatter by 6 to 11 % about their mean (Chatzioglou, Pinar, Govsa 2024, Anat Cell Biol 57,
-172-182: thumb 49.5 +- 5.5, middle finger 70.7 +- 5.2 mm and so on), so this is another person, not
-another species. Index, ring and little finger measure 0.92, 0.94 and 0.77 of the middle finger;
-there 0.90, 0.93 and 0.75.
+Fingers are 8 to 10 % longer than those of the first subject. The palm is 3 % shorter and 11 %
+narrower, and the base of the thumb is nearer to the wrist and turned farther outwards. Finger
+lengths of adults vary by 6 to 11 % about their mean (Chatzioglou, Pinar, Govsa 2024, Anat Cell Biol
+57, 172-182: thumb 49.5 +- 5.5 mm, middle finger 70.7 +- 5.2 mm), so these proportions are possible
+for another person. Index, ring and little finger have 0.92, 0.94 and 0.77 of the length of the
+middle finger; in that article, they have 0.90, 0.93 and 0.75.
 """
 
 from __future__ import annotations
@@ -29,14 +29,15 @@ from models.frames import FINGERS
 from models.pose import BALL_JOINTS, JOINTS, POSE_SIZE, ROOT_POSITION, ROOT_ROTATION
 
 ANGLES = ("swing", "first", "second", "roll", "last")
-"""Angles of a finger, rad: sideways at the knuckle (towards the thumb positive); flexion of the
-knuckle, of the middle joint; roll about the line from knuckle to tip (the thumb's alone); flexion
-of the last joint beyond what the middle joint's brings with it. Flexions count from the straight
-finger, the thumb's first from its resting direction."""
+"""Angles of a finger (rad): `swing`, sideways at the knuckle, positive towards the thumb; `first`,
+flexion of the knuckle; `second`, flexion of the middle joint; `roll`, about the line from knuckle
+to tip, for the thumb only; `last`, flexion of the last joint in addition to that caused by the
+middle joint (`TENDON`). Flexions count from the straight finger, and the thumb's `first` from its
+resting direction."""
 SWING, FIRST, SECOND, ROLL, LAST = range(5)
 
 TENDON = np.array([0.0, 0.62, 0.62, 0.60, 0.55])
-"""Flexion of the last joint per flexion of the middle one, which share a tendon."""
+"""Flexion of the last joint per flexion of the middle joint, since both share a tendon."""
 
 
 def _radians(*rows: tuple[float, ...]) -> Array:
@@ -49,13 +50,15 @@ class SecondHand:
 
     Attributes:
         name: Name in captures.
-        knuckle: (5, 3) in the hand frame: origin at the wrist, y along the fingers, z out of the
-            back of the hand, x towards the little finger.
-        saddle: (5, 3, 3) hand from the knuckle's frame, in which a zero joint's bone lies along y.
-        bones: (5, 3) lengths, the last one to the middle of the fingertip; the thumb's third is 0.
+        knuckle: (5, 3) positions of the knuckles in the hand frame: origin at the wrist, y along
+            the fingers, z out of the back of the hand, x towards the little finger.
+        saddle: (5, 3, 3) rotations, hand from knuckle. At a zero joint, the first bone is along the
+            knuckle's y axis.
+        bones: (5, 3) lengths of the bones, of the last bone to the middle of the fingertip; the
+            third length of the thumb is 0.
         zero: (5, 3) flexion at which each joint counts as zero.
-        tip_radius: (5,) of the fingertips' flesh.
-        reach_limits: (2, 5, 5) least and greatest of `ANGLES` in voluntary movement.
+        tip_radius: (5,) radii of the fingertips.
+        reach_limits: (2, 5, 5) least and greatest `ANGLES` of voluntary movements.
     """
 
     name: str
@@ -69,8 +72,9 @@ class SecondHand:
     def joint_limits(self) -> tuple[Array, Array]:
         """Least (42,) and greatest (42,) rotation-vector components of legal poses, rad.
 
-        Clinical ranges (knuckle -20 to 85 degrees of flexion, middle joint 0 to 105, last joint
-        -10 to 75), less their zeros, with a few degrees of play at joints that are nearly hinges.
+        Flexions are the clinical ranges (knuckle -20 to 85 degrees, middle joint 0 to 105, last
+        joint -10 to 75) minus the flexions at which joints count as zero. Joints that are nearly
+        hinges have a few degrees of play about their other axes.
         """
         saddle = ((-55.0, -10.0, -24.0), (50.0, 10.0, 24.0))
         middle, last = (
@@ -126,7 +130,7 @@ class SecondHand:
         n = len(root)
         bent = self.bent(angles) - self.zero
         base = _about_z(angles[..., SWING]) @ _about_x(-bent[..., 0])
-        # The roll goes about the line to the tip, seen from the knuckle.
+        # The roll is about the line from the knuckle to the tip.
         local = self.tips_in_palm(angles) - self.knuckle
         line = np.einsum("fji,nfj->nfi", self.saddle, local)
         line /= np.linalg.norm(line, axis=-1, keepdims=True)
@@ -147,8 +151,8 @@ class SecondHand:
         """Forward kinematics of poses (n, 48).
 
         Returns:
-            Positions of the joints (n, 14, 3), rotations of the bones (n, 14, 3, 3) and fingertips
-            (n, 5, 3), m, in the frame of the poses' roots.
+            Positions of the joints (n, 14, 3) m, rotations of the bones (n, 14, 3, 3) and
+            fingertips (n, 5, 3) m, in the frame in which the poses are given.
         """
         from scipy.spatial.transform import Rotation
 
@@ -203,14 +207,15 @@ def _turn(angle: Array, i: int, j: int) -> Array:
 
 
 def attitude(yaw: Array, pitch: Array, roll: Array) -> Array:
-    """Rotation (n, 3, 3) of a hand from angles in rad: yaw counterclockwise seen from above, pitch
-    with fingers up, and roll with the little finger's side down."""
+    """Rotations (n, 3, 3) of a hand, from angles (n,) rad. Positive yaw is counterclockwise seen
+    from above, positive pitch raises the fingers, and positive roll lowers the side of the little
+    finger."""
     return _about_z(yaw) @ _about_x(pitch) @ _about_y(roll)
 
 
 def _thumb_saddle() -> Array:
-    """Rotation (3, 3) of the resting thumb: forwards, outwards and down, its pad towards the other
-    fingers."""
+    """Rotation (3, 3) of the resting thumb. The thumb points forwards, outwards and down, with its
+    pad towards the other fingers."""
     along = np.array([-0.46, 0.64, -0.44])
     along /= np.linalg.norm(along)
     pad = np.array([0.66, 0.72, -0.15])

@@ -1,8 +1,9 @@
-"""Simulated measurement of the second subject: touches by a screen, its hand by markers.
+"""Simulated measurement of the second subject: touches by a screen, and the hand by markers.
 
-Markers have errors of position, not of joint angle: each sits a little off its joint, all day long,
-and trembles with the skin. Bones are then laid through the markers. So an error of one marker turns
-the two bones that meet there in opposite directions, and short bones more than long ones.
+Markers have errors of position, not of joint angle. Each marker is a little off its joint for the
+whole day, and trembles with the skin. Measured bones go from marker to marker. So an error of one
+marker rotates the two bones that meet there in opposite directions, and short bones more than long
+bones.
 """
 
 from __future__ import annotations
@@ -35,12 +36,12 @@ def touches(
         rng: Source of jitter.
         tips: (n, 5, 3) m, 3-D surface frame.
         along: (n, 5, 3) directions of the last bones.
-        takes: (n,) number of the take; jitter is forgotten between takes.
-        rate: Hz of the frames.
+        takes: (n,) number of the take. Jitter is not correlated between takes.
+        rate: Rate (Hz) of the frames.
         surface: The screen.
         c: Sizes of errors.
     """
-    # A flat finger touches with its pad, behind the tip; an upright one with the tip itself.
+    # A flat finger touches with its pad, behind the tip. An upright finger touches with the tip.
     steep = np.clip(-along[..., 2], 0.0, 1.0)
     flat = along[..., :2] / np.maximum(np.linalg.norm(along[..., :2], axis=-1, keepdims=True), 1e-6)
     seen = tips[..., :2] - c.pad * ((1 - steep) ** 0.75)[..., None] * flat
@@ -65,14 +66,14 @@ class Markers:
 
     def __init__(self, rng: np.random.Generator, hand: SecondHand, c: SecondConfiguration) -> None:
         self._hand, self._c = hand, c
-        # Errors of joints and fingertips, in the frames of their bones; uniform in a box with the
-        # variance of c.marker.
+        # Errors of markers at joints and fingertips, in the frames of their bones. They are uniform
+        # in a box, with the standard deviation c.marker on each axis.
         self._joints = np.sqrt(3) * c.marker * rng.uniform(-1, 1, (BALL_JOINTS, 3))
         self._tips = np.sqrt(3) * c.marker * rng.uniform(-1, 1, (5, 3))
         self._palm = np.sqrt(3) * c.palm_marker * rng.uniform(-1, 1, (3, 3))
 
     def poses(self, rng: np.random.Generator, q: Array) -> Array:
-        """Measured poses (n, 48), within the limits of the joints, of poses (n, 48)."""
+        """Measured poses (n, 48) for true poses (n, 48), limited to the ranges of the joints."""
         from scipy.spatial.transform import Rotation
 
         hand, c, n = self._hand, self._c, len(q)
@@ -116,8 +117,8 @@ class Markers:
 
 
 def _onto(rotations: Array, lines: Array) -> Array:
-    """Rotates rotations (..., 3, 3) the shortest way until their y axis lies along lines (...,
-    3)."""
+    """Rotates frames (..., 3, 3) by the smallest angle with which their y axes point along lines
+    (..., 3)."""
     y = rotations[..., 1]
     goal = lines / np.linalg.norm(lines, axis=-1, keepdims=True)
     axis = np.cross(y, goal)

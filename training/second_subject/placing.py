@@ -1,10 +1,11 @@
 """Adapts an intended hand pose to the screen: wrist, touching fingers, lifted fingers.
 
-The wrist is placed first, by rule: the middle of the used fingertips is at its target, at the
-height of the grip's fingertips. Then every finger reaches for its own point on the screen, which
-has to satisfy the screen's edge, the neighbours and the joints; one constraint is met after the
-other, for a few rounds (alternating projections). A finger that cannot reach its point touches
-elsewhere. Lifted fingers follow rules.
+The wrist is placed first, so that the middle of the used fingertips is at its target, and the
+touching fingertips are at the screen in the mean. Then every finger reaches for a point on the
+screen. This point has to be inside the screen's edge, clear of neighbouring fingers, and within the
+ranges of the joints. These constraints are met one after the other in a few rounds (alternating
+projections). A finger that cannot reach its point touches elsewhere. Lifted fingers follow simple
+rules.
 """
 
 from __future__ import annotations
@@ -22,16 +23,17 @@ from training.second_subject.hand import FIRST, SECOND, SWING, SecondHand, attit
 from training.second_subject.reach import reach
 
 _ROUNDS = 6
-"""Rounds of meeting all constraints on the touches."""
+"""Number of rounds in which all constraints on the touches are met."""
 
 _SETTLINGS = 3
-"""Rounds of raising or lowering the wrist until its fingers reach the screen."""
+"""Number of rounds in which the wrist is raised or lowered so that the fingers reach the screen."""
 
 _STEADY = 0.015
-"""m, spread of fingertips at which the palm follows half of their plane's slope."""
+"""Spread (m) of fingertips at which the palm follows half of the slope of their plane."""
 
 _MARGIN = 0.007
-"""m between fingertips and the screen's edge: a pad is seen beside its tip."""
+"""Least distance (m) of a fingertip from the screen's edge, since the touch of a pad is beside the
+fingertip."""
 
 _NEIGHBOURS = np.array(
     [
@@ -54,13 +56,13 @@ class MovementPlan:
         yaw: (n,) rad, yaw of the hand.
         pitch: (n,) rad, fingers up.
         roll: (n,) rad, little finger down.
-        height: (n,) m by which the palm is higher than the grip alone would place it.
-        middle: (n, 2) m, target of the used fingertips' middle.
+        height: (n,) m, height of the palm above the height that follows from the grip alone.
+        middle: (n, 2) m, target of the middle of the used fingertips.
         used: (n, 5) booleans, fingers that touch at some time of the take.
         close: (n, 5) 1 while a finger touches, 0 while it is fully lifted.
-        lift: (n, 5) rad by which a lifted finger is raised.
-        curl: (n, 5) booleans, true if it is raised by curling.
-        coupling: (n, 5) share of its neighbours' bending that a lifted finger follows.
+        lift: (n, 5) rad, angle by which a lifted finger is raised.
+        curl: (n, 5) booleans, true if a lifted finger is raised by curling.
+        coupling: (n, 5) share of its neighbours' bend that a lifted finger follows.
     """
 
     angles: Array
@@ -109,7 +111,7 @@ def place(
 
 
 def _levelling(tips: Array, close: Array) -> tuple[Array, Array]:
-    """Rotations (n,) rad, little finger down and fingers up, that would level the touching tips.
+    """Roll (n,) and pitch (n,) rad that would bring the touching fingertips to the same height.
 
     Fits a plane to the fingertips (n, 5, 3) m in the hand frame, by least squares with a penalty on
     its slope, so that two fingers side by side do not turn the palm on edge.
@@ -130,7 +132,8 @@ def _mean(values: Array, weights: NDArray[np.generic]) -> Array:
 
 
 def _middle(tips: Array, plan: MovementPlan, surface: Surface) -> Array:
-    """The target (n, 2) m of the middle, moved until the used fingertips are on the screen."""
+    """Target (n, 2) m of the middle of the used fingertips, moved so that they are all on the
+    screen."""
     flat = tips[..., :2] - _mean(tips[..., :2], plan.used)[:, None]
     used = plan.used[..., None]
     low = np.where(used, flat, np.inf).min(axis=1)
@@ -165,10 +168,10 @@ def _touching(
 
 
 def _apart(spots: Array, turn: Array, width: float) -> Array:
-    """Points (n, 5, 3) at which fingers do not overlap.
+    """Points (n, 5, 3) m, moved so that fingers do not overlap.
 
-    Fingers move to the side, across the hand, in their anatomical order; the thumb stays
-    behind a parabola about each fingertip, so that it never jumps from one side of it to the other.
+    Fingers move sideways across the hand, and so stay in their anatomical order. The thumb stays
+    behind a parabola about each fingertip, so that it never jumps to the other side of a fingertip.
     """
     out = spots.copy()
     across, back = turn[:, :2, 0], -turn[:, :2, 1]
@@ -197,10 +200,10 @@ def _lifted(
     hand: SecondHand,
     c: SecondConfiguration,
 ) -> Array:
-    """Angles (n, 5, 5) of fingers while they are lifted.
+    """Angles (n, 5, 5) rad of fingers while they are lifted.
 
-    A lifted finger follows its grip and, partly, the adapted bending of its neighbours on the
-    screen. It is raised at least until it clears the screen.
+    A lifted finger follows its grip and, to a part, the changes that the screen causes in the bend
+    of neighbouring fingers. It is raised at least until it clears the screen.
     """
     low, high = hand.reach_limits
     ties = _NEIGHBOURS * plan.close[:, None, :]

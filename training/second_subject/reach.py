@@ -1,11 +1,12 @@
 """Inverse kinematics of one finger: a planar chain with coupled joints, solved in closed form
 except for one root.
 
-The sideways swing puts the finger's plane through the target. In that plane the chain's length
-depends on the middle joint alone, because the last joint follows it, and grows as it stretches; so
-the middle joint is found by bisection, and the knuckle compensates for the rest. (With its last
-joint bent backwards, a finger is longest just before it is straight: half a millimetre.) The joints
-are then clamped to their ranges: the finger only points towards an unreachable target.
+The sideways swing puts the finger's plane through the target. In this plane, the distance from
+knuckle to fingertip depends only on the middle joint, because the last joint follows it. The
+distance grows as the joint stretches, so the middle joint is found by bisection. The knuckle then
+turns the finger to the target. (If its last joint is bent backwards, a finger is longest just
+before it is straight, by half a millimetre.) The joints are then clamped to their ranges, so a
+finger points towards a target that it cannot reach.
 """
 
 from __future__ import annotations
@@ -16,19 +17,20 @@ from models.arithmetic import Array
 from training.second_subject.hand import FIRST, LAST, SECOND, SWING, TENDON, SecondHand
 
 _HALVINGS = 16
-"""Bisections of a range of 90 degrees, to a thousandth of a degree."""
+"""Number of bisections, which divide a range of 90 degrees to a thousandth of a degree."""
 
 _AHEAD = 0.01
-"""m in front of the knuckle, least distance of a target: a finger does not bend backwards."""
+"""Least distance (m) of a target in front of the knuckle, since a finger does not bend
+backwards."""
 
 
 def reach(hand: SecondHand, targets: Array, start: Array) -> Array:
     """`ANGLES` (n, 5, 5) with which the fingertips come as near to targets as the joints allow.
 
     Args:
-        hand: Its bones and ranges.
+        hand: The hand.
         targets: (n, 5, 3) m, in the hand frame.
-        start: (n, 5, 5) angles; `roll` and `last` are kept, the others are found.
+        start: (n, 5, 5) angles. `roll` and `last` do not change; the other angles are computed.
     """
     low, high = hand.reach_limits
     local = np.einsum("fji,nfj->nfi", hand.saddle, targets - hand.knuckle)
@@ -55,8 +57,8 @@ def reach(hand: SecondHand, targets: Array, start: Array) -> Array:
 
 
 def _chord(hand: SecondHand, second: Array, last: Array) -> tuple[Array, Array]:
-    """Position of the fingertip along and across the first bone, m, from the middle joint's
-    flexion."""
+    """Position (m) of the fingertip along and across the first bone, for a flexion of the middle
+    joint."""
     third = second + TENDON * second + last
     along = hand.bones[:, 0] + hand.bones[:, 1] * np.cos(second) + hand.bones[:, 2] * np.cos(third)
     across = hand.bones[:, 1] * np.sin(second) + hand.bones[:, 2] * np.sin(third)

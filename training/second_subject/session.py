@@ -35,15 +35,15 @@ from training.second_subject.measurement import Markers, touches
 from training.second_subject.placing import MovementPlan, place
 
 _PERSON, _DAY, _PLAY, _TAKE, _SENSORS = range(11, 16)
-"""Purposes of random numbers; each has its own stream."""
+"""Purposes of random numbers. Each has its own random stream."""
 
 _PAUSE = 3.0
-"""s between two takes."""
+"""Time (s) between two takes."""
 
 
 @dataclass(frozen=True)
 class _SubjectDay:
-    """Constants of one day: the subject's habits, and its seat on that day."""
+    """Constants of one day: the subject's habits, and the position of its elbow on that day."""
 
     taste: Array
     coupling: Array
@@ -70,8 +70,8 @@ def simulate(
             every day.
         progress: Called with the share done, 0 to 1.
         hand: The subject's hand.
-        lean: (13,) constant part of the subject's manner, in the order of `manners.MANNERS` and in
-            units of the habits' spread; None for a subject without one.
+        lean: (13,) constant part of the subject's manner, in the order of `grips.MANNERS` and in
+            units of the habits' spread; None for 0.
 
     Returns:
         The capture; equal arguments give equal captures. `meta["simulated"]` is True.

@@ -1,1 +1,1 @@
-"""Generates the shipped skin; needs the extra `training`."""
+"""Generator of the shipped skin. It needs the extra `training`."""

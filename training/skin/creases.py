@@ -1,7 +1,7 @@
 """Creases of the skin.
 
-On the palmar side of the fingers they run across every joint, on the back there are folds over the
-knuckles, and the palm has its lines. Metres, in the palm's frame at the zero pose.
+The fingers have creases across every joint on the palmar side, and folds over the knuckles on the
+back. The palm has its lines. Positions are in metres, in the palm's frame at the zero pose.
 """
 
 from __future__ import annotations
@@ -16,19 +16,20 @@ from models.arithmetic import Array
 from training.skin.shapes import Limb, between, groove, step
 
 REACH = (0.011, 0.016)
-"""m from the bone's axis, between which a finger's crease fades out."""
+"""Range of the distance (m) from the bone's axis over which a finger's crease fades out."""
 BEND = ((-0.0013, 0.00050), (0.0014, 0.00038))
 END = ((0.0, 0.00050),)
 BASE = ((0.0, 0.00036),)
 THUMB_BEND = ((0.0, 0.00050), (-0.0028, 0.00028))
-"""m along the finger, and depth in m, of creases on the palmar side: at the middle joint, the last
-joint, the base, and the thumb's last joint."""
+"""Position (m) along the finger, relative to a joint, and depth (m) of creases on the palmar side:
+at the middle joint, the last joint, the base of a finger, and the thumb's last joint."""
 KNUCKLE = ((-0.0032, 0.00012), (-0.0010, 0.00022), (0.0012, 0.00019), (0.0034, 0.00010))
 LAST_KNUCKLE = ((-0.0012, 0.00015), (0.0010, 0.00013))
 THUMB_KNUCKLE = ((-0.0030, 0.00013), (-0.0006, 0.00022), (0.0018, 0.00013))
-"""The same for the folds on the back."""
+"""Position (m) and depth (m) of folds on the back: at the middle joint, the last joint, and the
+thumb's last joint."""
 WIDTH, BASE_WIDTH, FOLD_WIDTH = 0.0008, 0.0010, 0.0007
-"""m, widths of creases and folds."""
+"""Widths (m) of creases, of creases at the base of a finger, and of folds."""
 BASE_PLACE = 0.335
 """Position of a finger's first crease along its first bone, as a share of its length."""
 
@@ -41,8 +42,8 @@ class Line:
         place: (3,) m, position on the finger's axis.
         along: (3,) direction of the finger there.
         back: (3,) direction out of the finger's back.
-        depth: m, depth of the crease.
-        width: m, width of the crease.
+        depth: Depth (m) of the crease.
+        width: Width (m) of the crease.
         dorsal: True for a crease on the back.
     """
 
@@ -59,7 +60,7 @@ def finger_lines(chain: Sequence[Limb], thumb_joint: float) -> list[Line]:
 
     Args:
         chain: Bones of the finger.
-        thumb_joint: Position of the thumb's last joint along its last bone, as a share.
+        thumb_joint: Position of the thumb's last joint, as a share of the length of its last bone.
     """
     first, last = chain[0], chain[-1]
     if len(chain) == 2:
@@ -95,7 +96,7 @@ def relief_of(p: Array, lines: Sequence[Line], widen: float = 1.0) -> Array:
     for line in lines:
         away = p - line.place
         height = away @ line.back
-        # Folds on the back are short; palmar creases go halfway around.
+        # Folds on the back are short; palmar creases go halfway around the finger.
         side = step(height, 0.0035, 0.0075) if line.dorsal else step(-height, -0.0005, 0.0050)
         near = 1.0 - step(np.linalg.norm(away, axis=1), *REACH)
         cut = groove(away @ line.along, widen * line.width)
@@ -135,5 +136,5 @@ PALM_LINES = (
     (_curve((-24, -3), (0, -1), (24, -4)), 0.00026, 0.0011),
     (_curve((-22, -8), (0, -7), (22, -9)), 0.00018, 0.0010),
 )
-"""Lines of the palm as seen from the back, with depth and width: heart, head and life line, and two
-at the wrist; all in m. Drawn by eye."""
+"""Lines of the palm as seen from the back of the hand, each with depth and width, all in m: heart
+line, head line, life line, and two lines at the wrist. They were drawn by eye."""

@@ -1,6 +1,6 @@
 """Separate surfaces on the skin: nails, cuff and sleeve.
 
-Metres, in the palm's frame at the zero pose, as in `field`.
+Positions are in metres, in the palm's frame at the zero pose, as in `field`.
 """
 
 from __future__ import annotations
@@ -15,15 +15,16 @@ Faces = NDArray[np.int64]
 
 NAIL_RINGS, NAIL_SIDES = 6, 28
 NAIL_RAISED, NAIL_SUNK = 0.00042, 0.0011
-"""m above the skin in the middle, and below it at the rim; with less, the skin pokes through."""
+"""Height (m) of the nail above the skin in the middle, and depth (m) below the skin at the rim.
+With less depth, the skin would show through."""
 NAIL_SQUARE = 2.7
-"""Exponent of the superellipse of the outline; 2 would be an ellipse."""
+"""Exponent of the superellipse of the outline; 2 is an ellipse."""
 CUFF_SIDES = 56
 
 
 def nail(field: HandField, finger: int) -> tuple[Array, Faces, Array]:
-    """A nail: vertices (n, 3), triangles, and values (n,) from 0 on its bed to 1 at its free
-    edge."""
+    """A nail: vertices (n, 3) m, triangles (m, 3), and values (n,) from 0 on the nail's bed to 1 at
+    its free edge."""
     limb = field.fingers[finger][-1]
     r, wide = limb.radius, 1.12 if finger == 0 else 1.0
     tilt = np.deg2rad(17.0)
@@ -49,7 +50,7 @@ def nail(field: HandField, finger: int) -> tuple[Array, Faces, Array]:
     )
     down = _onto(field, start, -out, 3.6 * r)
     rim = np.linalg.norm(flat, ord=NAIL_SQUARE, axis=1)
-    # The free edge stands out a little farther than the sides, which lie in folds of the skin.
+    # The middle of the nail is above the skin, and its rim below it.
     lift = NAIL_RAISED - (NAIL_RAISED + NAIL_SUNK) * rim**7
     places = down + lift[:, None] * out
     edge = np.clip((flat[:, 1] - 0.66) / 0.10, 0.0, 1.0)
@@ -65,7 +66,7 @@ def _onto(field: HandField, start: Array, direction: Array, far: float) -> Array
 
 
 def _fan(rings: int, sides: int) -> Faces:
-    """Triangles of a disc with a middle and rings around it, counterclockwise."""
+    """Counterclockwise triangles of a disc, which consists of a middle and rings around it."""
     triangles = [(0, 1 + i, 1 + (i + 1) % sides) for i in range(sides)]
     for ring in range(rings - 1):
         a, b = 1 + ring * sides, 1 + (ring + 1) * sides
@@ -97,11 +98,17 @@ SLEEVE_PROFILE = (
     (-0.0856, 0.0040),
     (-0.0856, -0.0080),
 )
-"""Position along the forearm and height above the wrist's skin, m, from the inside out."""
+"""Points of the profiles of cuff and sleeve, from the inside outwards: position (m) along the
+forearm, and height (m) above the wrist's skin."""
 
 
 def tube(profile: ArrayLike, closed: bool) -> tuple[Array, Faces]:
-    """Elliptic tube around the wrist with a given profile; `closed` fills its last ring."""
+    """Elliptic tube around the wrist: vertices (n, 3) m and triangles (m, 3).
+
+    Args:
+        profile: Points as in `CUFF_PROFILE`.
+        closed: True closes the end of the tube at the last point.
+    """
     angle = 2 * np.pi * np.arange(CUFF_SIDES) / CUFF_SIDES
     rings = []
     for y, height in np.asarray(profile, float):

@@ -1,10 +1,11 @@
 """The shape of the built-in hand's flesh: a signed distance field over its skeleton.
 
-Metres, in the palm's frame, at the zero pose: fingers half bent, so that no joint is more than 65
-degrees from it and the skin is never stretched far. Negative inside.
+Positions are in metres, in the palm's frame at the zero pose. Distances are negative inside. At the
+zero pose the fingers are half bent, so that no joint can rotate by much more than 65 degrees from
+it, and the skin is never stretched far.
 
-Each finger is blended into the palm separately, never into another finger, so that neighbours stay
-apart. Every finger has its own creases.
+Each finger is blended into the palm separately, and not into other fingers, so that neighbouring
+fingers stay apart. Every finger has its own creases.
 """
 
 from __future__ import annotations
@@ -23,30 +24,30 @@ from training.skin.creases import finger_lines, palm_relief, relief_of
 from training.skin.shapes import Limb, between, cut, ellipsoid, melt, rounded_cone, step
 
 WRIST_HALF = (0.0262, 0.0168)
-"""m, half width and half thickness of the wrist."""
+"""Half width and half thickness (m) of the wrist."""
 WRIST_MIDDLE = -0.0066
-"""m, height of the wrist's axis over the palm's origin."""
+"""Height (m) of the wrist's axis over the palm's origin."""
 WRIST_END = -0.066
-"""m along y, end of the forearm; the cuff hides it."""
+"""Position (m) along y of the end of the forearm. The cuff hides this end."""
 
 FINGER_WIDTH = 1.05
 """Ratio of a finger's width to its thickness."""
 WEB = 0.34
 """Position of the webs along the first phalanges, as a share of their length."""
 THUMB_IP = 0.50
-"""Position of the thumb's last joint, which is fixed in the skeleton, as a share of its last
-bone."""
+"""Position of the thumb's last joint, as a share of the length of the thumb's last bone. The
+skeleton does not have this joint."""
 
 MELT_FINGER, MELT_THUMB = 0.007, 0.015
-"""m, widths of the blends of a finger and of the thumb into the palm."""
+"""Widths (m) of the blend of a finger into the palm, and of that of the thumb."""
 
 
 class HandField:
     """Signed distance field of the hand with its creases.
 
     Args:
-        skeleton: A right hand. Shapes are designed for `ADULT`; the skin of other hands is made by
-            stretching its skin.
+        skeleton: A right hand. Shapes are designed for `ADULT`. The skin of `ADULT` is stretched to
+            make that of other hands.
 
     Attributes:
         limbs: One limb per bone, in the skeleton's order.
@@ -72,11 +73,12 @@ class HandField:
         return self.united(*self.parts(np.asarray(points, float)))
 
     def parts(self, p: Array) -> tuple[Array, list[Array]]:
-        """Distances to the palm and to each finger, including creases."""
+        """Distances (n,) m of points (n, 3) to the palm and to each finger, including creases."""
         return self._palm(p), [self._one_finger(p, f) for f in range(len(FINGERS))]
 
     def _one_finger(self, p: Array, finger: int) -> Array:
-        """Distance to a finger; far from it, an approximate distance to its bones."""
+        """Distances (n,) m to a finger. Far from the finger, they are approximated by distances to
+        its bones."""
         bones = [
             rounded_cone(p, limb.at(0, 0, 0), limb.at(0, 1, 0), 0.0, 0.0)
             for limb in self.fingers[finger]
@@ -87,7 +89,7 @@ class HandField:
         return rough
 
     def united(self, palm: Array, fingers: list[Array]) -> Array:
-        """Distance to the whole hand, from the distances to its parts."""
+        """Distances (n,) m to the whole hand, from the distances to its parts."""
         whole = melt(palm, fingers[0], MELT_THUMB)
         for finger in fingers[1:]:
             # A small blend between neighbours avoids a jagged edge where they meet.
@@ -109,7 +111,7 @@ class HandField:
         slope = np.stack([self(p + reach * e) - self(p - reach * e) for e in np.eye(3)], axis=1)
         return slope / np.maximum(np.linalg.norm(slope, axis=1, keepdims=True), 1e-12)
 
-    # A finger: three phalanges, knuckles, pads, and a tip that is flat under its nail
+    # Finger: three phalanges, knuckles, pads, and a tip that is flat under its nail
 
     def _finger(self, p: Array, finger: int) -> Array:
         first, second, third = self.fingers[finger]
@@ -146,8 +148,13 @@ class HandField:
         return body + relief_of(p, self._lines[finger])
 
     def _phalanx(self, p: Array, limb: Limb, first: float, last: float) -> Array:
-        """Distance to the flesh around a bone, a little wider than thick; radii in units of the
-        bone's."""
+        """Distance to the flesh around a bone, which is a little wider than thick.
+
+        Args:
+            p: (n, 3) m, points.
+            limb: The bone.
+            first, last: Radii at both ends, divided by the bone's radius.
+        """
         r, local = limb.radius, limb.local(p) / [FINGER_WIDTH, 1.0, 1.0]
         start, end = [0.0, 0.0, 0.01 * r], [0.0, limb.length, 0.04 * r]
         return rounded_cone(local, start, end, first * r, last * r)

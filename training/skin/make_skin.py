@@ -1,4 +1,4 @@
-"""Generates the shipped skin; needs the extra `training`."""
+"""Generates the shipped skin. Needs the extra `training`."""
 
 from __future__ import annotations
 
@@ -19,24 +19,25 @@ from training.skin.tone import tone_of
 from training.skin.weights import weights_of
 
 LOW, HIGH = np.array([-0.088, -0.076, -0.104]), np.array([0.072, 0.172, 0.036])
-"""m, corners of a box around the hand at the zero pose."""
+"""Corners (m) of a box around the hand at the zero pose."""
 SPACING = 0.0016
-"""m, spacing of the grid on which the surface is computed."""
+"""Spacing (m) of the grid on which the surface is computed."""
 FACES = 7600
 """Number of triangles before refinement at creases."""
 CREASE_EDGE, NEAR_CREASE = 0.00135, 0.00006
-"""m, longest edge in a crease, and the depth of a widened crease at which refinement begins."""
+"""Longest edge (m) in a crease, and depth (m) of a widened crease at which refinement begins."""
 TIP_EDGE, TIP = 0.0024, 0.011
-"""m, longest edge at fingertips, and the distance from their centres within which it applies."""
+"""Longest edge (m) at fingertips, and distance (m) from a fingertip's centre within which it
+applies."""
 STEP = 4e-6
-"""m, rounding of positions."""
+"""Step (m) to which positions are rounded."""
 
 Piece = tuple[str, Array, NDArray[np.int64], NDArray[np.uint8], NDArray[np.uint8], Array]
 """Name, vertices, triangles, bones, weights, tone."""
 
 
 def make(field: HandField, faces: int = FACES, spacing: float = SPACING) -> list[Piece]:
-    """All parts of the skin of a hand."""
+    """All parts of the skin of a hand, with about `faces` triangles before refinement."""
     vertices, triangles = mesh_of(field, LOW, HIGH, spacing, faces)
     vertices = settled(field, field.normal, vertices, triangles, 5)
     for _ in range(3):
@@ -58,6 +59,7 @@ def _longest(field: HandField, p: Array) -> Array:
 
 
 def extras(field: HandField) -> list[Piece]:
+    """The nails, the cuff and the sleeve; each moves with one bone."""
     pieces: list[Piece] = []
     last = [
         max(i for i, b in enumerate(field.skeleton.bones) if b.finger == f)
@@ -83,7 +85,7 @@ def _rigid(count: int, bone: int) -> tuple[NDArray[np.uint8], NDArray[np.uint8]]
 
 
 def packed(pieces: list[Piece]) -> dict[str, Any]:
-    """Arrays of the file."""
+    """Name -> array of the file of a skin."""
     corner = np.min([p[1].min(axis=0) for p in pieces], axis=0) - STEP
     parts, start, first = [], 0, 0
     for name, places, triangles, *_ in pieces:

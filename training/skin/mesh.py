@@ -1,6 +1,6 @@
-"""Triangulates distance fields evenly, and more finely where the skin is creased.
+"""Triangulates distance fields evenly, and more finely at creases of the skin.
 
-Needs scikit-image and fast-simplification (extra `training`), only to regenerate the skin.
+Needs scikit-image and fast-simplification (extra `training`).
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ def mesh_of(
         field: Function from points (n, 3) m to signed distances (n,) m, negative inside.
         low: (3,) m, lower corner of a box around the surface.
         high: (3,) m, upper corner.
-        spacing: m, spacing of the grid.
+        spacing: Spacing (m) of the grid.
         faces: Number of triangles to keep.
     """
     try:
@@ -36,7 +36,7 @@ def mesh_of(
         from skimage.measure import marching_cubes
     except ImportError as error:
         raise InputError(
-            "the skin cannot be regenerated: a package is missing",
+            "the skin cannot be made: a package is missing",
             got=error.name,
             remedy="pip install -e '.[training]' in the checkout",
         ) from error
@@ -52,7 +52,7 @@ def mesh_of(
 
 
 def _sampled(field: Field, low: Array, high: Array, spacing: float) -> tuple[Array, Array]:
-    """The field on a grid, exact near its surface, and the grid's corner."""
+    """The field's values on a grid, exact near its surface, and the grid's lower corner (3,) m."""
     coarse = 4
     count = coarse * np.ceil((high - low) / (coarse * spacing)).astype(int) + 1
     axes = [low[i] + spacing * np.arange(count[i]) for i in range(3)]
@@ -60,7 +60,8 @@ def _sampled(field: Field, low: Array, high: Array, spacing: float) -> tuple[Arr
     rough = field(_points(rough_axes)).reshape([len(a) for a in rough_axes])
     points = _points(axes)
     values = RegularGridInterpolator(rough_axes, rough)(points)
-    # Farther away the field cannot be zero, even if it is a little steeper than a distance.
+    # Only points at which the surface may be near are computed exactly. Elsewhere the field cannot
+    # be zero, even if it is a little steeper than a distance.
     near = np.flatnonzero(np.abs(values) < 2.0 * coarse * spacing)
     for chunk in np.array_split(near, max(len(near) // 200_000, 1)):
         values[chunk] = field(points[chunk])
@@ -101,7 +102,14 @@ def edges_of(triangles: Faces) -> Faces:
 def refined(
     vertices: Array, triangles: Faces, longest: Callable[[Array], Array]
 ) -> tuple[Array, Faces]:
-    """Splits every edge longer than `longest` (m) at its middle, once."""
+    """Splits edges once, at their middles.
+
+    Args:
+        vertices: (n, 3) m.
+        triangles: (m, 3).
+        longest: Function from the middles (e, 3) m of edges to their largest lengths (e,) m. Longer
+            edges are split.
+    """
     edges = edges_of(triangles)
     middle = vertices[edges].mean(axis=1)
     length = np.linalg.norm(vertices[edges[:, 0]] - vertices[edges[:, 1]], axis=1)
@@ -122,7 +130,13 @@ def refined(
 def _split(
     points: Array, a: int, b: int, c: int, ab: int, bc: int, ca: int
 ) -> list[tuple[int, int, int]]:
-    """Triangles of a triangle split at the new middles of its edges; -1 for an edge without one."""
+    """Triangles into which a triangle is split.
+
+    Args:
+        points: (n, 3) m.
+        a, b, c: Indices of the corners.
+        ab, bc, ca: Indices of the new middles of the edges; -1 for an edge that is not split.
+    """
     parts = sum(m >= 0 for m in (ab, bc, ca))
     if parts == 0:
         return [(a, b, c)]

@@ -1,4 +1,4 @@
-"""Simple shapes as signed distance fields, and smooth unions of them; all lengths in m."""
+"""Simple shapes as signed distance fields, and smooth unions of these; all lengths in m."""
 
 from __future__ import annotations
 
@@ -35,18 +35,20 @@ def ellipsoid(p: Array, centre: ArrayLike, half: ArrayLike, axes: Array | None =
 
 
 def melt(a: Array, b: Array, reach: float) -> Array:
-    """Smooth union, blended over `reach` m; where both are equal it adds a sixth of that."""
+    """Smooth union of distances (n,) m, blended over `reach` (m). Where both distances are equal,
+    it adds a sixth of `reach`."""
     mixed = np.maximum(reach - np.abs(a - b), 0.0) / reach
     return np.minimum(a, b) - mixed**3 * (reach / 6.0)
 
 
 def cut(a: Array, b: Array, reach: float) -> Array:
-    """Smooth intersection, with the edge rounded over `reach` m."""
+    """Smooth intersection of distances (n,) m, with the edge rounded over `reach` (m)."""
     return -melt(-a, -b, reach)
 
 
 def groove(across: Array, width: float) -> Array:
-    """Relative depth (n,) 0 to 1 of a soft-edged furrow at a distance from its middle line."""
+    """Relative depth (n,), 0 to 1, of a furrow with soft edges, at distances (n,) m from its middle
+    line."""
     return np.exp(-((across / width) ** 2))
 
 
@@ -63,8 +65,8 @@ class Limb:
     Attributes:
         start: (3,) m, position of its joint.
         axes: (3, 3), columns: sideways, along the bone, out of its back.
-        length: m, length of the bone.
-        radius: m, radius of the flesh.
+        length: Length (m) of the bone.
+        radius: Radius (m) of the flesh.
     """
 
     start: Array
@@ -73,13 +75,14 @@ class Limb:
     radius: float
 
     def at(self, side: float, along: float, up: float) -> Array:
-        """Position (3,) m from coordinates: `along` in lengths, the others in radii."""
+        """Position (3,) m for coordinates in the bone's frame: `along` in lengths of the bone,
+        `side` and `up` in radii."""
         return self.start + self.axes @ np.array(
             [side * self.radius, along * self.length, up * self.radius]
         )
 
     def local(self, p: Array) -> Array:
-        """Points (n, 3) m in its frame."""
+        """Points (n, 3) m, converted to the bone's frame."""
         return (p - self.start) @ self.axes
 
 

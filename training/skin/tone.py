@@ -1,7 +1,7 @@
 """Warmth and brightness of the skin at every vertex, instead of a texture.
 
-Skin is warm (0 to 1) where blood shows: fingertips, knuckles, the palmar side. It is bright (0 to
-1) except in creases and in the shadow of other flesh.
+Warmth (0 to 1) is high where blood shows through: at fingertips and knuckles, and on the palmar
+side. Brightness (0 to 1) is high except in creases and in the shadow of other flesh.
 """
 
 from __future__ import annotations
@@ -15,10 +15,10 @@ from training.skin.shapes import step
 CREASE_DARKNESS = 0.44
 """Loss of brightness in the deepest crease."""
 DEEPEST = 0.0006
-"""m, depth of the deepest crease."""
+"""Depth (m) of the deepest crease."""
 HOLLOWS = ((0.0025, 0.30), (0.006, 0.25), (0.012, 0.18))
-"""m from the skin at which other flesh casts a shadow, and the largest loss of brightness from
-it."""
+"""Distances (m) from the skin within which other flesh casts a shadow, each with the largest loss
+of brightness by this shadow."""
 
 
 def tone_of(field: HandField, vertices: Array, normals: Array) -> Array:
@@ -29,7 +29,7 @@ def tone_of(field: HandField, vertices: Array, normals: Array) -> Array:
 
 
 def _warmth(field: HandField, p: Array, out: Array) -> Array:
-    # The palmar side, softly, without the wrist.
+    # The palmar side is a little warm, except for the wrist.
     warm = 0.26 * step(-out[:, 2], 0.0, 0.8) * step(p[:, 1], 0.004, 0.030)
 
     def near(place: Array, reach: float, strength: float) -> None:

@@ -1,9 +1,10 @@
 """Skinning weights by heat diffusion from the bones into the skin.
 
-Every vertex is attached to its nearest bone; diffusion along the surface then blends the weights of
+Every vertex is attached to its nearest bone. Diffusion along the surface then blends the weights of
 neighbouring bones. Since heat does not flow through air, a finger never pulls its neighbour's skin.
-Method: heat equilibrium as in Baran and Popovic, "Automatic Rigging and Animation of 3D
-Characters" (2007); the bone is nearest within the flesh of one finger, rather than in sight.
+The method is the heat equilibrium of Baran and Popovic, "Automatic Rigging and Animation of 3D
+Characters" (2007). In contrast to their method, the nearest bone is searched in the same finger,
+and need not be visible from the vertex.
 """
 
 from __future__ import annotations
@@ -21,35 +22,37 @@ from training.skin.field import HandField
 from training.skin.shapes import step
 
 COLLAPSED = 0.01
-"""Share of its area below which a triangle counts as folded."""
+"""A triangle whose area shrinks below this share counts as folded."""
 MOST = 4
-"""Maximum number of bones per vertex."""
+"""Largest number of bones per vertex."""
 STIFFNESS = 0.18
 """Strength of a vertex's attachment to its nearest bone. Stiffer skin keeps more volume in a fist,
 but folds at joints (see `folds`)."""
 TIP_STIFFNESS, TIP = 4.0, (0.15, 0.55)
-"""The same for fingertips, which have rigid nails, and the range along the last bone over which it
-grows to this value."""
+"""Stiffness of fingertips, which have rigid nails, and the range along the last bone, in shares of
+its length, over which the stiffness grows to this value."""
 WEB_EDGE = (0.0100, 0.0135)
-"""m from the axis of a web's edge, between which the skin's membership in the web fades out."""
+"""Range of the distance (m) from the axis of a web's edge over which the skin gradually ceases to
+belong to the web."""
 WEB_FINGER = 0.042
-"""m, length of a first bone below which the webs beside it are smaller."""
+"""Length (m) of a first bone below which the webs beside it are smaller."""
 WEB_SHARES, THUMB_WEB_SHARES = (0.32, 0.34, 0.34), (0.45, 0.55, 0.0)
-"""Weights of the palm and of the fingers on both sides."""
+"""Weights of the palm and of the fingers on both sides, in a web between fingers and in that of the
+thumb."""
 WEB_LENGTH = 0.3
 """Share of a web's length that belongs to neither finger."""
 WEB_HOLD = 0.0045
-"""m, assumed distance of a web's edge from its bones: small, so that the edge moves as one
-piece."""
+"""Largest assumed distance (m) of a web's edge from its bones. It is small, so that the edge moves
+as one piece."""
 
 
 def weights_of(
     field: HandField, vertices: Array, triangles: NDArray[np.int64]
 ) -> tuple[NDArray[np.uint8], NDArray[np.uint8]]:
-    """Bones (n, 4), palm 0, and their weights (n, 4) out of 255, of vertices (n, 3) in the bind
-    pose.
+    """Bones (n, 4) of vertices (n, 3) m in the zero pose, and their weights (n, 4), integers that
+    sum to 255.
 
-    Bones without weight are 0.
+    Bone 0 is the palm. Unused entries contain bone 0 with weight 0.
     """
     owner, distance, stiffness = _owners(field, vertices)
     flow, area = cotangents(vertices, triangles)
@@ -69,10 +72,10 @@ def random_poses(skeleton: Skeleton, count: int, seed: int) -> Array:
 def folds(
     skeleton: Skeleton, rest: Array, triangles: NDArray[np.int64], shares: Array, poses: Array
 ) -> NDArray[np.bool_]:
-    """Booleans (p, m): the triangles that are folded over in poses (p, 48).
+    """Booleans (p, m), true for triangles that are folded over in poses (p, 48).
 
-    A folded triangle faces away from the direction given by the mean rotation of its bones, or has
-    less than the share `COLLAPSED` of its area.
+    A folded triangle faces away from the direction that follows from the mean rotation of its
+    bones, or its area has shrunk below the share `COLLAPSED`.
     """
     before = _cross(rest, triangles)
     size = np.linalg.norm(before, axis=1)
@@ -96,20 +99,24 @@ def _cross(vertices: Array, triangles: NDArray[np.int64]) -> Array:
 
 
 def strongest(shares: Array) -> tuple[NDArray[np.uint8], NDArray[np.uint8]]:
-    """The four largest of weights (n, 15) as integers out of 255, the largest first."""
+    """The four largest weights of each row of weights (n, 15), the largest first.
+
+    Returns:
+        Bones (n, 4), and their weights (n, 4), integers that sum to 255.
+    """
     order = np.argsort(-shares, axis=1, kind="stable")[:, :MOST]
-    # Subtracting the fifth keeps the skin smooth where the fourth bone changes.
+    # Subtracting the fifth weight keeps the skin smooth where the fourth bone changes.
     fifth = np.sort(shares, axis=1)[:, -MOST - 1]
     kept = np.clip(np.take_along_axis(shares, order, axis=1) - fifth[:, None], 0.0, None)
     kept /= kept.sum(axis=1, keepdims=True)
     weights = np.round(FULL * kept).astype(int)
-    # The largest gets the rounding remainder.
+    # The largest weight gets the rounding error of all.
     weights[:, 0] += FULL - weights.sum(axis=1)
     return np.where(weights > 0, order, 0).astype(np.uint8), weights.astype(np.uint8)
 
 
 def _nearest(field: HandField, vertices: Array) -> tuple[NDArray[np.int64], Array]:
-    """Nearest bone of each vertex, and the distance in m from that bone's axis."""
+    """Nearest bone of each vertex, and the vertex's distance (m) from the bone's axis."""
     _, fingers = field.parts(vertices)
     finger = np.argmin(np.stack(fingers), axis=0)
     distances = np.full((len(vertices), BONES), np.inf)
@@ -126,8 +133,8 @@ def _nearest(field: HandField, vertices: Array) -> tuple[NDArray[np.int64], Arra
 def _owners(field: HandField, vertices: Array) -> tuple[Array, Array, Array]:
     """Initial weights (n, 15) that sum to one, distances (n,) m and stiffnesses (n,) of vertices.
 
-    The edge of a web belongs to all its neighbours, so that relative movements of two fingers are
-    taken up along their sides, where there is more skin than on the edge.
+    The edge of a web belongs to the palm and to the fingers beside it. So relative movements of two
+    fingers stretch the skin along their sides, where there is more skin than on the edge.
     """
     nearest, distance = _nearest(field, vertices)
     owner = np.eye(BONES)[nearest]
@@ -169,7 +176,7 @@ def _to_segment(p: Array, a: Array, b: Array) -> Array:
 
 
 def cotangents(vertices: Array, triangles: NDArray[np.int64]) -> tuple[csr_matrix, Array]:
-    """The surface's Laplacian (n, n), positive, and each vertex's area (n,) m2."""
+    """The surface's Laplacian (n, n), positive semidefinite, and each vertex's area (n,) m2."""
     n, p = len(vertices), vertices[triangles]
     rows, columns, values = [], [], []
     for i in range(3):
