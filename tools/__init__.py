@@ -1,1 +1,1 @@
-"""What makes shipped files and what measures this repository; nothing here is in the wheel."""
+"""Programs that make files of this repository or measure it. They are not in the wheel."""

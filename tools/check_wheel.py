@@ -1,7 +1,8 @@
-"""Every file of the four packages is in the wheel, save the page's source and Python's caches, and
-no other file is.
+"""Checks that a wheel contains every file of the four packages and no other file.
 
-python3 tools/check_wheel.py WHEEL     # exit status 1 names what the wheel lacks, or has too much
+The source of the web page and Python's caches are not part of the wheel.
+
+    python3 tools/check_wheel.py WHEEL     # exit status 1 if files are missing or superfluous
 """
 
 from __future__ import annotations
@@ -17,7 +18,8 @@ NOT_SHIPPED = {"page", "node_modules", "__pycache__"}
 
 
 def differences(wheel: Path) -> tuple[list[str], list[str]]:
-    """Files of the packages that a wheel lacks, and its files of no package, sorted."""
+    """Files of the packages that are not in the wheel, and files of the wheel that are in no
+    package, both sorted."""
     sources = {
         path.relative_to(ROOT).as_posix()
         for name in PACKAGES

@@ -1,10 +1,10 @@
-"""Brings a study of the layout before 0.2.0 into that of today; the study itself is not changed.
+"""Converts a study from the layout before version 0.2.0 to the current layout, as a new folder.
 
     python -m tools.convert_study studies/OLD studies/NEW
 
-The layout of before had a journal of the study, `study.jsonl`, and in each session's folder
+The old layout has a journal of the study, `study.jsonl`, and in each session's folder
 `journal.jsonl`, `trackers/` and tables. The lines of its journals are checked by their digests
-before anything is written, and the new records are chained and sealed as they are.
+before anything is written. The new records are chained and sealed like those of a new study.
 """
 
 from __future__ import annotations
@@ -40,7 +40,7 @@ from sandbox.study.record.records import RUNS, SCHEMA
 from sandbox.study.tables.tables import make_tables
 
 DROPPED = ("tables", "packed", "moved", "left_out")
-"""Kinds of records that the layout of today has not."""
+"""Old kinds of records that the current layout does not have."""
 KINDS = {
     "session_start": "session",
     "session_resume": "resume",
@@ -56,16 +56,16 @@ KINDS = {
     "leftover": "repaired",
     "set_aside": "repaired",
 }
-"""Kinds of before that have another name today."""
+"""Old kind of a record -> its name in the current layout, for kinds that were renamed."""
 COMMANDS = ("pause", "go_on", "repeat", "skip", "exclude", "note")
-"""Kinds of before that are commands today."""
+"""Old kinds of records that are commands in the current layout."""
 
 
 def old_records(path: Path) -> list[Record]:
-    """Records of a journal of before, whose digests are checked.
+    """Reads an old journal, and checks the digests of its records.
 
     Raises:
-        StudyError: A line is not what was written.
+        StudyError: A line does not fit its digest.
     """
     records: list[Record] = []
     before, replaced = "", dict[str, str]()
@@ -89,19 +89,23 @@ def old_records(path: Path) -> list[Record]:
 
 
 def convert(old: Path, new: Path) -> None:
-    """Writes a study of before in the layout of today.
+    """Writes a study of the old layout in the current layout.
 
     Args:
         old: Folder with `study.jsonl`.
         new: Folder that does not exist yet.
 
     Raises:
-        StudyError: It is no such folder, a journal is damaged, or the new folder is there.
+        StudyError: `old` is not a study of the old layout, a journal is damaged, or `new` exists.
     """
     if not (old / "study.jsonl").is_file():
-        raise StudyError("not a study of before", where=str(old), expected="study.jsonl in it")
+        raise StudyError(
+            "not a study of the layout before 0.2.0",
+            where=str(old),
+            expected="a folder with study.jsonl",
+        )
     if new.exists():
-        raise StudyError("the folder is there already", where=str(new))
+        raise StudyError("the folder exists already", where=str(new), remedy="Name a new folder")
     journal = old_records(old / "study.jsonl")
     people = [r for r in journal if r["kind"] == PARTICIPANT]
     sessions = {
@@ -148,7 +152,7 @@ def convert(old: Path, new: Path) -> None:
 
 
 def _study(lock: Record) -> Record:
-    """First note of the study, from the lock of before."""
+    """First note of the study, from the first record of the old journal."""
     names = ("experiment", "mode", "build", "settings")
     kept: Record = {name: lock[name] for name in names if name in lock}
     return {"time": lock["time"], "kind": STUDY, "schema": SCHEMA, **kept}
@@ -159,7 +163,7 @@ def _without(record: Record, *names: str) -> Record:
 
 
 def _designs(old: Path) -> dict[str, dict[str, str]]:
-    """Texts of the files of each design, by its digest; under no digest the design of today."""
+    """Digest of a design -> path of a file -> its text. The key of the latest design is empty."""
     folders = {"": old, **{path.name: path for path in sorted(old.glob("earlier_designs/*"))}}
     found = {}
     for digest, folder in folders.items():
@@ -174,7 +178,7 @@ def _designs(old: Path) -> dict[str, dict[str, str]]:
 def _session(
     records: list[Record], ppid: str, site: str, texts: Mapping[str, dict[str, str]]
 ) -> bytes:
-    """The record of a session."""
+    """Content of a session's record file in the current layout."""
     made: list[Record] = []
     design = ""
     for record in records:
@@ -206,7 +210,7 @@ def _copy_trials(session: Path, trials: Path) -> None:
 
 
 def main() -> int:
-    """Converts a study; the exit status."""
+    """Converts a study; returns the exit status."""
     if len(sys.argv) != 3:
         print("usage: python -m tools.convert_study OLD NEW", file=sys.stderr)
         return 2

@@ -1,9 +1,9 @@
 """The hand alone as plain MJCF, `hand.xml`, which any MuJoCo viewer opens.
 
-    python -m tools.make_hand     # writes the file anew
+    python -m tools.make_hand     # writes the file again
 
-It is cut out of a scene, so that it cannot be another hand than the one that is simulated: what is
-left away is the table, and what a session measures.
+The hand is taken from a scene, so that it is the simulated hand. The table and the sensors are left
+out.
 """
 
 from __future__ import annotations
@@ -29,10 +29,10 @@ _ABOUT = """
 
 
 def hand_xml(hand: Hand) -> str:
-    """MJCF of one hand with its servos, and nothing else but light.
+    """MJCF of one hand with its servos, and lights.
 
     Args:
-        hand: The servos' kind and limits, the skeleton, and the prefix of all names.
+        hand: The hand.
     """
     root = fromstring(scene_xml(SceneSpec(hands=(hand,))))
     root.set("model", "hand")
@@ -40,7 +40,7 @@ def hand_xml(hand: Hand) -> str:
     for part in root.findall("sensor"):
         root.remove(part)
     _remove(root, "worldbody", "geom")
-    # Colours of the table, which nothing uses any more.
+    # These are the colours of the table, which has been removed.
     _remove(root, "asset", "material")
     _remove(root, "asset", "texture[@type='2d']")
     indent(root)

@@ -1,7 +1,7 @@
 """Writes the protocol's types for the page: `python -m tools.page_types`.
 
-A test holds the file and `sandbox.server.protocol` equal, so the page cannot speak another
-version than the server does.
+A test checks that the written file and `sandbox.server.protocol` agree. So the page uses the same
+version of the protocol as the server.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ _NUMBERS = ("LIFT_STRIP_PX", "LIFT_NOTCH", "LIFT_KEY", "LIFT_PAGE", "NOTCH_PX")
 """Numbers of the protocol that the page uses as well."""
 
 _OF_MOUSE = ("GRAB_RADIUS", "WHEEL_FACTOR", "WHEEL_TURN", "NARROWEST", "WIDEST")
-"""Numbers of the mouse in the window that the page uses as well."""
+"""Numbers of the window's mouse device that the page uses as well."""
 
 _SIMPLE: dict[type, str] = {
     inspect.IntType: "number",
@@ -35,7 +35,7 @@ _SIMPLE: dict[type, str] = {
 
 
 def typescript() -> str:
-    """The whole file."""
+    """The text of the written file."""
     lines = [
         "// Written by `python -m tools.page_types` from sandbox/server/protocol.py.",
         "",
@@ -59,7 +59,7 @@ def typescript() -> str:
 
 
 def _hands() -> str:
-    """Layouts of hands of one finger to five."""
+    """Layouts of the default hands with one to five fingers, as a TypeScript array."""
     layouts = [mouse.default_hand(count) for count in range(1, len(FINGERS) + 1)]
     hands = [
         [f"[{label}, {x:.4f}, {y:.4f}]" for label, (x, y) in sorted(layout.items())]
@@ -86,7 +86,7 @@ def _type(kind: Any) -> str:
         return simple
     match kind:
         case inspect.Metadata(extra=extra) if extra and "page" in extra:
-            # What our page sends is narrower than what the server accepts from others.
+            # This page sends fewer values than the server accepts from other programs.
             return str(extra["page"])
         case inspect.Metadata():
             return _type(kind.type)

@@ -101,7 +101,7 @@ def test_a_study_of_before_has_the_same_tables_in_the_new_layout_and_is_refused_
         assert rows_of(tmp_path / "new/tables" / name) == rows_of(study.path / "tables" / name)
     assert main(["replay", str(tmp_path / "new"), "--verify"]) == 0
     assert StudyFolder.at(tmp_path / "new").design.text == DESIGN
-    with pytest.raises(StudyError, match="is there already"):
+    with pytest.raises(StudyError, match="exists already"):
         convert(old, tmp_path / "new")
 
 

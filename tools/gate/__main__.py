@@ -19,11 +19,11 @@ from tools.gate.observation import observe
 from tools.gate.rows import Difference, Observed, Rows, differences, fingerprint
 
 FILE = Path(__file__).parent.parent / "gate.json"
-"""Rows of the commit that wrote the file, and its machine's fingerprint."""
+"""Rows of the commit that wrote the file, and the fingerprint of the machine."""
 
 
 def table(before: Rows, now: Rows, found: list[Difference]) -> Table:
-    """A line a group: rows, successes, median time, differences."""
+    """Table with a line for each group: numbers of rows, successes, median times, differences."""
     shown = Table(title="gate")
     for column in ("group", "rows", "success", "was", "median s", "was", "differ"):
         shown.add_column(column, justify="left" if column == "group" else "right")
@@ -53,7 +53,7 @@ def _time(rows: dict[str, Observed]) -> str:
 
 
 def update(rows: Rows, path: Path, here: str) -> None:
-    """Writes the file: a row a line, so that a difference can be read."""
+    """Writes the file with one row per line, so that differences are readable in git."""
     lines = [f' "fingerprint": {json.dumps(here)},', ' "rows": {']
     for i, (group, named) in enumerate(rows.items()):
         lines.append(f"  {json.dumps(group)}: {{")
@@ -64,7 +64,8 @@ def update(rows: Rows, path: Path, here: str) -> None:
 
 
 def main() -> int:
-    """The command line; exit status 1 where something differs, 2 where it cannot be compared."""
+    """The command line. The exit status is 1 if a row differs, and 2 if nothing can be
+    compared."""
     parser = argparse.ArgumentParser(
         prog="python -m tools.gate",
         description=tools.gate.__doc__,
@@ -76,7 +77,7 @@ def main() -> int:
     parser.add_argument("--file", type=Path, default=FILE, help="another file than tools/gate.json")
     options = parser.parse_args()
     if options.quick and options.update:
-        parser.error("--update writes all rows, and --quick plays a few: leave one out")
+        parser.error("--update needs all rows, but --quick plays only some: leave out one option")
     if options.workers < 1:
         parser.error(f"--workers must be at least 1, got {options.workers}")
     here = fingerprint()
@@ -86,14 +87,17 @@ def main() -> int:
             stored = json.loads(options.file.read_text(encoding="utf-8"))
             _ = stored["fingerprint"], stored["rows"]
         except (ValueError, KeyError, TypeError) as error:
-            parser.error(f"{options.file} is not a gate's file ({error!r}): git has the last one")
+            parser.error(
+                f"{options.file} is not a file of the gate ({error!r}): restore it with git"
+            )
     elif not options.update:
-        parser.error(f"{options.file} is missing: git has it, or --update writes it")
+        parser.error(f"{options.file} is missing: restore it with git, or write it with --update")
     same = stored["fingerprint"] == here
     if options.update and not same:
         parser.error(
-            f"{options.file} is of a machine with fingerprint {stored['fingerprint']}, this one "
-            f"has {here}: update it on such a machine, or delete it first"
+            f"{options.file} is from a machine with fingerprint {stored['fingerprint']}, but this "
+            f"machine has {here}: update the file on a machine with the same fingerprint, or "
+            "delete it first"
         )
     begun = time.monotonic()
     now = observe(options.quick, options.workers)
@@ -104,8 +108,8 @@ def main() -> int:
         console.print(str(difference), highlight=False, markup=False, soft_wrap=True)
     if not same:
         console.print(
-            f"This machine has fingerprint {here}, the file {stored['fingerprint']}: outcomes are "
-            "compared, without `gather` and soft servos; state hashes and times are not."
+            f"This machine has fingerprint {here}, but the file has {stored['fingerprint']}: only "
+            "outcomes are compared, without those of `gather` and soft servos."
         )
     console.print(f"{len(found)} differences, {time.monotonic() - begun:.0f} s")
     if options.update:

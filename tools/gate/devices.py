@@ -1,7 +1,7 @@
-"""One input per device, from foreign or plain files, through the session.
+"""Plays one input file per device through the session.
 
-The files in `inputs/` are of other programs' formats, and of plain JSON where a device has no file
-format. They were made once of simulated users' hands, and are never made again:
+The files in `inputs/` have formats of other programs, or are plain JSON if a device has no file
+format. They were made once from hands of simulated users, and do not change:
 
     tuio        packets of TUIO 1.1, 2Dcur, as a capture
     leapd       frames of a Leap service (v2)
@@ -40,13 +40,13 @@ from tools.gate.rows import Observed, outcome
 INPUTS = Path(__file__).with_name("inputs")
 
 SEEDS = {"tuio": 2, "leapd": 2, "landmarks": 4, "headset": 2, "page": 2, "evdev": 2}
-"""Input -> seed of the trial of box-to-goal that it was made for."""
+"""Input -> seed of the trial of box-to-goal for which it was made."""
 
 SCREEN = PageScreen(132.0, 1024.0, 768.0, True)
-"""The page that the messages came from."""
+"""Screen of the page that sent the messages."""
 
 UNITS_PER_MM = 20
-"""Resolution of the touch screen that the events came from."""
+"""Resolution (units per mm) of the touch screen that sent the events."""
 
 
 def play(name: str) -> Observed:
@@ -65,14 +65,14 @@ def play(name: str) -> Observed:
 
 
 class Waiting:
-    """Lines of an input that have not been due yet."""
+    """The remaining lines of an input, each of which is due at its time."""
 
     def __init__(self, name: str) -> None:
         text = gzip.decompress((INPUTS / f"{name}.jsonl.gz").read_bytes()).decode()
         self.lines = [json.loads(line) for line in text.splitlines()][::-1]
 
     def due(self, now: float) -> list[dict[str, Any]]:
-        """Takes the lines up to a time, s."""
+        """Removes and returns the lines up to the time `now` (s)."""
         found = []
         while self.lines and self.lines[-1]["t"] <= now:
             found.append(self.lines.pop())
@@ -80,7 +80,7 @@ class Waiting:
 
 
 class Page(Device):
-    """The page's touches, whose messages are due at the times of the file."""
+    """A device that gets the page's touch messages at the times of the file."""
 
     name = "page"
 
@@ -106,7 +106,7 @@ class Page(Device):
 
 
 class Headset(HandDevice):
-    """The hands of a headset's page, whose messages are due at the times of the file."""
+    """A device that gets the hand messages of a headset's page at the times of the file."""
 
     name = "headset"
 
@@ -136,7 +136,7 @@ def _headset(task: Task, surface: Surface) -> Any:
 
 
 class EventNode:
-    """A touch screen's node whose events are due at the times of the file.
+    """A touch screen's node that sends events at the times of the file.
 
     Args:
         size: (2,) m, size of the screen.
@@ -166,7 +166,7 @@ class EventNode:
 
 
 class _TouchScreen(EvdevDevice):
-    """The device over a node that has to be given the session's time."""
+    """A device that passes the session's time to its node."""
 
     def __init__(self, node: EventNode, surface: Surface) -> None:
         super().__init__(node, surface)
@@ -184,5 +184,5 @@ class _TouchScreen(EvdevDevice):
 
 
 def touch_screen(surface: Surface) -> Device:
-    """Opens a touch screen of the surface's size, with the events of the file."""
+    """Opens a touch screen of the surface's size that sends the events of the file."""
     return _TouchScreen(EventNode(surface.size), surface)

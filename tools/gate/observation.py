@@ -1,4 +1,4 @@
-"""Plays all that the gate compares, in processes of its own."""
+"""Plays everything that the gate compares, in separate processes."""
 
 from __future__ import annotations
 
@@ -18,11 +18,12 @@ from tools.gate import devices, page, study, trials
 from tools.gate.rows import Rows
 
 Work = tuple[str, str | None, Callable[..., Any], tuple[Any, ...]]
-"""Group, name of the row (None: the work gives all rows of the group), function, arguments."""
+"""Group, name of the row, function, arguments. If the name is None, the function returns all rows
+of the group."""
 
 
 def work(quick: bool) -> list[Work]:
-    """Everything to play, the longest first."""
+    """Everything to play. The longest work comes first."""
     found: list[Work] = []
     if not quick:
         found.append(("study", None, study.play, ()))
@@ -35,7 +36,15 @@ def work(quick: bool) -> list[Work]:
 
 
 def guarded(function: Callable[..., Any], arguments: tuple[Any, ...], many: bool) -> Any:
-    """The rows of a function; an exception becomes a row with `error`, which always differs."""
+    """Calls a function and returns its row or rows.
+
+    An exception becomes a row with `error`, which always counts as a difference.
+
+    Args:
+        function: The function.
+        arguments: Its arguments.
+        many: True if the function returns several rows.
+    """
     try:
         return function(*arguments)
     except Exception as error:
@@ -49,7 +58,7 @@ def observe(quick: bool, workers: int) -> Rows:
     """Plays everything and returns the rows."""
     rows: Rows = {}
     everything = work(quick)
-    # A process a core is enough.
+    # There is a process for every core, so libraries need no threads of their own.
     for library in ("OMP", "OPENBLAS", "MKL"):
         os.environ.setdefault(f"{library}_NUM_THREADS", "1")
     console = Console(stderr=True)
@@ -68,6 +77,6 @@ def observe(quick: bool, workers: int) -> Rows:
                 rows.setdefault(group, {}).update(observed)
             else:
                 rows.setdefault(group, {})[name] = observed
-    # As a file holds them, so that equal rows compare equal.
+    # The rows are converted to values as in the file, so that equal rows compare equal.
     plain: Rows = json.loads(json.dumps(rows))
     return plain

@@ -1,4 +1,4 @@
-"""A play of box-to-goal by fingers on the page in Chromium: its outcome, and errors of scripts."""
+"""Plays box-to-goal by touches on the page in Chromium; observes the outcome and script errors."""
 
 from __future__ import annotations
 
@@ -29,8 +29,10 @@ SURFACE_IN = (9.0, 6.0)
 
 
 def play() -> Observed:
-    """Plays once. Success, fingers that were down, and exceptions; no times, no states: touches
-    arrive when the browser sends them."""
+    """Plays once; returns success, number of fingers that were down, and number of script errors.
+
+    Times and states are not returned, since they depend on when the browser sends touches.
+    """
     if not os.path.exists(BINARY):
         return {"error": "Debian's chromium is missing"}
     # A page on a busy machine may send nothing for longer than a second.

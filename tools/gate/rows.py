@@ -1,4 +1,5 @@
-"""Rows of the gate: values under a group and a name, and the comparison of two sets of rows."""
+"""Rows of the gate, each with a group, a name and values, and the comparison of two sets of
+rows."""
 
 from __future__ import annotations
 
@@ -9,7 +10,7 @@ from typing import Any
 from sandbox.recording.versions import versions
 
 Observed = dict[str, Any]
-"""Plain values of one row, as JSON holds them."""
+"""Values of one row, of JSON types."""
 
 Rows = dict[str, dict[str, Observed]]
 """Group -> name -> values."""
@@ -18,15 +19,15 @@ MACHINE_BOUND = frozenset({"hash", "time_s"})
 """Keys that are equal only on machines with the same fingerprint."""
 
 CHAOTIC = ("gather", "soft")
-"""Words in the names of rows whose outcomes differ on a machine with another fingerprint: in
-`gather` many boxes touch, and soft servos let small differences grow."""
+"""Words in the names of rows whose outcomes depend on the machine's fingerprint. In `gather` many
+boxes touch, and soft servos let small differences grow."""
 
 DIGITS = 16
-"""Digits of a state hash that are compared."""
+"""Number of digits of a state hash that are compared."""
 
 
 def fingerprint() -> str:
-    """Fingerprint of this machine: machines that share it compute the same states."""
+    """Fingerprint of this machine. Machines with the same fingerprint compute the same states."""
     return versions()["fingerprint"]
 
 
@@ -42,12 +43,13 @@ def outcome(result: Mapping[str, Any]) -> Observed:
 
 @dataclass(frozen=True)
 class Difference:
-    """A row that differs from the file's.
+    """A row that differs from that of the file.
 
     Attributes:
         group: Group of the row.
         name: Name of the row.
-        before, now: Values of the keys that differ; None where there is no such row.
+        before, now: Values that differ, of the file and of this checkout; None if one of them has
+            no such row.
     """
 
     group: str
@@ -62,15 +64,16 @@ class Difference:
 def differences(
     before: Rows, now: Rows, groups: Iterable[str], whole: bool, same_machine: bool
 ) -> list[Difference]:
-    """Rows that differ from the file's, and rows that ended in an error.
+    """Rows that differ from those of the file, and rows that ended with an error.
 
     Args:
         before: Rows of the file.
         now: Rows of this checkout.
         groups: Groups that were observed.
-        whole: True where all rows of these groups were observed, so that a missing one differs.
-        same_machine: True where the fingerprints are equal; otherwise hashes and times are not
-            compared, nor the outcomes of chaotic rows.
+        whole: True if all rows of these groups were observed. A missing row then counts as a
+            difference.
+        same_machine: True if the fingerprints are equal. Otherwise hashes, times and the outcomes
+            of chaotic rows are not compared.
     """
     found = []
     for group in groups:

@@ -1,9 +1,9 @@
-"""A study of two simulated people that is killed and resumed, behind an adapter to the study room.
+"""A study of two simulated people that is killed and resumed.
 
     python -m tools.gate.study OUT PEOPLE LINES    # one run, which kills itself
 
-The adapter is `run_until_killed` and `rows_of`: they know how a study is simulated, where a
-session's journal grows, and which columns its tables have.
+Only `run_until_killed` and `rows_of` depend on how a study is simulated, where a session's record
+is, and which columns the tables have.
 """
 
 from __future__ import annotations
@@ -24,18 +24,18 @@ from tools.gate.rows import DIGITS, Observed
 DESIGN = Path(__file__).with_name("study.toml")
 PEOPLE = 2
 KILLS = (3, 5, 31, 40, 50, 58)
-"""Lines that a session's record has when the program is killed; the third is the first form after
-trials."""
+"""Numbers of lines of a session's record at which the program is killed. The third is at the first
+form after trials."""
 
 
 def run_until_killed(out: Path, people: int, lines: int) -> int:
-    """Begins or resumes the study, and kills this process once a session's journal has so many
+    """Begins or resumes the study, and kills this process once a session's record has `lines`
     lines.
 
     Args:
         out: Folder of the study.
-        people: How many people take part.
-        lines: Lines of the journal; 0: it is not killed.
+        people: Number of people who take part.
+        lines: Number of lines of the record; 0 does not kill the process.
     """
     write: Callable[..., object] = Journal._write
 
@@ -57,7 +57,7 @@ def rows_of(out: Path) -> dict[str, Observed]:
     rows: dict[str, Observed] = {}
     people: dict[str, str] = {}
     for trial in csv.DictReader((study / "tables/trials.csv").open(encoding="utf-8")):
-        # Rows were named when tables counted from 0.
+        # The names of rows count from 0, as tables did in earlier versions.
         people[trial["participant"]] = str(int(trial["number"]) - 1)
         if trial["counted"] == "1":
             name = f"person {people[trial['participant']]}, trial {trial['trial']}"
@@ -74,14 +74,14 @@ def rows_of(out: Path) -> dict[str, Observed]:
         rows[name] = {"answer": answer["answer"]}
     for ppid, person in people.items():
         records = read_journal(study / ppid / "S001" / "session.jsonl")
-        # A form whose answers were lost is asked again.
+        # If the answers of a form were lost, the form was shown again.
         forms = sum(record["kind"] == "form" for record in records)
         rows[f"person {person}, forms"] = {"answered": forms}
     return rows
 
 
 def play() -> dict[str, Observed]:
-    """Rows of the study, killed six times for each person."""
+    """Plays the study, which is killed six times for each person, and returns its rows."""
     with tempfile.TemporaryDirectory() as folder:
         out = Path(folder)
         for person in range(1, PEOPLE + 1):

@@ -1,4 +1,5 @@
-"""Trials of the simulated user: every task with both solidities, and other settings."""
+"""Trials of the simulated user: every task with solid fingertips and with solid hands, and other
+settings."""
 
 from __future__ import annotations
 
@@ -26,7 +27,7 @@ TASKS = (
 )
 
 SEEDS = {"fingertips": range(20), "hand": range(4)}
-"""Solidity -> seeds of every task."""
+"""Value of `--solid` -> seeds of every task."""
 
 SETTINGS: dict[str, tuple[str, dict[str, Any]]] = {
     "encoder linear": ("box-to-goal", {"encoder": "linear"}),
@@ -51,7 +52,7 @@ SETTINGS: dict[str, tuple[str, dict[str, Any]]] = {
 """Name -> task and options that differ from the defaults."""
 
 SETTING_SEEDS = (2, 3)
-"""Seeds of every setting."""
+"""Seeds of every entry of `SETTINGS`."""
 
 Job = tuple[str, str, int, dict[str, Any]]
 """Group, task, seed and options of a trial."""

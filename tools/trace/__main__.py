@@ -22,7 +22,7 @@ ROOT = Path(__file__).resolve().parent.parent.parent
 
 
 def table(name: str, trace: Trace) -> Table:
-    """A line a number."""
+    """Table with a line for each number."""
     shown = Table(title=f"trace of {name}", show_header=False)
     shown.add_column()
     shown.add_column(justify="right")
@@ -33,13 +33,13 @@ def table(name: str, trace: Trace) -> Table:
 
 
 def main() -> int:
-    """The command line; exit status 1 where the traced command failed."""
+    """The command line. The exit status is 1 if the traced command failed."""
     parser = argparse.ArgumentParser(
         prog="python -m tools.trace",
         description=tools.trace.__doc__,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
-    parser.add_argument("path", choices=PATHS, help="what is run")
+    parser.add_argument("path", choices=PATHS, help="command to run")
     parser.add_argument("--list", action="store_true", help="print files and functions in order")
     parser.add_argument("--json", type=Path, metavar="OUT", help="write numbers and names here")
     options = parser.parse_args()

@@ -1,4 +1,4 @@
-"""The paths that are traced, each by the command line."""
+"""The commands that are traced."""
 
 from __future__ import annotations
 
@@ -14,11 +14,11 @@ from tests.support.processes import PATIENCE
 from tools.trace.tracer import Tracer
 
 MESSAGES = 60
-"""Messages with fingers, one a control step: about a second."""
+"""Number of messages with touches, one per control step: about a second."""
 HAND = ((1.6, 4.1), (2.2, 2.0), (3.1, 1.5), (4.0, 1.7), (4.8, 2.5))
-"""(x, y) in inches of five fingertips of a right hand, the thumb first."""
+"""Positions (x, y) in inches of five fingertips of a right hand, the thumb first."""
 SPEED = 0.01
-"""Inches a message by which the fingers move to the right."""
+"""Distance (inches per message) by which the fingers move to the right."""
 
 DESIGN = """
 name = "traced"
@@ -86,7 +86,7 @@ def touch(tracer: Tracer, folder: Path) -> int:
             _thread.interrupt_main()
 
     tracer.counting = False
-    # It starts before the tracer, and is not traced.
+    # The thread starts before the tracer, and so is not traced.
     threading.Thread(target=play, daemon=True).start()
     options = "play box-to-goal --device web --view web --profile none --events"
     status = 0
@@ -108,7 +108,8 @@ def _traced(tracer: Tracer, arguments: list[str]) -> int:
 
 
 def _fingers(tracer: Tracer, events: Path) -> None:
-    """A client of the page; counts from its first finger to the frame after its last message."""
+    """Plays a client of the page. Calls are counted from the client's first touch to the frame
+    after its last message."""
     with Page(_address(events)) as page:
         page.until("frame")
         tracer.counting = True

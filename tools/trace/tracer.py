@@ -16,22 +16,24 @@ from typing import Any
 PACKAGES = ("models", "encoders", "tasks", "sandbox")
 MODULE = "<module>"
 INSIDE = {"<listcomp>", "<setcomp>", "<dictcomp>", "<genexpr>"}
-"""Code that belongs to the function around it; Python 3.12 has no code of its own for most."""
+"""Names of code that belongs to the function around it. From Python 3.12 on, most of them have no
+separate code."""
 RE = str(Path(re.__file__).parent) + os.sep
 """Folder of the module `re`."""
 
 
 @dataclass(frozen=True)
 class Trace:
-    """What ran, of this project's files; paths are relative to its root, with slashes.
+    """Files, functions and classes of this project that ran. Paths are relative to the project's
+    root, with slashes.
 
     Attributes:
         imported: Files whose module body ran, in order.
-        functions: File -> its functions that ran, as NAME:LINE; both in the order in which they
-            first took part.
+        functions: File -> its functions that ran, as NAME:LINE. Files and functions are in the
+            order in which they first took part.
         classes: Classes of which a method ran, as FILE:NAME, in order.
-        calls: Number of calls of Python code, of any file, in imports or not.
-        re_calls: How many of these calls were of functions of the module `re`.
+        calls: Number of calls of Python code in all files, also in imports.
+        re_calls: Number of these calls that were of functions of the module `re`.
     """
 
     imported: list[str]
@@ -53,7 +55,7 @@ class Trace:
 
 
 class Tracer:
-    """Watches all threads that start while it is entered, and the one that enters it.
+    """Watches the thread that enters it, and all threads that start afterwards.
 
     Args:
         root: Folder of the project.
@@ -94,7 +96,7 @@ class Tracer:
             return
         code = frame.f_code
         key, is_module = id(code), code.co_name == MODULE
-        # How many modules are being imported in this thread, each by the one before it.
+        # Number of nested imports in this thread.
         imports: int = getattr(self._thread, "imports", 0)
         if is_module:
             self._thread.imports = imports + (1 if event == "call" else -1)
@@ -107,7 +109,7 @@ class Tracer:
                 self._functions.setdefault(key)
 
     def trace(self) -> Trace:
-        """What has run so far."""
+        """The trace up to now."""
         functions: dict[str, dict[str, None]] = {}
         classes: dict[str, None] = {}
         for code in map(self._codes.__getitem__, self._functions):
@@ -129,7 +131,7 @@ class Tracer:
         )
 
     def _own(self, code: CodeType) -> str | None:
-        """The file of a code, relative to the project; None where it is not the project's."""
+        """File of a code object, relative to the project; None for a file outside the project."""
         path = Path(code.co_filename)
         if not path.is_relative_to(self._root):
             return None
