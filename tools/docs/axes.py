@@ -2,7 +2,7 @@
 
     python -m tools.docs.axes          # writes docs/pictures/axes.svg
 
-Plain SVG with a ground of its own, so that it can be read on light and dark pages.
+The picture is plain SVG with its own background, so that it is readable on light and dark pages.
 """
 
 from __future__ import annotations
@@ -25,18 +25,18 @@ from tools.docs.how_it_works import (
 
 AXES = PICTURE.with_name("axes.svg")
 SCALE = 1900.0
-"""px for a metre."""
+"""Scale (px per metre)."""
 MIDDLE = (250.0, 205.0)
-"""px, where the middle of the table's top is."""
+"""Position (px) of the middle of the table's top."""
 REACH = 0.055
-"""m, length of an axis."""
+"""Length (m) of an axis."""
 WIDTH, HEIGHT = 760, 400
 SIDE = 590.0
-"""px, middle of the view from the side."""
+"""Position (px) of the middle of the view from the side."""
 
 
 def drawing() -> str:
-    """The picture as SVG: from above, with both frames, and from the side."""
+    """The picture as SVG: a view from above, with both frames, and a view from the side."""
     surface = Surface().centred_at((0.0, 0.0, 0.0))
     (wide, high), (cx, cy) = surface.size * SCALE, MIDDLE
     left, top, reach = cx - wide / 2, cy - high / 2, REACH * SCALE

@@ -1,4 +1,4 @@
-"""Prints `docs/design-file.md`, every key of a design file, from where the reader has them:
+"""Writes `docs/design-file.md`, every key of a design file, from the fields that the program reads.
 
 python -m tools.docs.design_fields
 """

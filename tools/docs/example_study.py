@@ -1,7 +1,7 @@
 """The example study for docs: `python -m tools.docs.example_study out/three-encoders-simulated`.
 
-Makes the report on a simulated study, keeps its page as examples/study/report.html, and writes
-docs/example-study.md with some of its tables and pictures. Nobody took part.
+Makes the report on a simulated study, copies its page to examples/study/report.html, and writes
+docs/example-study.md with some of its tables and pictures. No person took part.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ from sandbox.study.tables.tables import make_tables
 DESIGN = "examples/study/design.toml"
 PAGE = Path("examples/study/report.html")
 LARGEST = 1_000_000
-"""Bytes of a page that is kept."""
+"""Size (bytes) below which the report's page is copied."""
 
 TEXT = """# An example: three encoders by two tasks
 
@@ -72,7 +72,7 @@ def main(folder: Path, docs: Path = Path("docs")) -> None:
     """Writes the page, its pictures and the whole report."""
     found = results(load_study(folder))
     if found.data.mode != "simulated":
-        raise SystemExit("this example is of simulated people only")
+        raise SystemExit("this example needs a study with simulated people only")
     with tempfile.TemporaryDirectory() as work:
         page = make_report(folder, Path(work) / "report")
         if page.stat().st_size < LARGEST:
@@ -95,7 +95,7 @@ def main(folder: Path, docs: Path = Path("docs")) -> None:
 
 
 def said(*command: str) -> str:
-    """What a command prints."""
+    """The text that a command prints."""
     out = io.StringIO()
     with redirect_stdout(out):
         assert sandbox(list(command)) == 0
@@ -103,19 +103,19 @@ def said(*command: str) -> str:
 
 
 NAMES = {"outcome-time-s": ("example-time", "example-solved"), "order": ("example-practice",)}
-"""Files of the pictures that are kept, by section."""
+"""Section -> files of its pictures that are written."""
 LEFT_OUT = ("sessions", "measures", "methods")
-"""Sections that the whole report has."""
+"""Sections that only the whole report has."""
 
 
 def shown_sections(found: Results, docs: Path) -> list[str]:
-    """Sections of the report as Markdown; pictures become files."""
+    """Sections of the report as Markdown. Pictures are written to files."""
     some = [section for section in sections(found) if section.id not in LEFT_OUT]
     return [line for section in some for line in shown(section, docs)]
 
 
 def shown(section: Section, docs: Path) -> list[str]:
-    """A section; its pictures that have no name here are left out."""
+    """Lines of a section in Markdown. Pictures without a name in `NAMES` are left out."""
     names = list(NAMES.get(section.id, ()))
     lines = [f"## {section.title}"]
     for part in section.parts:
@@ -132,7 +132,7 @@ def shown(section: Section, docs: Path) -> list[str]:
 
 
 def markdown(table: Table) -> str:
-    """A table."""
+    """A table of the report in Markdown."""
     rows = [list(table.head), ["---"] * len(table.head), *map(list, table.rows)]
     lines = "\n".join(
         "| " + " | ".join(cell.replace("|", "\\|") for cell in r) + " |" for r in rows
@@ -141,7 +141,7 @@ def markdown(table: Table) -> str:
 
 
 def alone(svg: str) -> str:
-    """A picture of the report that needs no page: in its light colours, on white."""
+    """A picture of the report as a separate SVG file, with the light colours of the page."""
     css = files("sandbox.study.report").joinpath("page.css").read_text(encoding="utf-8")
     light = dict(re.findall(r"(--\w+): (#\w+)", css.split("@media")[0]))
     svg = re.sub(r"var\((--\w+)\)", lambda m: light[m[1]], svg)

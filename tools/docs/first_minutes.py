@@ -1,13 +1,13 @@
-"""The first minutes with the program, filmed: what the README's commands show.
+"""Films the first minutes with the program: the commands of the README and their output.
 
     pip install -e ".[site]"
     python -m tools.docs.first_minutes             # writes docs/pictures/first-minutes.webp
 
-Every scene is a real run in a fresh clone, in its own environment: a terminal, or a window on an X
-server in memory. Long runs are shown faster, and each scene says how long it took. The tablet's
-page and a study's forms are the pictures that `tools.docs.page_picture` and
-`tools.docs.study_pictures` have made. Needs Debian's xvfb and OpenGL, and a package index. All
-touches are those of the simulated user.
+Every scene is a real run in a fresh clone with its own environment, in a terminal or in a window on
+an X server in memory. Long runs are shown faster, and each scene shows its real duration. The
+tablet's page and a study's forms are pictures made by `tools.docs.page_picture` and
+`tools.docs.study_pictures`. Needs Debian's xvfb and OpenGL, and a package index. All touches are
+those of the simulated user.
 """
 
 from __future__ import annotations
@@ -33,24 +33,24 @@ from tools.docs import terminal
 ROOT = Path(__file__).resolve().parents[2]
 OUT = ROOT / "docs" / "pictures" / "first-minutes.webp"
 EVERY_MS = 250
-"""ms that a frame is shown."""
+"""Time (ms) for which a frame is shown."""
 MOST_FRAMES = 22
-"""Frames of one scene."""
+"""Largest number of frames in a scene."""
 LAST_MS = 1800
-"""ms that the last frame of a scene is shown."""
+"""Time (ms) for which the last frame of a scene is shown."""
 BAR = 38
-"""px, height of the line below the picture."""
+"""Height (px) of the line below the picture."""
 TESTS_RUN = re.compile(r"items\]\s+[.s]{20}")
-"""What tests print when the first are done; they are stopped then, since all take minutes."""
+"""Output of the tests after the first of them. Then they are stopped, since all take minutes."""
 PLAY_SECONDS = 14.0
-"""s of a command that waits for a person."""
+"""Duration (s) of a command that waits for a person."""
 LONGEST_SECONDS = 900.0
-"""s of any other command."""
+"""Longest duration (s) of any other command."""
 QUALITY = 60
-"""Of WebP, 0 to 100."""
+"""Quality of WebP, 0 to 100."""
 
 Timed = tuple[float, Image.Image]
-"""s since the beginning, and what was seen then."""
+"""Time (s) since the beginning, and the picture at that time."""
 
 
 @dataclass(frozen=True)
@@ -58,15 +58,15 @@ class Scene:
     """Pictures with a line below them.
 
     Attributes:
-        title: What is shown.
-        pictures: What was seen, in order.
+        title: Title of the scene.
+        pictures: The pictures, in order.
     """
 
     title: str
     pictures: Sequence[Timed]
 
     def frames(self) -> Iterator[tuple[Image.Image, int]]:
-        """Frames of the film, and ms for which each is shown."""
+        """Frames of the film, each with the time (ms) for which it is shown."""
         count = min(len(self.pictures), MOST_FRAMES)
         chosen = [
             self.pictures[i * (len(self.pictures) - 1) // max(count - 1, 1)] for i in range(count)
@@ -87,7 +87,7 @@ def readme_commands() -> list[str]:
 
 
 def scenes(folder: Path) -> Iterator[Scene]:
-    """All scenes, each run when it is asked for.
+    """All scenes. Each is run when the iteration reaches it.
 
     Args:
         folder: An empty folder for the clone.
@@ -123,7 +123,7 @@ def _typed(
 ) -> Scene:
     """A command in the terminal, in the clone's environment."""
     path = f"{clone / '.venv' / 'bin'}{os.pathsep}{os.environ['PATH']}"
-    # How this machine's pip is set up is nobody's concern.
+    # pip is quiet, since its messages depend on the configuration of this machine.
     variables = {"PATH": path, "PIP_QUIET": "2"}
     run = terminal.film(command, clone, shown, longest, enough, environment=variables)
     if run.status:
@@ -140,7 +140,7 @@ def _kept(title: str, name: str) -> Scene:
 
 @contextmanager
 def _looked_at(display: str) -> Iterator[Callable[[], list[Timed]]]:
-    """Looks at an X screen all the time; what it yields returns what was on it."""
+    """Takes pictures of an X screen; yields a function that returns the pictures so far."""
     pictures: list[Timed] = []
     over = threading.Event()
 
@@ -194,7 +194,7 @@ def main() -> int:
         duration=times,
         loop=0,
         quality=QUALITY,
-        # Letters stay sharp, and leave nothing behind.
+        # Letters stay sharp, and frames do not leave traces in later frames.
         allow_mixed=True,
     )
     print(f"{out}: {out.stat().st_size / 1000:.0f} kB")

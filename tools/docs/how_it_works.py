@@ -2,7 +2,7 @@
 
     python -m tools.docs.how_it_works          # writes docs/pictures/how-it-works.svg
 
-Plain SVG with a ground of its own, so that it can be read on light and dark pages.
+The picture is plain SVG with its own background, so that it is readable on light and dark pages.
 """
 
 from __future__ import annotations
@@ -28,15 +28,15 @@ ENDS = (
     ("IN", "tablet, TUIO, touch screen, mouse,", "a recording, the simulated user"),
     ("OUT", "what you see, the score,", "a recording that replays to the bit"),
 )
-"""What comes in before the first step and goes out after the last."""
+"""Texts for the input of the first step and for the output of the last step."""
 
 WIDTH, HEIGHT = 960, 336
 BOX = (270, 84)
-"""px, width and height of a step's box."""
+"""Width and height (px) of a step's box."""
 ROWS = (86, 214)
-"""px, upper edges of the two rows of boxes."""
+"""Upper edges (px) of the two rows of boxes."""
 GAP = 40
-"""px between boxes."""
+"""Distance (px) between boxes."""
 INK, GROUND, FILL, LINE, FAINT = "#17212b", "#f7f9fb", "#ffffff", "#1f6fb5", "#51606e"
 HEAD = (
     "<defs><marker id='h' viewBox='0 0 10 10' refX='9' refY='5' markerWidth='7' "

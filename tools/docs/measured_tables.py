@@ -1,6 +1,7 @@
-"""Tables of a page of results, and what they say of a task.
+"""Tables of a page of results, and their parts about a task.
 
-A task is a column of a table or a cell of its rows; either way its name stands alone in a cell.
+A table has a task as a column, or as a cell of its rows. In both cases a cell contains only the
+task's name.
 """
 
 from __future__ import annotations
@@ -19,8 +20,8 @@ class MeasuredTable:
     """A table of a page.
 
     Attributes:
-        page: File that has it.
-        heading: Heading above it; the page's title where there is no other.
+        page: File that contains the table.
+        heading: Heading above the table; the page's title if there is no other heading.
         columns: Names of the columns.
         rows: Rows, each as long as `columns`.
     """
@@ -31,9 +32,10 @@ class MeasuredTable:
     rows: tuple[tuple[str, ...], ...]
 
     def of_task(self, task: str) -> MeasuredTable | None:
-        """The part about a task, without the column that names it; None if it has none.
+        """The part of the table about a task, without the column of task names.
 
-        A task that is a column gives its rows with their names; one in cells gives its rows.
+        If the task is a column, the part consists of this column and the names of the rows.
+        Otherwise it consists of the task's rows. None if the table is not about the task.
         """
         if task in self.columns:
             at = self.columns.index(task)

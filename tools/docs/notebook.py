@@ -1,10 +1,10 @@
-"""Runs the notebook, and writes its page with what it shows.
+"""Runs the notebook, and writes the notebook's page with its output.
 
     pip install -e ".[notebook]"
     python -m tools.docs.notebook              # writes docs/notebook.md and its pictures
-    python -m tools.docs.notebook --check      # runs it, and compares what it prints with the page
+    python -m tools.docs.notebook --check      # runs it, and compares its output with the page
 
-Needs OpenGL for the film. The notebook itself is kept without outputs.
+Needs OpenGL for the film. The notebook itself is stored without outputs.
 """
 
 from __future__ import annotations
@@ -24,18 +24,18 @@ ROOT = Path(__file__).resolve().parents[2]
 NOTEBOOK = ROOT / "examples" / "notebook.ipynb"
 PAGE = ROOT / "docs" / "notebook.md"
 LONGEST = 600
-"""s that a step may take."""
+"""Longest time (s) of a step."""
 MOST_LINES = 24
-"""Lines of a step's text that the page shows."""
+"""Largest number of lines of a step's output that the page shows."""
 WIDEST = 900
-"""px of a picture on the page."""
+"""Largest width and height (px) of a picture on the page."""
 
 FILM_WIDTH = 400
-"""px of the film on the page."""
+"""Width (px) of the film on the page."""
 EVERY = 2
 """The film on the page has every second frame."""
 EXTRA = ("nbclient", "ipykernel", "matplotlib")
-"""What the extra `notebook` brings."""
+"""Packages of the extra `notebook`."""
 
 _INLINE = re.compile(r'alt="([^"]*)" src="data:image/webp;base64,([^"]+)"')
 
@@ -57,7 +57,7 @@ def executed(folder: Path) -> Any:
         notebook,
         timeout=LONGEST,
         kernel_name="python3",
-        # Errors alone: the kernel warns of how it talks to this very process.
+        # Only errors are shown, since the kernel warns about its connection to this process.
         extra_arguments=["--IPKernelApp.log_level=40"],
         resources={"metadata": {"path": str(folder)}},
     )
@@ -96,7 +96,7 @@ def page(notebook: Any) -> tuple[str, list[bytes]]:
 
 
 def _picture(output: Any) -> tuple[str, bytes] | None:
-    """What a picture among outputs shows, and it as WebP; None for other outputs."""
+    """Alternative text and WebP of an output that is a picture; None for any other output."""
     data = output.get("data", {})
     if found := _INLINE.search(data.get("text/html", "")):
         return found[1], _smaller(base64.b64decode(found[2]))
@@ -134,7 +134,7 @@ def _smaller(film: bytes) -> bytes:
 
 
 def _text(output: Any) -> str:
-    """What a step prints, in its first lines."""
+    """The first lines that a step prints; empty for outputs that are not printed text."""
     if output.output_type != "stream" or output.name != "stdout":
         return ""
     lines = str(output.text).rstrip().splitlines()
@@ -143,7 +143,7 @@ def _text(output: Any) -> str:
 
 
 def main() -> int:
-    """Writes page and pictures, or compares them; returns 1 if the page says something else."""
+    """Writes page and pictures, or compares the page; returns 1 if the page differs."""
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )

@@ -1,4 +1,4 @@
-"""What only the owner of the project knows, and has not filled in yet.
+"""Values that only the owner of the project knows, and that may not be filled in yet.
 
 A value in <angle brackets> is a placeholder.
 """
@@ -12,29 +12,29 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[2]
 SETTINGS = ROOT / "docs" / "site" / "settings.toml"
 CLONED = "git clone ADDRESS"
-"""Stands in pages for the command with the address of the public repository."""
+"""Placeholder, in pages, of the command that clones the public repository."""
 BEGINNINGS = ("README.md", "docs/getting-started.md")
-"""Pages that have it."""
+"""Pages that contain this placeholder."""
 _NO_ADDRESS = re.compile(r"^ADDRESS is .*\n\n", re.M)
-"""What a page says as long as there is none."""
+"""Explanation of the placeholder in a page."""
 _PLACEHOLDER = re.compile(r"<([^<>\n]+)>")
 
 
 def settings() -> dict[str, str]:
-    """Settings of the site; empty where the owner has not filled them in."""
+    """Settings of the site. A setting that is not filled in is empty."""
     values = tomllib.loads(SETTINGS.read_text(encoding="utf-8"))
     return {n: "" if _PLACEHOLDER.fullmatch(str(v)) else str(v) for n, v in values.items()}
 
 
 def with_address(text: str, address: str) -> str:
-    """A page with the address of the public repository; as it is if that is not known yet."""
+    """A page with the address of the public repository; unchanged if the address is empty."""
     if not address:
         return text
     return _NO_ADDRESS.sub("", text.replace(CLONED, f"git clone {address}"))
 
 
 def to_fill_in() -> list[str]:
-    """A line for each placeholder, with the file that has it."""
+    """A line for each placeholder, with the file that contains it."""
     empty = [name for name, value in settings().items() if not value]
     left = [f"docs/site/settings.toml: {name} is to be filled in" for name in empty]
     for cited in ("CITATION.cff", "docs/comparison.md"):

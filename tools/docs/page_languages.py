@@ -1,12 +1,12 @@
-"""The page in every language and on several screens: pictures to look at, and a sheet of them.
+"""Takes pictures of the page in every language and on several screens.
 
     python -m tools.docs.page_languages FOLDER [--languages en,ar] [--sizes 1180x820]
 
-Opens the page in a real Chromium, which has to be installed, shows what a person meets on it, and
-prints every text that is wider than its place or outside of the screen. With `--sheet` it makes two
-sheets: `docs/pictures/languages.webp`, every language, and `docs/pictures/screens.webp`, every
-screen. What is shown is put there: nobody plays, and no physics runs. Chinese and Japanese need
-fonts that have them, such as Debian's fonts-noto-cjk.
+Opens the page in a real Chromium, which has to be installed, shows its dialogs and states, and
+prints every text that is wider than its element or outside of the screen. `--sheet` also writes two
+sheets of pictures: `docs/pictures/languages.webp` with every language, and
+`docs/pictures/screens.webp` with every screen. The shown states are prepared: no person plays, and
+no physics runs. Chinese and Japanese need fonts such as Debian's fonts-noto-cjk.
 """
 
 from __future__ import annotations
@@ -54,30 +54,30 @@ SIZES = ("390x844", "820x1180", "1180x820", "1366x1024", "1280x800", "3840x2160"
 USUAL = "1180x820"
 PPI = 132.0
 SMALLEST_IN = (7.76, 5.82)
-"""Inches of the touch rectangle, at least: smaller screens show a part of it."""
+"""Least size (inches) of the touch rectangle. Smaller screens show a part of it."""
 SHEET = Path("docs/pictures/languages.webp")
 SHOWN = ("start", "tasks", "done")
-"""What the sheet shows of every language."""
+"""Names of the pictures of every language on the sheet."""
 TILE = (472, 328)
-"""Pixels of a picture on the sheet."""
+"""Size (px) of a picture on the sheet."""
 SCREENS = Path("docs/pictures/screens.webp")
 ON_SCREENS = ("start", "grip", "inside", "done", "lost", "tasks")
-"""What the sheet of screens shows, in English and Arabic."""
+"""Names of the pictures on the sheet of screens, in English and Arabic."""
 SMALL_TILE = (236, 164)
-"""Pixels of its pictures at most: screens have different proportions."""
+"""Largest size (px) of a picture on this sheet. Screens have different proportions."""
 WITH_MICE = ("1280x800", "3840x2160")
-"""Screens of which the start is also shown as people with a mouse see it."""
+"""Screens on which the start is also shown for people with a mouse."""
 FOOTER_PX = 66.0
-"""CSS pixels below the table of a phone that stands, for buttons."""
+"""Height (CSS px) of the buttons below the table on an upright phone."""
 START = 60.0
-"""Seconds within which a page joins."""
+"""Longest time (s) until a page joins."""
 
 GRIP = (
     (13.0, 30.0, 0.0, 0.0, 0.0),
     (13.0, 13.0, 0.0, 0.0, 0.0),
     (0.0, 1.0, 0.0, 0.0, 0.0),
 )
-"""A grip of 13 N whose index finger has no more force."""
+"""Arguments of `with_load` for a grip of 13 N in which the index finger is at its force limit."""
 
 OVERFLOWS = """
 (() => {
@@ -102,13 +102,15 @@ OVERFLOWS = """
 
 
 def main() -> None:
-    """Takes the pictures, prints what overflows, and makes the sheet."""
+    """Takes the pictures, prints texts that overflow, and makes the sheets."""
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
     parser.add_argument("folder", type=Path, help="folder for the pictures")
     parser.add_argument("--languages", default=",".join(LANGUAGES))
-    parser.add_argument("--sizes", default="", help="as in 1180x820; by default as in the issue")
+    parser.add_argument(
+        "--sizes", default="", help="such as 1180x820; default: all screens for en and ar"
+    )
     parser.add_argument("--sheet", action="store_true", help=f"also writes {SHEET} and {SCREENS}")
     options = parser.parse_args()
     options.folder.mkdir(parents=True, exist_ok=True)
@@ -136,13 +138,14 @@ def main() -> None:
 
 
 def moments(browser: Browser, code: str, size: str) -> Iterator[tuple[str, Tab]]:
-    """Shows in a language on a screen, one after the other, what people meet; by name."""
+    """Shows all states of the page in a language on a screen, one after the other; yields their
+    names."""
     yield from in_play(browser, code, size)
     yield from in_study(browser, code, size)
 
 
 def in_play(browser: Browser, code: str, size: str) -> Iterator[tuple[str, Tab]]:
-    """What players meet."""
+    """Shows the states of the page in play."""
     width, height = (int(side) for side in size.split("x"))
     words = words_in(code)
     tasks = [TaskName(name, "", TASKS[name].lift_range > 0) for name in EASIEST_FIRST]
@@ -210,14 +213,14 @@ def in_play(browser: Browser, code: str, size: str) -> Iterator[tuple[str, Tab]]
 
 
 def middle_of_table(screen: PageScreen, width: int, height: int) -> tuple[float, float]:
-    """Middle (px) of the page's part for the table: on a phone, right of the words, or between
-    words and buttons."""
+    """Middle (px) of the part of the page that shows the table. On a phone, this part is right of
+    the texts, or between texts and buttons."""
     below = FOOTER_PX if screen.height_px < height else 0.0
     return width - screen.width_px / 2, height - below - screen.height_px / 2
 
 
 def with_a_mouse(browser: Browser, code: str, width: int, height: int) -> Iterator[tuple[str, Tab]]:
-    """The start with a mouse, where the table fills the window."""
+    """Shows the start for a person with a mouse. The table fills the window."""
     server = PageServer()
     try:
         screen = PageScreen(PPI, width, height, False, "mouse")
@@ -251,7 +254,7 @@ def with_fingers(session: Session, snapshot: Snapshot) -> Snapshot:
 
 
 def refusal(settings: Settings) -> list[str]:
-    """What a screen is told that is too small."""
+    """Text and values of the message for a screen that is too small."""
     from models.errors import SurfaceTooSmallError
 
     size = settings.surface.size_in
@@ -262,7 +265,8 @@ def refusal(settings: Settings) -> list[str]:
 def show(
     server: PageServer, width: int, height: int, fitted: dict[str, Any] | None = None
 ) -> Session:
-    """A table with the lift control on the page; of true size without `fitted` settings."""
+    """Shows a table with the lift control on the page. Without `fitted` settings it has its true
+    size."""
     size = (width - LIFT_STRIP_PX) / PPI, height / PPI
     size = max(size[0], SMALLEST_IN[0]), max(size[1], SMALLEST_IN[1])
     settings = fitted or {"size_in": (min(size[0], 10.3), min(size[1], 7.7))}
@@ -284,7 +288,7 @@ def show(
 
 
 def in_study(browser: Browser, code: str, size: str) -> Iterator[tuple[str, Tab]]:
-    """What participants meet, in forms whose questions are some words of the page."""
+    """Shows the states of the page in a study. The questions of the forms are texts of the page."""
     width, height = (int(side) for side in size.split("x"))
     words = words_in(code)
     text, ask, low, high = (
@@ -321,13 +325,13 @@ def in_study(browser: Browser, code: str, size: str) -> Iterator[tuple[str, Tab]
 
 
 def settled(name: str, tab: Tab) -> tuple[str, Tab]:
-    """Waits until what the page shows now is drawn."""
+    """Waits until the current state of the page is drawn."""
     tab.evaluate("new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)))")
     return name, tab
 
 
 def sheet(folder: Path) -> None:
-    """All languages on one picture, a row each."""
+    """Makes a picture with one row for each language."""
     whole = Image.new("RGB", (TILE[0] * len(SHOWN), TILE[1] * len(LANGUAGES)))
     for row, code in enumerate(LANGUAGES):
         for column, name in enumerate(SHOWN):
@@ -343,7 +347,7 @@ def sheet(folder: Path) -> None:
 
 
 def sheet_of_screens(folder: Path) -> None:
-    """All screens on one picture, a row each, in English and below in Arabic."""
+    """Makes a picture with one row for each screen, first in English and then in Arabic."""
     rows = [(code, size) for code in ("en", "ar") for size in SIZES]
     across, down = SMALL_TILE
     whole = Image.new("RGB", (across * len(ON_SCREENS), down * len(rows)))

@@ -1,9 +1,9 @@
-"""The page as a person sees it, for the README.
+"""Takes the README's picture of the web page.
 
     python -m tools.docs.page_picture
 
-A simulated user's fingers touch the page in a real Chromium, which has to be installed; the picture
-is taken on the way, when the box is nearly at its goal.
+The fingers of a simulated user touch the page in a real Chromium, which has to be installed. The
+picture is taken when the box is nearly at its goal.
 """
 
 from __future__ import annotations
@@ -28,10 +28,10 @@ from tests.support.chromium import Browser, Tab
 OUT = Path("docs/pictures/page.webp")
 WIDTH, HEIGHT, PPI = 1024, 768, 132.0
 SEED, FINGERS, FEWEST = 3, 5, 3
-"""Fingers of the user, of whom as many touch as the face of the box has room for, and how many have
-to touch in the picture."""
+"""Seed, number of the user's fingers, and least number of touching fingers in the picture. Only as
+many fingers touch as the face of the box has room for."""
 NEARLY = 0.7
-"""Of the way, at which the picture is taken."""
+"""Progress of the trial after which the picture is taken."""
 
 
 def main() -> None:

@@ -1,11 +1,11 @@
-"""Tables 1 and 2 and Figure 2 of the paper of 2015, beside ours.
+"""Tables 1 and 2 and Figure 2 of the paper of 2015, beside the results of this program.
 
     pip install -e ".[plots]"
     python -m tools.docs.paper_tables             # prints the tables, draws out/paper/figure-2.png
     python -m tools.docs.paper_tables --keep      # also writes docs/pictures/figure-2.png
 
-It runs `sandbox evaluate` for the methods that the paper compares, on one judged day of a
-*simulated* person. The paper's numbers are of one real person, whose data are not public.
+The command runs `sandbox evaluate` for the methods that the paper compares, on one judged day of a
+*simulated* person. The numbers of the paper are from one real person, whose data are not public.
 """
 
 from __future__ import annotations
@@ -31,15 +31,15 @@ METHODS = tuple(TABLE_1)
 """Methods that the paper compares."""
 FIGURE = "figure-2.png"
 WIDEST = 1600
-"""px of the kept figure."""
+"""Largest width and height (px) of the figure in the docs."""
 
 
 def evaluated(out: Path, methods: Sequence[str] = METHODS) -> dict[str, Any]:
     """Evaluates methods on one judged day and draws the pictures; returns the report.
 
     Args:
-        out: Folder of the pictures and of the report, which is made.
-        methods: Names that `sandbox evaluate --encoders` knows.
+        out: Folder for the pictures and the report; it is created.
+        methods: Names of methods, as for `sandbox evaluate --encoders`.
     """
     report = out / "report.json"
     out.mkdir(parents=True, exist_ok=True)
@@ -70,7 +70,7 @@ def table_1(encoders: Mapping[str, Any]) -> str:
 
 
 def table_2(encoders: Mapping[str, Any]) -> str:
-    """Table 2 as Markdown: frames with all fingers named right, percent."""
+    """Table 2 as Markdown: share of frames in which all labels are correct, percent."""
     rows = []
     for name in METHODS:
         shares, there = encoders[name]["labels_percent"], TABLE_2[name]

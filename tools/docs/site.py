@@ -5,10 +5,10 @@
     python -m tools.docs.site --released       # also the sites of released versions, by tags
     python -m tools.docs.site --check          # lists what the owner of the project has to fill in
 
-Pages are copied to a folder where each has its place as in the repository, so that links between
-them, and to examples and sources, hold on the site as they do here. Pages of tasks and of public
-names are made from the program itself. A link that leads nowhere, a page that the menu lacks, or a
-docstring that cannot be read, is an error.
+Pages are copied to a folder with the structure of the repository, so that links between them, and
+to examples and sources, are valid on the site as well. Pages of tasks and of public names are made
+from the program itself. A broken link, a page that is not in the menu, and a docstring that cannot
+be parsed are errors.
 """
 
 from __future__ import annotations
@@ -31,10 +31,10 @@ from tools.docs.versions import build_released, released
 ROOT = Path(__file__).resolve().parents[2]
 SITE = ROOT / "docs" / "site"
 PACKAGES = ("models", "encoders", "tasks", "sandbox")
-"""Packages whose public names have a page each."""
+"""Packages with a page for their public names."""
 
 TOP = ("README.md", "CHANGELOG.md", "CONTRIBUTING.md", "LICENSE", "CITATION.cff", "Containerfile")
-"""Files of the repository's top folder that are pages, or that pages link to."""
+"""Files in the top folder of the repository that are pages, or to which pages link."""
 
 LINK = re.compile(r"\]\(((?:\.\./)+(?:models|encoders|tasks|sandbox|tools|benchmarks)/[^)#\s]+)")
 """Links to sources, relative to the page."""
@@ -42,12 +42,12 @@ LINK = re.compile(r"\]\(((?:\.\./)+(?:models|encoders|tasks|sandbox|tools|benchm
 NAMED = re.compile(r"\[[\w./-]+\.md\](?=\((?!https?:))")
 """Links to pages that show the name of the page's file."""
 
-ARRAYS = """`Array` is an array of NumPy with numbers of 64 bits (float64); texts tell its shape and
-unit. A default of `...` is made anew each time."""
-"""What signatures of the reference name without saying it."""
+ARRAYS = """`Array` is a NumPy array of 64-bit numbers (float64); the texts give its shape and unit.
+A default of `...` means that a new object is created for each call."""
+"""Explanation of signatures in the reference."""
 
 NEEDED = ("sphinx", "furo", "myst_parser", "sphinx_copybutton", "sphinx_design", "gymnasium")
-"""What the extra `site` brings."""
+"""Packages of the extra `site`."""
 
 FIRST = """# {title}
 
@@ -64,7 +64,8 @@ user's; no person took part.*
 
 
 def stage(folder: Path) -> None:
-    """Copies all pages and what they link to into a folder, and writes the menu and the reference.
+    """Copies all pages and the files to which they link into a folder, and writes menu and
+    reference.
 
     Args:
         folder: An empty folder.
@@ -81,7 +82,7 @@ def stage(folder: Path) -> None:
             path = (page.parent / link).resolve().relative_to(folder.resolve())
             (folder / path).parent.mkdir(parents=True, exist_ok=True)
             shutil.copy(ROOT / path, folder / path)
-    # Titles of pages in the place of their files' names, and the address to clone from.
+    # Links show the titles of pages, and commands the address of the public repository.
     address = settings()["repository"]
     for page in (*folder.glob("*.md"), *(folder / "docs").rglob("*.md")):
         text = with_address(page.read_text(encoding="utf-8"), address)
@@ -89,7 +90,7 @@ def stage(folder: Path) -> None:
     (folder / "api").mkdir()
     for package in PACKAGES:
         (folder / "api" / f"{package}.rst").write_text(reference(package), encoding="utf-8")
-    # The environments of the tasks are an extra, which --check does without.
+    # Imported here, since --check does not need the extra with the environments of the tasks.
     from tools.docs.task_pages import write_pages
 
     (folder / "index.md").write_text(first_page(folder, write_pages(folder)), encoding="utf-8")
@@ -104,7 +105,7 @@ def stage(folder: Path) -> None:
 
 
 def first_page(folder: Path, tasks: list[str]) -> str:
-    """The first page: what people want to do, as docs/index.md has it, and the menu.
+    """The first page: the list of purposes from docs/index.md, and the menu.
 
     Args:
         folder: Folder of the pages.
@@ -118,7 +119,7 @@ def first_page(folder: Path, tasks: list[str]) -> str:
 
 
 def menu(tasks: list[str]) -> str:
-    """Sphinx's trees of pages, one a section; the tasks come before the last."""
+    """Sphinx's trees of pages, one for each section. The tasks come before the last section."""
     sections = tomllib.loads((SITE / "navigation.toml").read_text(encoding="utf-8"))["section"]
     sections.insert(-1, {"title": "Tasks", "pages": tasks})
     trees = []
@@ -151,9 +152,9 @@ def build(out: Path, versions: list[str], newest: str = "") -> int:
     """Builds the site; returns the exit status of Sphinx.
 
     Args:
-        out: Folder of the site, which is written anew.
-        versions: Released versions that the menu leads to.
-        newest: Path from this site to that of the newest state; empty if it is this one.
+        out: Folder of the site. Its earlier contents are removed.
+        versions: Released versions to which the menu links.
+        newest: Path from this site to the site of the newest state; empty if this is the newest.
     """
     shutil.rmtree(out, ignore_errors=True)
     with TemporaryDirectory() as made:
@@ -175,15 +176,17 @@ def build(out: Path, versions: list[str], newest: str = "") -> int:
 
 
 def main() -> int:
-    """Builds the site, or says what is to be filled in."""
+    """Builds the site, or lists the values that are to be filled in."""
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
     parser.add_argument("--out", type=Path, default=Path("out/site"), help="folder of the site")
     parser.add_argument("--released", action="store_true", help="also build released versions")
-    parser.add_argument("--versions", nargs="*", default=[], help="versions that the menu leads to")
+    parser.add_argument(
+        "--versions", nargs="*", default=[], help="versions to which the menu links"
+    )
     parser.add_argument("--newest", default="", help="path to the site of the newest state")
-    parser.add_argument("--check", action="store_true", help="list what is to be filled in")
+    parser.add_argument("--check", action="store_true", help="list the values to be filled in")
     options = parser.parse_args()
     if options.check:
         for line in to_fill_in():

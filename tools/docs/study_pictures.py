@@ -1,7 +1,9 @@
-"""What a participant sees, for docs/studies.md: `python -m tools.docs.study_pictures [FILE]`.
+"""Takes a picture of a study's page for docs/studies.md.
 
-A questionnaire that is half filled in, and a trial under a simulated user's fingers, on a page in a
-real Chromium, which has to be installed. Nobody took part.
+    python -m tools.docs.study_pictures [FILE]
+
+It shows a questionnaire that is half filled in, and a trial of a simulated user, on a page in a
+real Chromium, which has to be installed. No person took part.
 """
 
 from __future__ import annotations
@@ -22,9 +24,9 @@ from tests.support.chromium import Browser, Tab
 OUT = Path("docs/pictures/study.webp")
 WIDTH, HEIGHT, PPI = 1024, 768, 132.0
 SHOWN = 0.6
-"""Of their size, at which both pictures stand side by side."""
+"""Factor on the size of both pictures, which are side by side."""
 ON_THE_WAY = 4.0
-"""s of the trial, at which its picture is taken."""
+"""Time (s) of the trial after which its picture is taken."""
 
 DESIGN = SMALL.replace('"9.0x6.0in"', '"ipad2"').replace("practice = 1", "practice = 0")
 FORM = """[[questionnaires]]
@@ -67,7 +69,7 @@ def sees(tab: Tab, kind: str) -> None:
 
 
 def form(running: OnPage, tab: Tab) -> bytes:
-    """A questionnaire, two of whose items are answered; it is skipped then."""
+    """Takes the picture of a questionnaire with answers to two of its items, and then skips it."""
     sees(tab, "consent")
     tab.tap("I agree")
     running.heard("form demographics")
@@ -89,7 +91,7 @@ def form(running: OnPage, tab: Tab) -> bytes:
 
 
 def trial(running: OnPage, tab: Tab) -> bytes:
-    """A trial, on the way."""
+    """Takes the picture of a trial, `ON_THE_WAY` after its start."""
     sees(tab, "task")
     tab.tap("Next")
     sees(tab, "none")

@@ -1,9 +1,10 @@
 """Films of the tasks, played by the simulated user.
 
-    python -m tools.docs.task_films                # draws those that are missing
-    python -m tools.docs.task_films NAME ...       # draws some anew
+    python -m tools.docs.task_films                # draws the missing films
+    python -m tools.docs.task_films NAME ...       # draws the films of these tasks again
 
-Needs OpenGL. A film is of the first seed that succeeds, and its file's name ends in that seed.
+Needs OpenGL. A film shows the first seed that succeeds, and the name of its file ends with this
+seed.
 """
 
 from __future__ import annotations
@@ -26,22 +27,22 @@ from tasks.registry import TASKS
 ROOT = Path(__file__).resolve().parents[2]
 FILMS = ROOT / "docs" / "pictures" / "tasks"
 SIZE = (480, 270)
-"""px."""
+"""Width and height (px) of a film."""
 RATE = 15.0
-"""Pictures a second of simulated time, as `run_trial` draws them."""
+"""Number of pictures per second of simulated time, as in `run_trial`."""
 MOST_FRAMES = 60
-"""Frames of a film; a longer one has fewer a second."""
+"""Largest number of frames in a film. A longer film has fewer frames per second."""
 SEEDS = 20
-"""Seeds that are tried until one succeeds."""
+"""Number of seeds that are tried until one succeeds."""
 WHOLE_HAND = ("books",)
-"""Tasks whose films show a hand that is solid all over, as they ask for it."""
+"""Tasks whose films are played with a hand that is solid as a whole."""
 QUALITY = 55
-"""Of WebP, 0 to 100."""
+"""Quality of WebP, 0 to 100."""
 
 
 @dataclass(frozen=True)
 class TaskFilm:
-    """A film that is kept.
+    """A film in the repository.
 
     Attributes:
         path: Its file.
@@ -61,7 +62,7 @@ class TaskFilm:
 
 
 def film_of(task: str) -> TaskFilm | None:
-    """The kept film of a task; None if there is none."""
+    """The film of a task in the repository; None if there is none."""
     for path in sorted(FILMS.glob(f"{task}-*.webp")):
         if match := re.fullmatch(rf"{re.escape(task)}-(\d+)", path.stem):
             return TaskFilm(path, task, int(match[1]))
@@ -69,7 +70,7 @@ def film_of(task: str) -> TaskFilm | None:
 
 
 def draw(task: str) -> TaskFilm:
-    """Draws the film of a task anew.
+    """Draws the film of a task, and replaces an earlier film.
 
     Raises:
         InputError: No seed succeeds.

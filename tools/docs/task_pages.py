@@ -1,7 +1,7 @@
 """Pages of the tasks for the site: film, contract, spaces, score and what was measured.
 
-All of it follows from the registry of tasks, their docstrings, the environments of Gymnasium and
-the tables of `docs/results.md`, so that a new task has its page as soon as it is registered.
+The pages are made from the registry of tasks, the tasks' docstrings, the environments of Gymnasium
+and the tables of `docs/results.md`. So a new task has its page as soon as it is registered.
 """
 
 from __future__ import annotations
@@ -83,7 +83,7 @@ class Described:
 
     Attributes:
         first: Its first sentence.
-        more: Text between that and the first part; empty if there is none.
+        more: Text between the first sentence and the first part; empty if there is none.
         parts: Name of a part -> its text.
     """
 
@@ -170,21 +170,21 @@ def _spaces(kind: type[Task]) -> str:
             environment.close()
     return (
         markdown_table(("Gymnasium id", "action", "observation"), rows)
-        + "\n\n[Gymnasium](../docs/gymnasium.md) says what each number is, and has more options."
+        + "\n\n[Gymnasium](../docs/gymnasium.md) explains every number and the other options."
     )
 
 
 def _score(kind: type[Task]) -> str:
     return (
         f"A trial is a success if everything above holds for {kind.hold_time:g} s without a break, "
-        f"within {kind.time_limit:g} s; 1 s later the state at the end is noted. Besides, it has a "
-        "progress from 0 (as at the start) to 1, a reason in words for what is missing, and the "
-        "[measures](../docs/measures.md) of studies."
+        f"within {kind.time_limit:g} s. 1 s later it is tested whether everything still holds. A "
+        "trial also has a progress from 0 (as at the start) to 1, a text that names the missing "
+        "condition, and the [measures](../docs/measures.md) of studies."
     )
 
 
 def _seen_from_here(cell: str, page: str) -> str:
-    """A cell of a page of docs/, whose links within that folder also hold on a task's page."""
+    """A table cell of a page of docs/, with links that are valid on a task's page."""
 
     def whole(link: re.Match[str]) -> str:
         file = page if link[1].startswith("#") else ""
@@ -204,12 +204,15 @@ def _measured(name: str, tables: list[MeasuredTable]) -> list[str]:
         parts.append((table.heading, link, markdown_table(part.columns, rows)))
     if not parts:
         return ["Nothing has been measured yet."]
-    note = "All of the simulated user, with the commands on the linked pages; no person took part."
+    note = (
+        "All results are of the simulated user. The linked pages have the commands. No person took "
+        "part."
+    )
     times, numbers = Counter(heading for heading, *_ in parts), Counter[str]()
     shown = []
     for heading, link, text in parts:
         numbers[heading] += 1
-        # Links that read alone are told apart.
+        # The texts of links are different, so that a screen reader can list them.
         which = f", table {numbers[heading]} of {times[heading]}" if times[heading] > 1 else ""
         shown.append(f"[{heading}{which}]({link}):\n\n{text}")
     return [note, *shown]

@@ -1,8 +1,8 @@
-"""Pictures of the tasks for the page's menu, of trials by the simulated user.
+"""Draws pictures of the tasks for the page's menu, from trials of the simulated user.
 
-    python -m tools.docs.task_pictures    # draws all anew
+    python -m tools.docs.task_pictures    # draws all of them again
 
-Needs OpenGL. Builds of the page copy them.
+Needs OpenGL. The build of the page copies the pictures.
 """
 
 from __future__ import annotations
@@ -20,11 +20,11 @@ from tasks.registry import TASKS, hands_of
 
 FOLDER = Path(__file__).resolve().parents[2] / "sandbox" / "views" / "page" / "src" / "pictures"
 SIZE = (240, 135)
-"""px of a picture, drawn at twice the size."""
+"""Size (px) of a picture. It is drawn at twice this size."""
 QUALITY = 55
-"""Of WebP, 0 to 100."""
+"""Quality of WebP, 0 to 100."""
 MOMENT = 0.3
-"""Share of a trial's time until its success at which it is drawn."""
+"""Time of the picture, as a share of the time until the trial's success."""
 
 
 def draw(task: str) -> Image.Image:

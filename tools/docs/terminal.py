@@ -1,6 +1,7 @@
-"""Films a command in a terminal: what it writes, as it is seen.
+"""Films a command in a terminal.
 
-The command runs in a pseudo terminal; pyte, a terminal emulator, keeps what stands on the screen.
+The command runs in a pseudo terminal. The terminal emulator pyte computes the content of the
+screen.
 """
 
 from __future__ import annotations
@@ -27,9 +28,9 @@ from PIL import Image, ImageDraw, ImageFont
 
 COLUMNS, ROWS = 96, 27
 FONT_PX = 15
-"""px, height of the letters."""
+"""Height (px) of the letters."""
 MARGIN = 12
-"""px between the picture's border and the letters."""
+"""Distance (px) between the picture's border and the letters."""
 BACKGROUND, INK = "#1b1e24", "#e2e4e8"
 COLOURS = {
     "black": "#3b4048",
@@ -47,10 +48,10 @@ PROMPT = "$ "
 
 @dataclass(frozen=True)
 class Moment:
-    """What stands in the terminal at one time.
+    """Content of the terminal at one time.
 
     Attributes:
-        seconds: s since the command began.
+        seconds: Time (s) since the command began.
         picture: The screen.
     """
 
@@ -63,7 +64,7 @@ class TerminalRun:
     """A command that was filmed.
 
     Attributes:
-        moments: Pictures, in order; the last is of the end.
+        moments: Pictures, in order. The last picture shows the end.
         status: Exit status; None if the command was stopped.
     """
 
@@ -86,10 +87,10 @@ def film(
         command: A line for bash.
         folder: Working folder.
         shown: The line after the prompt; the command itself by default.
-        longest: s after which the command is stopped; None waits for its end.
-        enough: What stands on the screen when the command may be stopped.
-        every: s between pictures.
-        environment: More variables.
+        longest: Time (s) after which the command is stopped; None waits for its end.
+        enough: Text on the screen at which the command is stopped.
+        every: Time (s) between pictures.
+        environment: Additional environment variables.
     """
     import pyte
 
@@ -119,7 +120,7 @@ def film(
             try:
                 data = os.read(main, 65536)
             except OSError as error:
-                # Linux's word for a terminal whose other side is closed.
+                # On Linux, this error means that the other side of the terminal is closed.
                 if error.errno != errno.EIO:
                     raise
                 data = b""
@@ -141,7 +142,7 @@ def film(
 
 
 def size() -> tuple[int, int]:
-    """px, width and height of the pictures."""
+    """Width and height (px) of the pictures."""
     across, down = _letter()
     return COLUMNS * across + 2 * MARGIN, ROWS * down + 2 * MARGIN
 
@@ -176,7 +177,7 @@ def _colour(name: str, default: str) -> str:
 
 @cache
 def _font(bold: bool = False) -> ImageFont.FreeTypeFont:
-    """A font of matplotlib, which brings it along on every system."""
+    """A font of the package matplotlib, which contains it on every system."""
     import matplotlib
 
     name = "DejaVuSansMono-Bold.ttf" if bold else "DejaVuSansMono.ttf"
@@ -186,5 +187,5 @@ def _font(bold: bool = False) -> ImageFont.FreeTypeFont:
 
 @cache
 def _letter() -> tuple[int, int]:
-    """px, width and height of a letter's cell."""
+    """Width and height (px) of a letter's cell."""
     return round(_font().getlength("M")), round(1.25 * FONT_PX)

@@ -1,7 +1,7 @@
-"""Sites of released versions, beside that of the newest state.
+"""Sites of released versions, beside the site of the newest state.
 
-The site of a version is built from its tag, with the tools of that version, into a folder that is
-named after it.
+The site of a version is built from its tag, with the tools of this version. Its folder has the name
+of the version.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ _TAG = re.compile(r"v(\d+)\.(\d+)\.(\d+)")
 
 
 def released(repository: Path = ROOT) -> list[str]:
-    """Versions that have a tag, such as v0.2.0, newest first; empty outside of a repository."""
+    """Versions with a tag such as v0.2.0, newest first; empty outside of a repository."""
     asked = ["git", "tag", "--list", "v*"]
     tags = subprocess.run(asked, cwd=repository, capture_output=True, text=True, check=False).stdout
     versions = [match for line in tags.splitlines() if (match := _TAG.fullmatch(line))]
@@ -27,7 +27,7 @@ def released(repository: Path = ROOT) -> list[str]:
 
 
 def build_released(out: Path, versions: list[str], repository: Path = ROOT) -> int:
-    """Builds the sites of versions; the exit status of the first that fails, or 0.
+    """Builds the sites of versions; returns the exit status of the first failed build, or 0.
 
     Args:
         out: Folder of the whole site; each version gets a folder in it.

@@ -1,1 +1,1 @@
-"""What is done to the HTML of the site's pages."""
+"""Changes to the HTML of the site's pages."""

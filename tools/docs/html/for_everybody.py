@@ -1,7 +1,7 @@
-"""Makes the body of a page fit for keys, screen readers and phones.
+"""Makes the body of a page usable with a keyboard, with screen readers and on phones.
 
-Sphinx leaves out what people need who do not use a mouse and a wide screen: wide blocks that keys
-reach, names of tables, and places where a long word of code may be broken.
+Sphinx does not make wide blocks reachable by keyboard, does not name tables, and does not allow
+line breaks in long words of code.
 """
 
 from __future__ import annotations
@@ -11,9 +11,10 @@ from collections import Counter
 from html import escape, unescape
 
 PROSE = 60
-"""Characters from which on the text of a cell is prose, which needs some width to be read."""
+"""Number of characters from which on the text of a cell counts as prose, which needs a wide
+cell."""
 LONG = 20
-"""Characters of a word of code that a cell of a phone has room for."""
+"""Number of characters of a word of code that fit into a cell on a phone."""
 
 _TABLE = re.compile(r'<div class="table-wrapper')
 _HEADING = re.compile(r"<h[1-6][^>]*>(.*?)</h[1-6]>", re.S)
@@ -26,12 +27,13 @@ _FINE_BREAK = re.compile(r"(?<=_)(?=\w)|(?<=[a-z])(?=[A-Z])")
 
 
 def for_everybody(body: str) -> str:
-    """The body of a page, in which
+    """Changes the body of a page as follows.
 
-    - keys reach wide blocks and tables, and each table has a name of its own;
-    - cells of prose are marked, and long words of code in cells may be broken where they are made
-      of parts: `hand_sandbox/BoxToGoal-v1` after the stroke, a part that is still long after `_`
-      and before a capital.
+    - Wide blocks and tables are reachable by keyboard, and each table has its own name.
+    - Cells of prose are marked.
+    - Long words of code in cells may be broken between their parts, such as
+      `hand_sandbox/BoxToGoal-v1` after the slash. Parts that are still long may be broken after `_`
+      and before capital letters.
 
     Args:
         body: HTML as Sphinx writes it.
@@ -41,7 +43,8 @@ def for_everybody(body: str) -> str:
 
 
 def _named(body: str) -> str:
-    """With a name for each table: the line above it that ends in a colon, or its heading."""
+    """The body with a name for each table: the line above it that ends with a colon, or its
+    heading."""
     before, *rest = _TABLE.split(body)
     names, heading = [], ""
     for part in [before, *rest][:-1]:
