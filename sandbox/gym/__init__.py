@@ -1,12 +1,12 @@
-"""Every task as an environment of Gymnasium, the extra `gym`.
+"""Gymnasium environments of all tasks. They need the extra `gym`.
 
     import gymnasium
 
     env = gymnasium.make("sandbox.gym:hand_sandbox/BoxToGoal-v1")
 
-Importing this module registers an id for every task, ours and those of installed packages. The
-version is the task's. Options of `gymnasium.make` choose actions, observations and rewards
-(`HandSandboxEnv`). One agent moves all hands of a task.
+Importing this module registers an id for every built-in task and for every task of an installed
+package. The number after `-v` is the task's version. Options of `gymnasium.make` choose actions,
+observations and rewards (`HandSandboxEnv`). One agent moves all hands of a task.
 """
 
 from __future__ import annotations
@@ -38,16 +38,16 @@ _ENTRY = "sandbox.gym.environment:HandSandboxEnv"
 
 
 def register_task(task: str) -> str:
-    """Registers a task of your own; built-in and installed ones are registered on import.
+    """Registers a task of your own. Built-in and installed tasks are registered on import.
 
     Args:
         task: Name of the task, or its place such as `FILE.py:Class`.
 
     Returns:
-        The task's id.
+        The id of the task's environment.
 
     Raises:
-        InputError: The task is unknown or cannot be used, or the id is another task's.
+        InputError: The task is unknown or cannot be used, or another task has the same id.
     """
     kind = find_task(task)
     name = "".join(word.capitalize() for word in kind.name.split("-"))
@@ -60,10 +60,14 @@ def register_task(task: str) -> str:
 
 
 def _check_own(spec: EnvSpec, task: str) -> None:
-    """Refuses the id of another task.
+    """Checks that an id is registered for this task.
+
+    Args:
+        spec: What is registered under the id.
+        task: Name or place of the task.
 
     Raises:
-        InputError: What is registered under it is not the environment of this task.
+        InputError: The id is registered for another task or another environment.
     """
     other = str(spec.kwargs.get("task", ""))
     if spec.entry_point != _ENTRY or not _same_task(other, task):
@@ -76,7 +80,7 @@ def _check_own(spec: EnvSpec, task: str) -> None:
 
 
 def _same_task(one: str, other: str) -> bool:
-    """True if two names or places are those of one task, whose file may have changed since."""
+    """True if two names or places are those of one task; its file may have changed in between."""
     if one == other:
         return True
     try:
@@ -86,7 +90,7 @@ def _same_task(one: str, other: str) -> bool:
         members = TASK_PLUGINS.member_at(one), TASK_PLUGINS.member_at(other)
         return files[0] == files[1] and members[0] == members[1]
     except InputError:
-        # The first one is not there any more.
+        # The task that was registered first does not exist any more.
         return False
 
 
@@ -94,5 +98,5 @@ for _name in task_names():
     try:
         register_task(_name)
     except InputError as _error:
-        # Only this task is missing; gymnasium.make then reports an unknown id.
+        # Only this task is unavailable. `gymnasium.make` then reports an unknown id.
         warnings.warn(str(_error), stacklevel=1)

@@ -23,20 +23,22 @@ SLOTS = len(FINGERS)
 """Number of simultaneous touches, one for each finger."""
 
 REACH = ((-0.40, -0.40, -0.05), (0.40, 0.40, 0.50))
-"""m in the world; bounds of the commanded root position of a hand."""
+"""Bounds of the commanded root position of a hand, m in the world."""
 AHEAD = 0.05
-"""m along the hand, by which its direction on the surface is found."""
+"""Distance along the hand from its root to a second point, m. The two points give the hand's
+direction on the surface."""
 
 
 class Hands(Device):
-    """Device of an agent, which converts its actions to the session's input.
+    """Device of an agent. It converts the agent's actions to the session's input.
 
     Attributes:
         low: Lower bounds of an action.
         high: Upper bounds of an action.
         touch_ids: Id of the contact in every slot; None in an empty slot.
-        places: (5, 2) m on the surface, where each finger touches, or last did; with steps, where a
-            lifted one would; 0 with poses.
+        places: (5, 2) m on the surface, place of each finger's current touch. For a lifted finger,
+            the place of its last touch for the action `touch`, and the place under its fingertip
+            for `delta` and `hand`. All 0 for `pose`.
     """
 
     name = "gymnasium"
@@ -49,27 +51,30 @@ class Hands(Device):
 
     @abstractmethod
     def act(self, action: Array) -> None:
-        """Takes an action, finite and within its bounds, for the next control period."""
+        """Sets the action for the next control period; it must be finite and within its bounds."""
 
     def see(self, hand: HandView) -> None:
-        """Takes in where the hand is."""
+        """Receives the current pose of the hand."""
 
     @abstractmethod
     def reconstructor_for(self, touched: Reconstructor) -> Reconstructor:
-        """Returns the reconstructor to use; `touched` is the one for touches."""
+        """Returns the reconstructor to use; `touched` is the reconstructor for touches."""
 
 
 class TouchHands(Hands):
-    """Actions that are touches of one hand, one slot a finger, thumb first.
+    """Actions that are touches of one hand, one slot per finger, thumb first.
 
-    An action is (15,), or (16,) with a lift control, 0 (down) to 1: for every finger whether it
-    touches (0.5 or more), and two numbers. With `touch` they are x and y, m on the surface. With
-    `delta` and `hand` they are steps from -1 to 1, in shares of `step`: `delta` along the surface's
-    axes, right and down; `hand` along those of the hand, to its right and to its fingertips. A
-    finger that begins to touch does so beneath its simulated fingertip, and a step farther.
+    An action is (15,), or (16,) with a lift control. It has three numbers per finger: whether the
+    finger touches (0.5 or more), and two coordinates. For `touch`, the coordinates are x and y, m
+    on the surface. For `delta` and `hand` they are a step of the touch: multiples of `step`, from
+    -1 to 1. The axes of `delta` are those of the surface, right and down. The axes of `hand` are
+    those of the hand, to its right and towards its fingertips. A finger that begins to touch starts
+    under its simulated fingertip, and the step is added. The last of 16 numbers is the lift
+    control, 0 (down) to 1.
 
-    A slot that touches again after a pause is a new contact, like a lifted finger. Touches that
-    begin in one period get their ids from left to right, so that ids do not depend on the slots.
+    A slot that touches again after a pause gets a new contact, like a finger that was lifted.
+    Touches that begin in one period get their ids from left to right, so that ids do not depend on
+    the slots.
 
     Args:
         surface: The surface of this hand.
@@ -92,7 +97,7 @@ class TouchHands(Hands):
         self._lift: float | None = 0.0 if lifts else None
 
     def see(self, hand: HandView) -> None:
-        """Takes in where the hand is; steps begin there."""
+        """Receives the current pose of the hand, at which the steps of new touches begin."""
         if self._options.action == "touch":
             return
         lifted = [finger for finger, id in enumerate(self.touch_ids) if id is None]
@@ -107,7 +112,7 @@ class TouchHands(Hands):
             self._axes = np.array([[-y, x], [x, y]])
 
     def act(self, action: Array) -> None:
-        """Takes an action."""
+        """Sets the touches for the next control period."""
         rows = action[: 3 * SLOTS].reshape(SLOTS, 3)
         down = rows[:, 0] >= 0.5
         if self._options.action == "touch":
@@ -138,7 +143,7 @@ class TouchHands(Hands):
         return [TouchFrame(now, self._contacts, self._lift, source=self.name)]
 
     def reconstructor_for(self, touched: Reconstructor) -> Reconstructor:
-        """Returns the reconstructor for touches unchanged."""
+        """Returns the reconstructor for touches, unchanged."""
         return touched
 
     def _within(self, places: Array) -> Array:
@@ -149,8 +154,8 @@ class PoseHands(Hands):
     """Actions that are whole poses, without labels and encoder.
 
     An action is (53,): the pose (48,) in the world, m and rad (see `models.pose`), then for every
-    finger whether it may be solid (0.5 or more). Joints are clipped to their ranges, speeds to the
-    limits of a session, and a finger becomes solid only outside of objects.
+    finger whether it may be solid (0.5 or more). Joints are clipped to their ranges, and speeds to
+    the limits of a session. A finger becomes solid only outside of objects.
 
     Args:
         skeleton: The hand's skeleton.
@@ -170,25 +175,25 @@ class PoseHands(Hands):
         self._solid: frozenset[int] = frozenset()
 
     def act(self, action: Array) -> None:
-        """Takes an action."""
+        """Sets the pose for the next control period, and the fingers that may be solid."""
         self._pose = within_limits(action[:POSE_SIZE], self._skeleton)
         self._solid = frozenset(np.flatnonzero(action[POSE_SIZE:] >= 0.5).tolist())
 
     def poll(self, now: float) -> Sequence[TouchFrame]:
-        """No touches."""
+        """Returns no touches."""
         return []
 
     def reconstructor_for(self, touched: Reconstructor) -> Reconstructor:
-        """Returns a reconstructor that follows the poses, from the waiting pose of a hand."""
+        """Returns a reconstructor that follows the poses, starting from a hand's initial pose."""
         return _PoseFollower(self, touched)
 
     def command(self) -> tuple[Array | None, frozenset[int]]:
-        """The pose (48,) last commanded, None before the first, and the fingers to be solid."""
+        """The last commanded pose (48,), or None before the first; and the fingers to be solid."""
         return self._pose, self._solid
 
 
 class _PoseFollower:
-    """A reconstructor that passes through the agent's pose."""
+    """A reconstructor that returns the agent's pose, with limited speeds."""
 
     def __init__(self, hands: PoseHands, touched: Reconstructor) -> None:
         self._hands, self._touched = hands, touched

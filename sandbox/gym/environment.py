@@ -47,66 +47,73 @@ SEEDS = 2**31
 
 
 class HandSandboxEnv(gymnasium.Env[Observation, Array]):
-    """One trial of a task is one episode; one step is one control period of 16 ms.
+    """A Gymnasium environment. An episode is one trial of a task; a step is a 16 ms control period.
 
     docs/gymnasium.md has tables of actions, observations and rewards.
 
-    Actions are (15,) float64: for the slot of every finger, thumb first, whether it touches (0.5 or
-    more), and two numbers. With `action="touch"` these are x and y in metres on the surface (origin
-    top left, x right, y down), with `delta` and `hand` a step of the touch. Tasks with a lift
-    control have (16,), the last being the lift, 0 (down) to 1. Where the hand goes is reconstructed
-    as for any person. With `action="pose"`, (53,): the pose (48,) of the hand in the world, m and
-    rad, then for each finger whether it may be solid (0.5 or more). Values out of bounds are
-    clipped. In a task for two hands, an action is that of the first hand and then that of the
-    second one; touches are in metres on a surface of each hand's own.
+    Actions for touches are (15,) float64. The slot of each finger, thumb first, has three numbers:
+    whether the finger touches (0.5 or more), and two coordinates. With `action="touch"` the
+    coordinates are x and y in metres on the surface (origin top left, x right, y down). With
+    `delta` and `hand` they are a step of the touch. Tasks with a lift control have actions (16,);
+    the last number is the lift, 0 (down) to 1. The pose of the hand is reconstructed from the
+    touches, as for a person.
 
-    Observations, float64, in the world (x right, y away from the person, z up); with two hands,
-    those of the hand have one row for each, (2, 48) and so on:
-        pose (48,): the simulated hand: root position m, root and 14 joints' rotation vectors, rad;
-            of a robot's hand, root position and rotation vector, and its joints.
-        tips (5, 3): its fingertips, m, thumb first.
+    With `action="pose"`, actions are (53,): the pose (48,) of the hand in the world, m and rad,
+    then for each finger whether it may be solid (0.5 or more).
+
+    Values out of bounds are clipped. In a task for two hands, the action of the second hand follows
+    the action of the first hand; touches are in metres on the hand's own surface.
+
+    Observations are float64, in the world (x right, y away from the person, z up). With two hands,
+    the parts `pose`, `tips`, `solid` and `labels` have one row per hand, such as (2, 48):
+        pose (48,): the simulated hand: root position (m), root rotation vector and rotation vectors
+            of 14 joints (rad). For a robot hand: root position, root rotation vector and joint
+            positions.
+        tips (5, 3): fingertips of the simulated hand, m, thumb first.
         solid (5,): 1 if a finger can collide with objects now, thumb first.
         labels (5,): finger (0 thumb to 4 little) assigned to the touch in each slot, or -1.
-        objects (n, 13): of each object position m, quaternion (w, x, y, z; w >= 0), velocity m/s
-            and angular velocity rad/s, in the order of the task's `objects`.
-        goals (g, 4): position m and yaw rad (-pi to pi), in the order of the task's `goals`; absent
-            in tasks without goals.
+        objects (n, 13): for each object, position (m), quaternion (w, x, y, z; w >= 0), velocity
+            (m/s) and angular velocity (rad/s), in the order of the task's `objects`.
+        goals (g, 4): position (m) and yaw (rad, -pi to pi), in the order of the task's `goals`;
+            absent in tasks without goals.
         time (1,): s since the start.
-    `observe` adds others. With `goal=True` observations are goal dictionaries.
+    `observe` adds further parts. With `goal=True`, observations are goal dictionaries.
 
-    Reward: increase of the task's progress (0 to 1) in this step, plus 1 at the step at which
-    success is certain, so that an episode's sum is progress plus success.
+    The default reward is the increase of the task's progress (0 to 1) in this step, plus 1 at the
+    step at which success is certain. Its sum over an episode is the gained progress plus success.
 
-    `terminated`: success was held for the task's hold time and looked at a second later, or what
-    was done cannot be undone (`info["trial"]["status"]` is then `failed`), or the
-    simulation diverged (`info["trial"]["status"]` is then `diverged`, and the last sound
-    observation is repeated). `truncated`: the task's time limit is over.
+    `terminated` is True in three cases. The goal was held for the task's hold time, and one more
+    second has passed. Or the task has failed and cannot succeed any more
+    (`info["trial"]["status"]` is `failed`). Or the simulation diverged (the status is `diverged`,
+    and the last valid observation is repeated). `truncated` is True if the task's time limit is
+    over.
 
-    `reset(seed=n)` starts the trial of seed n, the same as `sandbox run --seed n`; without a seed
-    the next trial is drawn from the environment's own generator. Equal seeds and actions give equal
-    states to the bit on one kind of machine.
+    `reset(seed=n)` starts the trial of seed n, the same trial as `sandbox run --seed n`. Without a
+    seed, the next trial is drawn from the environment's own generator. Equal seeds and actions give
+    bit-identical states on one kind of machine.
 
-    `info` has `seed`, `state_hash` (see `Session.state_hash`), `success` and the same as
-    `is_success` so far, and at the end `trial`: what `sandbox run --json` prints of it.
+    `info` has `seed`, `state_hash` (see `Session.state_hash`), and `success` so far, also under the
+    name `is_success`. At the end it also has `trial`, the result as in `sandbox run --json`.
 
     Args:
         task: Name of the task, or its place such as `FILE.py:Class`.
-        action: One of `sandbox.gym.environment_options.ACTIONS`.
-        labels: One of `LABELS` there: what labels the touches, or `true`, by which the touch in a
-            finger's slot is that finger's. None takes that of the settings.
-        observe: Names of `OBSERVED` there that are seen besides, or `all`.
-        reward: One of `REWARDS` there; None is `progress`, or the goals' own with `goal`.
+        action: One of `ACTIONS` in `sandbox.gym.environment_options`.
+        labels: One of `LABELS` in the same module: a labeller, or `true`. With `true`, the touch in
+            a finger's slot gets the label of this finger. None takes the labeller of the settings.
+        observe: Names in `OBSERVED` of the same module, to add to the observation; or `all`.
+        reward: One of `REWARDS` in the same module. None means `progress`, or with `goal` the
+            reward of `compute_reward`.
         goal: True for observations with `observation`, `achieved_goal` and `desired_goal`, and the
             reward of `compute_reward`.
-        step: m, largest step of a touch, for the actions `delta` and `hand`.
-        hand: `right` or `left`; in a task for two hands, that of the first half of an action. None
-            takes that of the settings, as do `hand_size`, `turn` and `robot`.
-        hand_size: Length of the hand relative to the trained one.
-        turn: degrees, side of the screen where the person sits (see `models.person.Person`).
-        robot: The robot whose hand it is (docs/robots.md); empty: a person's hand.
+        step: Largest step of a touch along each axis, m, for the actions `delta` and `hand`.
+        hand: `right` or `left`; in a task for two hands, the side of the first hand. For `hand`,
+            `hand_size`, `turn` and `robot`, None takes the value of the settings.
+        hand_size: Length of the hand relative to the trained hand.
+        turn: Side of the screen where the person sits, degrees (see `models.person.Person`).
+        robot: Robot hand to simulate (docs/robots.md); empty for the human hand.
         render_mode: None, or `rgb_array`, for which this machine needs OpenGL.
-        size: px, width and height of pictures.
-        settings: Settings as a recording's header has them; None starts from the defaults.
+        size: Width and height of pictures, px.
+        settings: Settings in the form of a recording's header; None starts from the defaults.
         single: Single settings of `sandbox.trial.settings.Settings`, such as `encoder="cubic"`.
 
     Raises:
@@ -146,7 +153,10 @@ class HandSandboxEnv(gymnasium.Env[Observation, Array]):
             )
         if goal and reward is not None:
             raise InputError(
-                "goal dictionaries have a reward of their own", where="reward", got=reward
+                "goal dictionaries have their own reward, so `reward` cannot be chosen",
+                where="reward",
+                got=reward,
+                remedy="Leave out reward, or goal=True",
             )
         if labels is not None:
             check_choice("labels", labels, LABELS)
@@ -188,12 +198,12 @@ class HandSandboxEnv(gymnasium.Env[Observation, Array]):
 
         Args:
             seed: Seed of the trial; None draws one.
-            options: Of this trial only: `near`, `size`, `mass`, `friction`, `start` (see
+            options: Changes to this trial only: `near`, `size`, `mass`, `friction`, `start` (see
                 `sandbox.gym.environment_options.Curriculum`).
 
         Raises:
             InputError: An option is unknown or not allowed, or the trial has another number of
-                objects or goals than that of seed 0.
+                objects or goals than the trial of seed 0.
         """
         curriculum = Curriculum.of(options)
         super().reset(seed=seed)
@@ -212,7 +222,7 @@ class HandSandboxEnv(gymnasium.Env[Observation, Array]):
         return self._copied(), self._info(session)
 
     def step(self, action: ArrayLike) -> tuple[Observation, float, bool, bool, dict[str, Any]]:
-        """One control period.
+        """Runs one control period.
 
         Raises:
             InputError: The action has another shape, or is not finite.
@@ -220,12 +230,13 @@ class HandSandboxEnv(gymnasium.Env[Observation, Array]):
         """
         session = self.session
         if session is None or session.over:
-            raise gymnasium.error.ResetNeeded("the episode is over, or has not begun: call reset()")
+            raise gymnasium.error.ResetNeeded("no episode is running: call reset()")
         whole = self._checked(action)
         for hand, own in zip(self._hands, np.split(whole, len(self._hands)), strict=True):
             hand.act(own)
         gained = 0.0
-        # After a divergence the trial is marked, and its last sound observation stands.
+        # After a divergence the trial has the status `diverged`, and the last valid observation
+        # remains.
         if self._trial.step():
             assert self._trial.newest is not None
             self._take(self._trial.newest)
@@ -238,32 +249,33 @@ class HandSandboxEnv(gymnasium.Env[Observation, Array]):
         return self._copied(), gained, ended, truncated, self._info(session)
 
     def compute_reward(self, achieved_goal: Array, desired_goal: Array, info: Any) -> Any:
-        """The reward with `goal=True`, of any goals, for methods that learn from hindsight.
+        """The reward with `goal=True` for any goals, as hindsight methods (HER) need it.
 
         Args:
-            achieved_goal: (..., 3 g) m, places of the objects that have goals.
-            desired_goal: (..., 3 g) m, places where they should be.
+            achieved_goal: (..., 3 g) m, positions of the objects that have goals.
+            desired_goal: (..., 3 g) m, positions of their goals.
             info: Not used.
 
         Returns:
-            (...) float64, 0 where all of them are within 1 cm, and -1 elsewhere.
+            (...) float64: 0 if all objects are within 1 cm of their goals, otherwise -1.
         """
         return goal_reward(achieved_goal, desired_goal)
 
     def render(self) -> Any:
-        """The picture (height, width, 3) uint8 of now; None without a render mode.
+        """The current picture (height, width, 3) uint8; None without a render mode.
 
         Raises:
             GraphicsError: There is no OpenGL on this machine.
+            ResetNeeded: `reset` was never called.
         """
         if self.render_mode is None:
             return None
         if self.session is None:
-            raise gymnasium.error.ResetNeeded("there is nothing to see yet: call reset()")
+            raise gymnasium.error.ResetNeeded("no trial to draw yet: call reset()")
         return self._pictures.draw(self.session.scene, self._snapshot)
 
     def close(self) -> None:
-        """Gives back what draws."""
+        """Closes the renderer and the session."""
         self._pictures.close()
         if self.session is not None:
             self.session.close()
@@ -275,7 +287,7 @@ class HandSandboxEnv(gymnasium.Env[Observation, Array]):
         return self._surfaces
 
     def slot_labels(self) -> list[list[int | None]]:
-        """For every hand and slot the finger that its touch is taken for now; None for none."""
+        """The current label of the touch in each slot of each hand; None without touch or label."""
         return [slot_labels(self._snapshot, hand, i) for i, hand in enumerate(self._hands)]
 
     def _make_hands(self) -> tuple[Hands, ...]:
@@ -311,11 +323,11 @@ class HandSandboxEnv(gymnasium.Env[Observation, Array]):
             values = np.asarray(action, float)
         except (TypeError, ValueError):
             raise InputError(
-                "an action is made of numbers", where="step", got=type(action).__name__
+                "the action is not an array of numbers", where="step", got=type(action).__name__
             ) from None
         if values.shape != space.shape:
             raise InputError(
-                "an action has another shape",
+                "the action has a wrong shape",
                 where="step",
                 got=f"shape {values.shape}",
                 expected=f"shape {space.shape}",
@@ -323,8 +335,8 @@ class HandSandboxEnv(gymnasium.Env[Observation, Array]):
         wrong = np.flatnonzero(~np.isfinite(values))
         if len(wrong):
             raise InputError(
-                "an action is not finite",
-                where=f"step, number {wrong[0]} of the action",
+                "the action is not finite",
+                where=f"step, action[{wrong[0]}]",
                 got=values[wrong[0]],
                 expected=f"{space.low[wrong[0]]:g} to {space.high[wrong[0]]:g}",
             )
@@ -345,9 +357,9 @@ class HandSandboxEnv(gymnasium.Env[Observation, Array]):
 
 
 _NAMES = tuple(list(inspect.signature(HandSandboxEnv).parameters)[:-1])
-"""Options of an environment besides single settings of a run."""
+"""Options of an environment that are not single settings of a run."""
 
 
 def _given(hand: Hands) -> DeviceMaker:
-    """Opens a device that there is already."""
+    """A device maker that returns an existing device."""
     return lambda task, surface: hand

@@ -20,8 +20,8 @@ from tasks.variation import RANGES, TOUCHES, Variation
 
 ACTIONS = {
     "touch": "places of touches, m on the surface",
-    "delta": "steps of touches along the surface's axes, in shares of `step`",
-    "hand": "steps of touches along the hand's own axes, in shares of `step`",
+    "delta": "steps of touches along the surface's axes, in multiples of `step`, -1 to 1",
+    "hand": "steps of touches along the hand's own axes, in multiples of `step`, -1 to 1",
     "pose": "poses of the hand",
 }
 """Description of each kind of action."""
@@ -33,18 +33,18 @@ LABELS = (*(name for name in RUN_LABELS if name != "device"), TRUE_LABELS)
 """Labellers that infer labels from touches, and `TRUE_LABELS`."""
 
 OBSERVED = {
-    "touches": "for each finger whether its slot touches, and where, m on the surface",
-    "velocities": "m/s and rad/s of the hand's degrees of freedom",
-    "commanded": "the pose (48,) that the person's hand is asked for, m and rad",
+    "touches": "for each finger, whether its slot touches, and the place, m on the surface",
+    "velocities": "velocities of the hand's degrees of freedom, m/s and rad/s",
+    "commanded": "the commanded pose (48,) of the hand, m and rad",
     "phase": "one of five phases of the hand's arrival: away, waiting, above, coming down, down",
-    "contact": "for each finger its force on objects, N, and the share of its servos' limit in use",
-    "properties": "of each object its mass, kg, and half its length, width and height, m",
+    "contact": "for each finger, its force on objects, N, and the used share of its servos' limit",
+    "properties": "for each object, its mass, kg, and half its length, width and height, m",
 }
 """Description of each optional part of an observation."""
 
 REWARDS = {
-    "progress": "what the task's progress grew by, and 1 at success",
-    "reach": "the same, and a share for bringing fingertips to objects",
+    "progress": "increase of the task's progress, and 1 at success",
+    "reach": "like `progress`, plus at most 0.2 for bringing three fingertips to an object",
     "sparse": "1 at success",
 }
 """Description of each reward."""
@@ -59,9 +59,9 @@ _OWN = ("task", "seed", "hands")
 """Settings of a run that an environment sets itself."""
 
 _REPLACED = {
-    "names": f'labels="{TRUE_LABELS}" takes the place of names="told", the default that of "found"',
+    "names": f'Write labels="{TRUE_LABELS}" instead of names="told"; leave out names="found"',
 }
-"""Replacement of each option of an earlier version."""
+"""Remedy for each option that an earlier version had."""
 
 
 @dataclass(frozen=True)
@@ -70,15 +70,16 @@ class EnvOptions:
 
     Attributes:
         action: One of `ACTIONS`.
-        true_labels: True if the touch in a finger's slot has that finger's label.
+        true_labels: True if the touch in a finger's slot gets the label of this finger.
         observe: Parts from `OBSERVED` in addition to those that are always observed.
         reward: One of `REWARDS`.
-        goal: True for goal dictionaries, whose reward is their own (`sandbox.gym.rewards`).
+        goal: True for goal dictionaries (`sandbox.gym.rewards`). Their reward replaces the one that
+            `reward` chooses.
         step: Largest step of a touch in a control period of 16 ms, along each axis, for the actions
             `delta` and `hand`, m.
 
     Raises:
-        InputError: There is no such choice.
+        InputError: A value is not allowed.
     """
 
     action: str = "touch"
@@ -105,7 +106,7 @@ def check_choice(option: str, got: object, choices: Sequence[object]) -> None:
     """Checks the value of an option.
 
     Raises:
-        InputError: It is not one of the choices.
+        InputError: The value is not one of the choices.
     """
     if got not in choices:
         raise InputError(
@@ -139,11 +140,11 @@ def run_settings(
 
     Args:
         task: Name or place of the task.
-        person: `side`, `size` and `turn` of the first hand (`HandSettings`); None for a value of
-            the settings.
+        person: `side`, `size` and `turn` of the first hand (`HandSettings`). A value of None is
+            taken from `settings`.
         settings: Settings in the form of a recording's header; None starts from the defaults.
         single: Single settings by name.
-        known: The other options of an environment, for errors.
+        known: Names of the environment's other options, for error messages.
 
     Raises:
         InputError: A setting is unknown or not allowed.
@@ -161,7 +162,10 @@ def run_settings(
     plain = encoded(Settings()) if settings is None else settings
     if not isinstance(plain, Mapping):
         raise InputError(
-            "not settings of a run", where="settings", got=plain, expected="a header's mapping"
+            "the settings of a run are not a mapping",
+            where="settings",
+            got=plain,
+            expected="a mapping, as the entry `settings` of a recording's header",
         )
     agent = {"device": {"name": AGENT, "options": {}}, "second_device": None}
     whole = {**plain, **agent, "task": task, "seed": 0}
@@ -174,14 +178,16 @@ def run_settings(
     values = base.changed(**own, hands=(replace(first, **chosen), *others))
     if any(hand.in_air is not None for hand in values.hands):
         raise InputError(
-            "an agent touches, and these settings are of a hand in the air", where="settings"
+            "these settings are for a hand in the air, but an agent needs touches",
+            where="settings",
+            expected="hands without `in_air`",
         )
     if values.variation.degrades_touches:
         raise InputError(
-            "an agent's touches are not disturbed",
+            "disturbances of touches are not available for an agent",
             where="variation",
             got=", ".join(name for name in TOUCHES if getattr(values.variation, name)),
-            remedy="Disturb the actions",
+            remedy="Disturb the agent's actions instead",
         )
     if hands_of(kind) > 1 and not others:
         values = replace(values, hands=(*values.hands, values.hands[0].opposite))
@@ -189,14 +195,14 @@ def run_settings(
 
 
 def _plain(value: Any) -> Any:
-    """Converts the value of an option to JSON types."""
+    """Converts NumPy numbers to Python numbers, and a mapping to a `Variation`."""
     if isinstance(value, Mapping):
         return Variation(**value)
     return value.item() if isinstance(value, np.generic) else value
 
 
 NEAREST = 0.95
-"""Largest share of the way to its goal by which an object may start nearer."""
+"""Largest value of `Curriculum.near`."""
 
 
 @dataclass(frozen=True)
@@ -204,7 +210,8 @@ class Curriculum:
     """Changes to one trial; none by default.
 
     Attributes:
-        near: Share of the way to its goal, and of the rotation, by which each object starts nearer.
+        near: Share of the way from its start to its goal, and of the rotation, by which the start
+            of each object is moved to the goal.
         size: Factor on the objects' edges.
         mass: Factor on their masses.
         friction: Factor on every coefficient of sliding friction.
@@ -222,7 +229,7 @@ class Curriculum:
         """Reads the options of a reset.
 
         Raises:
-            InputError: An option is unknown, no number, or out of range.
+            InputError: An option is unknown, is not a number, or is out of range.
         """
         known = {f.name for f in fields(cls)}
         for name, value in (options or {}).items():
@@ -273,9 +280,9 @@ class Curriculum:
                     "this object cannot start on the way to its goal",
                     where="reset(options=), near",
                     got=f"{thing.name} of {task.name}",
-                    expected="an object that is moved along the table",
+                    expected="an object that the task moves along the table",
                 )
-            # The shorter way round.
+            # The rotation in the shorter direction.
             turn = (goal.yaw - thing.yaw + pi) % (2 * pi) - pi
             way = zip(thing.position, goal.position, strict=True)
             x, y, z = (a + self.near * (b - a) for a, b in way)

@@ -30,12 +30,15 @@ if TYPE_CHECKING:
 class Pictures:
     """Renders pictures of scenes.
 
-    Creating a renderer takes most of a second. It is reused while scenes look alike: objects may
-    start at other places, but shapes and colours are the same.
+    Creating a renderer takes most of a second. A renderer is therefore reused while scenes look
+    alike: objects may start at other places, but shapes and colours must be the same.
 
     Args:
         surface: The touch surface.
-        size: px, width and height.
+        size: Width and height of a picture, px.
+
+    Attributes:
+        made: Number of renderers created so far.
     """
 
     def __init__(self, surface: Surface, size: tuple[int, int]) -> None:
@@ -75,7 +78,7 @@ def _alike(scene: Scene, other: Scene) -> bool:
 
 
 def _appearance(scene: Scene) -> tuple[NDArray[Any], ...]:
-    """Arrays of the model that decide a scene's picture, except the places of objects."""
+    """Arrays of the model that determine a scene's picture, except the places of objects."""
     m = scene.model
     return (
         m.geom_type,
@@ -120,7 +123,8 @@ class Moment:
 
     @cached_property
     def forces(self) -> list[Array]:
-        """(5, 2) of every hand: force of a finger on objects, N, and share of its servos' limit."""
+        """(5, 2) for every hand: force of each finger on objects, N, and used share of the servos'
+        limit."""
         return [
             np.array([(finger.force, finger.used) for finger in load.fingers])
             for load in self.session.loads()
@@ -132,9 +136,9 @@ class Part:
     """A part of an observation.
 
     Attributes:
-        bounds: Returns two arrays, the least and the largest values in a session. The second
-            argument is the index of the hand; parts of the scene ignore it.
-        read: Returns the part's values at a moment, for a hand by its index.
+        bounds: Returns two arrays, the smallest and the largest allowed values in a session. The
+            second argument is the index of the hand; parts of the scene ignore it.
+        read: Returns the part's values at a moment. The second argument is the index of the hand.
     """
 
     bounds: Callable[[Session, int], tuple[Array, Array]]
@@ -288,7 +292,7 @@ _SCENE: dict[str, Part] = {
 """Parts of the whole scene."""
 
 ALWAYS = ("pose", "tips", "solid", "labels", "objects", "goals", "time")
-"""Parts that are always seen; `goals` only in tasks that have some."""
+"""Parts that are always observed; `goals` only in tasks with goals."""
 
 
 class Observing:
@@ -296,7 +300,7 @@ class Observing:
 
     Args:
         session: Any session of the environment.
-        observe: Parts to see besides `ALWAYS`.
+        observe: Parts in addition to `ALWAYS`.
 
     Attributes:
         space: The space of observations, float64.

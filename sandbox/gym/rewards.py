@@ -1,4 +1,4 @@
-"""Rewards of an agent, step by step, and goal dictionaries for learning from hindsight."""
+"""Rewards of an agent in each step, and goal dictionaries for hindsight learning (HER)."""
 
 from __future__ import annotations
 
@@ -14,24 +14,25 @@ from sandbox.session.messages import Snapshot
 from tasks.task import Task
 
 REACH = 0.2
-"""Share of an episode's reward that bringing fingertips to objects can earn."""
+"""Largest part of an episode's reward for bringing fingertips to objects."""
 NEAR = 0.10
-"""m, distance at which a fingertip has earned about a third of it."""
+"""Distance from an object at which a fingertip earns about a third of its part of `REACH`, m."""
 TIPS = 3
-"""Number of fingertips that count, the nearest ones."""
+"""Number of fingertips that count: those nearest to the object."""
 
 
 class Reward:
     """Reward of one episode.
 
-    Of every choice the sum is bounded: success gives 1, `progress` what the task's progress grew by
-    (0 to 1), and `reach` besides that at most `REACH` for the way of the three nearest fingertips
-    to the nearest object. Going back costs what coming gave.
+    The sum over an episode is bounded for every kind of reward. Success gives 1. `progress` adds
+    the increase of the task's progress (0 to 1). `reach` adds, in addition to `progress`, at most
+    `REACH` for bringing the three nearest fingertips to the nearest object. A decrease of progress
+    or nearness costs as much as its increase gave.
 
     Args:
         kind: One of `sandbox.gym.environment_options.REWARDS`.
-        snapshot: The beginning of the episode.
-        progress: The task's progress then.
+        snapshot: Snapshot at the beginning of the episode.
+        progress: The task's progress at the beginning of the episode.
     """
 
     def __init__(self, kind: str, snapshot: Snapshot, progress: float) -> None:
@@ -75,14 +76,15 @@ _EARNED: dict[str, Callable[[Snapshot, float], float]] = {
 
 
 ARRIVED = 0.010
-"""m within which an object counts as arrived."""
+"""Largest distance from its goal at which an object counts as arrived, m."""
 
 
 def goal_space(space: spaces.Dict, task: str) -> spaces.Dict:
     """The space of goal dictionaries, float64.
 
-    `observation` is all that is seen but the goals, flat. `achieved_goal` and `desired_goal` are
-    places (g, 3) m, of the objects that have goals and where they should be, flat.
+    All entries are flat. `observation` has all parts of the plain observation except the goals.
+    `achieved_goal` has the positions (g, 3) of the objects that have goals, and `desired_goal` the
+    positions (g, 3) of the goals, m.
 
     Args:
         space: The space of plain observations.
@@ -117,8 +119,8 @@ def goal_observation(seen: dict[str, Array], space: spaces.Dict, task: Task) -> 
 
     Args:
         seen: The plain observation, see `HandSandboxEnv`.
-        space: The space of plain observations, whose order `observation` has.
-        task: The trial.
+        space: The space of plain observations; `observation` has the same order of parts.
+        task: The drawn trial.
     """
     names = [shown.name for shown in task.objects]
     places = [seen["objects"][names.index(goal.object), :3] for goal in task.goals]
@@ -130,13 +132,16 @@ def goal_observation(seen: dict[str, Array], space: spaces.Dict, task: Task) -> 
 
 
 def goal_reward(achieved: Array, desired: Array) -> Any:
-    """Reward of places (..., 3 g) m for desired places (..., 3 g) m.
+    """Reward for hindsight learning: 0 if all objects are within `ARRIVED` of their goals, or -1.
 
-    It is 0 if all objects are within `ARRIVED` of their goals, and -1 otherwise. Turns do not
-    count.
+    Rotations do not count.
+
+    Args:
+        achieved: (..., 3 g) positions of the objects, m.
+        desired: (..., 3 g) positions of their goals, m.
 
     Returns:
-        (...) float64.
+        Rewards (...), float64.
     """
     apart = np.asarray(achieved, float) - np.asarray(desired, float)
     off = np.sqrt(np.sum(apart.reshape(*apart.shape[:-1], -1, 3) ** 2, axis=-1))

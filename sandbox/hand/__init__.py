@@ -1,1 +1,1 @@
-"""What is measured of a person's hand: its size and layouts by touches, and its posture at rest."""
+"""Measurements of a person's hand: size and layouts from touches, and the posture at rest."""

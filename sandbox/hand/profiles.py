@@ -1,10 +1,14 @@
-"""Profiles of persons: side, size, seat and layouts of five fingers, in a file.
+"""A profile is a file that describes the hand of one person who touches a screen.
 
-`sandbox hand measure` measures them, and `sandbox play --learn` adds layouts. A hand over a Leap
-has a calibration instead, by `sandbox paalm calibrate`, which --profile may name, too.
+It holds the side and size of the hand, the edge of the screen at which the person sits (the seat),
+and places of five fingers that touched together (layouts). `sandbox hand measure` writes a profile,
+and `sandbox play --learn` adds layouts.
+
+For a hand over a Leap, `sandbox paalm calibrate` writes a calibration file instead. The option
+--profile accepts a calibration file, too.
 
 A profile is for people who play. Measurements and comparisons ignore it unless --profile is given.
-A recording holds the values themselves, so that it replays without a profile.
+A recording holds the values themselves, so that its replay needs no profile.
 """
 
 from __future__ import annotations
@@ -32,20 +36,20 @@ if TYPE_CHECKING:
     from sandbox.trial.trial_options import TrialOptions
 
 SCHEMA = 1
-"""Version of the file's layout."""
+"""Version of the file format."""
 
 KIND = "hand-sandbox profile"
 DEFAULT = "default"
 """Name of the profile that `sandbox hand measure` writes without --out."""
 
 _UNSOUND = "a value of the profile cannot be used"
-_REMEDY = "`sandbox hand measure` makes a valid one"
-FORGET = "`sandbox hand forget` forgets them"
+_REMEDY = "`sandbox hand measure` writes a valid profile"
+FORGET = "`sandbox hand forget` removes them"
 """Remedy for layouts that cannot be used."""
 
 
 class _ProfileFile(Struct, forbid_unknown_fields=True):
-    """The fields of a profile's file; those of `Person` are checked there."""
+    """Fields of a profile file. Values of the person are checked by `Person`, not here."""
 
     kind: str
     schema: int
@@ -65,10 +69,10 @@ class Profile:
 
     Attributes:
         person: Side, size and seat.
-        interval: 95 % interval of the size, a ratio.
-        device: Device of the measurement.
+        interval: 95 % interval (low, high) of the hand's size relative to the trained hand.
+        device: Device with which the person was measured.
         simulated: True if a simulated person was measured.
-        layouts: Touches of the person's five fingers; see `sandbox.session.own_layouts`.
+        layouts: Places of five fingers that touched together; see `sandbox.session.own_layouts`.
         rest: Samples of the hand at rest; see `encoders.person.rest_posture`.
     """
 
@@ -140,8 +144,8 @@ def load_profile(path: Path, with_layouts: bool = True) -> Profile:
     """Reads a profile.
 
     Args:
-        path: Its file.
-        with_layouts: False leaves the layouts out, unread.
+        path: File of the profile.
+        with_layouts: False leaves the layouts out; their values are not checked.
 
     Raises:
         InputError: The file is missing, is not a profile, or holds an invalid value.
@@ -158,12 +162,12 @@ def load_profile(path: Path, with_layouts: bool = True) -> Profile:
 
 
 def profile_path(name: str) -> Path:
-    """Returns the file of a profile by its name: `default`, or a file."""
+    """Returns the path of the profile that `--profile` names: `default`, or a file."""
     return default_path() if name == DEFAULT else Path(name)
 
 
 def find_profile(name: str, with_layouts: bool = True) -> Profile:
-    """Returns the profile of a name: `default`, or a file; see `load_profile`."""
+    """Reads the profile that `--profile` names: `default`, or a file; see `load_profile`."""
     return load_profile(profile_path(name), with_layouts)
 
 
@@ -198,7 +202,8 @@ def _profile(values: _ProfileFile, where: str) -> Profile:
                 where=f"{where}, rest{f', {error.where}' if error.where else ''}",
                 got=error.got,
                 expected=error.expected,
-                remedy="`sandbox hand measure --rest FILE` sees the hand again",
+                remedy="Write a new rest posture with `sandbox hand rest --out FILE`, then run "
+                "`sandbox hand measure --rest FILE`",
             ) from None
     return Profile(person, (low, high), values.device, values.simulated, layouts, rest)
 
@@ -220,12 +225,12 @@ def _layouts(given: Sequence[Sequence[tuple[float, float]]], person: Person, whe
 
 
 def own_calibration_path() -> Path:
-    """Returns the file of this user's hands over a Leap, beside the profile of touches."""
+    """Returns the default path of the Leap calibration, in the folder of the touch profile."""
     return default_path().with_name("hands.json")
 
 
 def chosen_calibration(options: TrialOptions) -> Path | None:
-    """Returns the calibration file named by --calibration or --profile; None if there is none.
+    """Returns the calibration file that --calibration or --profile names; None without one.
 
     Args:
         options: Options of a trial.
@@ -250,32 +255,35 @@ def chosen_calibration(options: TrialOptions) -> Path | None:
 
 
 def _is_calibration(name: str) -> bool:
-    """True if a profile's name is the file of a calibration over a Leap."""
+    """True if the file that --profile names is a Leap calibration."""
     from encoders.paalm.calibration_file import is_calibration
 
     return is_calibration(Path(name))
 
 
 def uses_touch_profile(options: TrialOptions) -> bool:
-    """True if --profile names a profile by `sandbox hand measure`, and the device is for touches.
+    """True if the touch profile that --profile names must be loaded.
+
+    A named file is loaded for every device. `default` is loaded for touch devices. For hands in the
+    air, `default` is loaded only if there is no Leap calibration.
 
     Raises:
-        InputError: The profile is a calibration over a Leap, and the device is for touches.
+        InputError: The profile is a Leap calibration, and the device sends touches.
     """
     if options.profile in (None, "none"):
         return False
     in_air = is_in_air(options.device)
     if options.profile == DEFAULT:
-        # Over a Leap the measured hand counts; the seat at a tablet has no meaning there.
+        # For hands in the air, the Leap calibration takes precedence over the touch profile.
         return not in_air or (not own_calibration_path().exists() and default_path().exists())
     if not _is_calibration(str(options.profile)):
         return True
     if not in_air:
         raise InputError(
-            "this profile is a calibration over a Leap",
+            "this profile is a Leap calibration, and the device sends touches",
             where=f"--profile {options.profile}",
             got=f"--device {options.device}",
             expected="--device leap",
-            remedy="`sandbox hand measure` measures a hand that touches",
+            remedy="`sandbox hand measure` writes a profile for touch devices",
         )
     return False

@@ -29,7 +29,7 @@ POSE_COLUMNS = tuple(
 """Column names of the 48 numbers of a pose, in the pose's order."""
 
 UNNAMED = -1
-"""Finger of a touch that is not labelled yet."""
+"""Value of `TouchTable.finger` for a touch that is not labelled yet."""
 
 
 @dataclass(frozen=True)
@@ -37,8 +37,8 @@ class ObjectTrajectory:
     """Trajectory of one object in the world; T control periods.
 
     Attributes:
-        position: (T, 3) m, its centre.
-        rotation: (T, 3, 3) world from object.
+        position: (T, 3) m, position of its centre.
+        rotation: (T, 3, 3) rotation from object axes to world axes.
     """
 
     position: Array
@@ -55,8 +55,8 @@ class JointTrajectory:
     """Trajectory of the hinge or slide of a mechanism's part; T control periods.
 
     Attributes:
-        position: (T,) rad or m; turns are counted on beyond a whole one.
-        joint: Its kind, unit and range.
+        position: (T,) rad or m; an angle continues beyond a full turn.
+        joint: Kind, unit and range of the joint.
     """
 
     position: Array
@@ -69,9 +69,9 @@ class HandTrajectory:
 
     Attributes:
         q: (T, 48) pose of the simulated hand: root position (m), root rotation vector (rad), then
-            the rotation vectors of 14 ball joints (rad). Of a robot's hand (T, 6 + n): place and
-            rotation vector of its palm, then the angles of its joints.
-        commanded: (T, 48) pose that the touches ask for; the servos follow it.
+            the rotation vectors of 14 ball joints (rad). For a robot hand (T, 6 + n): position and
+            rotation vector of its palm, then its n joint positions.
+        commanded: (T, 48) commanded pose, reconstructed from the touches; the servos follow it.
         tips: (T, 5, 3) m, fingertips of the simulated hand, thumb to little finger.
         solid: (T, 5) True if a finger collides with objects; False for a ghost.
     """
@@ -84,11 +84,11 @@ class HandTrajectory:
 
 @dataclass(frozen=True)
 class TouchTable:
-    """All touches of a trial, one row a touch and control period; n rows, sorted by time.
+    """All touches of a trial. Each row is one touch in one control period; n rows, sorted by time.
 
     Attributes:
         time: (n,) s of simulated time since the trial's start.
-        hand: (n,) index of the hand whose device was touched.
+        hand: (n,) index of the hand that touched.
         contact: (n,) id of the contact, from touch-down to touch-up.
         finger: (n,) 0 for the thumb to 4 for the little finger; -1 until it is labelled.
         xy: (n, 2) m on the surface, from its top left corner, x right and y down.
@@ -107,15 +107,15 @@ class TouchTable:
 class Trajectories:
     """Trajectories of a trial; T control periods of 16 ms.
 
-    Objects and fingertips are as in views and study tables: MuJoCo computes positions of bodies at
-    the start of a physics step, so that they are one step (2 ms) older than `time` and `q`.
+    Positions of objects and fingertips are one physics step (2 ms) older than `time` and `q`, as in
+    views and study tables, because MuJoCo computes the positions of bodies at the start of a step.
 
     Attributes:
         time: (T,) s of simulated time since the trial's start, at the end of each period.
         step: (T,) physics steps since the trial's start.
         objects: Trajectories by name of the object.
         hands: Trajectories of the hands.
-        touches: TouchTable of all hands.
+        touches: Touches of all hands.
         joints: Trajectories of hinges and slides by name of the part.
     """
 
@@ -136,7 +136,7 @@ class Trajectories:
             The files.
 
         Raises:
-            InputError: A file cannot be written there.
+            InputError: A file cannot be written in the folder.
         """
         folder = Path(folder)
         tables = {
@@ -179,7 +179,7 @@ class Trajectories:
                 yield [number, *moment, solid, *_digits(values)]
 
     def _pose_columns(self) -> Sequence[str]:
-        """Names of the numbers of a pose; of a robot's hand its joints are numbered."""
+        """Column names of the numbers of a pose; the joints of a robot hand are numbered."""
         width = self.hands[0].q.shape[1] if self.hands else len(POSE_COLUMNS)
         if width == len(POSE_COLUMNS):
             return POSE_COLUMNS
@@ -195,7 +195,7 @@ class Trajectories:
 
 
 def _digits(values: Array) -> list[str]:
-    """Numbers to a nanometre or nanoradian."""
+    """Texts of numbers, rounded to a nanometre or nanoradian."""
     return [f"{value:.9f}" for value in values]
 
 
@@ -203,7 +203,7 @@ class TrajectoryView:
     """A view of a session that keeps its snapshots and makes trajectories of them.
 
     Args:
-        session: Gives the snapshots; its scene and surfaces are read, not changed.
+        session: Session of the snapshots; its scene is read, not changed.
     """
 
     def __init__(self, session: Session) -> None:

@@ -1,4 +1,4 @@
-"""Trials from Python: play a task or a recording; get score, film, trajectories and motion."""
+"""Trials from Python: play a task or a recording; get its score, film, trajectories and motion."""
 
 from __future__ import annotations
 
@@ -81,10 +81,11 @@ class PictureView(Closeable):
 
 
 FROM_PYTHON = "from Python"
-"""Name of a device that a function opens."""
+"""Name, in settings, of a device that is opened by a Python function."""
 
 OpenDevice = Callable[[Surface], Device]
-"""Opens a device on a placed surface; a subclass of `TouchDevice` is one."""
+"""Function that opens a device on a placed surface. A subclass of `TouchDevice` can be used as this
+function."""
 
 
 @dataclass(frozen=True)
@@ -93,11 +94,11 @@ class TrialRun:
 
     Attributes:
         score: Success, status at the end, duration, and reason for a failure.
-        state_hash: Chained hash of all states; equal hashes mean equal trials.
+        state_hash: Chained hash of all states; equal hashes mean that all states are equal.
         trajectories: Trajectories of objects, hands and touches; None if not requested.
         pictures: (n, height, width, 3) uint8 RGB, 15 per second; None if not requested.
         verification: Comparison of a replay with its recording; None for a new trial.
-        result: Values of `sandbox run --json`; empty for a replay.
+        result: The values that `sandbox run --json` writes; empty for a replay.
     """
 
     score: Score
@@ -129,17 +130,17 @@ def run_trial(
 
     Args:
         task: A task's name, `FILE.py`, `FILE.py:CLASS`, or a task class.
-        seed: Start, goal and simulated user follow from it; same seed, same trial. None: 0, or the
-            seed of the recording that is the device.
-        device: A device as `sandbox run --device` takes it (`simulated`, `tuio`, a recording,
+        seed: Seed of start, goal and simulated user; equal seeds give equal trials. If it is None,
+            the seed is 0, or that of the recording if `device` is a recording.
+        device: A device as for `sandbox run --device` (`simulated`, `tuio`, a recording,
             `FILE.py:CLASS`), or a class or function that opens a device on a `Surface`.
-        record: Writes a recording; the file must not exist.
-        film: Writes a film: .webp, .gif, or .mp4 with the extra `film`.
-        pictures: Width and height in px of pictures to return; None draws none.
+        record: File of a recording to write; it must not exist.
+        film: File of a film to write: .webp, .gif, or .mp4 with the extra `film`.
+        pictures: Width and height in px of pictures to return; None draws no pictures.
         trajectories: True to return trajectories.
-        real_time: True plays at the speed of the clock, False as fast as it goes. None: real time
-            for a device that a person or another program drives by its name, else as fast as it
-            goes.
+        real_time: True plays in real time, False as fast as possible. None plays in real time if
+            `device` is the name of a device that a person or another program drives, and otherwise
+            as fast as possible.
         options: Other options of `sandbox run`, with underscores: `encoder="paper"`, `fingers=5`,
             `hand="left"`, `correction=False`.
 
@@ -147,7 +148,7 @@ def run_trial(
         The run.
 
     Warns:
-        UserWarning: NumPy was imported before `sandbox`: states depend on the processor.
+        UserWarning: NumPy was imported before `sandbox`, so that states depend on the processor.
 
     Raises:
         InputError: The task, device or an option is invalid.
@@ -161,10 +162,17 @@ def run_trial(
         makers, live = (_opens(device),), False
         chosen = replace(chosen, device=DeviceSettings(FROM_PYTHON, PlayedOptions()))
     if named == "mouse":
-        raise InputError("the mouse needs a window", where="device", remedy="Use `sandbox play`")
+        raise InputError(
+            "the mouse needs a window, which run_trial does not open",
+            where="device",
+            remedy="Use `sandbox play`",
+        )
     if named in ("web", "webxr"):
         raise InputError(
-            "no page is served here", where="device", got=named, remedy="Use `sandbox play`"
+            "this device needs a page, which run_trial does not serve",
+            where="device",
+            got=named,
+            remedy="Use `sandbox play`",
         )
     caption = "simulated user" if chosen.device.user is not None else ""
     with _Views(film, pictures, trajectories, caption) as views:
@@ -189,18 +197,18 @@ def replay_recording(
     """Replays a recording, compares every state, and returns the trajectories.
 
     Args:
-        path: A recording: `record=FILE`, `--record FILE`, or a trial of a study.
+        path: A recording, written by `record=FILE` or `--record FILE`, or of a study's trial.
         film, pictures, trajectories: As in `run_trial`.
 
     Returns:
         The run; `verification.exact` is True if all states were equal.
 
     Warns:
-        UserWarning: The recording's own task has changed since it was recorded.
+        UserWarning: The recording's task is not built in, and has changed since the recording.
 
     Raises:
         RecordingError: The file is not a recording, or cannot be played with this installation.
-        GraphicsError: A film or pictures are asked for and this machine has no OpenGL.
+        GraphicsError: A film or pictures are requested and this machine has no OpenGL.
     """
     recording = load_recording(Path(path))
     caption = "simulated user" if recorded_users(recording.header)[0] else ""
@@ -216,7 +224,7 @@ def _opens(device: OpenDevice) -> DeviceMaker:
 
 
 class _Views:
-    """Views of a trial while it is played, and the resulting run."""
+    """The views of a trial while it is played; they collect the values of the resulting run."""
 
     def __init__(
         self,
@@ -246,8 +254,6 @@ class _Views:
             self._made["trajectories"] = kept.trajectories
             views.append(kept.show)
         if self._pictures:
-            # Drawing loads OpenGL, which a trial without pictures does not need.
-
             drawn = PictureView(session, self._pictures, self._caption)
             self._closing.callback(drawn.close)
             self._made["pictures"] = drawn.pictures
@@ -274,8 +280,8 @@ def _trial_options(device: str, **values: Any) -> TrialOptions:
     """Options of `sandbox run`, by name.
 
     Args:
-        device: The device, whose options there may be among the values.
-        values: Values by name.
+        device: Name of the device.
+        values: Values by the option's name, options of the device included.
 
     Raises:
         InputError: A name is not an option, or a value is of another type.
@@ -305,7 +311,10 @@ def _trial_options(device: str, **values: Any) -> TrialOptions:
 
 
 def _of_type(name: str, value: Any, kind: Any) -> Any:
-    """A value of an option: also a number of NumPy, and a path where a text is asked for."""
+    """Converts a value to the type of its option.
+
+    NumPy numbers are accepted, and a `Path` where the option is a text.
+    """
     if isinstance(value, np.generic):
         value = value.item()
     if kind in (Path, Path | None):
@@ -315,17 +324,18 @@ def _of_type(name: str, value: Any, kind: Any) -> Any:
     remedy = None
     if name == "encoder" and not isinstance(value, str):
         remedy = (
-            "`encoders.save_model(model, FILE)` writes a trained model to a file: give its name"
+            "Write a trained model to a file with `encoders.save_model(model, FILE)`, and give the "
+            "file's name"
         )
     elif name == "vary" and isinstance(value, Mapping):
-        remedy = 'Give it as a text, such as vary="size=0.8,latency=100"'
+        remedy = 'Give a text, such as vary="size=0.8,latency=100"'
     return checked(
         value, kind, InputError, what="not a value of this option", where=name, remedy=remedy
     )
 
 
 def _place(task: str | type[Task]) -> str:
-    """Returns the text by which a task is found: its name, or `module:Class`."""
+    """Returns the text that identifies a task: its name, or `module:Class`."""
     if isinstance(task, str):
         return task
     return task.name if TASKS.get(task.name) is task else f"{task.__module__}:{task.__qualname__}"
@@ -339,23 +349,24 @@ def export_motion(
     of: Literal["simulated", "commanded"] | None = None,
     settings: ExportSettings | None = None,
 ) -> tuple[Path, ...]:
-    """Writes the hands' motion of a recording, a capture or a Leap for another program.
+    """Writes the motion of the hands in a file in a format of animation programs.
 
     Args:
-        source: A recording, a capture (.npz), or a recording of a Leap, whose hands PAALM makes.
+        source: A recording, a capture (.npz), or a recording of a Leap, for which PAALM computes
+            the hand poses.
         to: File to write; its ending chooses the format: .bvh, .glb, .amc, .v, .vsk, .c3d or .csv.
-            A file that exists is replaced.
-        rate: Hz of the keys.
-        of: For recordings of sessions. `simulated`, the default: the hand as it moved.
-            `commanded`: the pose that the touches asked for.
-        settings: More choices, such as the Euler order; its rate replaces `rate`.
+            An existing file is replaced.
+        rate: Rate of the keyframes, Hz.
+        of: For recordings of sessions only. `simulated`, the default, is the motion of the
+            simulated hand; `commanded` is the commanded pose.
+        settings: Further choices, such as the Euler order; the rate in it replaces `rate`.
 
     Returns:
-        The files that were written; two hands in a format for one make two files.
+        The files that were written. If the format holds only one hand, two hands give two files.
 
     Warns:
-        UserWarning: The source is damaged, or its replay differs; what could be read is written. Or
-            a hand over a Leap was not measured.
+        UserWarning: The source is damaged, or its replay differs; everything that could be read is
+            written. Or the size of a hand over a Leap was not measured.
 
     Raises:
         InputError: The source cannot be read, or the file cannot be written.

@@ -1,1 +1,1 @@
-"""Success over many seeds, serially or on many cores, and against what it was before."""
+"""Regression runs: success over many seeds, on one or many cores, compared with a baseline."""

@@ -1,4 +1,4 @@
-"""The baseline file: results of an earlier run, one line for each trial, readable in a diff."""
+"""The baseline file: results of an earlier run, one line per trial, readable in a diff."""
 
 from __future__ import annotations
 
@@ -20,23 +20,23 @@ from sandbox.system.files import OPEN, Release, lock, resolved, write_whole
 from sandbox.trial.result import ResultRecord, record_fields
 
 SCHEMA = 2
-"""Version of the file's layout."""
+"""Version of the file format."""
 KIND = "baseline of sandbox regress"
 HEAD = 200
 """Number of bytes at the beginning of a baseline that contain its kind."""
 _NAMED = 4
 """Largest number of changed defaults listed in a message."""
-ANEW = "--update-baseline, in pytest --sandbox-update-baseline, makes it anew"
+ANEW = "--update-baseline (in pytest --sandbox-update-baseline) replaces the baseline"
 """Remedy in errors about a baseline that cannot be compared."""
 
 
 class BaselineTrial(Struct, frozen=True, array_like=True):
-    """A trial in a baseline; fields in the order of its line.
+    """A trial in a baseline. The file stores the values of the fields in this order.
 
     Attributes:
         success, progress, time_s, state_hash: Fields of the trial's result.
-        measures: Further measures by name (`sandbox.regress.compared_measures`); empty in a
-            baseline from before these measures existed.
+        measures: Further measures by name (`sandbox.regress.compared_measures`); empty in an early
+            baseline without them.
     """
 
     success: bool
@@ -56,11 +56,12 @@ class BaselineTask:
 
     Attributes:
         version: Version of the task.
-        fingerprint: Fingerprint of the versions that decide states; empty if there were several.
+        fingerprint: Fingerprint of the versions on which states depend; empty if trials had
+            different fingerprints.
         depends_on: Parts of the fingerprint, by the names of `versions.DECISIVE`; empty if unknown.
         trials: Results by seed.
-        repeats: Results of some seeds with a harmless change, which measure churn
-            (`sandbox.regress.statistics`).
+        repeats: Second results of some seeds, with a harmless change. They measure churn
+            (`sandbox.regress.power`).
         vary: The variation; empty in the plain arm.
     """
 
@@ -125,8 +126,8 @@ class Baseline:
             exact: True requires a program whose states can equal those of the baseline.
 
         Raises:
-            InputError: The encoder, the version of a task or given settings differ, no task is in
-                both, or `exact` is true and the programs' states differ.
+            InputError: The encoder, the version of a task or given settings differ; run and
+                baseline have no task in common; or `exact` is true and the programs' states differ.
         """
         there, here = flat(self.origin.given), flat(origin.given)
         ignored = {ENCODER} if across_encoders else set()
@@ -140,13 +141,13 @@ class Baseline:
                 where=str(self.path),
                 got="; ".join(_setting(k, here) for k in other[:4]),
                 expected="; ".join(_setting(k, there) for k in other[:4]),
-                remedy=f"Success under other settings does not compare. Give the run those of the "
-                f"baseline, or use another file for these settings; {ANEW}"
-                + ("; --across-encoders compares the two" if other == [ENCODER] else ""),
+                remedy=f"Results with different settings cannot be compared. Run with the settings "
+                f"of the baseline, or use another file for these settings; {ANEW}"
+                + ("; --across-encoders compares two encoders" if other == [ENCODER] else ""),
             )
         if exact and (differing := self.differing_program(origin)):
             raise InputError(
-                "states can only be equal where the program and its models have the same ones",
+                "states cannot be equal, since the program or its models differ",
                 where=f"--exact, {self.path}",
                 got=differing,
                 remedy=f"Leave out --exact; {ANEW}",
@@ -158,7 +159,7 @@ class Baseline:
                     where=str(self.path),
                     got=f"version {versions[name]}",
                     expected=f"version {self.tasks[name].version}, as in the baseline",
-                    remedy=f"They do not compare; {ANEW}",
+                    remedy=f"Results of two versions of a task cannot be compared; {ANEW}",
                 )
         if not set(self.tasks) & set(versions):
             raise InputError(
@@ -183,7 +184,7 @@ class Baseline:
     def changed_defaults(self, origin: Origin) -> str:
         """Returns a clause that lists the settings with changed defaults, with both values.
 
-        Settings that were given are no defaults.
+        Settings that the user gave, now or for the baseline, are left out.
         """
         there, here = flat(self.origin.settings), flat(origin.settings)
         given = {*flat(self.origin.given), *flat(origin.given)}
@@ -200,7 +201,7 @@ class Baseline:
         """Checks that the baseline has at least one of the run's seeds.
 
         Raises:
-            InputError: The baseline has none of them.
+            InputError: The baseline has none of the seeds.
         """
         kept = {seed for name in names if name in self.tasks for seed in self.tasks[name].trials}
         if not kept & set(seeds):
@@ -235,7 +236,7 @@ class Baseline:
         lacking = [f"{t['task']} {t['seed']}" for t in trials if t["status"] == CRASHED]
         if lacking:
             raise InputError(
-                "no baseline is made from trials that crashed",
+                "a baseline cannot be written from trials that crashed",
                 where=str(self.path),
                 got=", ".join(lacking[:8]),
             )
@@ -307,13 +308,13 @@ def load_baseline(path: Path) -> Baseline:
     """Reads a baseline.
 
     Raises:
-        InputError: The file is missing, no baseline, damaged, or of another version.
+        InputError: The file is missing, is not a baseline, is damaged, or is of another version.
     """
     if not path.exists():
         raise InputError(
             "no such baseline",
             where=str(path),
-            remedy="--update-baseline makes it from this run",
+            remedy="--update-baseline writes it from this run",
         )
     where = str(path)
     data = read_bytes(path, InputError, what="the baseline cannot be read")
@@ -332,7 +333,7 @@ def load_baseline(path: Path) -> Baseline:
         InputError,
         what="this baseline is damaged",
         where=where,
-        remedy="Restore it from version control, or make it anew with --update-baseline",
+        remedy="Restore it from version control, or replace it with --update-baseline",
     )
     tasks = {
         name: BaselineTask(
@@ -352,7 +353,7 @@ def replaceable(path: Path) -> Baseline | None:
     """Returns the baseline in a file that may be replaced; None if it is missing or unreadable.
 
     Raises:
-        InputError: The file is no baseline, and must not be replaced.
+        InputError: The file is not a baseline, and must not be replaced.
     """
     if not path.exists():
         return None
@@ -362,8 +363,8 @@ def replaceable(path: Path) -> Baseline | None:
         raise InputError(
             "this file is no baseline, and is not replaced by one",
             where=str(path),
-            expected="a file that --update-baseline made, or none",
-            remedy="Name another file, or remove this one",
+            expected="a file that --update-baseline wrote, or a new file",
+            remedy="Name another file, or remove this file",
         )
     try:
         return load_baseline(path)
@@ -373,7 +374,7 @@ def replaceable(path: Path) -> Baseline | None:
 
 
 def _is_ours(data: bytes) -> bool:
-    """True for an empty file, and for a baseline by its kind, damaged or not."""
+    """True for an empty file, and for a file with the kind of a baseline, even if it is damaged."""
     try:
         document = json.loads(data)
     except (ValueError, RecursionError):
@@ -389,12 +390,13 @@ def update(
     trials: Sequence[Trial],
     repeats: Sequence[Trial] = (),
 ) -> Baseline:
-    """Writes the trials of a run into a baseline's file, and leaves the file's other tasks.
+    """Writes the trials of a run into a baseline file. Other tasks in the file stay.
 
-    Another run may have written its tasks since this run began; see `Baseline.updated`.
+    The file is read again before, since another run may have written its tasks in between; see
+    `Baseline.updated`.
 
     Raises:
-        InputError: A trial has no result, the file is no baseline, or it cannot be written.
+        InputError: A trial has no result, the file is not a baseline, or it cannot be written.
     """
     with _alone(resolved(path, "--baseline")):
         old = replaceable(path) or Baseline(origin, {}, path)
@@ -417,11 +419,11 @@ def _alone(path: Path) -> Iterator[None]:
             # The previous run has removed the lock file between the two calls.
             _end(fd, release)
     except OSError as error:
-        raise InputError("no lock can be had", where=str(path), got=error.strerror) from None
+        raise InputError("the file cannot be locked", where=str(path), got=error.strerror) from None
     try:
         yield
     finally:
-        # Windows cannot remove an open file; a lock file that stays does no harm.
+        # Windows cannot remove an open file. A remaining lock file does no harm.
         with suppress(OSError):
             beside.unlink()
         _end(fd, release)

@@ -1,4 +1,4 @@
-"""Runs trials on a cluster with Ray; the extra `ray`."""
+"""Runs trials on a cluster with Ray. It needs the extra `ray`."""
 
 from __future__ import annotations
 
@@ -28,12 +28,12 @@ from sandbox.trial.driver import never
 CONNECT_TIMEOUT = 5.0
 """Time (s) to wait for a cluster's answer."""
 LOST_AFTER = 300.0
-"""Time (s) without any core in the cluster after which its trials are given up. A cluster that
-replaces lost machines does so within minutes."""
+"""Time (s) without any core in the cluster after which the remaining trials are given up. A cluster
+that replaces lost machines does so within minutes."""
 LOOK_EVERY = 1.0
 """Time (s) between two counts of the cluster's cores."""
 JOBS_PER_CORE = 4
-"""Number of jobs given to the cluster at a time, for each of its cores. Ray's answers take longer
+"""Number of jobs given to the cluster at a time, per core of the cluster. Ray answers more slowly
 with more jobs in a request."""
 
 
@@ -43,7 +43,7 @@ def need_ray() -> Any:
     Raises:
         InputError: It is not installed.
     """
-    # Ray reports its use to its makers, unless this is switched off before it is imported.
+    # Ray sends usage statistics to its developers, unless they are disabled before its import.
     os.environ.setdefault("RAY_USAGE_STATS_ENABLED", "0")
     try:
         import ray
@@ -57,20 +57,20 @@ def need_ray() -> Any:
 
 
 class Cluster:
-    """Trials as tasks of Ray, one core each, on this machine or on a cluster.
+    """Runs trials as tasks of Ray, one core each, on this machine or on a cluster.
 
-    Every machine needs the same version of the sandbox, and the encoder's file where it is one.
-    Different kinds of machines may give different states: every trial has its own fingerprint.
-    Ray opens ports that the network can reach, through which any program may run code. Do not use
-    it on machines without a firewall.
+    Every machine needs the same version of the sandbox, and the encoder's file if the encoder is a
+    file. Different kinds of machines may give different states; every trial has its own
+    fingerprint. Ray opens ports to the network, through which any program can run code. Do not use
+    Ray on machines without a firewall.
 
-    A trial whose worker or machine is lost is reported with its seed, and the run goes on with the
-    machines that are left.
+    If a worker or a machine is lost, its trial is reported with its seed, and the run continues
+    with the remaining machines.
 
     Args:
-        workers: Number of workers of a Ray started here; a cluster uses all its workers.
+        workers: Number of workers if Ray is started here; a running cluster uses all its workers.
         address: Address of a running cluster, such as `ray://host:10001` or `auto`; None starts Ray
-            here.
+            on this machine.
     """
 
     name = "ray"
@@ -80,7 +80,7 @@ class Cluster:
         self.workers, self.address = workers, address
 
     def run(self, jobs: Sequence[TrialJob], stopped: Stopped = never) -> Trials:
-        """The trials as they end."""
+        """Yields the trials as they end."""
         ray = self._ray
         self._connect()
         try:
@@ -97,14 +97,14 @@ class Cluster:
                     yield self._trial(ready, pending.pop(ready))
                 if not done and cores.lost():
                     for job in chain(pending.values(), waiting):
-                        yield crashed(job, "no machine of the cluster is left to run it")
+                        yield crashed(job, "the cluster has no machine left to run it")
                     return
         except ConnectionError as error:
             raise InputError(
                 "the cluster is gone",
                 where="--executor ray",
                 got=_first_line(error),
-                remedy="Start it again; --resume then runs the trials that are left",
+                remedy="Start it again; --resume then runs the remaining trials",
             ) from None
         finally:
             ray.shutdown()
@@ -125,7 +125,7 @@ class Cluster:
             options |= {"num_cpus": self.workers, "include_dashboard": False}
         else:
             options["address"] = _reachable(self.address)
-        # Ray handles signals itself, and ends this process by them.
+        # Ray installs its own signal handlers, which end this process.
         ours = {number: signal.getsignal(number) for number in SIGNALS}
         try:
             with _blocked_below():
@@ -145,11 +145,11 @@ class Cluster:
 
 @contextmanager
 def _blocked_below() -> Iterator[None]:
-    """Processes that are started here never get our signals.
+    """Blocks SIGINT and SIGTERM for all processes that are started in this context.
 
-    A scheduler sends SIGTERM to the whole process group. Ray's own processes would end by it, in
-    any order, while this one still waits for their answers: for ever, or until Ray ends it. Ray
-    itself does the same for SIGINT.
+    A scheduler sends SIGTERM to the whole process group. Without the block, Ray's processes would
+    end in any order while this process still waits for their answers, possibly for ever. Ray itself
+    blocks SIGINT in the same way.
     """
     before = signal.pthread_sigmask(signal.SIG_BLOCK, SIGNALS)
     try:
@@ -159,9 +159,9 @@ def _blocked_below() -> Iterator[None]:
 
 
 class _Cores:
-    """The cores of a cluster, counted every `LOOK_EVERY` seconds at most.
+    """Counts the cores of a cluster, at most every `LOOK_EVERY` seconds.
 
-    It detects that a cluster that had cores has been without cores for long.
+    It detects that a cluster has lost all its cores for a long time.
     """
 
     def __init__(self, ray: Any) -> None:
@@ -198,7 +198,7 @@ def _first_line(error: Exception) -> str:
 
 
 def _reachable(address: str) -> str:
-    """Checks that a server listens at the address; without one, Ray would end this process."""
+    """Checks that a server listens at the address. Without a server, Ray would end this process."""
     host, colon, port = address.removeprefix("ray://").rpartition(":")
     if not colon:
         # Ray itself finds `auto` and `local`.
@@ -207,7 +207,7 @@ def _reachable(address: str) -> str:
         socket.create_connection((host, int(port)), CONNECT_TIMEOUT).close()
     except (OSError, ValueError, OverflowError) as error:
         raise InputError(
-            "nobody answers there",
+            "no server answers at this address",
             where="--address",
             got=f"{address}: {error}",
             expected="such as auto or ray://host:10001",

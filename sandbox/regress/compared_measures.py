@@ -1,7 +1,7 @@
 """Measures of a trial that a regression run compares: their declarations and their computation.
 
-Success and time decide. The others describe the quality of the movement, and their changes are only
-reported.
+Success and time decide whether a run passes. The other measures describe the quality of the
+movement; their changes are only reported.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from sandbox.session.messages import Snapshot
 
 SUCCESS, TIME = "success", "time"
 DECIDING = (SUCCESS, TIME)
-"""Names of the measures that decide."""
+"""Names of the measures that decide whether a run passes."""
 
 
 @dataclass(frozen=True)
@@ -27,9 +27,9 @@ class Measure:
     Attributes:
         name: Its name in options, reports and baselines.
         unit: Its unit; empty for counts and shares.
-        more_is_better: Its better direction.
+        more_is_better: True if larger values are better.
         about: Description in words.
-        relative: Changes are shares of the value before, not differences.
+        relative: True if changes are shares of the value before; otherwise they are differences.
     """
 
     name: str
@@ -39,7 +39,10 @@ class Measure:
     relative: bool = False
 
     def change(self, before: float, now: float) -> float:
-        """Change of a trial; positive changes are worse; a logarithm for relative changes."""
+        """Change of a trial's value; positive changes are worse.
+
+        A relative change is the logarithm of the ratio of both values.
+        """
         change = log(now / before) if self.relative else now - before
         return -change if self.more_is_better else change
 
@@ -51,10 +54,10 @@ MEASURES: dict[str, Measure] = {
         Measure(TIME, "s", False, "time to success; the task's limit for trials that fail", True),
         Measure("progress", "", True, "how near the goal was at the end"),
         Measure("largest force", "N", False, "largest force of a finger on objects"),
-        Measure("detour", "", False, "path of the objects with a goal, as multiple of the way"),
+        Measure("detour", "", False, "path length of objects with a goal / straight distance"),
         Measure("fingertip error", "mm", False, "mean distance of fingertips from their touches"),
-        Measure("grasps", "", False, "times that two fingers closed on objects"),
-        Measure("put back", "", False, "times that an object left the workspace"),
+        Measure("grasps", "", False, "number of times two fingers closed on objects"),
+        Measure("put back", "", False, "number of times an object left the workspace"),
         Measure("contacts lost", "", False, "touches that the screen lost"),
     )
 }
@@ -63,7 +66,7 @@ MEASURES: dict[str, Measure] = {
 _FORCES_EVERY = 8
 """Number of snapshots between two readings of the forces: 0.13 s."""
 _MOVED = 0.005
-"""Least path length (m) of an object for which a detour is computed."""
+"""Smallest sum of the objects' distances from their starts (m) for which a detour is computed."""
 
 
 class HandMeter:
@@ -90,7 +93,7 @@ class HandMeter:
         self._seen += 1
 
     def values(self, respawned: int) -> dict[str, float]:
-        """Values by name; those that do not apply to the trial are missing.
+        """Values by name; measures that do not apply to the trial are missing.
 
         Args:
             respawned: Number of returns of objects, from the trial's result.
@@ -148,12 +151,12 @@ def value(measure: str, trial: Mapping[str, Any], limit: float) -> float | None:
     Args:
         measure: Name of the measure.
         trial: The trial's `success`, `time_s`, `progress` and `measures`.
-        limit: s, time limit of its task, which is the time of a trial that failed.
+        limit: s, time limit of its task. It is the time of a failed trial.
     """
     if measure == SUCCESS:
         return float(trial["success"])
     if measure == TIME:
-        # A baseline may have been edited; no trial takes less than a control period.
+        # No trial takes less than a control period, but a baseline may have been edited.
         return max(float(trial["time_s"]), CONTROL_PERIOD) if trial["success"] else limit
     if measure == "progress":
         return float(trial["progress"])
@@ -167,7 +170,7 @@ def pairs(
     now: Mapping[int, Mapping[str, Any]],
     limit: float,
 ) -> Iterator[tuple[int, float, float]]:
-    """Seeds with a value before and now, with both values.
+    """Yields each seed that has a value before and now, with both values.
 
     Args:
         measure: Name of the measure.

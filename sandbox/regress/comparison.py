@@ -1,8 +1,9 @@
 """Comparison of a run with its baseline, seed by seed.
 
-Trials with the same seed before and after are pairs. Success is compared by McNemar's test, time
-and the other measures by the signed ranks of their differences. Success and time decide: Holm's
-procedure holds over these two of all tasks in every arm, and of all tasks of an arm together.
+Two trials with the same seed, one in the baseline and one in the run, are a pair. Success is
+compared by McNemar's test. Time and the other measures are compared by the signed ranks of their
+differences. Only success and time decide whether the run passes. Their p values are adjusted by
+Holm's procedure, over all tasks in every arm and over each arm as a whole.
 """
 
 from __future__ import annotations
@@ -40,13 +41,13 @@ class Change:
         measure: Name of the measure.
         pairs: Number of seeds with a value before and now.
         before, now: Means.
-        change, low, high: Typical change and its interval (`statistics.typical_change`): for time
-            a share of the value before, for success the mean difference, else a difference.
-        p_loss, p_gain: P values of both one-sided tests; those of measures that decide are
-            adjusted by Holm's procedure.
-        most: Seeds with the greatest losses, the greatest first, with the value before and now.
-        margin: Change that does not matter.
-        decides: True if a loss fails the gate.
+        change, low, high: Typical change and its interval (`statistics.typical_change`). For time
+            it is a share of the value before. For success it is the mean difference, with its own
+            interval (`statistics.mean_change`). For other measures it is a difference.
+        p_loss, p_gain: P values of both one-sided tests, adjusted by Holm's procedure.
+        most: Seeds with the largest losses, the largest first, with the values before and now.
+        margin: Largest change that does not matter.
+        decides: True if a loss makes the run fail.
     """
 
     measure: str
@@ -74,7 +75,7 @@ class Change:
 
     @property
     def moved(self) -> bool:
-        """True if it differs beyond chance, in either direction."""
+        """True if the measure differs beyond chance, in either direction."""
         return min(self.p_loss, self.p_gain) <= statistics.GATE / 2.0
 
     def text(self) -> str:
@@ -121,11 +122,12 @@ class Comparison:
     """Comparison of a task with its baseline, seed by seed.
 
     Attributes:
-        both, lost, won, neither: Seeds that succeeded in both, before only, now only, in none.
+        both, lost, won, neither: Seeds that succeeded in both runs, only before, only now, and in
+            neither run.
         changed: Seeds with different states although the fingerprints are equal.
-        same_machine: Number of pairs with the baseline's fingerprint, whose states are compared; 0
-            where the baseline is of other `STATES` or models.
-        elsewhere: Differences on which states depend, in words, for the other pairs.
+        same_machine: Number of pairs with equal fingerprints. Their states are compared. 0 if the
+            baseline is of other `STATES` or models.
+        elsewhere: For pairs with different fingerprints, the differing parts, in words.
         crashed: Number of pairs whose trial crashed now.
         unpaired: Seeds of the run that are not in the baseline.
         progress: Mean progress now minus mean progress before.
@@ -155,10 +157,12 @@ class Comparison:
         return any(change.is_loss for change in self.changes.values())
 
     def as_json(self, level: float) -> dict[str, Any]:
-        """JSON values, with the losses that so many pairs can detect: without and with these wins.
+        """JSON values, with the smallest drop of success that this number of pairs can detect.
+
+        The drop is given without won seeds, and with the share of won seeds of this comparison.
 
         Args:
-            level: P value up to which a loss is called; see `level_of`.
+            level: Largest p value that counts as a loss; see `level_of`.
         """
         churn = len(self.won) / self.pairs if self.pairs else 0.0
         return {
@@ -187,14 +191,18 @@ def compared(
     margins: Mapping[str, float],
     states: bool,
 ) -> tuple[dict[str, Comparison], dict[str, dict[str, Change]]]:
-    """Comparisons by task, and changes over all tasks of an arm, by its name, if it has several.
+    """Compares a run with a baseline.
+
+    Returns:
+        Comparisons by task; and for each arm with several tasks, the changes over all its tasks, by
+        the arm's name.
 
     Args:
         tasks: Trials of the run by task.
-        baseline: The baseline; tasks that are missing there, or that have another hard setting,
-            are left out.
+        baseline: The baseline. Tasks that are missing in it, or that have another hard setting in
+            it, are left out.
         limits: s, time limits by task.
-        margins: Changes of deciding measures that do not matter, as shares, by measure.
+        margins: Largest changes of deciding measures that do not matter, as shares, by measure.
         states: True compares states.
     """
     found: dict[str, Comparison] = {}
@@ -218,7 +226,7 @@ def compared(
 
 
 def groups(names: Iterable[str]) -> dict[str, list[str]]:
-    """Rows by the arm in which they are tested together, if it has several."""
+    """Rows of each arm with several rows, by the arm's name. They are also tested together."""
     found: dict[str, list[str]] = {}
     for name in names:
         found.setdefault(together_name(name), []).append(name)
@@ -226,10 +234,11 @@ def groups(names: Iterable[str]) -> dict[str, list[str]]:
 
 
 def level_of(names: Collection[str]) -> float:
-    """P value up to which a loss is called at the hardest of Holm's steps.
+    """Largest p value that counts as a loss at the strictest step of Holm's procedure.
 
     Args:
-        names: Names of the rows; deciding measures are tested in each, and in an arm's together.
+        names: Names of the rows. Deciding measures are tested in each row, and in each arm with
+            several rows.
     """
     return statistics.GATE / (len(DECIDING) * max(len(names) + len(groups(names)), 1))
 
@@ -250,7 +259,7 @@ def _change(
     samples: Sequence[Sequence[tuple[int, float, float]]],
     margins: Mapping[str, float],
 ) -> Change:
-    """Change of a measure over the pairs of one task or several; p values are not adjusted."""
+    """Change of a measure over the pairs of one or more tasks; p values are not adjusted."""
     kind = MEASURES[measure]
     by_task = [[kind.change(before, now) for _, before, now in rows] for rows in samples]
     rows, worse = list(chain(*samples)), list(chain(*by_task))
@@ -282,13 +291,17 @@ def _change(
 
 
 _MOST = 5
-"""Most seeds that are named for a change."""
+"""Largest number of seeds that are listed for a change."""
 
 
 def _adjusted(
     found: dict[str, Comparison], together: dict[str, dict[str, Change]]
 ) -> tuple[dict[str, Comparison], dict[str, dict[str, Change]]]:
-    """The same with adjusted p values: deciding measures over all, the others by measure."""
+    """The same changes with p values adjusted by Holm's procedure.
+
+    All tests of deciding measures are adjusted together. The tests of each other measure are
+    adjusted separately.
+    """
     places = {(name, m): c for name, f in found.items() for m, c in f.changes.items()}
     places |= {(name, m): c for name, some in together.items() for m, c in some.items()}
     families: list[list[tuple[str, str]]] = [[at for at in places if at[1] in DECIDING]]
@@ -308,7 +321,13 @@ def _adjusted(
 
 
 def _paired(trials: Iterable[Trial], task: BaselineTask, states: bool) -> Comparison:
-    """Pairs of a task's trials, with their states if these can be equal."""
+    """Comparison of a task's trials with the baseline, without changes of measures.
+
+    Args:
+        trials: Trials of the run.
+        task: The task in the baseline.
+        states: True compares states.
+    """
     c = Comparison()
     same, crashed, changes = 0, 0, []
     elsewhere: dict[str, None] = {}

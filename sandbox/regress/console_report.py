@@ -1,7 +1,7 @@
 """Output of a regression run for people: its progress, and its report as tables for a terminal.
 
-Progress is a bar on a terminal, and otherwise a plain line from time to time, as in the log of a CI
-server.
+Progress is shown as a bar on a terminal. Elsewhere, such as in the log of a CI server, a plain line
+is printed from time to time.
 """
 
 from __future__ import annotations
@@ -43,10 +43,10 @@ PAGE = "films.md"
 
 
 def film_lost(report: Report, baseline: Baseline, folder: Path) -> None:
-    """Films the trials, and writes the page.
+    """Films the trials with the largest changes, and writes a page with the films.
 
     Args:
-        report: The report; without a loss there is nothing to film.
+        report: The report; without a loss, no trial is filmed.
         baseline: The baseline.
         folder: Folder of the films.
 
@@ -59,8 +59,8 @@ def film_lost(report: Report, baseline: Baseline, folder: Path) -> None:
     lines = [
         "# Trials that moved most",
         "",
-        f"Before: {baseline.origin}. Films of before are made by that program, in this folder, by "
-        "the lines below.",
+        f"Before: {baseline.origin}. To make the films of before, run the commands below with that "
+        "program, in this folder.",
     ]
     for trial in moved:
         job = jobs[trial.name, trial.seed]
@@ -91,14 +91,14 @@ UpdateProgress = Callable[[int, int], None]
 
 
 class PlainLines:
-    """Lines of plain text: one after each such time, and one when all trials have ended.
+    """Progress as lines of plain text: one from time to time, and one when all trials have ended.
 
     Args:
-        what: Name of the part of the run, before every line; empty for a whole run.
+        what: Name of the part of the run, at the beginning of every line; empty for a whole run.
         total: Number of trials.
-        ended: How many of them had ended before.
-        write: Takes each line.
-        clock: Time in s.
+        ended: Number of trials that had ended in an earlier run.
+        write: Writes a line.
+        clock: Returns the time, s.
     """
 
     def __init__(
@@ -119,8 +119,8 @@ class PlainLines:
         """Writes a line if one is due.
 
         Args:
-            ended: How many trials have ended.
-            succeeded: How many of them succeeded.
+            ended: Number of ended trials.
+            succeeded: Number of successful trials.
         """
         now = self._clock()
         if now < self._due and ended < self._total:
@@ -139,9 +139,9 @@ def progress_lines(what: str, total: int, ended: int) -> Iterator[UpdateProgress
     """Shows the progress on standard error while trials run.
 
     Args:
-        what: What is run, in words; empty for a whole run.
+        what: Name of the part of the run; empty for a whole run.
         total: Number of trials.
-        ended: How many of them had ended before.
+        ended: Number of trials that had ended in an earlier run.
     """
     screen = Console(stderr=True)
     if not (sys.stderr.isatty() and screen.is_terminal) or screen.is_dumb_terminal:
@@ -166,7 +166,7 @@ def progress_lines(what: str, total: int, ended: int) -> Iterator[UpdateProgress
 
 
 MOST_FAILED = 20
-"""Lines of failed trials; the JSON has all of them."""
+"""Largest number of failed trials that are listed; the JSON has all of them."""
 
 
 def show(report: Report, console: Console) -> None:
@@ -231,7 +231,7 @@ def _compared(report: Report) -> Table:
 
 
 def _changed(changes: Mapping[str, Change]) -> tuple[str, ...]:
-    """Cells of time, its interval, and both p values."""
+    """Table cells: change of time, its interval, and the p values of success and time."""
     time, success = changes[TIME], changes[SUCCESS]
 
     def coloured(text: str, change: Change) -> str:
@@ -246,7 +246,7 @@ def _changed(changes: Mapping[str, Change]) -> tuple[str, ...]:
 
 
 def _moved(report: Report, console: Console) -> None:
-    """Prints the measures that do not decide and that differ beyond chance."""
+    """Prints the changes beyond chance of the measures that do not decide."""
     for name, c in report.comparisons.items():
         others = [change for m, change in c.changes.items() if m not in DECIDING and change.moved]
         if others:
@@ -267,13 +267,13 @@ def _noise_floor(report: Report, console: Console) -> None:
         drop = statistics.noticeable_drop(c.pairs, 0.0, level)
         text = f"{name}: {losses} lost and none won would be a loss beyond chance; {c.pairs} pairs "
         if drop is None:
-            text += f"cannot notice any drop with {statistics.POWER:.0%} power: take more seeds"
+            text += f"cannot detect any drop with {statistics.POWER:.0%} power: use more seeds"
         else:
-            text += f"notice a drop of {100 * drop:.1f} points with {statistics.POWER:.0%} power"
+            text += f"detect a drop of {100 * drop:.1f} points with {statistics.POWER:.0%} power"
             if c.won:
                 churn = statistics.noticeable_drop(c.pairs, len(c.won) / c.pairs, level)
-                text += " if nothing is won besides; with as many won as here, " + (
-                    "none" if churn is None else f"one of {100 * churn:.1f} points"
+                text += " if no seed is won; with as many won seeds as here, " + (
+                    "no drop" if churn is None else f"a drop of {100 * churn:.1f} points"
                 )
         console.print(f"[dim]{escape(text)}[/]", soft_wrap=True)
 
@@ -282,10 +282,12 @@ def _noise_floor_to_come(report: Report, console: Console) -> None:
     floor = report.noise_floor()
     seeds, power = counted(floor["pairs"], "seed"), f"{statistics.POWER:.0%}"
     if floor["drop"] is None:
-        text = f"as a baseline, {seeds}: too few for a later run to notice any drop"
+        text = f"as a baseline, {seeds} are too few for a later run to detect any drop"
     else:
         drop = 100 * floor["drop"]
-        text = f"as a baseline, {seeds}: a later run would notice a drop of {drop:.1f} points"
+        text = (
+            f"with this baseline of {seeds}, a later run would detect a drop of {drop:.1f} points"
+        )
     console.print(f"[dim]{text} with {power} power, at best[/]", soft_wrap=True)
 
 
@@ -310,12 +312,12 @@ def show_power(rows: Sequence[Power], minutes: float, workers: int, console: Con
 
     Args:
         rows: Power by task.
-        minutes: Time of one core for all trials.
-        workers: Number of trials at a time.
+        minutes: Time of one core for all trials, min.
+        workers: Number of trials that run at the same time.
         console: Console for the output.
     """
     chance = f"{statistics.POWER:.0%}"
-    table = Table(title=f"changes that are found with a probability of {chance}")
+    table = Table(title=f"changes that are detected with a probability of {chance}")
     table.add_column("task", no_wrap=True)
     for name in ("seeds", "drop of success", "change of time"):
         table.add_column(name, justify="right")
@@ -328,7 +330,7 @@ def show_power(rows: Sequence[Power], minutes: float, workers: int, console: Con
         )
     console.print(table)
     if any(row.time is None for row in rows):
-        console.print("--update-baseline measures how much times scatter", soft_wrap=True)
+        console.print("--update-baseline measures the scatter of times", soft_wrap=True)
     each = f"{counted(workers, 'worker')}: about {max(minutes / workers, 0.1):.1f} min"
     console.print(f"{each} on this machine; one worker: {max(minutes, 0.1):.1f} min")
 
@@ -341,7 +343,7 @@ def show_crashes(crashes: Crashes, console: Console) -> None:
 
 
 def show_sweep(found: Sweep, console: Console) -> None:
-    """Prints the whole report."""
+    """Prints the whole report of a run with variations."""
     for curve in found.curves:
         console.print(_curve_table(found, curve))
         for line in limit_lines(curve):
@@ -358,9 +360,9 @@ def show_sweep(found: Sweep, console: Console) -> None:
         f"{least} seeds lost and none won would be a loss beyond chance; {counted(seeds, 'seed')}: "
     )
     text += (
-        "too few to notice any drop"
+        "too few to detect any drop"
         if floor is None
-        else f"enough to notice a drop of {100 * floor:.1f} points"
+        else f"enough to detect a drop of {100 * floor:.1f} points"
     )
     power = f"{statistics.POWER:.0%}"
     console.print(f"[dim]{text} with {power} power, every value on its own[/]", soft_wrap=True)
@@ -370,7 +372,7 @@ def show_sweep(found: Sweep, console: Console) -> None:
 
 
 def limit_lines(curve: Curve) -> list[str]:
-    """Text of the values at which a task breaks."""
+    """Lines of text: the values at which a task breaks, and refused values."""
     kind = curve.kind
     lines = [f"{kind.text(p.value)}: {p.refused}" for p in curve.points if p.refused]
     below, above = curve.breaks_below, curve.breaks_above

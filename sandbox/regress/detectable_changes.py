@@ -1,8 +1,8 @@
-"""Power of a comparison before it is made: the changes that it can detect, and its cost.
+"""Power of a future comparison: the changes that it can detect, and its cost.
 
-A baseline has some of its trials a second time, with a change that makes nothing harder
-(`repeated`). The differences in such pairs are the churn that any change of the last digit causes,
-and thus the scatter from which a real change has to be distinguished.
+A baseline has some of its trials twice. The second trial has a harmless change (`repeated`). The
+differences in these pairs are called churn: any change of a last digit causes them. A real change
+must be distinguished from this scatter.
 """
 
 from __future__ import annotations
@@ -21,14 +21,15 @@ if TYPE_CHECKING:
     from sandbox.regress.baseline import Baseline, BaselineTask, BaselineTrial
 
 REPEATS = 10
-"""Number of seeds of every task that a baseline has twice."""
+"""Number of seeds of every task whose trials a baseline has twice."""
 
 LEAST_CHANGE = 0.005
-"""Least claimed change of time, for few pairs without churn."""
+"""Smallest change of time that is reported as detectable, as a share. Few pairs without churn would
+give a smaller number."""
 
 
 def repeated(job: TrialJob) -> TrialJob:
-    """A trial with a friction that only changes its last digits."""
+    """The trial with a harmless change: another last digit of the friction."""
     before = job.settings.variation
     varied = replace(before, friction=1.0000001 * before.friction)
     return replace(job, settings=job.settings.changed(variation=varied), record=None)
@@ -41,8 +42,8 @@ class Power:
     Attributes:
         task: Its name.
         pairs: Number of seeds.
-        success: Least drop of success, 0 to 1; None if not even a total loss is detected.
-        time: Least change of time, as a share; None for an unknown scatter.
+        success: Smallest drop of success, 0 to 1; None if not even a total loss is detected.
+        time: Smallest change of time, as a share; None if the scatter is unknown.
         seconds: Simulated time of its trials, s.
     """
 
@@ -79,7 +80,8 @@ def power_of(
     for arm in {arm_of(name): None for name in tasks}:
         own = [name for name in tasks if arm_of(name) == arm]
         pairs = {name: _pairs(tasks[name]) for name in own}
-        # Few pairs show little about a single task: the frequency of turnovers is that of the arm.
+        # A task has few repeated trials. The frequency with which success changes is therefore
+        # computed over the whole arm.
         some = [pair for name in own for pair in pairs[name]]
         won = sum(a.success != b.success for a, b in some) / (2.0 * max(len(some), 1))
         churn = {

@@ -1,8 +1,8 @@
-"""Runs trials: one after another here, in processes of their own, or on a cluster with Ray.
+"""Runs trials: one after another in this process, in several processes, or on a Ray cluster.
 
-All ways give the same results to the bit: every trial is built from its settings, and BLAS gets one
-thread, so that results do not depend on other trials or on the process. Ctrl-C and SIGTERM take
-effect between two results, so that none is lost.
+All ways give bit-identical results: every trial is built from its settings, and BLAS gets one
+thread, so that a result does not depend on other trials or on the process. Ctrl-C and SIGTERM take
+effect between two results, so that no result is lost.
 """
 
 from __future__ import annotations
@@ -35,14 +35,14 @@ from tasks.score import measure
 
 Trial = dict[str, Any]
 """JSON of a trial: the fields of its result that `ResultRecord.REGRESS` names, its measures, and
-its fingerprint with the parts of it."""
+its fingerprint with the fingerprint's parts."""
 
 CRASHED = "crashed"
 """Status of a trial that has no result: its process died, or its code raised an error."""
 
 
 Trials = Generator[Trial, None, None]
-"""Trials as they end; closing it stops the work."""
+"""Generator of trials as they end; closing it stops the work."""
 
 Stopped = Callable[[], bool]
 
@@ -51,7 +51,7 @@ STOPS_WITHIN = 0.1
 
 
 class Executor(Protocol):
-    """Runs trials and returns each as it ends, in no particular order."""
+    """Runs trials and yields each trial as it ends, in no particular order."""
 
     name: str
 
@@ -60,7 +60,8 @@ class Executor(Protocol):
 
         Args:
             jobs: The trials to run.
-            stopped: Called often; once it returns true, only finished trials are returned.
+            stopped: Called often. Once it returns True, the generator ends, and trials that are
+                still running are lost.
 
         Raises:
             HandSandboxError: The trials cannot be run at all.
@@ -69,10 +70,10 @@ class Executor(Protocol):
 
 
 def run_job(job: TrialJob) -> Trial:
-    """One trial, from its settings to its result."""
+    """Runs one trial, from its settings to its result."""
     recording = job.recording
     if recording is not None:
-        # A killed run has left a part of it.
+        # A killed run may have left a partial recording.
         recording.unlink(missing_ok=True)
     with registered(job.own_task):
         meter = HandMeter()
@@ -114,7 +115,7 @@ def crashed(job: TrialJob, why: str) -> Trial:
 
 
 def attempt(job: TrialJob) -> Trial | HandSandboxError:
-    """One trial. Failing code counts as a crash; an error in settings is returned."""
+    """Runs one trial. Failing code gives a crashed trial; an error in settings is returned."""
     try:
         return run_job(job)
     except HandSandboxError as error:
@@ -137,12 +138,12 @@ def is_own_fault(error: HandSandboxError, job: TrialJob) -> bool:
 
 @dataclass
 class Serial:
-    """Runs trials one after another, in this process: for debuggers, and for one core."""
+    """Runs trials one after another in this process, for debuggers and for a single core."""
 
     name: str = "serial"
 
     def run(self, jobs: Sequence[TrialJob], stopped: Stopped = never) -> Trials:
-        """The trials in order."""
+        """Yields the trials in order."""
         for job in jobs:
             if stopped():
                 return
@@ -159,8 +160,9 @@ class _Worker:
 class Processes:
     """Runs trials in a given number of processes, each with one trial at a time.
 
-    If a process dies, its trial is lost and reported with its seed, and another process replaces
-    it. The processes ignore Ctrl-C and SIGTERM, which this process handles, and end with it.
+    If a process dies, its trial is reported as crashed, and another process replaces the dead one.
+    The processes ignore Ctrl-C and SIGTERM, since this process handles these signals. The processes
+    end when this process ends.
     """
 
     name = "processes"
@@ -170,9 +172,9 @@ class Processes:
         self._context = multiprocessing.get_context("spawn")
 
     def run(self, jobs: Sequence[TrialJob], stopped: Stopped = never) -> Trials:
-        """The trials as they end."""
+        """Yields the trials as they end."""
         for name in {job.settings.pipeline.encoder for job in jobs}:
-            # An encoder that has to be trained is trained here, once, and not in every process.
+            # Encoders that must be trained are trained once here, not in every process.
             load_encoder(name)
         waiting = list(reversed(jobs))
         workers = [self._start() for _ in range(min(self.workers, len(jobs)))]
@@ -180,7 +182,8 @@ class Processes:
             for worker in workers:
                 _give(worker, waiting)
             while not stopped() and (busy := [w for w in workers if w.job is not None]):
-                # A process that ends closes its pipe, so that waiting for pipes is enough.
+                # The pipe of a process closes when the process ends, so that it is enough to wait
+                # for pipes.
                 ready = wait([w.line for w in busy], STOPS_WITHIN)
                 for worker in [w for w in busy if w.line in ready]:
                     job = worker.job
@@ -213,7 +216,7 @@ class Processes:
         here, there = self._context.Pipe()
         process = self._context.Process(target=_work, args=(there,), daemon=True)
         process.start()
-        # Only the worker holds its end now, which is closed when the worker ends in any way.
+        # Now only the worker holds this end of the pipe. It closes when the worker ends in any way.
         there.close()
         return _Worker(process, here)
 
@@ -221,7 +224,7 @@ class Processes:
 def _give(worker: _Worker, waiting: list[TrialJob]) -> None:
     if waiting:
         worker.job = waiting.pop()
-        # A worker that is already dead is detected when its answer is awaited.
+        # A worker that is already dead is detected when this process waits for its answer.
         with suppress(ConnectionError):
             worker.line.send(worker.job)
 
@@ -230,7 +233,7 @@ def _work(line: Connection) -> None:
     """A worker's loop: a job, its result, and the next job, until the pipe is closed."""
     for number in SIGNALS:
         signal.signal(number, signal.SIG_IGN)
-    # The pipe breaks if the process at its other end is killed, which then needs no result.
+    # The pipe breaks if the parent process is killed. It then needs no result.
     with suppress(EOFError, ConnectionError):
         while True:
             line.send(_answer(line))
@@ -246,7 +249,7 @@ def _answer(line: Connection) -> Trial | HandSandboxError:
         return InputError(
             "a worker cannot load its trial",
             got=_last_line(error),
-            remedy="Run it serially, or put its module on the path",
+            remedy="Run the trials serially, or put the task's module on the Python path",
         )
     return attempt(job)
 
@@ -274,10 +277,11 @@ SIGNALS = (signal.SIGINT, signal.SIGTERM)
 
 
 class Interrupt(Closeable):
-    """In its `with` block the first signal only sets a flag that workers check; a second one
-    interrupts trials that are running.
+    """Handles SIGINT and SIGTERM in a `with` block.
 
-    Outside a program's main thread, and for ignored signals, it changes nothing.
+    The first signal only sets a flag that executors check. A second signal raises
+    `KeyboardInterrupt` while trials are running. Outside a program's main thread, and for ignored
+    signals, it changes nothing.
     """
 
     def __init__(self) -> None:
@@ -302,12 +306,12 @@ class Interrupt(Closeable):
 
     @property
     def status(self) -> int:
-        """Exit status of a program that the signal ended, by the rule of shells: 130 or 143."""
+        """Exit status of a program that the signal ended, as in shells: 130 or 143."""
         return 128 + (self._signal or signal.SIGINT)
 
     @contextmanager
     def while_running(self) -> Iterator[None]:
-        """Context while trials run, which a second signal interrupts; writes are not."""
+        """Context for running trials: a second signal interrupts only code in this context."""
         self._running = True
         try:
             yield

@@ -1,6 +1,7 @@
 """Plan of a regression run: tasks, seeds, and one configuration for all trials.
 
-`Origin` determines the results of a run: the settings that the user gave, and the program.
+`Origin` holds everything that determines the results of a run, besides tasks and seeds: the
+settings that the user gave, and the program.
 """
 
 from __future__ import annotations
@@ -26,7 +27,7 @@ from tasks.task import Task
 
 PLAIN, HARD = "plain", "hard"
 ARMS = {PLAIN: (PLAIN,), HARD: (HARD,), "both": (PLAIN, HARD)}
-"""Arms by the word that chooses them."""
+"""Value of `--arm` -> the selected arms."""
 
 HARD_SETTINGS: dict[str, str] = {
     "box-to-goal": "size=0.51",
@@ -66,9 +67,9 @@ def setting_of(row: str) -> str:
 
 
 ALL = "all"
-"""Stands for every task of the registry."""
+"""Name that selects every task of the registry."""
 MOST_SEEDS = 100_000
-"""Largest number of seeds in a range; a larger range is taken as a typing error."""
+"""Largest number of seeds in a range; a larger range is refused as a typing error."""
 
 
 _OF_ONE_TRIAL = {
@@ -81,7 +82,7 @@ _OF_ONE_TRIAL = {
     "dump",
     "given",
 }
-"""Options of a trial that do not hold for all trials of a run."""
+"""Options of a trial that cannot be options of all trials of a run."""
 
 
 @dataclass(frozen=True)
@@ -90,9 +91,9 @@ class TrialJob:
 
     Attributes:
         settings: Settings of the trial.
-        record: Folder for a recording, which is kept if the trial fails; None does not record.
+        record: Folder for a recording of the trial; None does not record.
         own_task: The task's class if it is not in the registry.
-        record_all: The recording is kept if the trial succeeds, too.
+        record_all: False removes the recording of a successful trial.
         arm: Arm of the trial.
     """
 
@@ -104,7 +105,7 @@ class TrialJob:
 
     @property
     def recording(self) -> Path | None:
-        """Path of the recording, of a failed trial or of any."""
+        """Path of the recording; None if the trial is not recorded."""
         return None if self.record is None else self.record / file_name(self.name, self.seed)
 
     @property
@@ -143,24 +144,25 @@ class Row:
         return find_task(self.task) if isinstance(self.task, str) else self.task
 
     def scene(self, scene: Mapping[str, Any]) -> Mapping[str, Any]:
-        """Options of its trials, from those of all trials."""
+        """Options of its trials, from the options of all trials."""
         return scene if self.arm == PLAIN else {**scene, "vary": setting_of(self.name)}
 
 
 @dataclass(frozen=True)
 class RegressionPlan:
-    """All combinations of tasks and seeds, with equal settings but for those of the hard arm.
+    """All combinations of tasks and seeds, with equal settings except the hard arm's variation.
 
     Attributes:
         tasks: Names, places such as `FILE.py:Class`, or classes that are not in the registry.
         seeds: Seeds of every task.
         scene: Options of `sandbox run` that differ from its defaults.
-        record: Folder for recordings of failed trials.
-        record_all: Recordings of successful trials are kept there, too.
+        record: Folder for recordings of failed trials; None does not record.
+        record_all: True also keeps the recordings of successful trials.
         arms: Arms that are played; tasks without a hard arm are played in the plain arm only.
 
     Raises:
-        InputError: There is no such option, two tasks have one name, or nothing is left to play.
+        InputError: An option is unknown, two tasks have the same name, or no task has one of the
+            arms.
     """
 
     tasks: tuple[str | type[Task], ...]
@@ -184,7 +186,10 @@ class RegressionPlan:
                 # Trials of two tasks with one name would be counted as trials of one task.
                 claim_name(claimed, place, find_task(place))
         if HARD in self.arms and self.scene.get("vary"):
-            raise InputError("the hard arm has a variation of its own", got=self.scene["vary"])
+            raise InputError(
+                "the hard arm has its own variation, so --vary cannot be used with it",
+                got=self.scene["vary"],
+            )
         if self.tasks and not self.rows:
             raise InputError(
                 "none of these tasks has a hard arm",
@@ -204,7 +209,7 @@ class RegressionPlan:
         return tuple(row.name for row in self.rows)
 
     def jobs(self) -> list[TrialJob]:
-        """All trials, a seed of every task before the next seed: a part of a run is balanced.
+        """All trials: for each seed all tasks, so that a stopped run has as many trials per task.
 
         Raises:
             InputError: An option has an invalid value.
@@ -231,16 +236,17 @@ class RegressionPlan:
         return tuple(_settings(row.task, row.scene(self.scene)) for row in self.rows)
 
     def check_drawn(self) -> None:
-        """Checks, before anything is played, that some trial of every task can be drawn.
+        """Checks, before the run, that at least one trial of every task can be drawn.
 
-        If a task's own code fails for other seeds, their trials crash.
+        If a task's own code fails for some seeds only, the trials of these seeds crash.
 
         Raises:
-            InputError: No trial of a task can be drawn; the error has the reason for the first one.
+            InputError: No trial of a task can be drawn; the error has the reason for the first
+                trial.
         """
         for task in self.tasks:
             if isinstance(task, str) and is_built_in(find_task(task)):
-                # A trial that cannot be drawn ends the run at its first trial.
+                # If a built-in task cannot be drawn, its first trial ends the run.
                 continue
             reasons: list[InputError] = []
             for job in replace(self, tasks=(task,), arms=(PLAIN,)).jobs():
@@ -258,8 +264,9 @@ class RegressionPlan:
                 raise reasons[0]
 
     def configuration(self) -> dict[str, Any]:
-        """All settings besides task, seed and the hard arm's that affect results; results compare
-        only if they are equal.
+        """All settings that affect results, except task, seed and the variation of the hard arm.
+
+        Results can be compared only if these settings are equal.
 
         Raises:
             InputError: An option has an invalid value.
@@ -269,21 +276,21 @@ class RegressionPlan:
         for each in ("task", "seed"):
             del values[each]
         if not set(self.scene) & {f.name for f in fields(SecondOptions)}:
-            # Which tasks have a second hand follows from the tasks.
+            # The task determines whether there is a second hand.
             values["hands"] = values["hands"][:1]
             values["second_device"] = None
             values["surface"]["shared"] = False
         return {"settings": values, "digests": digests(settings)}
 
     def origin(self) -> Origin:
-        """All that determines its trials, besides tasks and seeds.
+        """Everything that determines the trials, besides tasks and seeds.
 
         Raises:
             InputError: An option has an invalid value.
         """
         configuration = self.configuration()
         models, settings = configuration["digests"], configuration["settings"]
-        # A given default is equal to an option that is not given.
+        # An option that is given with its default value counts as not given.
         plain = TrialOptions()
         given = {k: value for k, value in self.scene.items() if value != getattr(plain, k)}
         if given.get(ENCODER, settings["pipeline"]["encoder"]) not in MODELS:
@@ -304,9 +311,10 @@ class RegressionPlan:
         return {row.name: float(row.kind.time_limit) for row in self.rows}
 
     def command(self, name: str, seed: int, crashed: bool = False) -> str:
-        """One line that runs a trial again, records it and shows what happened.
+        """A command line that runs a trial again, records it and replays the recording.
 
-        A crashed trial cannot be replayed: the line runs it to its error.
+        If the run kept a recording, the command line replays it and writes a film. A crashed trial
+        cannot be replayed: the command line only runs it again, up to its error.
 
         Args:
             name: Name of the row.
@@ -329,7 +337,7 @@ class RegressionPlan:
         return f"{again} && {shlex.join(['sandbox', 'replay', file])}"
 
     def run_words(self, name: str, seed: int) -> list[str]:
-        """Words of the command that runs a trial; none for a class that no command can name.
+        """Words of the command that runs a trial; empty for a class, which no command can name.
 
         Args:
             name: Name of the row.
@@ -342,7 +350,7 @@ class RegressionPlan:
 
 
 def file_name(row: str, seed: int) -> str:
-    """Name of a trial's recording: `stack-7.jsonl`, in the hard arm `stack-hard-7.jsonl`."""
+    """File name of a trial's recording: `stack-7.jsonl`, in the hard arm `stack-hard-7.jsonl`."""
     return f"{row.replace(' (', '-').removesuffix(')')}-{seed}.jsonl"
 
 
@@ -362,7 +370,7 @@ def _name(task: str | type[Task]) -> str:
 
 
 def _python_command(own_task: type[Task], seed: int, scene: Mapping[str, Any]) -> str:
-    """The same for a task that has no name in `sandbox run`."""
+    """A command line that runs a trial of a task class, which `sandbox run` cannot name."""
     module, name = own_task.__module__, own_task.__qualname__
     program = (
         "from sandbox.regress.execute import run_job; "
@@ -374,7 +382,7 @@ def _python_command(own_task: type[Task], seed: int, scene: Mapping[str, Any]) -
 
 
 def options(scene: Mapping[str, Any]) -> Iterator[str]:
-    """The scene as words of a command line."""
+    """Yields the options of a scene as words of a command line."""
     for name, value in scene.items():
         flag = "--" + name.replace("_", "-")
         if isinstance(value, bool):
@@ -390,21 +398,21 @@ def options(scene: Mapping[str, Any]) -> Iterator[str]:
 
 
 def find_tasks(names: Sequence[str]) -> tuple[str, ...]:
-    """Tasks by name or place, each once; `all` means all tasks, also of installed packages.
+    """Names or places of tasks, each task once; `all` means all tasks, also of installed packages.
 
     Raises:
-        InputError: No task has such a name, or an installed task cannot be used: a gate that left
-            out broken tasks would pass.
+        InputError: No task has such a name; or an installed task cannot be used, as a gate that
+            ignored broken tasks would pass.
     """
     asked = task_names() if ALL in names else names
     return tuple({find_task(name): name for name in asked}.values())
 
 
 def parse_seeds(text: str) -> tuple[int, ...]:
-    """`0:120` is 0 to 119, as Python counts; `7,9,20:30` are two and ten more.
+    """Parses seeds: `0:120` means 0 to 119, as in Python; `7,9,20:30` means 7, 9 and 20 to 29.
 
     Raises:
-        InputError: The text is of another form.
+        InputError: The text has another form.
     """
     seeds: list[int] = []
     try:
@@ -417,17 +425,17 @@ def parse_seeds(text: str) -> tuple[int, ...]:
             seeds += range(low, high)
     except ValueError:
         raise InputError(
-            "not seeds", where="--seeds", got=text, expected="such as 0:120 or 3,17,40:50"
+            "not a list of seeds", where="--seeds", got=text, expected="such as 0:120 or 3,17,40:50"
         ) from None
     return tuple(dict.fromkeys(seeds))
 
 
 @contextmanager
 def registered(own_task: type[Task] | None) -> Iterator[None]:
-    """Registers a custom task for a while.
+    """Registers a task class for the duration of a `with` block.
 
     Raises:
-        InputError: Its name is in use.
+        InputError: Another task has the same name.
     """
     if own_task is None or TASKS.get(own_task.name) is own_task:
         yield
@@ -437,7 +445,7 @@ def registered(own_task: type[Task] | None) -> Iterator[None]:
             "another task has this name",
             where=f"{own_task.__module__}.{own_task.__qualname__}",
             got=own_task.name,
-            remedy="Give it a name of its own",
+            remedy="Give the task another name",
         )
     TASKS[own_task.name] = own_task
     try:
@@ -452,15 +460,16 @@ ENCODER = "encoder"
 
 @dataclass(frozen=True)
 class Origin:
-    """All that determines the trials of a run, besides tasks and seeds; JSON values.
+    """Everything that determines the trials of a run, besides tasks and seeds; JSON values.
 
     Attributes:
-        given: Options of `sandbox run` that the user gave; an encoder of one's own is named by its
-            digest. Results compare only where these are equal.
+        given: Options of `sandbox run` that the user gave; an encoder that is not built in is
+            named by its digest. Results can be compared only if these options are equal.
         program: The program that ran: `states` (see `sandbox.recording.versions`), `version`,
-            from a checkout `commit`, and `models`, the digests of encoder and labels.
+            `models` (the digests of encoder and labels), and in a checkout `commit`.
         settings: All settings of a trial, except task, seed and settings that follow from the
-            task, so that a changed default is named; empty in a baseline without them.
+            task. They are stored so that messages can name changed defaults; empty in an early
+            baseline.
     """
 
     given: Mapping[str, Any]
@@ -469,18 +478,18 @@ class Origin:
 
     @property
     def decides_states(self) -> tuple[Any, Any]:
-        """The parts of the program on which states depend."""
+        """The parts of `program` on which states depend: `states` and `models`."""
         return self.program.get("states"), self.program.get("models")
 
     def __str__(self) -> str:
-        """The program in words, as `states 2 (hand-sandbox 0.2.0, commit abc1234)`."""
+        """The program in words, such as `states 2 (hand-sandbox 0.2.0, commit abc1234)`."""
         at = self.program.get("commit")
         version = self.program.get("version", "unknown") + (f", commit {at}" if at else "")
         return f"states {self.program.get('states')} (hand-sandbox {version})"
 
 
 def flat(values: Mapping[str, Any]) -> dict[str, Any]:
-    """Nested values by dotted name, as JSON reads them back."""
+    """Nested values as a flat dictionary with dotted names, converted to JSON values."""
 
     def walk(prefix: str, value: Any) -> Iterator[tuple[str, Any]]:
         if isinstance(value, dict):

@@ -1,4 +1,4 @@
-"""Report of a run: success of every task, lost and won seeds, and whether the gate holds."""
+"""Report of a run: success of every task, lost and won seeds, and whether the run passes."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ if TYPE_CHECKING:
 SCHEMA = 1
 """Version of the report's JSON."""
 _MOST_MOVED = 10
-"""Largest number of trials that are named as those with the largest changes."""
+"""Largest number of listed trials with the largest changes."""
 
 
 @dataclass(frozen=True)
@@ -52,17 +52,17 @@ class TaskResult:
 
     @property
     def n(self) -> int:
-        """Trials."""
+        """Number of trials."""
         return len(self.trials)
 
     @property
     def successes(self) -> int:
-        """Trials that succeeded."""
+        """Number of trials that succeeded."""
         return sum(t["success"] for t in self.trials)
 
     @property
     def failed(self) -> list[Trial]:
-        """Trials that did not succeed, crashed ones among them."""
+        """Trials that did not succeed, including crashed trials."""
         return [t for t in self.trials if not t["success"]]
 
     @property
@@ -72,12 +72,12 @@ class TaskResult:
 
     @property
     def progress(self) -> float | None:
-        """Mean progress at the trials' ends."""
+        """Mean progress at the trials' ends; None without trials."""
         return fmean(t["progress"] for t in self.trials) if self.trials else None
 
     @property
     def time_s(self) -> float | None:
-        """Median time (s) of the trials that succeeded."""
+        """Median time (s) of the trials that succeeded; None without such trials."""
         times = [t["time_s"] for t in self.trials if t["success"]]
         return median(times) if times else None
 
@@ -103,7 +103,7 @@ class Crashes:
 
     Attributes:
         trials: The trials.
-        allowed: Number that the run may have.
+        allowed: Number of trials that may crash in a run that passes.
     """
 
     trials: Sequence[Trial]
@@ -111,7 +111,7 @@ class Crashes:
 
     @property
     def too_many(self) -> bool:
-        """True if the run fails because of them."""
+        """True if more trials crashed than are allowed, so that the run fails."""
         return len(self.trials) > self.allowed
 
     def verdict(self) -> str:
@@ -125,7 +125,7 @@ class Crashes:
         return f"{crashed}; --allow-crashes permits {self.allowed}, and each counts as a failure"
 
     def as_json(self) -> dict[str, Any]:
-        """Each with its seed and error."""
+        """JSON values; each trial has its seed and error."""
         names = ("task", "seed", "reason")
         return {
             "count": len(self.trials),
@@ -135,13 +135,13 @@ class Crashes:
 
 
 class MovedTrial(NamedTuple):
-    """A trial of a loss beyond chance, and its change.
+    """A trial that contributes to a loss beyond chance, and its change.
 
     Attributes:
         name: Name of the task in its arm.
         seed: Seed of the trial.
-        what: The measure now and before.
-        command: The line that runs it again.
+        what: The measure now and before, in words.
+        command: The command line that runs the trial again.
     """
 
     name: str
@@ -163,11 +163,11 @@ class Report:
         configuration: See `RegressionPlan.configuration`.
         tasks: Results of tasks, in order.
         complete: True if every trial was run.
-        comparisons: Comparisons by task, for those in the baseline.
-        together: Changes of success and time over all tasks of an arm, by its name, if several are
-            compared.
+        comparisons: Comparisons by task, for tasks in the baseline.
+        together: Changes of success and time over all tasks of an arm, by the arm's name, for arms
+            with several compared tasks.
         notes: Notes for the reader.
-        reasons: Reasons why the gate does not hold; empty if it does.
+        reasons: Reasons why the run fails; empty if it passes.
         gains: Gains beyond chance.
         allow_crashes: Number of trials that may crash.
     """
@@ -185,7 +185,7 @@ class Report:
 
     @property
     def crashes(self) -> Crashes:
-        """Trials that crashed, and how many may."""
+        """The crashed trials, and the allowed number of them."""
         return Crashes([t for task in self.tasks for t in task.crashed], self.allow_crashes)
 
     @property
@@ -195,11 +195,11 @@ class Report:
 
     @property
     def passed(self) -> bool:
-        """True without a reason against it; an interrupted run is not judged, and passes."""
+        """True if there is no reason to fail. An interrupted run is not judged, and passes."""
         return not self.reasons
 
     def command(self, trial: Trial) -> str:
-        """The line that runs a trial again, or shows its divergence."""
+        """The command line that runs a trial again, or replays its divergence."""
         if trial.get("dump"):
             return shlex.join(["sandbox", "replay", trial["dump"]])
         return self.plan.command(trial["task"], trial["seed"], trial["status"] == CRASHED)
@@ -213,7 +213,7 @@ class Report:
             if change.is_loss
         ]
         if not losses:
-            # A loss of all tasks together is a small loss in each, below that task's limit.
+            # A loss of an arm as a whole may be made of small losses in each task.
             losses = [
                 (name, measure)
                 for group, own in groups(self.comparisons).items()
@@ -236,7 +236,7 @@ class Report:
         return [*found.values()]
 
     def noise_floor(self) -> dict[str, Any]:
-        """Smallest loss that a paired comparison of all these tasks and seeds can detect."""
+        """Smallest loss that a paired comparison with these tasks and seeds can detect."""
         pairs, level = len(self.plan.seeds), level_of(self.plan.names)
         return {
             "pairs": pairs,
@@ -247,7 +247,7 @@ class Report:
         }
 
     def as_json(self) -> dict[str, Any]:
-        """All of it as JSON values."""
+        """The whole report as JSON values."""
         level = level_of(self.comparisons)
         tasks = {}
         for task in self.tasks:
@@ -294,11 +294,11 @@ def make_report(
         plan: The plan.
         trials: The finished trials; fewer than planned after an interruption.
         baseline: The baseline.
-        exact: True requires equal states for equal fingerprints; refused if `STATES` or models
-            differ.
+        exact: True requires equal states for equal fingerprints. It raises an error if `STATES` or
+            models differ.
         across_encoders: True allows a baseline of another encoder.
         allow_crashes: Number of trials of the whole run that may crash.
-        margins: Changes of success and time that do not matter, as shares, by measure.
+        margins: Largest changes of success and time that do not matter, as shares, by measure.
 
     Raises:
         InputError: The baseline cannot be compared with this run.
@@ -331,13 +331,16 @@ def make_report(
             trials_by_task, baseline, plan.time_limits(), margins, states=not differing
         )
         if lacking_measures(trials_by_task, baseline, comparisons):
-            notes.append("the baseline has only success, time and progress of its trials")
+            notes.append(
+                "the baseline has only success, time and progress, so other measures are not "
+                "compared"
+            )
         hard = [task.name for task in tasks if arm_of(task.name) == HARD]
         alone = bool(hard) and not set(hard) & set(comparisons)
         if alone:
             notes.append(
-                "the baseline has no trials of the hard arm as it is now, and is compared in the "
-                "plain arm alone: --update-baseline adds them"
+                "the baseline has no trials of the current hard arm, so only the plain arm is "
+                "compared. --update-baseline adds the hard arm"
             )
         for task in tasks:
             if task.name not in comparisons:
@@ -384,7 +387,7 @@ def make_report(
 
 
 def without_baseline(seeds: Sequence[int]) -> str:
-    """A clause about seeds of the run that are not in the baseline."""
+    """A clause that names the seeds of the run that are not in the baseline."""
     have = "seed has no baseline and is" if len(seeds) == 1 else "seeds have no baseline and are"
     return f"{len(seeds)} {have} not compared: {_some(seeds)}"
 
@@ -394,12 +397,12 @@ def _some(seeds: Sequence[int]) -> str:
 
 
 def _exact(comparisons: dict[str, Comparison]) -> tuple[list[str], list[str]]:
-    """Pair (reasons why the gate does not hold, notes) for a run whose states must be equal."""
+    """Pair (reasons why the run fails, notes) for a run whose states must be equal."""
     reasons, notes = [], []
     for name, c in comparisons.items():
         if c.changed:
             reasons.append(
-                f"{name}: other states in {len(c.changed)} of {counted(c.same_machine, 'trial')}, "
+                f"{name}: states differ in {len(c.changed)} of {counted(c.same_machine, 'trial')}, "
                 f"seeds {_some(c.changed)}"
             )
         elif c.same_machine:
@@ -408,14 +411,14 @@ def _exact(comparisons: dict[str, Comparison]) -> tuple[list[str], list[str]]:
         if elsewhere:
             what = " and ".join(c.elsewhere) or "a part that the baseline does not name"
             notes.append(
-                f"{name}: {elsewhere} of {counted(c.pairs, 'trial')} ran where what states depend "
-                f"on is not the baseline's, so only their success is compared. Other is {what}"
+                f"{name}: states of {elsewhere} of {counted(c.pairs, 'trial')} are not compared, "
+                f"since states depend on a part that differs from the baseline's: {what}"
             )
     return reasons, notes
 
 
 def markdown(report: Report) -> str:
-    """The report as Markdown, as CI servers show it with a run."""
+    """The report as Markdown, for the summary page of a CI server."""
     verdict = "the run broke off: nothing is judged"
     if report.complete:
         verdict = "no loss beyond chance" if report.passed else "**a loss beyond chance**"
@@ -450,19 +453,19 @@ def _changes(changes: Mapping[str, Change]) -> list[str]:
 
 
 def _in_markdown(text: str) -> str:
-    """Text in one line without signs of Markdown or HTML."""
+    """Text in one line, with the special characters of Markdown and HTML escaped."""
     return re.sub(r"([\\`*_{}\[\]<>|#])", r"\\\1", " ".join(_legal(text).split()))
 
 
 _ILLEGAL = re.compile("[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
-"""Characters that XML 1.0 cannot hold, not even escaped."""
+"""Characters that XML 1.0 cannot contain, not even escaped."""
 
 
 def junit(report: Report) -> str:
-    """XML with a test for every task, and for all together where several are compared.
+    """JUnit XML with a test for every task, and for every arm with several compared tasks.
 
-    A loss beyond chance is a failure, and crashed trials are an error; both together are an error
-    that names both. Allowed crashes are only reported. The output names failed seeds and the
+    A loss beyond chance is a failure, and crashed trials are an error. If a test has both, it is an
+    error that names both. Allowed crashes are only reported. The output names failed seeds and the
     commands that run them again. Tests have no `time`, since a trial has only simulated time.
     """
     suite = ElementTree.Element("testsuite", name="sandbox regress")
@@ -484,10 +487,10 @@ def junit(report: Report) -> str:
 
 
 def save_junit(report: Report, path: Path) -> None:
-    """Writes the file.
+    """Writes the JUnit XML.
 
     Raises:
-        InputError: It cannot be written.
+        InputError: The file cannot be written.
     """
     write_whole(path, junit(report), "--junit")
 

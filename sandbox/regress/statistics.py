@@ -1,9 +1,9 @@
 """Statistics of success over seeds: intervals, paired tests and their power.
 
-The same seeds are run before and after a change, so that trials come in pairs. Only pairs that
-differ are informative: without an effect, about half of them should be lost and half won. This is
-McNemar's test, here exact and one-sided. Times and other measures are compared by the signed ranks
-of their differences.
+The same seeds are run before and after a change, so that trials come in pairs. For success, only
+pairs that differ are informative: without an effect, about half of them should be lost and half
+won. This is McNemar's test, here exact and one-sided. Times and other measures are compared by the
+signed ranks of their differences.
 """
 
 from __future__ import annotations
@@ -21,23 +21,23 @@ from scipy.stats import t as student_t
 K = TypeVar("K")
 
 ALPHA = 0.05
-"""Chance of calling a loss where there is none, in a single test."""
+"""Probability of a false alarm in a single test."""
 GATE = 0.02
-"""The same over all tests of a comparison with a baseline: one false alarm in fifty runs."""
+"""Probability of a false alarm in a whole comparison with a baseline: one in fifty runs."""
 POWER = 0.8
-"""Probability with which a drop has to be detected to count as detectable."""
+"""Probability of detection from which a drop counts as detectable."""
 CONFIDENCE = 0.95
 """Coverage of intervals."""
 _EQUAL = 1e-9
-"""Differences below which pairs are equal."""
+"""Largest difference of a pair that counts as equal."""
 _COUNTED = 400
-"""Largest number of pairs for which the distribution of a rank sum is counted; above, it is normal.
-"""
+"""Largest number of pairs for which the exact distribution of a rank sum is computed. For more
+pairs, the normal distribution is used."""
 _QUANTILES = np.linspace(0.0, 1.0, _COUNTED)
 
 
 def wilson(successes: int, n: int) -> tuple[float, float]:
-    """Wilson interval of a rate, 0 to 1; the whole range without trials.
+    """Wilson interval of a success rate, 0 to 1; (0, 1) without trials.
 
     Source: Wilson (1927), without continuity correction.
     """
@@ -48,7 +48,10 @@ def wilson(successes: int, n: int) -> tuple[float, float]:
 
 
 def mcnemar(lost: int, won: int) -> float:
-    """Probability of at least so many losses among the pairs that differ, if wins are as likely.
+    """P value of McNemar's test: exact, one-sided.
+
+    It is the probability of at least this number of losses among the pairs that differ, if losses
+    and wins are equally likely.
 
     Args:
         lost: Pairs that succeeded before and fail now.
@@ -60,14 +63,16 @@ def mcnemar(lost: int, won: int) -> float:
 
 
 def signed_rank(*samples: ArrayLike) -> float:
-    """Probability of positive differences of this size or larger, if both signs are equally likely.
+    """P value of Wilcoxon's signed-rank test, one-sided.
 
-    Wilcoxon's signed-rank test, one-sided and exact: pairs without a difference are left out, and
-    equal differences share their mean rank. The distribution of the sum of ranks is counted.
+    It is the probability of a sum of positive ranks of this size or larger, if both signs are
+    equally likely. Pairs without a difference are left out, and differences of equal size get their
+    mean rank. The test is exact for up to `_COUNTED` pairs.
 
     Args:
-        samples: (n,) differences of pairs each; positive ones speak for the effect. Each sample is
-            ranked by itself, so that one whose differences scatter little counts as much as others.
+        samples: Differences (n,) of pairs, one array per sample; positive differences are evidence
+            of the effect. Each sample is ranked separately, so that a sample with small differences
+            has as much weight as one with large differences.
 
     Source: Wilcoxon (1945); Streitberg and Roehmel (1986) for ties.
     """
@@ -96,14 +101,14 @@ def _differing(differences: ArrayLike) -> NDArray[np.float64]:
 
 
 def typical_change(*samples: ArrayLike) -> tuple[float, float, float]:
-    """The shift that the signed ranks estimate, and its interval.
+    """The Hodges-Lehmann estimate of the shift, and its interval (estimate, low, high).
 
-    The median of the means of any two differences of a sample, over pairs that differ, times their
-    share of all pairs. Its sign is that of the effect for which `signed_rank` speaks, which single
-    large differences do not change.
+    The estimate is the median of the means of any two differences of a sample, computed over pairs
+    that differ, times the share of these pairs among all pairs. Its sign agrees with `signed_rank`,
+    and single large differences do not change it.
 
     Args:
-        samples: (n,) differences of pairs each, n at least 1.
+        samples: Differences (n,) of pairs, one array per sample, n at least 1.
 
     Source: Hodges and Lehmann (1963).
     """
@@ -123,7 +128,9 @@ def typical_change(*samples: ArrayLike) -> tuple[float, float, float]:
 
 
 def mean_change(differences: ArrayLike) -> tuple[float, float, float]:
-    """Mean of differences of pairs, and its interval by Student's t; infinite from one pair.
+    """Mean of differences of pairs, and its interval by Student's t (mean, low, high).
+
+    The interval is infinite for a single pair.
 
     Args:
         differences: (n,) differences of pairs, n at least 1.
@@ -140,18 +147,19 @@ def mean_change(differences: ArrayLike) -> tuple[float, float, float]:
 def noticeable_shift(churn: Sequence[ArrayLike], pairs: int, level: float = ALPHA) -> float:
     """The smallest shift of all pairs that the signed-rank test detects with power `POWER`.
 
-    By the normal approximation of the sum of ranks: its mean follows from how often the mean of two
-    differences is positive, its variance from how often those of one with two others are.
+    The sum of ranks is approximated by a normal distribution. Its mean follows from the probability
+    that the mean of two differences is positive. Its variance follows from the probability that the
+    means of one difference with two other differences are both positive.
 
     Args:
-        churn: (n,) differences of pairs without a real change, by sample.
-        pairs: Number of pairs, of all samples together.
-        level: P value up to which a loss is called.
+        churn: Differences (n,) of pairs without a real change, one array per sample.
+        pairs: Number of pairs of all samples together.
+        level: Largest p value that counts as a loss.
 
     Source: Lehmann (1975), "Nonparametrics", section 2.3.
     """
     n = pairs / len(churn)
-    # Without an effect, either sign of a difference is as likely.
+    # Without an effect, both signs of a difference are equally likely.
     both = [np.concatenate([each, np.negative(each)]) for each in map(np.asarray, churn)]
     sums = [np.add.outer(each, each) for each in both]
 
@@ -169,14 +177,14 @@ def noticeable_shift(churn: Sequence[ArrayLike], pairs: int, level: float = ALPH
 
 
 def falls_short(successes: int, n: int, rate: float) -> float:
-    """Probability of this number of successes or fewer, at a success rate from 0 to 1."""
+    """Probability of at most this number of successes in n trials, for a success rate of 0 to 1."""
     return float(binomtest(successes, n, rate, alternative="less").pvalue) if n else 1.0
 
 
 def holm(p_values: Mapping[K, float]) -> dict[K, float]:
-    """P values adjusted for multiple tests; those up to alpha are significant.
+    """P values adjusted for multiple tests. An adjusted value up to alpha is significant.
 
-    Source: Holm (1979), step down.
+    Source: Holm (1979), step-down procedure.
     """
     ordered = sorted(p_values, key=lambda name: p_values[name])
     adjusted: dict[K, float] = {}
@@ -188,11 +196,11 @@ def holm(p_values: Mapping[K, float]) -> dict[K, float]:
 
 
 def fewest_losses(level: float = ALPHA) -> int:
-    """Losses without a single win that are significant.
+    """Smallest number of losses, without any win, that is significant.
 
     Args:
-        level: P value up to which a loss is called: alpha, divided by the number of tests that are
-            made together, as in the hardest of Holm's steps.
+        level: Largest p value that counts as a loss: alpha, divided by the number of tests that are
+            made together, as at the strictest step of Holm's procedure.
     """
     losses = 1
     while mcnemar(losses, 0) > level:
@@ -201,16 +209,16 @@ def fewest_losses(level: float = ALPHA) -> int:
 
 
 def power(pairs: int, loss: float, win: float = 0.0, level: float = ALPHA) -> float:
-    """Chance that a change is called a loss.
+    """Probability that McNemar's test detects a loss.
 
     Args:
-        pairs: Seeds that are run before and after.
-        loss: Chance that a pair is lost.
-        win: Chance that a pair is won.
+        pairs: Number of seeds that are run before and after.
+        loss: Probability that a pair is lost.
+        win: Probability that a pair is won.
         level: See `fewest_losses`.
     """
     differ = loss + win
-    # SciPy's binomial overflows at the smallest chances, with which hardly any pair ever differs.
+    # SciPy's binomial distribution overflows at the smallest probabilities.
     if differ < 1e-12:
         return 0.0
     counts = np.arange(pairs + 1)
@@ -219,11 +227,11 @@ def power(pairs: int, loss: float, win: float = 0.0, level: float = ALPHA) -> fl
 
 
 def noticeable_drop(pairs: int, win: float = 0.0, level: float = ALPHA) -> float | None:
-    """The noise floor: the smallest drop of success that so many pairs detect with power `POWER`.
+    """The noise floor: the smallest drop of success that is detected with power `POWER`.
 
     Args:
-        pairs: Seeds that are run before and after.
-        win: Chance that a pair is won at the same time: churn, which hides losses.
+        pairs: Number of seeds that are run before and after.
+        win: Probability that a pair is won at the same time. Won pairs hide losses.
         level: See `fewest_losses`.
 
     Returns:
@@ -243,7 +251,7 @@ def noticeable_drop(pairs: int, win: float = 0.0, level: float = ALPHA) -> float
 def _critical_cached(pairs: int, level: float) -> tuple[int, ...]:
     critical = []
     for differ in range(pairs + 1):
-        # The least number of losses for which the probability of at least as many is small enough.
+        # The smallest number of losses whose p value is small enough.
         losses = int(binom.isf(level, differ, 0.5)) + 1
         while losses > 0 and mcnemar(losses - 1, differ - losses + 1) <= level:
             losses -= 1
@@ -254,5 +262,5 @@ def _critical_cached(pairs: int, level: float) -> tuple[int, ...]:
 
 
 def _critical(pairs: int, level: float) -> NDArray[np.int64]:
-    """(pairs + 1,) losses that are significant among 0, 1, 2 ... pairs that differ."""
+    """(pairs + 1,) smallest significant number of losses among 0, 1, 2 ... pairs that differ."""
     return np.array(_critical_cached(pairs, level))

@@ -1,8 +1,9 @@
 """Success under increasing variations, until a task breaks.
 
 The same seeds are run without variation and with every value, so that trials come in pairs. A value
-breaks a task if success is significantly lower (exact one-sided McNemar test, alpha 0.05, each
-value on its own). Without given values, each direction ends at the first value that breaks.
+breaks a task if success is significantly lower (exact one-sided McNemar test, alpha 0.05, without
+an adjustment for several values). If no values are given, the default values of each direction are
+run until one breaks the task.
 """
 
 from __future__ import annotations
@@ -33,7 +34,7 @@ class RequestedVariation:
 
     Attributes:
         kind: Kind of variation.
-        values: Values in its unit; empty uses default values until it breaks.
+        values: Values in its unit; empty uses default values until a value breaks the task.
     """
 
     kind: Kind
@@ -41,24 +42,24 @@ class RequestedVariation:
 
     @property
     def directions(self) -> tuple[tuple[float, ...], ...]:
-        """Values to run one after the other, away from the neutral one."""
+        """Sequences of values to run one after the other; default values lead away from neutral."""
         if self.values:
             return (tuple(v for v in dict.fromkeys(self.values) if v != self.kind.neutral),)
         return self.kind.down, self.kind.up
 
 
 def parse_variations(words: Sequence[str]) -> tuple[RequestedVariation, ...]:
-    """Parses variations such as `size` or `latency=50,100`, each once.
+    """Parses variations such as `size` or `latency=50,100`.
 
     Raises:
-        InputError: A name or a value is invalid.
+        InputError: A name or a value is invalid, or a name is given twice.
     """
     wanted: list[RequestedVariation] = []
     for word in words:
         name, equals, values = word.partition("=")
         kind = find_kind(name)
         if kind in (w.kind for w in wanted):
-            raise InputError("it is varied twice", where="--vary", got=name)
+            raise InputError("this quantity is given twice", where="--vary", got=name)
         values_wanted = tuple(parse_value(kind, v) for v in values.split(",")) if equals else ()
         wanted.append(RequestedVariation(kind, values_wanted))
     return tuple(wanted)
@@ -66,14 +67,16 @@ def parse_variations(words: Sequence[str]) -> tuple[RequestedVariation, ...]:
 
 @dataclass(frozen=True)
 class Point:
-    """A task with one value.
+    """The results of a task with one value of a variation.
 
     Attributes:
-        value: In the unit of its kind.
-        result: Its trials.
-        lost, won: Seeds with success only in the unvaried trials, and only in these trials.
-        refused: Reason why there are no trials, if the task cannot have this value.
-        partial: The run was stopped before all trials had ended; then nothing is judged.
+        value: The value, in the unit of its kind.
+        result: Results of the trials with this value.
+        lost: Seeds that succeeded without the variation and fail with it.
+        won: Seeds that failed without the variation and succeed with it.
+        refused: Reason why the task cannot have this value; empty if there are trials.
+        partial: True if the run was stopped before all trials had ended. A partial point is not
+            judged.
     """
 
     value: float
@@ -116,7 +119,7 @@ class Curve:
     Attributes:
         task: Name of the task.
         kind: Kind of variation.
-        points: From the lowest value to the highest, the neutral one among them.
+        points: Points from the lowest to the highest value, including the neutral value.
     """
 
     task: str
@@ -130,13 +133,13 @@ class Curve:
 
     @property
     def breaks_below(self) -> float | None:
-        """The nearest breaking value below the neutral one; None without one."""
+        """The breaking value below the neutral value that is nearest to it; None without one."""
         broken = [p.value for p in self.points if p.breaks and p.value < self.kind.neutral]
         return max(broken, default=None)
 
     @property
     def breaks_above(self) -> float | None:
-        """The same, above."""
+        """The breaking value above the neutral value that is nearest to it; None without one."""
         broken = [p.value for p in self.points if p.breaks and p.value > self.kind.neutral]
         return min(broken, default=None)
 
@@ -159,8 +162,9 @@ class Unfinished:
 
     Attributes:
         task: Name of the task.
-        kind: Kind of variation; None for trials with nothing varied, and all that follow them.
-        values: Values in its unit, in the order in which they would be run; empty for all.
+        kind: Kind of variation; None for the unvaried trials of the task and all later trials.
+        values: Remaining values in its unit, in the order in which they would be run; empty if no
+            values were given.
         ended: Number of trials that have ended.
     """
 
@@ -173,7 +177,7 @@ class Unfinished:
         """Text for people: `dial, size=0.8,0.6`.
 
         Args:
-            of: Number of trials with each value.
+            of: Planned number of trials per value.
         """
         parts = [self.task]
         if self.kind is not None:
@@ -214,7 +218,7 @@ class Sweep:
         return not self.unfinished
 
     def command(self, curve: Curve, point: Point, seed: int) -> str:
-        """One line that runs a trial again."""
+        """The command line that runs a trial again."""
         crashed = any(t["seed"] == seed for t in point.result.crashed)
         return varied(self.plan, curve.kind, point.value).command(curve.task, seed, crashed)
 
@@ -224,7 +228,7 @@ class Sweep:
         return Crashes([t for p in points.values() for t in p.result.crashed], allowed)
 
     def as_json(self) -> dict[str, Any]:
-        """With every trial; `configuration` is that of the trials with nothing varied."""
+        """JSON values with every trial; `configuration` is that of the unvaried trials."""
         pairs = len(self.plan.seeds)
         return {
             "kind": "variation of sandbox regress",
@@ -240,9 +244,10 @@ class Sweep:
 
 
 def sweep(plan: RegressionPlan, wanted: Sequence[RequestedVariation], run: Runner) -> Sweep:
-    """Runs every task with nothing varied, and then with every value.
+    """Runs every task without variation, and then with every value.
 
-    A value that a task cannot have (a bolt has one place) is noted, and ends its direction.
+    A value that a task cannot have is noted as refused. Among default values, it ends its
+    direction. For example, the start of a bolt cannot be shifted.
     """
     curves: list[Curve] = []
     missing: list[Unfinished] = []
@@ -308,7 +313,7 @@ def _points(
 
 
 def varied(plan: RegressionPlan, kind: Kind, value: float) -> RegressionPlan:
-    """The plan with one variation in addition to those of all its trials."""
+    """The plan with one further variation in all its trials."""
     asked = [*filter(None, [plan.scene.get("vary", "")]), f"{kind.name}={value:.12g}"]
     return replace(plan, scene={**plan.scene, "vary": ",".join(asked)})
 
@@ -320,7 +325,7 @@ def _point(
     refused = refusal(changed)
     if refused:
         return Point(value, TaskResult(nominal.name, nominal.version, ()), refused=refused)
-    # An error while trials run, such as a full disk, is not about the value.
+    # Errors while trials run, such as a full disk, are not caught: they do not depend on the value.
     result = _result(plan, run(changed))
     before = {t["seed"]: t["success"] for t in nominal.trials}
     differ = [t for t in result.trials if t["success"] != before[t["seed"]]]
@@ -334,9 +339,10 @@ def _point(
 
 
 def refusal(plan: RegressionPlan) -> str:
-    """Reason why a trial of a plan cannot be drawn, before any is played; empty without one.
+    """Reason why a trial of a plan cannot be drawn; empty if all trials can be drawn.
 
-    A trial that the task's own code cannot draw is left to crash when it is run.
+    No trial is played. A trial for which the task's own code fails is not a refusal: it crashes
+    when it is run.
     """
     try:
         jobs = plan.jobs()
@@ -353,15 +359,16 @@ def refusal(plan: RegressionPlan) -> str:
 
 
 def check_possible(plan: RegressionPlan, wanted: Sequence[RequestedVariation]) -> None:
-    """Checks, before anything is played, that some task can have some value of every kind.
+    """Checks, before the run, that for every kind of variation some task can have some value.
 
-    Only the trial of the first seed of every task is drawn.
+    For every task, only the trial of the first seed is drawn.
 
     Raises:
-        InputError: No task can be varied in this way; the error has the reason for the first one.
+        InputError: No task can have any value of a kind; the error has the reason for the first
+            task.
     """
     for each in wanted:
-        # Only the first value of a direction is tried if the one before it was refused.
+        # Among default values, a direction ends at its first value if this value is refused.
         tried = [d for d in each.directions if d]
         values = [v for d in tried for v in (d if each.values else d[:1])]
         reasons = []

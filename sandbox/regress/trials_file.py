@@ -1,7 +1,8 @@
 """The file of a run's trials, from which a stopped or killed run can be resumed.
 
-It is append-only: a head, and a JSON line for every trial that has ended. Each line is one write,
-which is on the disk before the next trial is awaited. Only the last line can be cut.
+The file is append-only. It has a head, and a JSON line for every trial that has ended. Each line is
+written by one call, and is on the disk before the run waits for the next trial. Only the last line
+can be incomplete.
 """
 
 from __future__ import annotations
@@ -33,28 +34,28 @@ from sandbox.system.files import OPEN, Release, lock
 
 KIND = "trials of sandbox regress"
 SCHEMA = 1
-"""Version of the file's layout."""
+"""Version of the file format."""
 
 _NAMES_ONLY = {"configuration.encoder", "configuration.settings.encoder"}
-"""Names of an encoder, such as its file's path; its digest identifies it."""
+"""Entries that may differ: names of an encoder, such as a path. Its digest identifies it."""
 _PACKAGES = ("models", "encoders", "tasks", "sandbox")
-_ANEW = "Repeat that run's command with --resume, or leave --resume out and begin anew"
+_ANEW = "Repeat the command of that run with --resume, or start again without --resume"
 
 Key = tuple[str, str, int]
-"""The variation, the task's name and the seed."""
+"""Variation, name of the task, and seed."""
 
 _END = b'{"end": true}'
-"""Last line of a run whose report has all of its trials."""
+"""Last line of a complete run, written after its report."""
 
 
 class _HeadLine(Struct):
-    """All values on which the results depend; the first line has them after kind and schema."""
+    """The first line, without kind and schema: all values on which the results depend."""
 
     run: dict[str, Any]
 
 
 class _StoredTrial(Struct):
-    """Fields of a trial that are read; others are kept as they are."""
+    """Fields of a trial that are checked; other fields are kept unchecked."""
 
     task: str
     seed: int
@@ -78,8 +79,9 @@ def trials_path(output: Path) -> Path:
 
 
 def identity(plan: RegressionPlan, vary: Sequence[str] = ()) -> dict[str, Any]:
-    """Settings, seeds and program of a run, and all else on which states depend. Runs with equal
-    values have equal trials.
+    """Settings, seeds and program of a run, and all other values on which states depend.
+
+    Runs with equal values have equal trials.
 
     Args:
         plan: Plan of the unvaried trials.
@@ -104,21 +106,21 @@ def identity(plan: RegressionPlan, vary: Sequence[str] = ()) -> dict[str, Any]:
 
 
 class TrialsFile(Closeable):
-    """The trials of a run, in memory and in its file, which no other run can write meanwhile.
+    """The trials of a run, in memory and in its file. The file is locked against other runs.
 
     Args:
         path: The file.
         run: See `identity`.
-        resume: True goes on from the trials that the file has; false sets an unfinished file aside.
+        resume: True continues with the trials in the file; False renames an unfinished file.
 
     Attributes:
-        trials: The trials that are written, by what is varied, task and seed.
-        crashed_before: Trials that crashed in the run that is resumed, to be run again.
-        set_aside: Where the trials of an earlier, unfinished run are now.
+        trials: The written trials, by variation, task and seed.
+        crashed_before: Trials that crashed in the resumed run, to be run again.
+        set_aside: New path of the renamed file of an earlier, unfinished run; None without one.
 
     Raises:
-        InputError: The file cannot be written, another run writes it, or it is to be resumed and
-            belongs to another run or is damaged.
+        InputError: The file cannot be written, or another run writes it. With `resume`: the file
+            belongs to another run, or is damaged.
     """
 
     def __init__(self, path: Path, run: Mapping[str, Any], resume: bool = False) -> None:
@@ -144,7 +146,7 @@ class TrialsFile(Closeable):
 
     @property
     def has_crashes(self) -> bool:
-        """True if a trial has no result."""
+        """True if a trial crashed, so that it has no result."""
         return any(t["status"] == CRASHED for t in self.trials.values())
 
     def ended(self, plan: RegressionPlan) -> list[Trial]:
@@ -156,7 +158,7 @@ class TrialsFile(Closeable):
         """Writes a trial that has ended.
 
         Raises:
-            InputError: It cannot be written.
+            InputError: The trial cannot be written.
         """
         try:
             self._write(_json({"varied": _varied(plan), "trial": trial}))
@@ -165,10 +167,10 @@ class TrialsFile(Closeable):
         self.trials[_varied(plan), trial["task"], trial["seed"]] = trial
 
     def finish(self) -> None:
-        """Notes that all trials have ended and are in the report: the next run replaces the file.
+        """Marks the run as complete, with its report written. The next run may replace the file.
 
         Raises:
-            InputError: It cannot be written.
+            InputError: The mark cannot be written.
         """
         try:
             self._write(_END)
@@ -176,7 +178,7 @@ class TrialsFile(Closeable):
             raise self._unwritten(error) from None
 
     def close(self) -> None:
-        """Closes the file, which another run may then write."""
+        """Closes the file, so that another run may write it."""
         if self._fd >= 0:
             self._release()
             os.close(self._fd)
@@ -187,7 +189,7 @@ class TrialsFile(Closeable):
         if lines:
             self._read(lines)
             if cut:
-                # A cut line is not a trial; the next line must not be appended to it.
+                # An incomplete line is not a trial. The next line must not be appended to it.
                 os.ftruncate(self._fd, len(data) - len(cut))
         else:
             self._head(data)
@@ -212,7 +214,7 @@ class TrialsFile(Closeable):
         )
         if other:
             raise InputError(
-                "these trials are another run's",
+                "these trials are from another run",
                 where=where,
                 got="; ".join(f"{_name(k)} {here.get(k, 'missing')}" for k in other[:4]),
                 expected="; ".join(f"{_name(k)} {there.get(k, 'missing')}" for k in other[:4]),
@@ -223,7 +225,7 @@ class TrialsFile(Closeable):
                 continue
             varied, trial = _trial_of(line, f"{where}, line {number}")
             key = (varied, trial["task"], trial["seed"])
-            # A crashed trial was run again; a trial with a result keeps it.
+            # A crashed trial was run again. A trial with a result is never replaced.
             if self.trials.get(key, trial)["status"] == CRASHED or key not in self.trials:
                 self.trials[key] = trial
         self.crashed_before = [t for t in self.trials.values() if t["status"] == CRASHED]
@@ -244,10 +246,11 @@ class TrialsFile(Closeable):
 
     def _unwritten(self, error: OSError) -> InputError:
         return InputError(
-            "trials cannot be written here",
+            "the file of trials cannot be written",
             where=str(self.path),
             got=error.strerror,
-            remedy="Make room or choose another place; --resume goes on from what is written",
+            remedy="Make room on the disk or choose another place; --resume continues with the "
+            "written trials",
         )
 
 
@@ -258,29 +261,31 @@ def _opened(path: Path) -> tuple[int, Release]:
             fd = os.open(path, os.O_RDWR | os.O_CREAT | os.O_APPEND | OPEN, 0o666)
         except OSError as error:
             raise InputError(
-                "trials cannot be written here", where=str(path), got=error.strerror
+                "the file of trials cannot be written", where=str(path), got=error.strerror
             ) from None
         try:
             release = lock(fd, path, wait=False)
         except OSError as error:
             os.close(fd)
-            raise InputError("no lock can be had", where=str(path), got=error.strerror) from None
+            raise InputError(
+                "the file cannot be locked", where=str(path), got=error.strerror
+            ) from None
         if release is None:
             os.close(fd)
             raise InputError(
                 "another run writes its trials here",
                 where=str(path),
-                remedy="Wait until it ends, or give this one another --json FILE",
+                remedy="Wait until it ends, or give another file with --json",
             )
         if path.exists() and os.path.samestat(path.stat(), os.fstat(fd)):
             return fd, release
-        # Another run set it aside between the two calls.
+        # Another run renamed the file between the two calls.
         release()
         os.close(fd)
 
 
 def _lines(data: bytes) -> tuple[list[bytes], bytes]:
-    """Pair (whole lines, the part of a last line that a killed program has left)."""
+    """Pair (complete lines, the incomplete last line that a killed program has left)."""
     *lines, cut = data.split(b"\n")
     return lines, cut
 
@@ -294,7 +299,7 @@ def _head_of(line: bytes, where: str) -> _HeadLine:
 def _trial_of(line: bytes, where: str) -> tuple[str, Trial]:
     """Pair (the variation, the trial)."""
     what = "this file of trials is damaged"
-    remedy = "Leave --resume out and begin anew"
+    remedy = "Start again without --resume"
     values = decoded_record(line, InputError, what=what, where=where, remedy=remedy)
     checked(values, _TrialLine, InputError, what=what, where=where, remedy=remedy)
     return values["varied"], values["trial"]
@@ -305,7 +310,7 @@ def _json(value: dict[str, Any]) -> bytes:
 
 
 def _aside(path: Path) -> Path:
-    """Renames a file so that its content stays."""
+    """Renames a file to a free name, and returns the new path."""
     base = path.name.removesuffix(".trials.jsonl")
     number = 1
     while (kept := path.with_name(f"{base}.unfinished-{number}.trials.jsonl")).exists():
@@ -319,7 +324,7 @@ def _varied(plan: RegressionPlan) -> str:
 
 
 def _ranges(seeds: Sequence[int]) -> str:
-    """Seeds in order, as `--seeds` takes them."""
+    """Sorted seeds, in the form of `--seeds`."""
     parts: list[list[int]] = []
     for seed in sorted(seeds):
         if parts and parts[-1][1] == seed:

@@ -1,9 +1,9 @@
 """Collision avoidance of a hand whose links are all solid.
 
 The touches fix the places of the touching fingertips; the rest of the hand may take any plausible
-pose. Among the poses that keep these fingertips and are clear of objects, `CollisionAvoidance`
-commands the likeliest one, given the encoder's pose. Without a near object, this is the encoder's
-pose itself.
+pose. Some poses leave these fingertips in place and are clear of objects. `CollisionAvoidance`
+commands the likeliest of these poses, given the encoder's pose. If no object is near, it commands
+the encoder's pose itself.
 
 A pose is likely if it is near the encoder's pose and near the corrected pose of the step before. If
 no pose is clear, the active margins change from step to step, and without the second term the hand
@@ -13,7 +13,7 @@ would tremble. The second term does not change where a correction finally settle
 collision detection in a copy of the scene, in which the hand is always present and pushes nothing.
 
 `SolidLinks` makes each part solid separately, once the touching fingertips are solid and the part
-is clear of objects. A part that became solid inside an object would throw the object.
+is clear of objects. A part that becomes solid inside an object would throw the object away.
 """
 
 from __future__ import annotations
@@ -70,14 +70,16 @@ AHEAD = 0.08
 """Time by which distances of a moving hand are predicted, s: about the delay of the correction and
 the servos."""
 FAR = 0.02
-"""Largest predicted movement, m; beyond it, objects may lie on a link's other side."""
+"""Largest predicted movement, m. After a larger movement, an object may be on the other side of a
+link."""
 SLOW = 0.02
-"""Speed below which nothing is predicted, m/s."""
+"""Speed below which no movement is predicted, m/s."""
 
 TAU = 0.02
 """Time constant of the correction, s."""
 SPEED = 6.0
-"""Largest speed of the correction, rad/s; for positions a tenth of this number, m/s."""
+"""Largest speed of the correction of rotations, rad/s. The largest speed of the correction of the
+palm's position is a tenth of this number, in m/s."""
 
 _SLACK = 1e-6
 _SHORT = 1e-4
@@ -137,7 +139,7 @@ class CollisionAvoidance:
     def reset(self) -> None:
         """Resets the correction to none."""
         self.offset: Array | None = None
-        # The parts that were corrected in the last step.
+        # The parts whose margins determined the correction of the last step.
         self._led: frozenset[int] = frozenset()
         self._before: tuple[tuple[int, ...], Array] | None = None
 
@@ -166,7 +168,11 @@ class CollisionAvoidance:
         return replace(reconstruction, q=q)
 
     def _towards(self, wanted: Array | None) -> Array | None:
-        """Returns the next correction on the way to the target correction; None means none."""
+        """Returns the next correction on the way to the target correction; None is no correction.
+
+        Args:
+            wanted: The target correction (48,); None for no correction.
+        """
         if self.offset is None and wanted is None:
             return None
         now = np.zeros(POSE_SIZE) if self.offset is None else self.offset
@@ -226,7 +232,7 @@ class CollisionAvoidance:
             lacking += more
         if not lacking or (offset is None and max(lacking) <= 0.0):
             return None
-        # The jacobian at q, the pose placed last.
+        # The Jacobian at q, the last pose for which the kinematics were computed.
         J = kinematics.jacobian(q)
         gradients = [
             self._distances.gradients(some, ahead)
@@ -262,7 +268,8 @@ class CollisionAvoidance:
         return -high * self._up
 
     def _lacking(self, near: Near, fingers: tuple[int, ...]) -> tuple[list[int], list[float]]:
-        """Returns the relevant contacts, and by how much each violates its margin, m.
+        """Returns the relevant pairs, as indices into `near`, and each pair's violation of its
+        margin, m.
 
         A negative violation is the distance beyond the margin.
         """
@@ -289,7 +296,10 @@ class CollisionAvoidance:
         return rows, lacking
 
     def _touching(self, fingers: tuple[int, ...]) -> tuple[dict[int, int], dict[int, int]]:
-        """Returns the finger of each part of the touching fingers: of tips, and of other parts."""
+        """Returns the finger of each part of the touching fingers, by the part's geom.
+
+        The first dictionary has the fingertips, the second one the other parts.
+        """
         roles = self._roles.get(fingers)
         if roles is None:
             ends = {part: f for part, f in self._end.items() if f in fingers}
@@ -302,11 +312,11 @@ class CollisionAvoidance:
     def _likeliest(self, A: Array, r: Array, exact: int, q0: Array) -> tuple[Array, list[int]]:
         """Finds the likeliest correction that leaves the tips in place and keeps the margins.
 
-        Without tips and margins, the likeliest correction is a share of the previous one.
+        Without tips and margins, the likeliest correction is a share of the previous correction.
 
         The method is an active-set search. A margin that would pull a part towards an object is
-        dropped. Of the dropped margins, the most violated one is added again. A joint that would
-        leave its range is held at the range's end.
+        dropped. If dropped margins are violated, the most violated margin is added again. A joint
+        that would leave its range is held at the range's end.
 
         Args:
             A: (exact + n, 48) derivatives of tips and distances.
@@ -328,7 +338,8 @@ class CollisionAvoidance:
         moved = True
         for _ in range(3 * (len(r) - exact) + _ROUNDS):
             if moved:
-                # For all rows: selecting rows afterwards gives the same numbers.
+                # Compute the products for all rows once. Selecting rows afterwards gives the same
+                # numbers.
                 AV = A * variance
                 every = times_transposed(AV, A)
                 every.reshape(-1)[:: len(r) + 1] += noise
@@ -369,8 +380,8 @@ def _joints_of(skeleton: Skeleton, fingers: tuple[int, ...]) -> NDArray[np.int64
 
 
 _PALM = 7
-"""Number of the palm's joint positions: three slides and a quaternion. Those of the bones follow,
-four each."""
+"""Number of the palm's joint positions: three slides and a quaternion. Each bone then has four
+joint positions."""
 
 
 def _variance() -> Array:
@@ -399,8 +410,8 @@ class Near(NamedTuple):
     """Pairs of a part of the hand and a near geom.
 
     Attributes:
-        parts: Indices (n,) of the parts' geoms; a part may occur twice, as for two ends of a
-            capsule.
+        parts: Indices (n,) of the parts' geoms. A part may occur twice, for example with a contact
+            at each end of its capsule.
         distances: Distances (n,) between surfaces, m; negative inside.
         things: Indices (n,) of the near geoms, which belong to objects or other hands.
     """
@@ -413,8 +424,8 @@ class Near(NamedTuple):
 class HandDistances:
     """Measures the distances of one hand's parts to objects and to other hands.
 
-    A last link has two parts: the fingertip, with the link's `tip_geom`, and the rest of the link,
-    with the link's geom.
+    The last link of a finger has two parts: the fingertip (the link's `tip_geom`) and the rest of
+    the link (the link's `geom`).
 
     Args:
         scene: The scene as compiled, before any part became a ghost.
@@ -467,8 +478,8 @@ class HandDistances:
 
         Args:
             data: State of the simulation, with the places of all geoms.
-            qpos: Joint positions (m,) of the hand; None uses those of the state.
-            ahead: Time by which objects are moved on with their current velocity, s.
+            qpos: Joint positions (m,) of the hand; None uses the joint positions of the state.
+            ahead: Time for which objects move on with their current velocity, s.
         """
         own = self._ahead if ahead else self._now
         own.qpos[:] = data.qpos
@@ -491,7 +502,8 @@ class HandDistances:
 
         Args:
             rows: Indices (k,) into the distances that `near` returned last.
-            ahead: True for the distances of the last call of `near` with predicted places.
+            ahead: True for the last call of `near` with a time `ahead`; False for the last call
+                without one.
         """
         model, own = self._model, self._ahead if ahead else self._now
         mujoco.mj_comPos(model, own)
@@ -524,11 +536,12 @@ CLEARANCE = 0.0005
 """Smallest distance between a part and objects at which the part becomes solid, m."""
 
 INSIDE = 0.0015
-"""Depth of a part in an object, by the object's own distance function, from which on the part does
-not become solid, m."""
+"""Depth in an object, m. A part that is deeper in an object, by the object's own distance function,
+does not become solid."""
 
 _ALONG = np.linspace(-1.0, 1.0, 9)
-"""Places of the balls that cover a capsule, from its middle, as shares of half its length."""
+"""Positions of the balls that cover a capsule: distances along its axis from its middle, as shares
+of half its length."""
 
 
 class SolidLinks:
@@ -603,8 +616,8 @@ class SolidLinks:
         self, data: mujoco.MjData, pressing: frozenset[int], touching: frozenset[int]
     ) -> frozenset[int]:
         """Returns the parts that are solid in the next step."""
-        # A finger that begins to touch or is lifted starts as a ghost: it may be inside the object
-        # that it held, or about to enter an object.
+        # A finger that begins to touch, or that is lifted, becomes a ghost first: it may be inside
+        # the object that it held, or about to enter an object.
         anew = touching ^ self._touching
         solid = {
             part
@@ -640,7 +653,7 @@ class SolidLinks:
         return frozenset(solid)
 
     def _inside(self, data: mujoco.MjData) -> frozenset[int]:
-        """Returns the parts that are inside objects, also where MuJoCo's distances miss it.
+        """Returns the parts that are inside objects, including those that MuJoCo reports as clear.
 
         MuJoCo reports a capsule as clear of a box if its axis passes through the whole box.
         """

@@ -1,12 +1,13 @@
 """Collision gating: a hand collides only once it is down and no fingertip is inside an object.
 
-Until then it is a ghost that passes through objects. A finger that became solid inside an object
-would throw it across the room; a person with a ghost on the screen moves the finger out instead.
+Until then the hand is a ghost that passes through objects. A finger that becomes solid inside an
+object would throw the object across the room. A person who sees the ghost moves the finger out of
+the object instead.
 
 Contact modes (hard, soft, none) can change during a session without a jump of its state. Soft
-contacts give way, and a soft hand is weak, so that an object squeezed by mistake is not thrown.
-With `none` the hand passes through everything. Hardness changes gradually: a fingertip a few
-millimetres inside an object would throw it if it became hard in one step.
+contacts give way, and a soft hand is weak, so that it does not throw an object that it squeezes by
+mistake. With `none` the hand passes through everything. Hardness changes gradually: a fingertip a
+few millimetres inside an object would throw the object if contacts became hard in one step.
 """
 
 from __future__ import annotations
@@ -43,7 +44,7 @@ class ContactMode(StrEnum):
 
     @property
     def next(self) -> ContactMode:
-        """The next mode when a person cycles through them."""
+        """The mode that follows when a person cycles through the modes."""
         modes = list(ContactMode)
         return modes[(modes.index(self) + 1) % len(modes)]
 
@@ -51,21 +52,22 @@ class ContactMode(StrEnum):
 SOFT_IMPULSE = 0.05
 """Impulse limit (N s per 1/60 s) of every servo of a soft hand: 3 N."""
 SOFT_SOLREF = (0.080, 1.0)
-"""Time constant (s) and damping ratio of a soft contact; hard contacts have 4 ms. A fingertip that
-holds a box at 3 N is 1.3 mm inside it."""
+"""Time constant (s) and damping ratio of a soft contact. The time constant of a hard contact is
+4 ms. A fingertip that holds a box at 3 N is 1.3 mm inside the box."""
 SOFT_SOLIMP = (0.97, 0.995, 0.001, 0.5, 2.0)
-"""Impedance of a soft contact, at least that of a hard one. A held box creeps by 0.8 mm in 5 s if
-softness comes from a lower impedance, by 0.1 mm if it comes from the time constant
-(measured at db485e42)."""
+"""Impedance of a soft contact (MuJoCo's `solimp`), no lower than that of a hard contact. A held box
+creeps by 0.8 mm in 5 s if softness comes from a lower impedance, and by 0.1 mm if softness comes
+from the time constant (measured at db485e42)."""
 SOFT_TOLERANCE = 1e-11
 """Solver tolerance while contacts are soft. The residual at MuJoCo's default of 1e-8 is negligible
 with hard contacts, but with soft ones it rocks an object held by two fingers. The lower tolerance
 takes no measurable time."""
 CHANGE = 0.2
-"""Duration (s) of a change from hard to soft and back."""
+"""Duration (s) of a change from hard to soft contacts, or from soft to hard ones."""
 
 _OWN = 1e6
-"""Weight of a soft hand's contact parameters against an object's own."""
+"""Weight of a soft hand's contact parameters (MuJoCo's `solmix`), so large that the parameters of
+the object have no effect."""
 
 
 def contact_mode(name: str) -> ContactMode:
@@ -118,7 +120,7 @@ class ContactModes:
 
     @property
     def signature(self) -> bytes:
-        """State outside MuJoCo's that affects the next step; empty for hard contacts."""
+        """State outside MuJoCo's state that affects the next step; empty for hard contacts."""
         if self.mode is ContactMode.HARD and self.softness == 0.0:
             return b""
         return self.mode.encode() + struct.pack("<d", self.softness)
@@ -154,16 +156,19 @@ class ContactModes:
 
 
 CLEARANCE = 0.0005
-"""Least distance (m) of a fingertip's surface from an object when it becomes solid."""
+"""Smallest distance (m) of a fingertip's surface from an object at which the fingertip becomes
+solid."""
 ARRIVED = 0.008
-"""Largest lag (m) of the simulated fingertips behind the commanded ones when they become solid."""
+"""Largest distance (m) of a simulated fingertip from its commanded place at which it becomes
+solid."""
 
 FINGERTIP = 0.010
-"""Approximate radius (m) of a fingertip, by which it reaches beyond its touch."""
+"""Approximate radius (m) of a fingertip: its surface extends this far beyond its touch."""
 ALONG = np.linspace(0.0, 1.0, 7)
-"""Shares of a last link's length at which its distance to objects is checked. The thumb's last link
-is 52 mm long. With fewer points the corner of a box could lie 6 mm deep between two points without
-detection; with these points, half a millimetre."""
+"""Positions along the solid part of a last link, as shares of its length, at which the distance to
+objects is checked. The thumb's last link is 52 mm long. With fewer points, the corner of a box
+between two points could be 6 mm deep in the link without detection; with these points, at most half
+a millimetre."""
 
 GHOST: frozenset[int] = frozenset()
 
@@ -171,8 +176,8 @@ _LOW = (Phase.COMING_DOWN, Phase.DOWN)
 
 STUCK = Message("stuck", f"{MOVE_APART}: a finger is inside an object")
 STUCK_TIME = 0.15
-"""Time (s) for which a finger of a hand that is down is inside an object before the person gets a
-notice: no longer than it takes to move a finger at the object's side out of it."""
+"""Time (s) for which a finger of a hand that is down must be inside an object before the person
+gets a notice. `TipOffsets` needs less time to move a fingertip at an object's side out of it."""
 
 
 @dataclass(frozen=True)
@@ -181,15 +186,16 @@ class CollisionGatingRules:
 
     Attributes:
         ghost_until_clear: A hand that is down stays a ghost until its tips are outside all objects.
-        distal_only: Only the last links of touching fingers are ever solid; otherwise every link.
+        distal_only: Only the last links of touching fingers become solid; otherwise all their
+            links.
         links: Number of solid links of a finger, counted from its tip.
         together: All fingers of a hand become solid in the same step; otherwise each separately.
-        lead: Fingertips at objects are offset from their touches, out of the objects, and keep the
-            width of their grip until they spread.
+        lead: Fingertips at objects are moved away from their touches, out of the objects. The
+            fingertips then keep the width of their grip until the fingers spread.
         from_above: A hand becomes solid on its way down, so that it presses objects under it. A
-            finger that joins a hand that is down does the same.
-        all_over: Palm and all links of all fingers become solid once the touching fingertips are
-            solid, each part as soon as it is clear; replaces `distal_only` and `links`.
+            finger that starts to touch while the hand is down also becomes solid on its way down.
+        all_over: Once the touching fingertips are solid, the palm and all links of all fingers
+            become solid, each part as soon as it is clear. Replaces `distal_only` and `links`.
     """
 
     ghost_until_clear: bool = True
@@ -208,7 +214,8 @@ class CollisionGate:
         scene: The scene.
         hand: Index of the hand.
         rules: Rules of collision gating.
-        parts: Chooses the other solid parts for the rule `all_over`; None without this rule.
+        parts: Chooses the solid parts besides the touching fingertips, for the rule `all_over`;
+            None without this rule.
 
     Attributes:
         fingers: Labels of the touching fingers that are solid now.
@@ -227,7 +234,7 @@ class CollisionGate:
         links = scene.spec.hands[hand].links
         body = scene.model.body
         self._has = frozenset(link.finger for link in links)
-        # A missing finger of the hand is at its palm, and never solid.
+        # If the hand lacks a finger, the palm stands in for it. This finger is never solid.
         palm = [Link(0, scene.spec.hands[hand].palm, 0.0, 0.0, "", "")] * 2
         fingers = [
             [link for link in links if link.finger == f] or palm for f in range(len(FINGERS))
@@ -241,8 +248,8 @@ class CollisionGate:
         self._reach = np.array([link.length for link in last])
         self._radius = np.array([link.radius for link in last])
         self._commanded = scene.spec.hands[hand].tips_of()
-        # The whole part that becomes solid must be clear of objects, and not only its tip: a
-        # leaning finger may be inside a high object while its tip is outside.
+        # The whole part that becomes solid must be clear of objects, not only its tip: part of a
+        # leaning finger may be inside a high object while the tip is outside.
         inner = np.array([link.solid_from for link in last])
         self._shares = inner + ALONG[:, None] * (1.0 - inner)
         self._behind = ((self._shares - 1.0) * self._reach)[:, :, None]
@@ -263,12 +270,12 @@ class CollisionGate:
 
     @property
     def signature(self) -> bytes:
-        """Solid parts: state outside MuJoCo's that affects the next step."""
+        """The solid parts, which affect the next step and are not in MuJoCo's state."""
         mine = bytes([finger_bits(self.fingers)])
         return mine if self._parts is None else mine + self._parts.signature
 
     def tips(self, data: BodyPoses) -> Array:
-        """(5, 3) m, fingertips of the simulated hand; for a missing finger, the palm."""
+        """(5, 3) m, fingertips of the simulated hand; the palm for a finger that the hand lacks."""
         return self._along(data, 1.0)
 
     def links(self, data: mujoco.MjData) -> Array:
@@ -312,13 +319,13 @@ class CollisionGate:
             target = self._commanded(reconstruction.q)
             near = np.sqrt(squared_lengths(self.tips(data) - target)) < ARRIVED
             if self._rules.from_above and staying:
-                # Such as a finger that presses a key while others rest on their keys.
+                # For example, a finger presses a key while other fingers rest on their keys.
                 near = np.full_like(near, True)
             free = near & (self._clear(data) if self._rules.ghost_until_clear else True)
             fit = frozenset(f for f in joining if free[f])
             stuck = {f: self._stuck.get(f, 0) + 1 for f in joining if near[f] and not free[f]}
-            # A hand that comes down becomes solid as a whole: a finger that becomes solid before
-            # the others would push away the object to grasp.
+            # All touching fingers of a hand that comes down become solid together: a finger that
+            # becomes solid earlier would push away the object to grasp.
             if staying or not self._rules.together:
                 staying |= fit
             elif fit == joining:
@@ -348,8 +355,8 @@ class CollisionGate:
         return np.asarray(clear)
 
     def _inner_links(self, data: BodyPoses) -> list[Array]:
-        """Points along each finger's links before the last link: an array (5, 3) in m for each
-        share of the way. The list is empty if only last links are solid."""
+        """Points along each finger's last link but one: an array (5, 3), m, for each share of its
+        length. The list is empty if only last links are solid."""
         if self._rules.links == 1:
             return []
         start, end = data.xpos.take(self._before, 0), data.xpos.take(self._bodies, 0)

@@ -1,11 +1,12 @@
-"""Finger loads: the force of each finger, the force stored by a grip, and the used share of limits.
+"""Finger loads: each finger's force, the force stored by a grip, and the used servo limits.
 
 Fingers that close on an object press across its faces, and their servos also pull along the faces:
-the grip holds the object in a place where it would not stay without it. Both forces are computed
-from MuJoCo's contacts. The used share of the servos' limits is computed from its actuators.
+the grip holds the object in a place where the object would not stay by itself. Both forces are
+computed from MuJoCo's contacts. The used share of the servos' limits is computed from MuJoCo's
+actuators.
 
-The computation takes a third of a millisecond. So its inputs are copied at once, and the loads are
-computed only when a caller needs them, in any thread.
+The computation takes a third of a millisecond. Therefore its inputs are copied at once, and the
+loads are computed only when a caller needs them, in any thread.
 """
 
 from __future__ import annotations
@@ -28,9 +29,17 @@ from sandbox.session.messages import FingerLoad, HandLoad
 
 @dataclass(frozen=True)
 class Forces:
-    """Copies of MuJoCo's arrays: for n contacts the geoms (n, 2), frames (n, 9), addresses and
-    numbers of their rows (n,); the rows; forces of the servos, and their limits (servos,), N or
-    N m."""
+    """Copies of MuJoCo's arrays for n contacts.
+
+    Attributes:
+        geoms: (n, 2) geoms of each contact.
+        frames: (n, 9) frame of each contact.
+        address: (n,) first constraint row of each contact; negative without rows.
+        rows: (n,) number of constraint rows of each contact.
+        constraints: Forces of all constraint rows.
+        servos: Forces of the actuators' outputs, N or N m.
+        limits: (actuators,) force limits of the actuators, N or N m.
+    """
 
     geoms: NDArray[np.int64]
     frames: Array
@@ -41,7 +50,7 @@ class Forces:
     limits: Array
 
     def of(self, contact: int) -> Array:
-        """(3,) N in a contact's frame, its normal first: the rows of an elliptic cone."""
+        """(3,) N, force of a contact in its own frame: normal force, then two tangential forces."""
         force = np.zeros(3)
         first, rows = int(self.address[contact]), min(int(self.rows[contact]), 3)
         if first >= 0:
@@ -53,7 +62,7 @@ class FingerLoads:
     """Reads the loads of all hands of a scene.
 
     Args:
-        scene: The scene, whose contacts have elliptic cones of friction.
+        scene: The scene. Its contacts must have elliptic friction cones.
     """
 
     def __init__(self, scene: Scene) -> None:
@@ -64,7 +73,7 @@ class FingerLoads:
         return list(self.of(self.forces(data)))
 
     def keep(self, data: mujoco.MjData) -> Callable[[], tuple[HandLoad, ...]]:
-        """A function that reads the current loads later, from any thread."""
+        """A function that computes the current loads later, in any thread."""
         return partial(self.of, self.forces(data))
 
     def forces(self, data: mujoco.MjData) -> Forces:
@@ -81,7 +90,7 @@ class FingerLoads:
         )
 
     def of(self, kept: Forces) -> tuple[HandLoad, ...]:
-        """The load of each hand at the moment of some copies."""
+        """The load of each hand at the moment at which the forces were copied."""
         hands, n = len(self._scene.spec.hands), len(FINGERS)
         forces = np.zeros((hands * n, 3))
         # Force vectors on each touched object, by object and finger.
@@ -109,7 +118,8 @@ class FingerLoads:
         )
 
     def _used(self, kept: Forces) -> list[list[float]]:
-        """Largest used share of a limit for each hand: for each finger, and last for the palm."""
+        """For each hand, the largest used share of a servo's limit of each finger, then of the
+        palm."""
         if not self._servos:
             return [[0.0] * (len(FINGERS) + 1) for _ in self._scene.spec.hands]
         actuators, outputs, starts, places = self._outputs
@@ -123,8 +133,13 @@ class FingerLoads:
 
     @cached_property
     def _outputs(self) -> tuple[NDArray[np.int64], ...]:
-        """Of n actuators of hands: the actuators (n,), their outputs (m,), the index (n,) of each
-        actuator's first output among these, and its index (n,) among all fingers and palms."""
+        """Indices of the hands' n actuators and of their m outputs.
+
+        Returns:
+            The actuators (n,); their outputs (m,); for each actuator the position (n,) of its
+            first output in the second array; and for each actuator the index (n,) of its finger or
+            palm among the fingers and palms of all hands.
+        """
         model, palm = self._scene.model, len(FINGERS)
         actuators = np.array(list(self._servos), np.int64)
         places = [
@@ -138,13 +153,13 @@ class FingerLoads:
 
     @cached_property
     def _roots(self) -> NDArray[np.int64]:
-        """(geoms,) number of the object of each geom."""
+        """(geoms,) root body of each geom, which identifies its object."""
         model = self._scene.model
         return np.asarray(model.body_rootid[model.geom_bodyid], np.int64)
 
     @cached_property
     def _owners(self) -> NDArray[np.int64]:
-        """(geoms,) owner of each geom, 5 times the hand plus the finger; -1 without an owner."""
+        """(geoms,) owner of each geom: 5 * hand + finger, or -1 if it is no link of a finger."""
         model = self._scene.model
         bodies = np.full(model.nbody, -1)
         for i, hand in enumerate(self._scene.spec.hands):
@@ -167,7 +182,7 @@ class FingerLoads:
 
 
 def _bodies_of_fingers(model: mujoco.MjModel, hand: SceneHand) -> dict[int, int]:
-    """Finger of each body of a hand's fingers: of links, and of the bodies that carry links."""
+    """Finger of each body of a hand between its palm and its links, links included."""
     palm, fingers = model.body(hand.palm).id, {}
     for link in hand.links:
         body = model.body(link.body).id
@@ -180,8 +195,8 @@ def _bodies_of_fingers(model: mujoco.MjModel, hand: SceneHand) -> dict[int, int]
 def _stored(pushes: Mapping[int, Mapping[int, Array]], fingers: int) -> list[float]:
     """Force (N) stored in each finger's grip, from the force vectors (3,) by object and finger.
 
-    It is the part of the other fingers' force that is opposite to the finger's own force, and at
-    most as large as its own force.
+    The stored force is the component of the other fingers' force that is opposite to the finger's
+    own force. It is at most as large as the finger's own force.
     """
     stored = [0.0] * fingers
     for thing in pushes.values():

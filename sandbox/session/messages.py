@@ -1,7 +1,7 @@
-"""Snapshots, which a session sends to its views; a view may drop any but the latest.
+"""Snapshots, which a session sends to its views. A view may drop any snapshot except the latest.
 
-Snapshots are the only data for a window, a film or a simulated user. Events, which are ordered and
-never lost, are in `sandbox.trial.logs`.
+A window, a film and a simulated user get no other data. Events, which are ordered and never lost,
+are in `sandbox.trial.logs`.
 """
 
 from __future__ import annotations
@@ -22,8 +22,8 @@ MOVE_APART = "Spread your fingers"
 """Text for the person next to a finger that is inside an object."""
 
 TOLD, STRONGEST = 1.0, 70.0
-"""Forces (N) stored by a grip. Below the first, which a resting finger also reaches, views show
-nothing. At the second, the strongest grip tested with people, the arc around a finger is closed."""
+"""Forces (N) stored by a grip. Views show nothing below `TOLD`, since a resting finger also reaches
+it. At `STRONGEST`, the strongest grip tested with people, the arc around a finger is closed."""
 
 
 @dataclass(frozen=True)
@@ -71,11 +71,11 @@ class FingerLoad:
 
     Attributes:
         force: N, sum of the forces of all its contacts with objects.
-        pressing: N, the part across the faces of objects.
-        sideways: N, the part along them, which friction bears.
-        used: Share of its servos' limit that its most loaded servo uses, 0 to 1.
-        stored: N, the part of its force that other fingers on the same objects press back: the
-            squeeze that is let go when the grip opens. 0 for a finger that pushes alone.
+        pressing: N, sum of the components perpendicular to the objects' faces.
+        sideways: N, sum of the components along the objects' faces, which friction carries.
+        used: Share of its force limit that the finger's most loaded servo uses, 0 to 1.
+        stored: N, the part of its force that is balanced by other fingers on the same objects. It
+            is released when the grip opens. 0 for a finger that pushes alone.
     """
 
     force: float = 0.0
@@ -96,7 +96,7 @@ class HandLoad:
 
     Attributes:
         fingers: Loads of its fingers, thumb first.
-        used: Largest share of its limit that a servo of the palm uses, 0 to 1.
+        used: Share of its force limit that the palm's most loaded servo uses, 0 to 1.
     """
 
     fingers: tuple[FingerLoad, ...]
@@ -139,9 +139,9 @@ class Snapshot:
         step: Physics steps since the trial's start.
         qpos: All joint positions of the scene's model, for a view with its own MjData.
         score: Score so far.
-        see_hands, see_objects, see_loads: Compute `hands`, `objects` and `loads` of this moment on
-            first use; most snapshots never need them.
-        task_goals: Goals of the task, as it was drawn.
+        see_hands, see_objects, see_loads: Functions that compute `hands`, `objects` and `loads` of
+            this moment. They are called on first use, as most snapshots do not need these values.
+        task_goals: Goals of the drawn task, not yet placed in the world.
         notices: Messages for the person.
         contact: Contact mode: `hard`, `soft` or `none`.
     """

@@ -1,7 +1,8 @@
-"""Layouts of five fingers found in a session, for the settings of later sessions and for profiles.
+"""Layouts of five fingers, found in a session for the settings of later sessions and for profiles.
 
-They are in metres at the size of the person's hand, in the frame of a right hand from the screen's
-lower edge: x right, y down, thumb first.
+A layout holds the places of five fingers that touch together, thumb first. Places are in metres at
+the size of the person's hand, in the frame of a right hand at the screen's lower edge: x right, y
+down.
 """
 
 from __future__ import annotations
@@ -19,10 +20,10 @@ from models.frames import FINGERS
 from sandbox.session.session import Session
 
 Layouts = tuple[tuple[tuple[float, float], ...], ...]
-"""Places (x, y) of five fingers for every layout, the newest last."""
+"""Places (x, y) of five fingers in each layout, m; the newest layout is last."""
 
 DIGITS = 5
-"""Decimals of a place in metres: a hundredth of a millimetre."""
+"""Decimal places of stored coordinates in metres: a hundredth of a millimetre."""
 
 
 def stored_layouts(own: OwnLayouts, size: float) -> Layouts:
@@ -32,10 +33,10 @@ def stored_layouts(own: OwnLayouts, size: float) -> Layouts:
 
 
 def known_layouts(layouts: Sequence[Sequence[tuple[float, float]]], size: float) -> OwnLayouts:
-    """Converts stored layouts of a hand of a given size to those of the trained hand.
+    """Converts stored layouts of a hand of a given size to layouts of the trained hand.
 
     Raises:
-        EncoderError: There are too many, or they are not of a right hand's five fingers.
+        EncoderError: There are too many layouts, or a layout does not have five places.
     """
     if len(layouts) > MOST:
         raise EncoderError("too many layouts", got=len(layouts), expected=f"at most {MOST}")
@@ -45,9 +46,9 @@ def known_layouts(layouts: Sequence[Sequence[tuple[float, float]]], size: float)
 
 
 def learned_layouts(session: Session) -> dict[str, Layouts]:
-    """The layouts of hands that have learned new ones, by the hand's name.
+    """The layouts of each hand that has learned a new layout, by the hand's name.
 
-    Layouts from the session's beginning are included, as far as there is room.
+    Layouts known at the session's start are included, as far as there is room.
     """
     learned = {}
     for rig in session.rigs:

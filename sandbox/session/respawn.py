@@ -1,8 +1,8 @@
 """Respawn: returns objects that leave the workspace to their start, or to the nearest free place.
 
 The workspace is where a finger on the touch surface can reach an object. No touch could bring back
-an object that stays outside; after a moment it is put down at rest, and counted. The session does
-this and not the task, because tasks only read the simulation.
+an object outside the workspace. After a moment such an object is put down at rest, and counted. The
+session does this and not the task, because tasks only read the simulation.
 """
 
 from __future__ import annotations
@@ -28,26 +28,27 @@ AWAY = 0.5
 """Time (s) for which an object must be out of reach before it returns, so that the person can
 follow it."""
 GRIP = 0.005
-"""Least depth (m) at which the plane of the fingertips before an upright surface must cut an object
-for a grip."""
+"""Smallest depth (m) in an object that the nearest point of the fingertips' plane must have for a
+grip. In front of an upright surface, fingertips move only in this plane."""
 CEILING = 0.5
-"""Height (m) above a flat surface to which no hand lifts an object."""
+"""Height (m) above a flat surface that no lifted object reaches."""
 FLOOR = -0.05
-"""World z (m) of an object's centre below which it has sunk through the table."""
+"""World z (m): an object whose centre is lower has sunk through the table."""
 BORDER = 0.030
-"""Least distance (m) from the surface's border to the centre of an object that is put down
+"""Smallest distance (m) from the surface's border to the centre of an object that is put down
 elsewhere than at its start."""
 ROOM = 0.005
-"""Least gap (m) between an object that is put down and its neighbours."""
+"""Smallest gap (m) between an object that is put down and its neighbours."""
 BESIDE_GOAL = 0.030
-"""Least distance (m) from a goal for an object that is put down nearer to it than its start."""
+"""Smallest distance (m) from a goal to a place that is nearer to the goal than the object's start.
+"""
 GRID = 0.010
 """Distance (m) between two candidate places."""
 FARTHEST = 0.40
 """Largest distance (m) of a candidate place from the start."""
 NEAREST = 64
-"""Largest number of candidate places that are checked by contacts, if the balls around objects
-leave no room."""
+"""Largest number of candidate places that are checked by MuJoCo's contacts, if the balls around
+objects leave no place free."""
 
 
 class Respawn:
@@ -57,10 +58,11 @@ class Respawn:
         scene: The scene.
         surfaces: Touch surfaces, one per hand.
         goals: (n, 3) m, goal positions of objects. Places that are no nearer to a goal than the
-            object's start come first, and no place nearer than `BESIDE_GOAL` is used.
+            object's start are tried first. A place nearer than the start must be at least
+            `BESIDE_GOAL` from every goal.
 
     Attributes:
-        counts: Number of returns of each object, by name; objects that never left are not in it.
+        counts: Number of returns of each object, by name; without the objects that never left.
     """
 
     def __init__(self, scene: Scene, surfaces: Sequence[Surface], goals: ArrayLike = ()) -> None:
@@ -78,8 +80,8 @@ class Respawn:
         }
         self._objects = [place for place in self._all if place.can_leave]
         self._away = {place.name: 0 for place in self._objects}
-        # Kept, because they are searched at every step while there is no room.
         self._goals = np.asarray(goals, float).reshape(-1, 3)
+        # Computed once, because all candidate places are tried at every step while none is free.
         self._shifts = {place.name: self._reachable(place) for place in self._objects}
         self.counts: dict[str, int] = {}
 
@@ -123,14 +125,14 @@ class Respawn:
         if near and not flat:
             if self._over_a_side(data, place, surface, x, off):
                 return False
-            # The person cannot see depth, and fingers close in one plane, which must cut it.
+            # The person cannot see depth. Fingers close in one plane, which must cut the object.
             foot = position - (off - PAD_HEIGHT) * surface.rotation[:, 2]
             rotation = data.xmat[place.body].reshape(3, 3)
             return bool(place.thing.clearance(foot[None], position, rotation)[0] < -GRIP)
         if not near or (0.0 < x < width and 0.0 < -up < height):
             return near
-        # Its centre is off the surface: a finger at the border can only push it away, unless a
-        # part of it lies over the surface.
+        # The centre is beside the surface: a finger at the border can only push the object away,
+        # unless a part of the object is over the surface.
         points = surface.to_world(_border(width, height), off)
         rotation = data.xmat[place.body].reshape(3, 3)
         return bool(place.thing.clearance(points, position, rotation).min() < 0.0)
@@ -138,15 +140,15 @@ class Respawn:
     def _over_a_side(
         self, data: mujoco.MjData, place: _Place, surface: Surface, x: float, off: float
     ) -> bool:
-        """True if an object before an upright surface reaches over a side of it, so that no finger
-        reaches its outer face, and it cannot be gripped.
+        """True if an object in front of an upright surface extends beyond the surface's left or
+        right side. No finger reaches its outer face then, and it cannot be gripped.
 
         Args:
             data: The simulation.
             place: The object.
             surface: The surface.
-            x: m, position of its middle along the surface.
-            off: m, distance of its middle from the surface.
+            x: m, position of the object's centre along the surface.
+            off: m, distance of the object's centre from the surface.
         """
         width = METRES_PER_INCH * surface.width_in
         far = min(x, width - x)
@@ -160,9 +162,9 @@ class Respawn:
     def _put(self, data: mujoco.MjData, place: _Place, points: Array, radii: Array) -> bool:
         """Puts an object at the free place nearest to its start; False without a free place.
 
-        Its start is free if it touches nothing there. Another place is free if the balls around
-        objects are apart, so that fingers have room between them. Without such a place, a place is
-        free if objects do not touch.
+        The start is free if the object touches nothing there. Another place is free if the balls
+        around the objects are apart, so that fingers have room between the objects. If no place is
+        free by this rule, a place where the object touches no other object counts as free.
         """
         others = [p for p in self._all if p is not place and p.name not in place.together]
         shifts = self._shifts[place.name]
@@ -219,9 +221,9 @@ class Respawn:
         """True if an object at its start, moved by a shift (3,) m, touches no other object.
 
         Args:
-            tried: A copy of the simulation's state, in which the object is put there.
+            tried: A copy of the simulation's state, in which the object is moved.
             place: The object.
-            shift: The shift.
+            shift: The shift (3,), m.
             others: Bodies of the other objects.
         """
         model = self._scene.model
@@ -238,14 +240,14 @@ class Respawn:
         """(n, 3) m, shifts from an object's start to candidate places; zero comes first."""
         if not place.anywhere:
             return _SHIFTS[:1]
-        # Before an upright surface, and on rails, an object keeps its depth.
+        # An object on rails, or in front of an upright surface, keeps its depth.
         anywhere = place.free and any(_flat(s) for s in self._surfaces)
         shifts = _SHIFTS if anywhere else _SHIFTS[_SHIFTS[:, 1] == 0.0]
         there = np.any([_inside(s, place.home + shifts) for s in self._surfaces], axis=0)
         there |= ~shifts.any(axis=1)
         if not len(self._goals):
             return np.asarray(shifts[there])
-        # A lost object must not be an advantage.
+        # The loss of an object must not bring it nearer to its goal.
         away = [squared_lengths(place.home + shifts - goal) for goal in self._goals]
         nearest = np.min(away, axis=0)
         fair = nearest >= nearest[0]
@@ -260,8 +262,8 @@ class _Region:
         surface: The surface.
 
     Attributes:
-        surface: The same.
-        width, height: m, its size.
+        surface: As given.
+        width, height: m, size of the surface.
         flat: True if it lies on the table.
     """
 
@@ -274,7 +276,7 @@ class _Region:
         self._axes = None if surface.aligned else surface.rotation.T.tolist()
 
     def seen(self, position: list[float]) -> list[float]:
-        """Surface coordinates (m) of a world position (3,) m: to the right, up, and off it."""
+        """Surface coordinates (m) of a world position (3,) m: to the right, up, and distance."""
         away = [p - c for p, c in zip(position, self._corner, strict=True)]
         if self._axes is None:
             return away
@@ -299,7 +301,7 @@ class _Place:
         self.anywhere = self.free or int(slides.sum()) >= 2
         self.can_leave = self.anywhere or bool(endless.any())
         self.radius = scene.object_radius(thing.name)
-        # The objects that it carries move with it.
+        # The other parts of a mechanism move with the object.
         self.together = thing.together if isinstance(thing, MechanismPart) else ()
         if not self.can_leave:
             return
@@ -308,7 +310,7 @@ class _Place:
         self._qpos = slice(int(model.jnt_qposadr[first]), int(end))
         end = model.nv if last + 1 == model.njnt else model.jnt_dofadr[last + 1]
         self._dofs = slice(int(model.jnt_dofadr[first]), int(end))
-        # The objects that it carries come to rest with it.
+        # The bodies that the object carries come to rest with it.
         if self.free:
             root = model.body_rootid
             carried = int((root[model.dof_bodyid] == root[body]).sum())
@@ -343,7 +345,7 @@ def _flat(surface: Surface) -> bool:
 
 
 def _inside(surface: Surface, positions: Array) -> NDArray[np.bool_]:
-    """(n,) bool, True if an object put down at a world position (n, 3) m is well within reach."""
+    """(n,) bool, True for world positions (n, 3) m more than `BORDER` inside the surface's edge."""
     xy, size = surface.to_surface(positions), surface.size
     if not _flat(surface):
         # An object that stands on the table is at the lower edge of an upright surface.
@@ -352,7 +354,7 @@ def _inside(surface: Surface, positions: Array) -> NDArray[np.bool_]:
 
 
 _SHARES = np.linspace(0.0, 1.0, 50)
-"""Shares of the length of a surface's side at which points are checked."""
+"""Positions of checked points along a side of a surface, as shares of its length."""
 
 
 def _border(width: float, height: float) -> Array:

@@ -1,8 +1,8 @@
 """The control loop: devices -> reconstruction -> servo targets -> physics -> score -> views.
 
-Simulated time decides. One call of `advance` is one control period; a session with a person calls
-it at real time, a headless run as fast as possible. The same input gives the same states to the
-bit, because nothing here reads a clock.
+All timing follows simulated time, not the clock. One call of `advance` is one control period. A
+session with a person calls it at real time, a headless run as fast as possible. Nothing here reads
+a clock, so that equal inputs give bit-identical states.
 """
 
 from __future__ import annotations
@@ -60,8 +60,9 @@ OUT_OF_REACH = "a finger is where this robot's hand cannot reach"
 """Notice in English only, until translations exist that were checked by back-translation."""
 
 STATE = mujoco.mjtState.mjSTATE_INTEGRATION
-"""State that must be stored so that a simulation continues to the bit. `FULLPHYSICS` lacks the
-solver's warm start: a simulation continued from it differs at the first step."""
+"""The parts of MuJoCo's state that must be stored so that a continued simulation gives
+bit-identical results. `FULLPHYSICS` lacks the solver's warm start: a simulation continued from it
+differs at the first step."""
 
 
 @dataclass
@@ -84,7 +85,7 @@ class Rig:
 
 
 class Recorder(Protocol):
-    """Contract of recorders of a session, which must not block and never lose data."""
+    """Contract of a session's recorders. A recorder must not block, and must never lose data."""
 
     def input(self, step: int, hand: int, frame: Frame, state_hash: str) -> None:
         """Records a frame that takes effect at a physics step, and the state's hash before it."""
@@ -168,7 +169,7 @@ class Session:
         self._respawn_notice: tuple[float, str] = (-np.inf, "")
         self.diverged, self.shown = "", True
         self._followers = [rig.hand.follower() for rig in rigs]
-        # Control periods with touches of hands that cannot take every pose, and those of them in
+        # Control periods with touches, for robot hands only; and the number of these periods in
         # which a fingertip could not reach its touch.
         self._followed = self._missed = 0
         self._latest_frames = [LatestFrame(rig.reconstructor.empty) for rig in rigs]
@@ -221,13 +222,13 @@ class Session:
     @property
     def respawned(self) -> int:
         """Number of times that an object was returned to the workspace."""
-        return sum(self._respawn.counts.values())  # any order: whole numbers
+        return sum(self._respawn.counts.values())  # any order: a sum of integers
 
     @property
     def unreached(self) -> float | None:
-        """Share of control periods with a fingertip out of reach, 5 mm or more off its touch.
+        """Share of the control periods in which a fingertip is 5 mm or more from its touch.
 
-        The share is of the periods with labelled touches; None for hands that can take every pose.
+        Only control periods with labelled touches of robot hands count. None without a robot hand.
         """
         if not any(self._followers):
             return None
@@ -327,8 +328,8 @@ class Session:
             )
         snapshot = self.snapshot()
         if not self.over:
-            # Record the state at the beginning of the next period now. After the wait for real time
-            # it would take three times as long, and delay a touch.
+            # Record now the state with which the next period begins. Recorded after the wait for
+            # real time, it would take three times as long, and delay a touch.
             self._record_state()
         return snapshot
 
@@ -382,7 +383,8 @@ class Session:
 
     def _switch(self) -> None:
         """Changes the contact mode if a person or a recording requested it."""
-        # A single read and write: a request from another thread in between waits for the next step.
+        # Read and clear the request in one statement. A request that another thread makes after
+        # this statement waits for the next step.
         asked, self._asked = self._asked, None
         for rig in self.rigs:
             # A device that plays a recording also plays the recorded changes of mode.
@@ -441,7 +443,7 @@ class Session:
         return reconstruction
 
     def _follow(self, i: int, q: Array, fingers: frozenset[int]) -> None:
-        """Sets the servo targets of a hand for a pose (48,), and the fingers that touch."""
+        """Sets the servo targets of a hand, given its pose (48,) and the fingers that touch."""
         follower = self._followers[i]
         if follower is None:
             controls = self.rigs[i].hand.controls(q)
@@ -452,7 +454,7 @@ class Session:
         self.data.ctrl[self.scene.control_slice(i)] = controls
 
     def _latest(self, i: int) -> Any:
-        """The latest frame of a device, of the kind that its reconstructor takes."""
+        """Polls a device, and returns its latest frame, a touch frame or a hand frame."""
         latest = self._latest_frames[i]
         if latest.take(self.rigs[i].device.poll(self.time), self.time) and self._recorder:
             self._recorder.input(self.step, i, latest.frame, self.state_hash)
@@ -496,7 +498,7 @@ def _hands(
 
     Args:
         poses: Poses of all bodies.
-        hands: For each hand, the object that computes its fingertips, and the surface of its
+        hands: For each hand, the function that computes its fingertips, and the surface of its
             touches.
         reconstructions: The reconstruction of each hand; the list is never modified.
         fingers: For each hand, its solid fingers, and its fingers inside an object.
@@ -544,7 +546,7 @@ _WARNINGS = {
 def command_error(data: mujoco.MjData) -> str:
     """Describes an error in the commanded pose; empty if the pose is valid."""
     ctrl = data.ctrl
-    if isfinite(ctrl.dot(ctrl)) or np.all(np.isfinite(ctrl)):  # any order: is it finite
+    if isfinite(ctrl.dot(ctrl)) or np.all(np.isfinite(ctrl)):  # any order: only finiteness counts
         return ""
     return "the commanded pose is not finite"
 
@@ -554,7 +556,7 @@ def state_error(scene: Scene, data: mujoco.MjData) -> str:
     # Fast path for the usual, valid state: a dot product is finite only if all numbers are, and no
     # object is fast while all joint velocities are small.
     qpos, qvel = data.qpos, data.qvel
-    slow = isfinite(qpos.dot(qpos)) and qvel.dot(qvel) < _SLOW**2  # any order: a rough first look
+    slow = isfinite(qpos.dot(qpos)) and qvel.dot(qvel) < _SLOW**2  # any order: only a coarse test
     if slow and not any(data.warning.number.tolist()):
         return ""
     for kind, words in _WARNINGS.items():

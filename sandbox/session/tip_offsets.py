@@ -1,15 +1,16 @@
 """Offsets from touches to fingertips: beside objects, and while fingers hold or release an object.
 
 People put their fingers against an object. A touch is the place of the middle of a fingertip, and
-the tip is a ball of 8 mm radius, so a finger at a face would become solid inside the object. The
-tip is therefore moved out along the surface while it is still a ghost, by little more than its
-radius. As long as it is solid near objects, it keeps this offset from its touch, rotated with the
-touches. Fingers that close then press from the face on.
+the tip is a ball of 8 mm radius. Without an offset, a finger at a face would therefore become solid
+inside the object. While the tip is still a ghost, it is moved out along the surface, by little more
+than its radius. As long as the tip is solid near objects, it keeps this offset from its touch. The
+offset rotates with the touches. Fingers that close then press as soon as they are at the face.
 
-A grip stores force in the servos of every finger, also along the faces of the object. Fingers that
-open slowly would release this force to the object, which would turn and follow them. Lifted fingers
-become ghosts in one step and leave the object in place. Spreading fingers do too: while they open
-by a few millimetres their tips stay in place, and then the hand becomes a ghost.
+A grip stores force in the servos of every finger, also along the faces of the object. If fingers
+opened slowly, this force would turn the object, and the object would follow the fingers. Lifted
+fingers become ghosts in one step and leave the object in place. Spreading fingers also leave it in
+place: while they open by a few millimetres their tips do not move, and then the hand becomes a
+ghost.
 """
 
 from __future__ import annotations
@@ -29,15 +30,15 @@ from models.surface import Surface
 from sandbox.session.collision_gating import GHOST, CollisionGate
 
 OPENED = 0.004
-"""Spread at which the fingers let go, m: the increase of each finger's distance from the middle of
-all. Resting touches tremble by a millimetre."""
+"""Spread at which the fingers let go, m: the mean increase of the fingers' distances from their
+centre. Resting touches tremble by a millimetre."""
 SURE = 0.001
-"""Spread from which on the fingers are expected to spread further, m."""
+"""Spread above which the fingers are expected to spread further, m."""
 RELEASED_FADING = 0.07
 """Speed at which tips return to their touches after a release, m/s."""
 MEMORY = 1.0
-"""Time constant with which the narrowest width of a grip fades, s, so that fingers that open slowly
-loosen the grip."""
+"""Time constant with which the remembered narrowest width of a grip approaches the current width,
+s. Fingers that open slowly therefore loosen the grip."""
 
 _Touches = Mapping[int, tuple[float, float]]
 """Touches (x, y) on the surface by finger, m."""
@@ -47,7 +48,7 @@ _Offsets = list[tuple[float, float]]
 
 
 class Grip:
-    """The width that the solid fingers of a hand keep."""
+    """Keeps the width of a grip of solid fingers, and detects when the fingers let go."""
 
     def __init__(self) -> None:
         self._offsets: _Offsets | None = None
@@ -138,25 +139,27 @@ MARGIN = 0.0012
 """Clearance from objects of a fingertip with an offset, m. A touch trembles, and the simulated
 finger follows its command within less than a millimetre."""
 REACH = 0.007
-"""Largest offset beyond the fingertip's own radius, m: the margin, and the additional offset of a
-leaning finger beside a high object (measured at db485e42)."""
+"""Largest offset minus the fingertip's radius, m. It covers the margin, and the additional offset
+of a leaning finger beside a high object (measured at db485e42)."""
 INSIDE = 0.002
-"""Depth of a touch in an object beyond which its finger gets no offset and the person gets a
-notice, m. Touches tremble, and people put a fingertip's middle onto the visible edge."""
+"""Depth of a touch in an object, m. The finger of a deeper touch gets no offset, and the person
+gets a notice. Smaller depths are allowed because touches tremble, and because people put a
+fingertip's middle onto the visible edge."""
 TOWARDS = 0.3
-"""Cosine of the angle to the hand's other touches from which on a finger gets no offset. In a grip
-the object is between the fingers, so the way out leads away from the other touches."""
+"""Cosine of the angle between an offset and the direction to the hand's other touches. Above it, a
+finger gets no offset. In a grip the object is between the fingers, so that the way out leads away
+from the other touches."""
 SPEED = 0.15
 """Speed of an offset along the surface, m/s: 2.4 mm in a control period."""
 FADING = 0.05
 """Speed at which a solid fingertip returns to a touch that is well clear of objects, m/s."""
 WELL_CLEAR = 0.003
-"""Clearance that a solid finger without its offset needs for the offset to end, m."""
+"""Clearance that a solid finger would need without its offset before the offset fades, m."""
 
 _PROBE = 0.0005
 """Distance to either side at which the clearance is probed for its gradient, m."""
 _LEAST_SLOPE = 0.3
-"""Gradient of the clearance along the surface below which no way out exists."""
+"""Gradient of the clearance along the surface; below it, there is no way out along the surface."""
 _ROUNDS = 12
 _NONE = (0.0, 0.0)
 _NO_OFFSETS = np.zeros((len(FINGERS), 2))
@@ -186,7 +189,8 @@ class TipOffsets:
         self._right, self._down = surface.rotation[:, 0], -surface.rotation[:, 1]
         self._right_of, self._down_of = self._right.tolist(), self._down.tolist()
         self._corner = surface.corner.tolist()
-        # Reach of the part that becomes solid, from its touch, including the largest offset.
+        # Farthest distance, from the touch, of the part that becomes solid, with the largest
+        # offset included.
         reach = {
             f: (1.0 - link.solid_from) * link.length + 2 * link.radius + REACH
             for f, link in last.items()
@@ -214,7 +218,7 @@ class TipOffsets:
             reconstruction: Current reconstruction from touches.
             ghost: True while the hand passes through objects by the contact mode.
         """
-        # A missing finger of a robot's hand holds nothing.
+        # A finger that a robot hand lacks cannot hold an object.
         touches = {f: xy for f, xy in reconstruction.touches.items() if f in self._radius}
         self._before, self._touches = self._touches, touches
         self._near = {} if ghost else self._objects_near(data)
@@ -227,8 +231,8 @@ class TipOffsets:
 
         Args:
             data: Current state of the simulation.
-            reconstruction: Current reconstruction from touches; `releases` was called with it
-                before.
+            reconstruction: Current reconstruction from touches. `releases` must have been called
+                with it.
         """
         solid = self._gate.fingers
         if self._out is not None or (self._near and not self._touches.keys() <= solid):
@@ -312,7 +316,7 @@ class TipOffsets:
         self, offset: Array, tip: Array, data: BodyPoses, clear: _Clearance | None, finger: int
     ) -> Array:
         """Returns the next offset (2,) of a solid finger whose offset is not 0, m."""
-        # Test the tip first: it mostly decides, and the distance to some objects takes long.
+        # Test the tip first: it is mostly sufficient, and some distances take long to compute.
         if clear is not None and (
             clear(tip[None]).min() <= WELL_CLEAR
             or clear(tip + self._gate.behind_tips(data)[:, finger]).min() <= WELL_CLEAR
@@ -337,7 +341,7 @@ class TipOffsets:
             way = self._way_out(tip, behind, clear, self._radius[finger])
             if way is not None and self._towards_touches(finger, way):
                 way = None
-        # Without a way out the finger remains in place, and the person gets a notice.
+        # Without a way out the finger stays in place, and the person gets a notice.
         return offset if way is None else _towards(offset, way, SPEED)
 
     def _towards_touches(self, finger: int, way: tuple[float, float]) -> bool:
@@ -383,7 +387,7 @@ class TipOffsets:
 
 
 def _towards(offset: Array, goal: tuple[float, float], speed: float) -> Array:
-    """Moves an offset (2,) towards a goal for a control period, at a speed, m/s."""
+    """The offset (2,) after it moved towards a goal for a control period, at a speed, m/s."""
     x, y = offset.tolist()
     right, down = goal[0] - x, goal[1] - y
     way, most = sqrt(right * right + down * down), speed * CONTROL_PERIOD

@@ -1,1 +1,1 @@
-"""Trials: settings, and the building, running, pacing, recording and replaying of sessions."""
+"""Trials: their settings, and how a session is built, run, paced, recorded and replayed."""

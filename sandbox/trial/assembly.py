@@ -1,9 +1,9 @@
 """Builds a session from the settings of a run: task, surfaces, reconstructors, hands, devices.
 
-`place_all` places the surfaces of all hands in the world. A device maker opens the device of one
-hand, for a drawn task on a placed surface; settings name one device for each hand, or one device
-that both hands share. `with_lift` adds a lift control where a task needs one. `build` does all of
-it.
+`build` is the entry point. `place_all` places the surfaces of all hands in the world. A device
+maker is a function that opens the device of one hand, for a drawn task on a placed surface.
+Settings name one device for each hand, or one device that both hands share. `with_lift` adds a lift
+control if the task needs one.
 """
 
 from __future__ import annotations
@@ -52,13 +52,17 @@ def place_all(
 ) -> tuple[Surface, tuple[Surface, ...]]:
     """Places the surface that a task is drawn on, and the surface of every hand.
 
-    The two surfaces of a task for two hands lie side by side (see `sides_of`). In a task for one
-    hand they coincide: two people, each with a screen, at one table.
+    In a task for two hands, the surfaces of the two hands lie side by side (see `sides_of`). If two
+    hands play a task for one hand, their surfaces coincide: two people, each with a screen, play at
+    one table.
 
     Args:
         placed: A single surface, placed for the task.
         settings: Settings of the run.
         kind: Class of the task.
+
+    Returns:
+        The surface that the task is drawn on, and one surface per hand.
 
     Raises:
         InputError: The task needs more hands than there are, or two upright surfaces.
@@ -66,7 +70,7 @@ def place_all(
     hands = len(settings.hands)
     if hands < hands_of(kind):
         raise InputError(
-            "this task needs two hands, and there is one",
+            "this task needs two hands, and only one is given",
             where=kind.name,
             expected="a device for each hand, or two hands on one device",
             remedy=f"sandbox run {kind.name} --device simulated --device simulated",
@@ -118,7 +122,7 @@ DeviceMakers = tuple[DeviceMaker, ...]
 """One maker per hand, in the order of `Settings.hands`."""
 
 Around = Callable[[DeviceMaker], DeviceMaker]
-"""Function that wraps the device that a maker opens."""
+"""Function from a maker to a maker whose devices are wrapped."""
 
 
 def device_makers(settings: Settings, around: Around = lambda make: make) -> DeviceMakers:
@@ -126,7 +130,8 @@ def device_makers(settings: Settings, around: Around = lambda make: make) -> Dev
 
     Args:
         settings: Settings of the run.
-        around: Wraps the first device, inside all wrappers that degrade or share it.
+        around: Wraps the first hand's device. Wrappers that degrade or share the device are outside
+            this wrapper.
 
     Raises:
         InputError: A device does not exist, or its file cannot be read.
@@ -214,7 +219,7 @@ def shared_by_users(makers: DeviceMakers, settings: Settings, sees: Sees) -> Dev
 
 
 def with_first(makers: DeviceMakers, change: Around) -> DeviceMakers:
-    """The makers, with a change to that of the first hand, which is the person at the screen."""
+    """The makers, with a changed maker for the first hand, the hand of the person at the screen."""
     first, *others = makers
     return (change(first), *others)
 
@@ -234,7 +239,7 @@ def check_count(makers: DeviceMakers, settings: Settings) -> None:
 
 
 def is_live(settings: Settings) -> bool:
-    """True if a person or another program drives the run, which is then in real time."""
+    """True if a person or another program drives the run, so that it must be in real time."""
     devices = filter(None, (settings.device, settings.second_device))
     return any(kind_of(device.name).live for device in devices)
 
@@ -250,7 +255,7 @@ def _maker(settings: Settings, hand: int) -> DeviceMaker:
 
 
 def _merged(makers: DeviceMakers, sees: Sees) -> DeviceMaker:
-    """A maker of one device of two simulated users."""
+    """A maker of one device that merges the input of two simulated users."""
 
     def make(task: Task, surface: Surface) -> Device:
         devices: list[AnyDevice] = [maker(task, surface) for maker in makers]
@@ -266,7 +271,7 @@ def _merged(makers: DeviceMakers, sees: Sees) -> DeviceMaker:
 
 
 def _degraded(make: DeviceMaker, settings: Settings, hand: int) -> DeviceMaker:
-    """A maker whose device is disturbed by the settings' variation."""
+    """A maker whose device has the disturbances of the settings' variation."""
     variation, name = settings.variation, settings.device_of(hand).name
     if not variation.degrades_touches:
         return make
@@ -288,7 +293,7 @@ def _degraded(make: DeviceMaker, settings: Settings, hand: int) -> DeviceMaker:
 
 
 def lifts(settings: Settings) -> bool:
-    """True if a trial needs a lift control: its task lifts, and a hand touches a surface."""
+    """True if a trial needs a lift control: its task has one, and a hand touches a surface."""
     return find_task(settings.task).lift_range > 0 and not settings.in_air
 
 
@@ -299,10 +304,10 @@ def with_lift(makers: DeviceMakers, keys: bool) -> DeviceMakers:
 
     Args:
         makers: Functions that open the devices.
-        keys: A window's keys can serve as a lift control.
+        keys: True if a window's keys can serve as a lift control.
     """
 
-    # Few tasks lift.
+    # Imported here, since few tasks have a lift control.
     from sandbox.devices.wrappers.playing import LiftKeys
 
     controls: list[LiftKeys] = []
@@ -331,17 +336,17 @@ def with_lift(makers: DeviceMakers, keys: bool) -> DeviceMakers:
 
 
 UPRIGHT_END = 0.0
-"""Solid length (m) of the last links before an upright surface: only the spheres at the fingertips
-are solid. Otherwise fingers would push objects below or before the held object, at a depth that is
-invisible to the person."""
+"""Solid length (m) of the last links in front of an upright surface: only the spheres at the
+fingertips are solid. Otherwise fingers would push objects below or in front of the held object, at
+a depth that the person cannot see."""
 
 
 TIP_END = 0.012
 """Solid length (m) of the last links of a hand whose fingertips are offset out of objects."""
 
 IN_AIR: dict[str, Any] = {"links": 2, "together": True}
-"""Collision gating of a hand in the air. A Leap measures where middle links are, and objects that
-pass through them look wrong (measured at db485e42)."""
+"""Collision gating of a hand in the air. A Leap measures where the middle links are, and it looks
+wrong if objects pass through them (measured at db485e42)."""
 
 
 def load_encoder(name: str) -> TrainedModel:
@@ -360,8 +365,10 @@ def _print_progress(line: str) -> None:
 
 
 def digests(settings: Settings) -> dict[str, str]:
-    """Digests of the trained models: the encoder, and the belief over labels if it is used; and of
-    a robot's hand."""
+    """Digests of the encoder, of the labeller's model, and of the robot hand if there is one.
+
+    The labeller's digest is empty for labels by the paper's rule, which have no model.
+    """
     belief = _belief(settings)
     labels = "" if belief is None else belief.trained.digest
     learned = {"encoder": load_encoder(settings.pipeline.encoder).digest, "labels": labels}
@@ -380,7 +387,7 @@ def reconstructor_settings(
 
     Args:
         settings: Settings of the run.
-        lift_range: m by which the task's lift control raises the hand.
+        lift_range: Height by which the task's lift control raises the hand, m.
         size: Length of the person's hand relative to the trained hand.
     """
     tracker, arrival = TrackerSettings(), ArrivalSettings(hover=settings.pipeline.hover)
@@ -407,7 +414,8 @@ def make_labeller(
 ) -> Labeller:
     """The labeller that the settings name.
 
-    `device` gives the labeller of `population`, for contacts that come without a label.
+    For the setting `device`, it is the labeller `population`, which labels the contacts that the
+    device does not label.
 
     Args:
         settings: Settings of the run.
@@ -423,11 +431,13 @@ def make_labeller(
 
 
 def _belief(settings: Settings, hand: HandSettings | None = None) -> BeliefLabels | None:
-    """The belief over labels that the settings name, about the fingers that are in use; None for
-    the paper's rule.
+    """The labeller with a belief over labels, for the fingers that are in use.
+
+    Returns:
+        The labeller; None for labels by the paper's rule.
 
     Raises:
-        InputError: A declared set has a finger that is missing in the robot's hand.
+        InputError: A set of `finger_sets` has a finger that the robot hand lacks.
     """
     belief = _any_belief(settings, hand)
     if belief is None:
@@ -443,7 +453,7 @@ def _belief(settings: Settings, hand: HandSettings | None = None) -> BeliefLabel
         lacking = {finger for each in sets for finger in each if finger >= fingers}
         if lacking:
             raise InputError(
-                "the robot's hand lacks this finger",
+                "the robot hand lacks this finger",
                 where="finger_sets",
                 got=FINGERS[min(lacking)],
                 expected=f"sets of {', '.join(FINGERS[:fingers])}",
@@ -453,7 +463,7 @@ def _belief(settings: Settings, hand: HandSettings | None = None) -> BeliefLabel
 
 
 def _any_belief(settings: Settings, hand: HandSettings | None = None) -> BeliefLabels | None:
-    """The same for a hand with five fingers."""
+    """The labeller with a belief over labels, for a hand with five fingers."""
     if settings.pipeline.labels == "paper":
         return None
     known = None
@@ -465,7 +475,7 @@ def _any_belief(settings: Settings, hand: HandSettings | None = None) -> BeliefL
 
 
 def _check_finger_sets(settings: Settings, kind: type[Task]) -> None:
-    """Refuses sets of fingers with which a task cannot be played."""
+    """Raises an error if a task cannot be played with the fingers of the declared sets."""
     if not settings.pipeline.finger_sets:
         return
     fingers = {f for each in parse_finger_sets(settings.pipeline.finger_sets) for f in each}
@@ -484,7 +494,7 @@ def drawn(settings: Settings, may_overlap: bool = False) -> tuple[Task, tuple[Su
 
     Args:
         settings: Settings of the run.
-        may_overlap: Objects of a varied trial may overlap; otherwise overlaps are refused.
+        may_overlap: True if objects of a varied trial may overlap; otherwise overlaps are refused.
 
     Raises:
         InputError: The task does not fit on the surface, it cannot be varied in this way, or
@@ -516,8 +526,8 @@ def build(
         recorder: Records inputs and states; None records nothing.
         wrap_reconstructor: Replaces or wraps each reconstructor of touches; None changes nothing.
         change_task: Changes the drawn trial; None changes nothing.
-        may_overlap: Objects of a varied trial may overlap at the start, since it was played before,
-            or since a participant waits for it.
+        may_overlap: True if objects of a varied trial may overlap at the start, because the trial
+            was played before, or because a participant waits for it.
 
     Raises:
         InputError: The trial cannot be played with these settings; see `drawn`.
@@ -568,8 +578,8 @@ def build(
     rules = CollisionGatingRules(
         settings.pipeline.ghost_until_clear,
         settings.pipeline.distal_only,
-        # Tips that are not at their touches cannot be offset, and a hand that becomes solid
-        # inside objects needs no offsets.
+        # Without the correction, tips are not at their touches and cannot be offset. A hand that
+        # may become solid inside objects needs no offsets.
         lead=settings.pipeline.correction and settings.pipeline.ghost_until_clear,
         all_over=settings.physics.solid == SOLID[1],
     )
@@ -615,7 +625,7 @@ def _hands(settings: Settings, task_type: type[Task]) -> list[SceneHand]:
 
 
 def _hand(settings: Settings, name: str, hand: HandSettings, task_type: type[Task]) -> SceneHand:
-    """One simulated hand: ours, or a robot's."""
+    """One simulated hand: a human hand, or a robot hand."""
     skeleton = hand.person.skeleton(ADULT)
     solid_end = _solid_end(settings, hand, task_type)
     if not settings.physics.robot:
@@ -634,7 +644,7 @@ def _hand(settings: Settings, name: str, hand: HandSettings, task_type: type[Tas
     mapping = find_robot(settings.physics.robot)
     if mapping.side != hand.side:
         raise InputError(
-            f"this robot's hand is a {mapping.side} one",
+            f"this robot hand is a {mapping.side} hand",
             where="--robot",
             got=f"{settings.physics.robot} for the {hand.side} hand",
             remedy=f"Use --hand {mapping.side}",
@@ -645,7 +655,7 @@ def _hand(settings: Settings, name: str, hand: HandSettings, task_type: type[Tas
 
 
 def _solid_end(settings: Settings, hand: HandSettings, task_type: type[Task]) -> float | None:
-    """Solid length in m of the last links where only fingertips are solid; see `Hand`."""
+    """Solid length of the last links, m, if not the whole links are solid; see `Hand`."""
     if settings.physics.solid == SOLID[1]:
         return None if hand.in_air is not None else TIP_END
     if task_type.plane == "front":
@@ -654,7 +664,7 @@ def _solid_end(settings: Settings, hand: HandSettings, task_type: type[Task]) ->
 
 
 def _yaw_watch(model: TrainedModel) -> YawMonitor | None:
-    """Check for hands turned further than in the training data; None if the model has no range."""
+    """Monitor of hands that are turned further than in the training data; None without data."""
     try:
         return YawMonitor(YawRange.of(model.training_u))
     except CaptureError:

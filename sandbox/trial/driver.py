@@ -3,11 +3,11 @@
 Headless runs, windows, pages, studies, replays, gymnasium and streams drive trials through `Trial`.
 Their callers supply devices, views, pace, and the pauses of simulated time.
 
-A live run has physics in its own thread at real time, and the picture in the caller's. Play and
-studies, in a window and on pages, all run a trial by `LiveRun.play`. They differ only in one turn
-of the caller's thread: a window draws a picture, a page's server handles requests. `RealTime` waits
-for the wall clock. A trial that is behind real time slows down and reports this; it never skips
-steps.
+A live run has physics in a thread of its own, at real time; the caller's thread draws. Play and
+studies, in a window and on pages, all run a trial by `LiveRun.play`. They differ only in the turn,
+the function that the caller's thread repeats: a window draws a picture, a page's server handles
+requests. `RealTime` waits for the wall clock. A trial that is behind real time slows down and
+reports this; it never skips steps.
 """
 
 from __future__ import annotations
@@ -56,7 +56,7 @@ View = Callable[[Snapshot], None]
 """Receives every snapshot of a trial, in order."""
 
 LISTENERS: list[SessionListener] = []
-"""Receivers of all recorded trials, such as streams; see `sandbox.lsl.forwarding_to`."""
+"""Listeners that receive all recorded trials, such as streams; see `sandbox.lsl.forwarding_to`."""
 
 ViewMaker = Callable[[Session], Sequence[View]]
 """Makes the views of a session before its first step."""
@@ -77,13 +77,13 @@ class Trial:
 
     Args:
         session: A session that is ready for its first step.
-        views: Functions that receive every snapshot. Devices that need the scene receive it too.
+        views: Functions that receive every snapshot. Devices that take snapshots receive them too.
         trial_recorder: Records the session; None records nothing.
 
     Attributes:
         session: As given.
         newest: The latest snapshot; None before the first step. After a divergence it is the last
-            valid one, with the score that names the divergence.
+            valid snapshot, with the score that names the divergence.
     """
 
     def __init__(
@@ -134,8 +134,8 @@ class Trial:
 
         Args:
             pace: Waits after every step; None runs as fast as possible.
-            paused: Called before every step; True while simulated time stands still. It should
-                block for a while, or until the pause is over, before it returns True.
+            paused: Called before every step; returns True while simulated time stands still. It
+                should block for a while, or until the pause is over, before it returns True.
             stop: Called before every step; True ends the run before the trial is over.
         """
         if pace:
@@ -160,10 +160,10 @@ class Trial:
         return self._trial_recorder.end(self.session, **more)
 
     def settle(self) -> None:
-        """Waits until the recording is on disk, end included; nothing is recorded afterwards.
+        """Waits until the whole recording is on disk; nothing is recorded afterwards.
 
         Raises:
-            RecordingError: Something could not be written; what came before it is safe.
+            RecordingError: A line could not be written; all earlier lines are safe.
         """
         if self._trial_recorder is not None:
             self._trial_recorder.close()
@@ -179,17 +179,18 @@ def open_trial(
     dump: Path | None = None,
     may_overlap: bool = False,
 ) -> Iterator[Trial]:
-    """A trial that is ready for its first step; its devices and files are closed afterwards.
+    """Opens a trial that is ready for its first step; closes its devices and files afterwards.
 
     Args:
         settings: Settings of the run.
-        makers: Functions that open the devices, one per hand; None opens those of the settings.
+        makers: Functions that open the devices, one per hand; None opens the devices that the
+            settings name.
         make_views: Makes the views.
-        record: File of the recording; None writes none.
+        record: File of the recording; None writes no recording.
         about: Further entries of header and result, such as the trial of a study.
-        dump: Folder for the last states of a diverging simulation without a recording; next to a
-            recording they are always written.
-        may_overlap: Objects of a varied trial may overlap; see `build`.
+        dump: Folder for a dump if the simulation diverges and there is no recording; None writes
+            no dump in this case. Next to a recording, a dump is always written.
+        may_overlap: True if objects of a varied trial may overlap; see `build`.
 
     Raises:
         InputError: The task does not fit on the surface, a device cannot be opened, or the
@@ -216,10 +217,10 @@ def open_trial(
 
 @contextmanager
 def undisturbed() -> Iterator[None]:
-    """Limits linear algebra to one thread and switches Python's garbage collector off meanwhile.
+    """Limits linear algebra to one thread, and disables Python's garbage collector, for a block.
 
     More threads gain nothing on matrices this small, and would wait for each other. A trial leaves
-    no reference cycles, but makes thousands of objects. The collector would sometimes run over all
+    no reference cycles, but makes thousands of objects. The collector would sometimes scan all
     imported objects, and delay a person's touch by milliseconds.
     """
     was = gc.isenabled()
@@ -261,7 +262,8 @@ def play_trial(
         settings, makers, make_views, record, about, dump: See `open_trial`.
 
     Returns:
-        The trial's result; after a divergence, its `dump` is the file with the last states.
+        The trial's result. After a divergence, its `dump` is the file with the last states, if one
+        was written.
     """
     with open_trial(settings, makers, make_views, record, about, dump) as trial:
         trial.run()
@@ -273,9 +275,9 @@ class TrialRecorder:
 
     Args:
         header: Header of the recording (see `trial_header`).
-        record: File of the recording; None writes none.
-        dump: Folder for the last states of a diverging simulation; next to a recording they are
-            always written.
+        record: File of the recording; None writes no recording.
+        dump: Folder for a dump if the simulation diverges and there is no recording; None writes
+            no dump in this case. Next to a recording, a dump is always written.
 
     Attributes:
         recorder: The recorder that the session needs.
@@ -298,15 +300,15 @@ class TrialRecorder:
         self.recorder: Recorder = self._forwarding or self._box
 
     def watch(self, session: Session) -> None:
-        """Gives the session that is recorded to the listeners, once it is built."""
+        """Passes the recorded session to the listeners, once it is built."""
         if self._forwarding:
             self._forwarding.watch(session)
 
     def end(self, session: Session, **more: Any) -> TrialResult:
         """Writes the trial's end and returns the result.
 
-        After a divergence `dump` of the result is the file with the last states. If that file
-        cannot be written, `dump` is empty and `dump_error` has the error.
+        After a divergence, the result's `dump` is the file with the last states. If the file cannot
+        be written, `dump` is empty and `dump_error` has the error.
 
         Args:
             session: The session at its end.
@@ -331,14 +333,14 @@ class TrialRecorder:
         """Raises the error of a failed write; never waits.
 
         Raises:
-            RecordingError: Something could not be written; what came before it is safe.
+            RecordingError: A line could not be written; all earlier lines are safe.
         """
         if self._writer:
             self._writer.check()
 
     def withdraw(self) -> None:
-        """Removes the recording of a trial that never began, once it is closed, so that the same
-        command can be repeated."""
+        """Removes the recording of a trial that never began, so that the same command can be
+        repeated. The recording must be closed."""
         if self._record is not None:
             self._record.unlink(missing_ok=True)
 
@@ -346,7 +348,7 @@ class TrialRecorder:
         """Waits until everything is on disk.
 
         Raises:
-            RecordingError: Something could not be written; what came before it is safe.
+            RecordingError: A line could not be written; all earlier lines are safe.
         """
         if self._writer:
             self._writer.close()
@@ -359,7 +361,7 @@ MOST_DUMPS = 1000
 
 
 class DivergenceRecorder(RecordingLines):
-    """Keeps a session in memory for a dump, and passes everything on to a recording, if any.
+    """Holds the lines of a session in memory for a dump, and passes them on to a recording.
 
     Args:
         header: Header of the recording.
@@ -370,7 +372,8 @@ class DivergenceRecorder(RecordingLines):
         super().__init__()
         self._header, self._recording = header, recording
         self._lines: list[Line | DeferredLine] = []
-        # Ring buffer of the last control states, one per row; step and hash of all states.
+        # `_last` is a ring buffer of the last control states, one per row. `_states_seen` has step
+        # and hash of all states.
         self._last = np.empty((0, 0))
         self._states_seen: list[tuple[int, str]] = []
 
@@ -426,7 +429,9 @@ class DivergenceRecorder(RecordingLines):
 
 
 def dump_path(folder: Path | None, record: Path | None, task: str, seed: int) -> Path | None:
-    """Path of a dump: next to the recording, else in the folder; None without either.
+    """Path of a dump: next to the recording if there is one, otherwise in the folder.
+
+    None if there is neither a recording nor a folder.
 
     Args:
         folder: Folder for dumps.
@@ -440,7 +445,7 @@ def dump_path(folder: Path | None, record: Path | None, task: str, seed: int) ->
 
 
 def _new_dump(path: Path, header: dict[str, Any]) -> RecordingWriter:
-    """A writer to a new file of this name, with a number added if it exists."""
+    """A writer to a new file; a number is added to the file's name if the file exists."""
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
     except OSError as error:
@@ -459,7 +464,7 @@ def _new_dump(path: Path, header: dict[str, Any]) -> RecordingWriter:
 
 
 TICK = 0.02
-"""Time (s) between two turns of a run that draws no picture."""
+"""Time (s) that `LiveRun.play` sleeps between two turns that draw no picture."""
 
 
 class LiveRun:
@@ -470,8 +475,8 @@ class LiveRun:
 
     Args:
         trial: A trial that is ready for its first step. Its views are called in its thread.
-        pages: Servers of the pages that show the trial, the reason why time stands still, and the
-            last snapshot.
+        pages: Servers of pages that show the trial. They get the reason of each pause, and the last
+            snapshot.
         speed: Simulated seconds per second.
 
     Attributes:
@@ -498,16 +503,18 @@ class LiveRun:
         """Plays the trial until it is over, or until `turn` ends it.
 
         Args:
-            turn: Called repeatedly in this thread, first before the first step. Returns the reason
-                why simulated time must stand still, empty if it may run, and None to end the run.
-            end: Called once: as soon as the trial is over, or if it is left before, also by an
-                exception.
+            turn: Called repeatedly in this thread, for the first time before the first step.
+                Returns the reason why simulated time must stand still, an empty text if it may run,
+                or None to end the run.
+            end: Called once: as soon as the trial is over, or when the run ends earlier, by `turn`
+                or by an exception.
             tick: Time (s) to sleep after a turn; 0 if a turn waits for the screen.
-            lingers: True goes on after the trial is over, with its last picture, until `turn`
+            lingers: True continues after the trial is over, with its last picture, until `turn`
                 returns None.
 
         Raises:
-            BaseException: The error that ended the trial's thread: the trial was not played.
+            BaseException: The error that ended the trial's thread. The trial was not played to its
+                end.
         """
         ending = [end] if end else []
         try:
@@ -569,9 +576,9 @@ class LiveRun:
             self._thread.join()
 
     def _publish(self, pause: Pause = "") -> None:
-        """Sends the pages the newest snapshot, and the reason why time stands still."""
+        """Sends the newest snapshot, and the reason of a pause, to the pages."""
         if self._pages:
-            # While time begins to stand still, the thread may be in its last step.
+            # At the beginning of a pause, the trial's thread may still be in a step.
             snapshot = self.newest if pause else None
             for page in self._pages:
                 page.publish(snapshot or self._trial.session.snapshot(), pause)
@@ -594,7 +601,7 @@ class LiveRun:
 
 
 def _shared_event(rigs: Sequence[Rig]) -> threading.Event | None:
-    """The event that all devices set when a frame has arrived; None if none has such an event."""
+    """Returns one event that all devices set when a frame arrives; None if no device has one."""
     devices = [
         device for rig in rigs for device in rig.device.within() if device.frame_ready is not None
     ]
@@ -604,23 +611,23 @@ def _shared_event(rigs: Sequence[Rig]) -> threading.Event | None:
 
 
 LEEWAY = 0.10
-"""Delay (s) behind real time beyond which the session gives up the lost time. It then runs slower
-than real time and reports this, instead of catching up."""
+"""Largest delay (s) behind real time that a session makes up for. With a larger delay the session
+gives up the lost time: it runs slower than real time and reports this."""
 
 ROOM = 0.004
-"""Time (s) before an expected frame in which no step is made without it; a step takes 1 to 2 ms."""
+"""Time (s) before an expected frame in which no step begins; a step takes 1 to 2 ms."""
 JITTER = 0.001
 """Time (s) by which a frame may come earlier or later than expected."""
 
 
 class RealTime:
-    """Keeps simulated time at the wall clock, also when its speed changes or it was paused.
+    """Keeps simulated time equal to the wall clock, also after a pause or a change of speed.
 
     Args:
         speed: Simulated seconds per second.
-        frame_ready: Event of an arrived frame: while it is set, simulated time may run ahead of the
-            clock by one control period, so that a touch between two steps need not wait. None waits
-            for the clock.
+        frame_ready: Event that is set when a frame arrives. While it is set, simulated time may run
+            ahead of the clock by one control period, so that a touch between two steps need not
+            wait. None always waits for the clock.
 
     Attributes:
         speed: As given; may be changed at any time, from any thread.
@@ -633,7 +640,7 @@ class RealTime:
         self.begin(0.0)
 
     def begin(self, simulated: float) -> None:
-        """Starts the clock at a simulated time, s; a pause before it is not caught up with."""
+        """Restarts the clock at a simulated time, s. The time of a pause is not made up."""
         self._speed = self.speed
         self._origin = time.monotonic() - simulated / self._speed
         self._heard = self._expected = float("-inf")
@@ -641,7 +648,7 @@ class RealTime:
     def wait(self, simulated: float) -> None:
         """Returns when a simulated time, s, is due, or earlier when a frame has arrived."""
         if self._speed != self.speed:
-            # The step that was just made began at the old speed; the new one starts here.
+            # The last step began at the old speed. The new speed applies from here on.
             self.begin(simulated)
             return
         due = self._origin + simulated / self._speed
@@ -663,10 +670,10 @@ class RealTime:
 
 
 def clear_of(due: float, expected: float) -> float:
-    """Time at which to make a step without a frame, s, so that an expected frame need not wait.
+    """Time at which to begin a step if no frame has arrived, s, so that a frame need not wait.
 
-    Touches come at a rate of their own. A few times a second a step is due just before a touch,
-    which would have to wait for the whole step. Such a step is made earlier.
+    Touches come at a rate of their own. A few times a second, a step is due just before a touch,
+    and the touch would have to wait for the whole step. Such a step is made earlier.
 
     Args:
         due: s, time at which the step is due.

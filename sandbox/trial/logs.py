@@ -1,8 +1,8 @@
 """Logs of a live session: its events as JSON lines, and the latencies of its touches.
 
-Events are in order and complete, for scripts that drive a session. A latency begins when this
-program receives a touch and ends when a picture is handed to the screen of the window or the page.
-It excludes the delays of the touch screen and of the display.
+Events are in order and complete, for scripts that drive a session. Latencies cover the time from
+the arrival of a touch at this program until a picture is passed to the screen of the window or the
+page (see `LatencyLog`). They exclude the delays of the touch screen and of the display.
 """
 
 from __future__ import annotations
@@ -29,19 +29,19 @@ if TYPE_CHECKING:
     from sandbox.trial.assembly import DeviceMaker
 
 MOST_WAITING = 10_000
-"""Greatest number of events that wait for their reader."""
+"""Largest number of events that wait to be written."""
 PATIENCE = 5.0
-"""Time (s) for which `close` waits for a reader that reads nothing."""
+"""Time (s) without a written event after which `close` stops waiting for the pipe's reader."""
 
 
 class EventLog:
     """Writes one line per event, at once; without a path it writes nothing.
 
-    A thread of its own writes, so a reader that stops does not delay the session. A failed write
-    does not end the session: `close` reports it.
+    A separate thread writes, so that a stopped reader of a pipe does not delay the session. A
+    failed write does not end the session: `close` reports it.
 
     Args:
-        path: File to append to, also a named pipe; None writes nothing.
+        path: File or named pipe to append to; None writes nothing.
 
     Raises:
         InputError: The file cannot be opened.
@@ -75,7 +75,7 @@ class EventLog:
                 self._error = f"more than {MOST_WAITING:,} events waited for their reader"
 
     def close(self) -> None:
-        """Writes what waits and closes the file; may be called twice.
+        """Writes all waiting events and closes the file; may be called twice.
 
         Raises:
             InputError: An event could not be written or queued; this event and all later events are
@@ -88,7 +88,7 @@ class EventLog:
                 before = self._written
                 self._thread.join(PATIENCE)
             if self._thread.is_alive():
-                self._error = self._error or f"the reader took nothing for {PATIENCE:g} s"
+                self._error = self._error or f"the pipe's reader read nothing for {PATIENCE:g} s"
             else:
                 self._file.close()
             self._file = None
@@ -98,11 +98,12 @@ class EventLog:
                 "events were lost",
                 where=f"--events {self._path}",
                 got=error,
-                remedy="Only events are affected; make room, or read the pipe to its end",
+                remedy="The trial itself is complete. Make room on the disk, or read the pipe to "
+                "its end",
             )
 
     def _write(self) -> None:
-        """Writes events until an empty line comes; after a failed write it only counts them."""
+        """Writes events until it gets an empty line. After a failed write it only counts them."""
         file = self._file
         assert file is not None
         while line := self._waiting.get():
@@ -119,7 +120,7 @@ class NoticeEvents:
 
     Args:
         events: Log of events.
-        say: Receives the text of the notice as well, to show it to the person.
+        say: Also receives the text of the notice, to show it to the person.
     """
 
     def __init__(self, events: EventLog, say: Callable[[str], object]) -> None:
@@ -127,7 +128,7 @@ class NoticeEvents:
         self._last: frozenset[str] = frozenset()
 
     def show(self, snapshot: Snapshot) -> None:
-        """Checks for new notices; must get every snapshot, or a short notice would be missed."""
+        """Writes the new notices of a snapshot. It must get every snapshot to miss no notice."""
         for notice in snapshot.notices:
             if notice not in self._last:
                 self._events.write("warning", what=notice, time_s=round(snapshot.time, 3))
@@ -136,7 +137,7 @@ class NoticeEvents:
 
 
 KEPT = 100_000
-"""Number of newest values kept of each kind: half an hour at 60 Hz."""
+"""Number of newest values of each kind that are used for percentiles: half an hour at 60 Hz."""
 
 
 @dataclass(frozen=True)
@@ -154,15 +155,15 @@ class LatencyLog:
     """Latencies of several kinds in milliseconds; safe to use from all threads.
 
     `waited`: from the arrival of a touch message to the control step in which it took effect;
-        touches that came while time stood still are not counted.
-    `stepped`: from there until its frame was handed to the network or the window.
+        touches that came while simulated time stood still are not counted.
+    `stepped`: from this control step until its frame was passed to the network or the window.
     `acknowledged`: from sending a frame until the page acknowledged it.
     `drawn`: from the touch event to the first picture that contains it, by the page's own clock.
     `round_trip`: round trip of a heartbeat between page and server, by the page's clock.
     `window`: from the arrival of a touch until the first picture with it was drawn in the window.
     `picture`: duration of drawing one picture in the window.
 
-    None of them includes the delay of the display itself.
+    No latency includes the delay of the display itself.
     """
 
     def __init__(self) -> None:
@@ -172,11 +173,11 @@ class LatencyLog:
         self._resumed = 0.0
 
     def resume(self) -> None:
-        """Records that time goes on after it stood still, as before the first touch of a trial."""
+        """Records that simulated time continues after a pause, as before a trial's first touch."""
         self._resumed = time.monotonic()
 
     def take_in(self, arrived: float, now: float) -> None:
-        """Adds the time that a touch waited, unless it came while time stood still.
+        """Adds the time that a touch waited, unless it came while simulated time stood still.
 
         Args:
             arrived: When the touch arrived, s (monotonic).
@@ -195,7 +196,7 @@ class LatencyLog:
                     del values[:KEPT]
 
     def begin_trial(self) -> None:
-        """Begins another trial; `as_json` is about the latest trial."""
+        """Begins another trial; `as_json` has the values of the latest trial only."""
         with self._lock:
             self._of_trial.clear()
 
@@ -252,7 +253,12 @@ class Timing:
         self._unseen: deque[tuple[int, float]] = deque(maxlen=WAITING)
 
     def taken_in(self, frames: Sequence[TouchFrame], origin: float) -> None:
-        """Records that the session fetched frames, whose clock began at `origin` (s, monotonic)."""
+        """Records that the session fetched frames.
+
+        Args:
+            frames: The frames.
+            origin: Zero of the frames' clock, s (monotonic).
+        """
         self._polled = time.monotonic()
         # A frame repeated for a lift control keeps its time, and contains no new touch.
         arrived = [t for t in (frame.time + origin for frame in frames) if t > self._newest]
@@ -262,7 +268,10 @@ class Timing:
         self._taken.extend(arrived)
 
     def stepped(self, snapshot: Snapshot) -> None:
-        """Records the end of the step in which they took effect; called in the session's thread."""
+        """Records the end of the step in which the fetched touches took effect.
+
+        Must be called in the session's thread.
+        """
         if not self._taken:
             return
         self.log.add("stepped", 1000.0 * (time.monotonic() - self._polled))
@@ -282,8 +291,8 @@ class TimedDevice(DeviceWrapper):
     """Wrapper that reports when a live device's touches are fetched.
 
     Args:
-        device: A device whose frames carry their time of arrival, s, on its own clock. For frames
-            with session time, nothing is reported.
+        device: A device whose frames carry their time of arrival, s, on the device's clock. If
+            frames carry session time instead, nothing is reported.
         timing: Receives the reports.
     """
 
@@ -294,7 +303,7 @@ class TimedDevice(DeviceWrapper):
 
     @property
     def latency(self) -> LatencyLog:
-        """The log of the reports, which needs the times at which time stands still."""
+        """The log of the reports, so that a session can report its pauses to it."""
         return self._timing.log
 
     def poll(self, now: float) -> Sequence[TouchFrame]:
@@ -306,5 +315,5 @@ class TimedDevice(DeviceWrapper):
 
 
 def timed(make_device: DeviceMaker, timing: Timing) -> DeviceMaker:
-    """A maker of the same device in a `TimedDevice`."""
+    """A maker that wraps the device of another maker in a `TimedDevice`."""
     return lambda task, surface: TimedDevice(make_device(task, surface), timing)

@@ -1,14 +1,13 @@
 """Replays: a recording is simulated again, compared hash by hash, and shown.
 
-Another libm or another version of MuJoCo may round in another way, and contacts make small
-differences grow, so that states are not equal to the bit. Two questions then remain: whether the
-outcome is the same, and how far objects and hands were at most from their recorded places.
-`Agreement` answers them. In this case, labels, contacts and the commanded pose are reconstructed
-from the recorded touches, and the poses of hand and objects come from the recording's track
-(`RecordedPoses`).
+Another libm or another version of MuJoCo may round differently, and contacts make small differences
+grow. States are then not bit-identical. In this case `Agreement` tells whether the outcome is the
+same, and the largest distance of objects and hands from their recorded places. Views show labels,
+contacts and the commanded pose as reconstructed from the recorded touches, and the poses of hand
+and objects from the recording's track (`RecordedPoses`).
 
-A replay is many times faster than the trial was. It is simulated to its end first; `Playback` then
-shows its snapshots at any speed, paused, or step by step, so that going back needs no simulation.
+A replay is many times faster than the trial was. It is simulated to its end first. `Playback` then
+shows its snapshots at any speed, paused, or step by step, also backwards without a new simulation.
 """
 
 from __future__ import annotations
@@ -48,14 +47,15 @@ class Verification:
     Attributes:
         compared: Number of hashes that were compared.
         first_difference: Physics step of the first hash that differs; None if all agree.
-        complete: The recording's end was reached and its last hash compared.
-        differs_in: Differences from the recording on which states depend, in words; if empty, equal
-            states are promised.
-        shown_recorded: Views were shown the recorded poses, not those simulated here.
+        complete: True if the recording's end was reached and its last hash compared.
+        differs_in: Differences between this machine and that of the recording that can change
+            states, in words. If it is empty, equal states are promised.
+        shown_recorded: True if views got the recorded poses, not the poses simulated here.
         diverged: Reason of a divergence in the replay; empty without one.
-        agreement: The second verdict, where states differ and the recording has poses.
-        task_change: A line on changes of the recording's external task since it was recorded, with
-            a remedy; empty without a change, or if the recording has no digests.
+        agreement: Agreement of outcome and poses; None if all states are equal, or if the recording
+            has no poses.
+        task_change: A line on changes of a task that is not built in, since the recording was made,
+            with a remedy. Empty without a change, or if the recording has no digests.
     """
 
     compared: int
@@ -82,9 +82,10 @@ def settings_of(recording: Recording) -> Settings:
     """The settings of a recording, to play it again.
 
     Raises:
-        DifferentStatesError: It was made with other `STATES`.
-        RecordingError: The task or the encoder is not on this machine, or an encoder or labels of
-            the same name have another training.
+        DifferentStatesError: The recording was made with other `STATES`.
+        RecordingError: The task or the encoder is not on this machine; or the encoder, the
+            labeller's model or the robot hand has the same name, but differs from that of the
+            recording.
     """
     check_states(recording)
     header, where = recording.header, str(recording.path)
@@ -115,15 +116,15 @@ def settings_of(recording: Recording) -> Settings:
 
 
 def versions_of(recording: Recording) -> dict[str, Any]:
-    """The versions of the program that made a recording.
+    """The versions of the program and the libraries that made a recording.
 
     Raises:
-        RecordingError: They are missing in its header.
+        RecordingError: The recording's header has no versions.
     """
     there = recording.header.get("versions")
     if not isinstance(there, dict):
         raise RecordingError(
-            "its header does not say which versions it was made with",
+            "the recording's header has no versions of the program",
             where=str(recording.path),
             got="nothing" if there is None else repr(there)[:80],
             expected="versions, as `sandbox run --record` writes them",
@@ -133,7 +134,7 @@ def versions_of(recording: Recording) -> dict[str, Any]:
 
 
 def recorded_hands(recording: Recording, hands: int) -> DeviceMakers:
-    """Makers of devices that play every hand of a recording."""
+    """Device makers that play a recording, one for each of its hands."""
 
     def plays(hand: int) -> DeviceMaker:
         return lambda task, surface: RecordedDevice(recording, hand)
@@ -144,15 +145,16 @@ def recorded_hands(recording: Recording, hands: int) -> DeviceMakers:
 def replay(recording: Recording, make_views: ViewMaker = no_views) -> tuple[Session, Verification]:
     """Replays a recording to its end and compares the hashes.
 
-    Equal states are promised if all values on which states depend are equal. Otherwise the
-    recording is simulated and compared too, but views get the recorded poses.
+    Equal states are promised if machine and versions are equal to those of the recording in all
+    respects on which states depend. Otherwise the recording is also simulated and compared, but
+    views get the recorded poses.
 
     Returns:
         The session at its end, closed, and the comparison.
 
     Raises:
-        RecordingError: See `settings_of`; or its external task has changed, and can no longer be
-            played.
+        RecordingError: See `settings_of`. Or the recording's task, which is not built in, has
+            changed and can no longer be played.
     """
     settings = settings_of(recording)
     there = versions_of(recording)
@@ -166,7 +168,7 @@ def replay(recording: Recording, make_views: ViewMaker = no_views) -> tuple[Sess
         except InputError as error:
             if not changed:
                 raise
-            # Only the kind of failure, since this text goes into tables, which are shared.
+            # Only the kind of failure, since this text goes into tables that people share.
             raise RecordingError(changed, where=str(recording.path), got=error.what) from error
         with closing(session):
             verification = _compared(
@@ -198,7 +200,8 @@ def _compared(
                 difference = session.step
         if comparison and difference is not None:
             comparison.update()
-        # The score may end earlier here than in the recording, whose poses are shown to their end.
+        # The trial may end earlier here than in the recording. Recorded poses are shown to the
+        # recording's end.
         if session.diverged or (session.over and not (poses and session.step < poses.last)):
             break
         trial.step()
@@ -233,7 +236,7 @@ class RecordedPoses:
         hands = {len(solid) for solid in self._track.solid.values()}
         if widths != {model.nq} or hands != {len(session.rigs)}:
             raise RecordingError(
-                "its poses are of another scene",
+                "the recorded poses are of another scene",
                 where=str(recording.path),
                 got=f"{sorted(widths)} joint positions",
                 expected=str(model.nq),
@@ -251,7 +254,8 @@ class RecordedPoses:
 
         Args:
             snapshot: Snapshot that was simulated here.
-            scored: Its score still equals the recorded one, as no state has differed so far.
+            scored: True if its score still equals the recorded score, since all states so far were
+                equal.
         """
         at = self._steps[max(bisect_right(self._steps, snapshot.step) - 1, 0)]
         scene, data = self._session.scene, self._data
@@ -272,7 +276,7 @@ class RecordedPoses:
         )
 
     def _score(self, step: int) -> Score:
-        """The recorded score at the end, and an empty one before."""
+        """The recorded score at the recording's end; an empty score before."""
         end = self._recording.end
         if end is None or step < end["step"]:
             return Score()
@@ -281,22 +285,24 @@ class RecordedPoses:
 
 BOUND_MM = 1.0
 """Largest allowed distance (mm) of objects or fingertips from their recorded places: 3.5 times the
-largest of 87 recordings, docs/results.md. Rounding in the recording alone makes up to 0.02 mm."""
+largest distance in 87 recordings (docs/results.md). Rounding in the recording alone gives up to
+0.02 mm."""
 BOUND_DEGREES = 2.0
-"""Largest allowed angle (degrees) of objects or links of a hand: 4 times the largest, likewise."""
+"""Largest allowed rotation (degrees) of objects or links of a hand from their recorded
+orientations: 4 times the largest rotation in the same recordings."""
 
 
 @dataclass(frozen=True)
 class Agreement:
-    """Agreement of a replay's trial with the recorded one, until the recorded end.
+    """Agreement of a replay with the recorded trial, until the recorded end.
 
     Attributes:
-        same_outcome: Status and success are equal to the recorded ones; None for a recording
-            without an end. See `is_same_outcome`.
+        same_outcome: True if status and success are equal to the recorded values; None for a
+            recording without an end. See `is_same_outcome`.
         objects_mm: mm, largest distance of an object from its recorded place.
-        objects_degrees: Degrees, largest turn of an object from its recorded one.
+        objects_degrees: Degrees, largest rotation of an object from its recorded orientation.
         hands_mm: mm, largest distance of a fingertip from its recorded place.
-        hands_degrees: Degrees, largest turn of a link of a hand from its recorded one.
+        hands_degrees: Degrees, largest rotation of a link of a hand from its recorded orientation.
         compared: Number of poses that were compared.
     """
 
@@ -323,7 +329,7 @@ class PoseComparison:
 
     Args:
         session: Session that plays the recording; it is only read.
-        recording: A recording; without kept poses there is nothing to compare.
+        recording: A recording. If it has no poses, no pose is compared.
     """
 
     def __init__(self, session: Session, recording: Recording) -> None:
@@ -339,7 +345,7 @@ class PoseComparison:
         self._compared = 0
 
     def update(self) -> None:
-        """Compares the poses of this moment, if the recording has a pose of it."""
+        """Compares the current pose, if the recording has a pose at this step."""
         recorded = self._track.get(self._session.step)
         if recorded is None or len(recorded) != len(self._data.qpos):
             return
@@ -373,13 +379,14 @@ class PoseComparison:
 def is_same_outcome(score: Score, recorded: Mapping[str, Any], ended_with_input: bool) -> bool:
     """True if a replay ended as the recorded trial did.
 
-    A person who goes on to another trial, or a study's own limit, ends a trial from outside. In
-    the replay only the input ends. Then success decides.
+    A person who changes to another trial, or a study's own time limit, ends a trial from outside.
+    In the replay of such a trial, only the input ends. The outcome is then the same if success is
+    equal.
 
     Args:
-        score: The replay's.
+        score: The replay's score.
         recorded: The recorded result.
-        ended_with_input: The replay ended at the step at which the recording ends.
+        ended_with_input: True if the replay ended at the step at which the recording ends.
     """
     if score.success != recorded["success"]:
         return False
@@ -397,17 +404,17 @@ def _longest(vectors: Array) -> float:
 
 
 def _largest_turn(a: Array, b: Array) -> float:
-    """Degrees of the largest turn between rotation matrices (n, 9) and (n, 9)."""
+    """Largest angle, degrees, between n pairs of rotation matrices, (n, 9) and (n, 9)."""
     # |A - B|^2 = 8 sin^2(angle / 2), accurate for small angles.
     chord = np.sqrt(np.sum((a - b) ** 2, axis=1) / 8.0)
     return degrees(2.0 * asin(min(float(chord.max(initial=0.0)), 1.0)))
 
 
 class Playback:
-    """Position in a sequence of snapshots that moves with the clock.
+    """A position in a sequence of snapshots. The position moves with the clock.
 
     Args:
-        snapshots: One for every control period; at least one.
+        snapshots: One snapshot for every control period; at least one snapshot.
         speed: Simulated seconds per second.
         clock: Returns the time, s.
     """
@@ -455,9 +462,10 @@ class Playback:
         return int(self._place) == len(self._snapshots) - 1
 
     def move(self, steps: int) -> None:
-        """Moves by a number of control periods, negative backwards; stops at either end.
+        """Moves the position by a number of control periods; a negative number moves backwards.
 
-        The place is then the beginning of a period; 0 leaves it where it is.
+        The position stops at either end of the sequence. After a move it is at the beginning of a
+        period; 0 leaves it unchanged.
         """
         if not steps:
             return
@@ -474,6 +482,6 @@ class Playback:
         passed, self._since = now - self._since, now
         if not self._paused:
             last = len(self._snapshots) - 1
-            # Rounded, so that a whole number of periods is not slightly less.
+            # Rounded, since a whole number of periods could come out slightly smaller.
             place = self._place + passed * self._speed / CONTROL_PERIOD
             self._place = min(round(place, 9), float(last))

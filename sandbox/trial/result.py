@@ -1,4 +1,4 @@
-"""The result of a trial: every field with its unit, its meaning and the records that keep it.
+"""The result of a trial: every field with its unit, its meaning and the records that contain it.
 
 `sandbox run --json`, recordings, `sandbox regress` and its baselines, a study's journals and tables
 are all derived from this one declaration.
@@ -26,16 +26,19 @@ SCHEMA = 1
 
 
 class ResultRecord(StrEnum):
-    """A record that keeps only some fields of a result; a trial's JSON and recording keep all."""
+    """A record that contains only some fields of a result.
+
+    A trial's JSON and its recording contain all fields.
+    """
 
     JOURNAL = "journal"
     """A `trial_end` record of a study's journal."""
     TABLE = "table"
-    """`trials.csv`, in the order in which the fields are declared."""
+    """`trials.csv`; the columns are in the order in which `TrialResult` declares the fields."""
     REGRESS = "regress"
     """A trial in the JSON of `sandbox regress`."""
     BASELINE = "baseline"
-    """A trial in a baseline of `sandbox regress`, in the order in which they are declared."""
+    """A trial in a baseline of `sandbox regress`; the fields are in the order of declaration."""
     SHARED = "shared"
     """A trial in the folder made by `sandbox study share`, and the header of its recording."""
 
@@ -50,9 +53,10 @@ class Field:
     """Description of a field of `TrialResult`.
 
     Attributes:
-        unit: Unit of its numbers; `0/1` for yes or no; empty for words, counts and nested values.
-        meaning: Definition in a line.
-        values_for: Records that keep it.
+        unit: Unit of the values; `0/1` for true or false; empty for texts, counts and nested
+            values.
+        meaning: Definition in one line.
+        values_for: Records that contain the field.
     """
 
     unit: str
@@ -67,8 +71,8 @@ def _field(unit: str, meaning: str, *values_for: ResultRecord) -> Field:
 class TrialResult(msgspec.Struct, frozen=True, kw_only=True):
     """The result of a trial.
 
-    The annotation of a field has its unit and meaning; `fields()` lists them. A field that is None
-    is left out of JSON: it is unknown, or does not apply.
+    The annotation of a field has its unit and meaning; `fields()` lists these annotations. A field
+    that is None is unknown, or does not apply; it is absent in JSON.
     """
 
     task: Annotated[str, _field("", "name of the task", JOURNAL, TABLE, REGRESS, SHARED)]
@@ -89,7 +93,7 @@ class TrialResult(msgspec.Struct, frozen=True, kw_only=True):
         bool,
         _field(
             "0/1",
-            "the goal was held for the task's hold time; the same as held",
+            "1 if the goal was held for the task's hold time; equal to the field held",
             JOURNAL,
             TABLE,
             REGRESS,
@@ -98,13 +102,13 @@ class TrialResult(msgspec.Struct, frozen=True, kw_only=True):
         ),
     ]
     instant: Annotated[
-        bool, _field("0/1", "the goal was reached at some moment", JOURNAL, REGRESS, SHARED)
+        bool, _field("0/1", "1 if the goal was reached at some moment", JOURNAL, REGRESS, SHARED)
     ]
     held: Annotated[
         bool,
         _field(
             "0/1",
-            "the goal was reached for the hold time without a break",
+            "1 if the goal was held for the hold time without a break",
             JOURNAL,
             REGRESS,
             SHARED,
@@ -114,7 +118,7 @@ class TrialResult(msgspec.Struct, frozen=True, kw_only=True):
         bool,
         _field(
             "0/1",
-            "the goal was still reached when the trial ended, 1 s after success",
+            "1 if the goal was reached at the end of the trial, which is 1 s after success",
             JOURNAL,
             REGRESS,
             SHARED,
@@ -153,20 +157,20 @@ class TrialResult(msgspec.Struct, frozen=True, kw_only=True):
         str, _field("", "what was missing at the end", JOURNAL, TABLE, REGRESS, SHARED)
     ]
     diverged: Annotated[
-        str, _field("", "why the simulation diverged; empty where it did not", JOURNAL, SHARED)
+        str, _field("", "why the simulation diverged; empty if it did not", JOURNAL, SHARED)
     ] = ""
     respawned: Annotated[
         int,
         _field(
-            "", "times that an object left the workspace and was put back", JOURNAL, TABLE, SHARED
+            "", "number of times an object was put back into the workspace", JOURNAL, TABLE, SHARED
         ),
     ] = 0
     unreached: Annotated[
         float | None,
         _field(
             "0 to 1",
-            "share of the time with touches in which a fingertip of a robot's hand could not be at "
-            "its touch, 5 mm off or more; left out for our own hand",
+            "share of the control periods with touches in which a fingertip of a robot hand was "
+            "5 mm or more from its touch; absent for the human hand",
             SHARED,
         ),
     ] = None
@@ -193,14 +197,16 @@ class TrialResult(msgspec.Struct, frozen=True, kw_only=True):
         int | None,
         _field(
             "",
-            "generation of simulated states (sandbox.recording.versions)",
+            "version number of the simulation, STATES (sandbox.recording.versions); recordings "
+            "replay only if it is equal",
             JOURNAL,
             TABLE,
             SHARED,
         ),
     ] = None
     versions: Annotated[
-        dict[str, str] | None, _field("", "versions, processor and their fingerprint", SHARED)
+        dict[str, str] | None,
+        _field("", "versions of the program, processor, and a fingerprint of both", SHARED),
     ] = None
     task_from: Annotated[
         dict[str, Any] | None,
@@ -215,7 +221,7 @@ class TrialResult(msgspec.Struct, frozen=True, kw_only=True):
     ] = None
     measures: Annotated[
         dict[str, Any] | None,
-        _field("", "measures that are known only while the trial runs, by name", JOURNAL, SHARED),
+        _field("", "measures that exist only while the trial runs, by name", JOURNAL, SHARED),
     ] = None
     latency: Annotated[
         dict[str, Any] | None, _field("ms", "percentiles of delays, by kind", JOURNAL, SHARED)
@@ -224,8 +230,8 @@ class TrialResult(msgspec.Struct, frozen=True, kw_only=True):
         list[dict[str, float]] | None,
         _field(
             "s",
-            "times for which simulated time stood still, as a player's page was away: `at_s`, "
-            "simulated time, and `lasted_s`, real time",
+            "pauses while a player's page was hidden or closed: `at_s`, start in simulated time, "
+            "and `lasted_s`, duration in real time until the next touch",
             SHARED,
         ),
     ] = None
@@ -233,7 +239,7 @@ class TrialResult(msgspec.Struct, frozen=True, kw_only=True):
         float | None,
         _field(
             "",
-            "length on the screen of what is one long on the table; left out at true size",
+            "length on the screen divided by the length on the table; absent if it is 1",
             SHARED,
         ),
     ] = None
@@ -241,13 +247,13 @@ class TrialResult(msgspec.Struct, frozen=True, kw_only=True):
         bool | None,
         _field(
             "0/1",
-            "0 where the result does not count, as on the scaled table of a phone; left out else",
+            "0 if the result does not count, as on the scaled table of a phone; otherwise absent",
             SHARED,
         ),
     ] = None
     learned: Annotated[
         dict[str, Any] | None,
-        _field("m", "layouts of five fingers for the session's next trial, by hand", JOURNAL),
+        _field("m", "layouts of five fingers for the session's next trial, by hand name", JOURNAL),
     ] = None
     fingers: Annotated[
         list[tuple[int, int]] | None,
@@ -264,15 +270,15 @@ class TrialResult(msgspec.Struct, frozen=True, kw_only=True):
         bool | None,
         _field(
             "0/1",
-            "the page had a demonstration of the task for the time before the first touch; none "
-            "where none was due",
+            "1 if the page got a demonstration for the time before the first touch, 0 if there was "
+            "none to show; absent if no demonstration was due",
             JOURNAL,
             TABLE,
             SHARED,
         ),
     ] = None
     broken_off: Annotated[
-        str | None, _field("", "why the attempt was broken off and does not count")
+        str | None, _field("", "why the attempt was ended early and does not count")
     ] = None
     dump: Annotated[
         str | None,
@@ -283,7 +289,8 @@ class TrialResult(msgspec.Struct, frozen=True, kw_only=True):
     )
     schema: Annotated[int | None, _field("", "version of this JSON", SHARED)] = None
     extra: Annotated[
-        dict[str, Any], _field("", "keys that the caller of the trial added; in JSON beside these")
+        dict[str, Any],
+        _field("", "further keys from the caller of the trial; in JSON they are at the top level"),
     ] = {}
 
     @classmethod
@@ -292,7 +299,7 @@ class TrialResult(msgspec.Struct, frozen=True, kw_only=True):
 
         Args:
             session: The session, usually at its end.
-            more: Further fields by name, such as those of a recording's header.
+            more: Further fields by name, such as the fields of a recording's header.
 
         Raises:
             TypeError: A field without a default is missing.
@@ -320,7 +327,7 @@ class TrialResult(msgspec.Struct, frozen=True, kw_only=True):
 
     @classmethod
     def from_json(cls, values: Mapping[str, Any], where: str) -> TrialResult:
-        """Reads a result from JSON, complete or as a journal keeps it.
+        """Reads a result from JSON, complete or with the fields of a journal only.
 
         Args:
             values: The JSON object.
@@ -344,13 +351,13 @@ class TrialResult(msgspec.Struct, frozen=True, kw_only=True):
         return {name: v for name, v in values.items() if v is not None} | extra
 
     def values_for(self, record: ResultRecord) -> dict[str, Any]:
-        """JSON values of the fields that a record keeps and that are not None."""
+        """JSON values of the fields that a record contains and that are not None."""
         values = self.as_json()
         return {name: values[name] for name in record_fields(record) if name in values}
 
     @property
     def fingerprint(self) -> str:
-        """Fingerprint of machine and versions; empty where they are unknown."""
+        """Fingerprint of machine and versions; empty if it is unknown."""
         return (self.versions or {}).get("fingerprint", "")
 
     @property
@@ -379,12 +386,12 @@ def fields() -> dict[str, Field]:
 
 @cache
 def record_fields(record: ResultRecord) -> tuple[str, ...]:
-    """Names of the fields that a record keeps, in the order of declaration."""
+    """Names of the fields that a record contains, in the order of declaration."""
     return tuple(name for name, field in fields().items() if record in field.values_for)
 
 
 def _split(values: Mapping[str, Any]) -> dict[str, Any]:
-    """Arguments of `TrialResult`: keys that it does not declare go into `extra`."""
+    """Arguments of `TrialResult`: keys that `TrialResult` does not declare go into `extra`."""
     names = TrialResult.__struct_fields__
     known = {name: value for name, value in values.items() if name in names}
     extra = {name: value for name, value in values.items() if name not in names}

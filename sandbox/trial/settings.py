@@ -1,9 +1,10 @@
 """Settings of a trial: one nested value, from the command line to a recording's header.
 
 To add a setting, add a field with its docstring to `PipelineSettings` or `PhysicsSettings`. The
-command line has an option of its name, a study's design may name it, `sandbox regress` sends it to
-its workers, and a recording's header stores it. A field that is newer than files in use declares
-its value for those files: `field(default=..., metadata={BEFORE: value})`.
+setting is then an option of the command line with the same name and a possible setting of a study's
+design, `sandbox regress` sends it to its workers, and a recording's header stores it. Files that
+are older than the field lack it. The field declares its value for these files:
+`field(default=..., metadata={BEFORE: value})`.
 """
 
 from __future__ import annotations
@@ -50,7 +51,7 @@ MOST_HANDS = 2
 
 
 class _Checked:
-    """A group of settings whose values are checked against their types when it is made."""
+    """A group of settings. Values are checked against their types when a group is created."""
 
     def __post_init__(self) -> None:
         """Checks types, choices and bounds.
@@ -62,7 +63,7 @@ class _Checked:
         hints = _hints(kind)
         for each in fields(kind):
             if _dataclass_in(hints[each.name]) is not None:
-                # It checks itself.
+                # A nested dataclass checks its own values.
                 continue
             value = getattr(self, each.name)
             try:
@@ -82,25 +83,25 @@ class PipelineSettings(_Checked):
 
     encoder: str = DEFAULT_MODEL
     """Encoder, which estimates the hand's pose from the touches. paper: least squares with the
-    paper's labels, without correction and smoothing. The others use --labels, correction and
-    smoothing. linear, quadratic, cubic: polynomials. pca-ik: inverse kinematics in principal
-    components. population: the pose of any person, trained on hundreds of simulated people. FILE: a
-    model of one person by `sandbox train`, or FILE.py:CLASS or MODULE:CLASS, an
-    encoder of your own (docs/write-an-encoder.md)."""
+    paper's labels, without correction and smoothing. All other encoders use --labels, correction
+    and smoothing. linear, quadratic, cubic: polynomials. pca-ik: inverse kinematics in principal
+    components. population: for any person, trained on hundreds of simulated people. FILE: a model
+    of one person, written by `sandbox train`. FILE.py:CLASS or MODULE:CLASS: an encoder of your own
+    (docs/write-an-encoder.md)."""
 
     labels: _Labels = "population"
-    """How fingers are labelled. population: by earlier touches and what was trained on hundreds of
-    simulated people, for hands that nobody knows; it also learns from five fingers that touch
-    together. paper: by the nearest training pose, as in the paper. device: the simulated user
-    reports which finger touches, an upper bound for labelling; contacts that no device labels are
-    labelled as by population. Labels that another device reports for all contacts are always used.
-    """
+    """How fingers are labelled. population: from earlier touches, by a model trained on hundreds of
+    simulated people, so that any person can play without a measurement; it also learns from five
+    fingers that touch together. paper: by the nearest training pose, as in the paper. device: the
+    simulated user reports which finger touches, an upper bound for labelling; contacts without a
+    reported label are labelled as by population. Labels that any other device reports for all
+    contacts are always used."""
 
     finger_sets: str = field(default="", metadata={BEFORE: ""})
-    """Sets of fingers that the person uses, such as thumb+index,thumb+index+middle; a number after
-    a colon is how often, in proportion to the others (thumb+index:3,index+middle). Fewer fingers
-    than a set has may touch for a moment. Labels by population are chosen among these. Default: any
-    fingers may touch, by how often people use them."""
+    """Sets of fingers that the person uses, such as thumb+index,thumb+index+middle. A number after
+    a colon weights a set: thumb+index:3,index+middle means that the first set is three times as
+    frequent. For a moment, only some fingers of a set may touch. Labels by population are chosen
+    among the sets. Default: any set of fingers, weighted by how often people use it."""
 
     correction: bool = True
     """Fingertips are corrected to meet their touches."""
@@ -109,7 +110,7 @@ class PipelineSettings(_Checked):
     """Touches and posture are low-pass filtered."""
 
     arrival: bool = True
-    """The hand hovers, comes down from above and rises; otherwise it drops where it is."""
+    """The hand hovers, comes down from above and rises; otherwise it is at its place at once."""
 
     hover: Annotated[float, msgspec.Meta(gt=0.0, le=0.3)] = field(
         default=0.09, metadata={BEFORE: 0.09}
@@ -120,10 +121,10 @@ class PipelineSettings(_Checked):
     """A hand that is down becomes solid only outside objects."""
 
     distal_only: bool = True
-    """Only last links of touching fingers are ever solid."""
+    """Only the last links of touching fingers become solid."""
 
     stitch: bool = True
-    """A lost contact lives on for a moment, until it returns or expires."""
+    """A lost contact is continued for a moment, until it returns or expires."""
 
     encode: bool = True
     """The encoder's pose is used; otherwise the mean training pose."""
@@ -135,7 +136,7 @@ class PipelineSettings(_Checked):
         parse_finger_sets(self.finger_sets)
         if self.labels == "paper":
             raise InputError(
-                "the paper's labels do not know which fingers are used",
+                "labels by the paper's rule cannot be restricted to sets of fingers",
                 where="finger_sets",
                 got=self.finger_sets,
                 remedy="Leave out --finger-sets, or use --labels population",
@@ -155,17 +156,17 @@ class PhysicsSettings(_Checked):
 
     contact: Literal["hard", "soft", "none"] = "hard"
     """Contact between hand and objects at the start. soft: the hand yields and pushes with 3 N at
-    most. none: it passes through everything. Key c in the window switches."""
+    most. none: the hand passes through everything. Key c in the window changes the contact."""
 
     solid: _Solid = "fingertips"
-    """What of the hand collides. fingertips: the last links of touching fingers. hand: the palm and
-    all links of all fingers, with objects and the other hand; fingers that do not touch keep clear
-    of things."""
+    """Parts of the hand that collide. fingertips: the last links of touching fingers. hand: the
+    palm and all links of all fingers, with objects and with the other hand; fingers that do not
+    touch avoid objects."""
 
     robot: str = ""
-    """Robot whose hand is in the place of yours (docs/robots.md): shadow, adroit, inspire, allegro
-    or leap, or FILE.xml with a mapping by `sandbox devices robot fit` beside it. Default: our own
-    hand."""
+    """Robot hand to simulate in place of the human hand (docs/robots.md): shadow, adroit, inspire,
+    allegro or leap; or FILE.xml, with the mapping that `sandbox devices robot fit` wrote beside it.
+    Default: the human hand."""
 
     timestep: Annotated[float, msgspec.Meta(gt=0.0, lt=1.0)] = 0.002
     """Physics time step, s, between 0 and 1."""
@@ -174,7 +175,7 @@ class PhysicsSettings(_Checked):
         super().__post_init__()
         if self.robot and self.solid != SOLID[0]:
             raise InputError(
-                "of a robot's hand only fingertips are solid",
+                "a robot hand can have only solid fingertips",
                 where="--solid",
                 got=self.solid,
                 expected=SOLID[0],
@@ -193,10 +194,11 @@ class SurfaceSettings(_Checked):
     """False if the size is a guess."""
 
     scale: float = 1.0
-    """Length on the screen of what is one long on the surface (`models.surface.Surface.scale`)."""
+    """Length on the screen divided by the length on the surface (`models.surface.Surface.scale`).
+    """
 
     shared: bool = False
-    """All hands touch one surface; otherwise each has its own, of the same size."""
+    """All hands touch one surface; otherwise each hand has its own surface, of the same size."""
 
     @property
     def rectangle(self) -> Surface:
@@ -222,12 +224,12 @@ class HandSettings(_Checked):
     """Settings of the 3-D device that drives the hand; None if touches drive it."""
 
     layouts: Layouts = ()
-    """Known touches of the person's five fingers, m (see `sandbox.session.own_layouts`), which
-    labels by `population` use."""
+    """Known places of the person's five fingers, m (see `sandbox.session.own_layouts`). Labels by
+    `population` use them."""
 
     rest: RestSamples = ()
-    """Samples of the person's hand at rest (see `encoders.person.rest_posture`), which the encoder
-    `population` uses."""
+    """Samples of the person's hand at rest (see `encoders.person.rest_posture`). The encoder
+    `population` uses them."""
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -244,7 +246,8 @@ class HandSettings(_Checked):
         return Person(self.side, self.size, self.turn)
 
     def on(self, side: str) -> HandSettings:
-        """The same with another side; layouts and rest posture are those of one side only."""
+        """The same with another side. A change of side removes layouts and rest posture, which are
+        valid for one side only."""
         return self if side == self.side else replace(self, side=side, layouts=(), rest=())
 
     @property
@@ -255,7 +258,7 @@ class HandSettings(_Checked):
 
 @dataclass(frozen=True)
 class Settings:
-    """Everything that a trial follows from, but for its input."""
+    """Everything that determines a trial, except its input."""
 
     task: str = "box-to-goal"
     """Name of the task, or its place: `FILE.py`, `FILE.py:CLASS`, `MODULE:CLASS`."""
@@ -298,7 +301,7 @@ class Settings:
 
     @property
     def hand_names(self) -> tuple[str, ...]:
-        """A distinct name for every hand: its side, or `right_too` for a second right hand."""
+        """A distinct name for every hand: its side, with `_too` if the first hand has this side."""
         sides = [hand.side for hand in self.hands]
         return tuple(s if s not in sides[:i] else f"{s}_too" for i, s in enumerate(sides))
 
@@ -317,7 +320,7 @@ class Settings:
         return self.second_device if hand and self.second_device else self.device
 
     def with_layouts(self, layouts: Mapping[str, Layouts]) -> Settings:
-        """The same with stored layouts of hands, by the hand's name, if its labels use them."""
+        """The same with stored layouts, by the hand's name, if the labeller uses layouts."""
         if self.pipeline.labels != "population":
             return self
         hands = tuple(
@@ -327,7 +330,7 @@ class Settings:
         return replace(self, hands=hands)
 
     def changed(self, **values: Any) -> Settings:
-        """The same with other values of fields of it, its pipeline, its physics or its surface.
+        """The same with other values of its own fields, or of fields of its groups.
 
         Args:
             values: Values by the names of the fields.
@@ -353,7 +356,7 @@ GROUPS = {
     "physics": PhysicsSettings,
     "surface": SurfaceSettings,
 }
-"""Groups of `Settings` whose fields have names of their own."""
+"""Groups of `Settings`. `Settings.changed` accepts the names of their fields without the group."""
 
 
 def field_types(group: Any) -> dict[str, Any]:
@@ -372,7 +375,7 @@ def is_allowed(group: str, name: str, value: Any) -> bool:
 
 
 def setting_names() -> list[str]:
-    """Names that `Settings.changed` takes, but for those of groups and devices."""
+    """Names that `Settings.changed` accepts, without the names of groups and devices."""
     own = [each.name for each in fields(Settings) if each.name not in (*GROUPS, *_DEVICES)]
     return [*own, *(each.name for kind in GROUPS.values() for each in fields(kind))]
 
@@ -384,7 +387,7 @@ def group_of(name: str) -> str:
     """The group that a setting is in; empty for a field of `Settings` itself.
 
     Raises:
-        InputError: There is no such setting; the error names the nearest one.
+        InputError: There is no such setting; the error names the setting with the nearest name.
     """
     own = [each.name for each in fields(Settings)]
     if name in own:
@@ -406,7 +409,7 @@ def encoded(settings: Settings) -> dict[str, Any]:
 
 
 def decoded(values: Any) -> Settings:
-    """Settings that `encoded` returned, perhaps in an earlier version.
+    """Decodes settings that `encoded` returned, possibly in an earlier version of the program.
 
     Raises:
         RecordingError: A setting is missing, unknown or of the wrong type.
@@ -419,7 +422,7 @@ def decoded(values: Any) -> Settings:
             "these settings cannot be read",
             where="settings",
             got=str(error),
-            remedy="The file is damaged, or was written by another program",
+            remedy="The file is damaged, or another program wrote it",
         ) from None
     second = settings.second_device
     return replace(
@@ -430,7 +433,9 @@ def decoded(values: Any) -> Settings:
 
 
 def _whole(values: Any, kind: Any, where: str) -> dict[str, Any]:
-    """Values of a dataclass by name; missing ones that declare a value for earlier files have it.
+    """Values of all fields of a dataclass, by name.
+
+    A field that is missing in an earlier file gets the value that it declares for such files.
 
     Raises:
         RecordingError: A name is unknown, or a value is missing.
@@ -449,7 +454,8 @@ def _whole(values: Any, kind: Any, where: str) -> dict[str, Any]:
                 "this program has no such setting",
                 where=where,
                 got=name,
-                remedy=f"{_place_of(name, known)} The version that the header names has it",
+                remedy=f"{_place_of(name, known)} Use the version of the sandbox that the header "
+                "names",
             )
     whole = {}
     for name, each in known.items():
@@ -459,7 +465,7 @@ def _whole(values: Any, kind: Any, where: str) -> dict[str, Any]:
                     "a setting is missing",
                     where=where,
                     got=name,
-                    remedy="The file is damaged, or was written by another program",
+                    remedy="The file is damaged, or another program wrote it",
                 )
             whole[name] = each.metadata[BEFORE]
             continue
@@ -478,8 +484,9 @@ def declared(values: Any, kind: Any = Settings) -> Any:
     """JSON values of settings without undeclared fields.
 
     Args:
-        values: The values, whole or not, also of a header whose settings stand in no groups.
-        kind: Class of their settings.
+        values: The values. Settings may be missing, and settings of an early header may be outside
+            their groups.
+        kind: Class of the settings.
     """
     if not isinstance(values, Mapping):
         return values
@@ -496,13 +503,13 @@ def declared(values: Any, kind: Any = Settings) -> Any:
 
 
 def _place_of(name: str, known: Any) -> str:
-    """Place of a setting that is unknown in one group, or the setting with the nearest name."""
+    """Sentence with the group to which a setting belongs, or with the nearest name."""
     within = [group for group, kind in GROUPS.items() if name in field_types(kind)]
-    return f"It stands in {within[0]}." if within else _nearest(name, known)
+    return f"This setting belongs to {within[0]}." if within else _nearest(name, known)
 
 
 def _dataclass_in(hint: Any) -> type[Any] | None:
-    """The dataclass that a field's type names, alone, as an option or in a tuple."""
+    """The dataclass in a field's type: the type itself, or a part of a union or a tuple."""
     if get_origin(hint) in (Union, UnionType, tuple):
         inner = [_dataclass_in(each) for each in get_args(hint)]
         return next((each for each in inner if each is not None), None)
@@ -538,12 +545,12 @@ def recorded_settings(header: Mapping[str, Any], *names: str) -> Settings:
     """The settings of a recording.
 
     For a recording with other `STATES`, settings and values that this program does not have are
-    left out, and missing ones have their defaults. The caller reports `states_difference`.
+    left out, and missing settings have their defaults. The caller reports `states_difference`.
 
     Args:
         header: Header of the recording.
         names: Fields and groups of `Settings` that are needed; empty means all. For a recording
-            with other `STATES`, the rest have their defaults.
+            with other `STATES`, all other fields and groups have their defaults.
 
     Raises:
         RecordingError: A setting is missing, unknown or of the wrong type.
@@ -562,7 +569,7 @@ def recorded_settings(header: Mapping[str, Any], *names: str) -> Settings:
 
 
 def recorded_users(header: Mapping[str, Any]) -> tuple[UserConfiguration | None, ...]:
-    """The simulated users who drove the devices of a recording, by hand; None for a person."""
+    """The simulated users who drove the two hands of a recording; None for a person."""
     made = recorded_settings(header, "hands", "device", "second_device")
     return made.device.user, made.device_of(1).user
 
@@ -570,8 +577,8 @@ def recorded_users(header: Mapping[str, Any]) -> tuple[UserConfiguration | None,
 def _in_groups(flat: Mapping[str, Any], header: Mapping[str, Any]) -> dict[str, Any]:
     """Settings in groups, from a header without groups.
 
-    Settings that are missing in such a header have their defaults. Unknown settings remain, to be
-    refused. The devices are at the level of the settings there.
+    Settings that are missing in such a header have their defaults. Unknown settings remain in the
+    result, so that `decoded` refuses them. The devices are entries of the header itself.
     """
     values = encoded(Settings())
     second = header.get("second")
@@ -594,7 +601,11 @@ def _in_groups(flat: Mapping[str, Any], header: Mapping[str, Any]) -> dict[str, 
 
 
 def _recorded_device(beside: Mapping[str, Any]) -> dict[str, Any]:
-    """The device of a header without groups, with the options that it has."""
+    """The device of a header without groups, with its recorded options.
+
+    Args:
+        beside: The header, or its entry for the second hand.
+    """
     name = str(beside.get("device", "simulated"))
     options: dict[str, Any] = {}
     for each in fields(device_options(name)):
@@ -626,7 +637,7 @@ def _laid_over(
     Args:
         base: The values.
         over: The replacements.
-        all_of_it: Unknown replacements are taken, too.
+        all_of_it: True also takes replacements whose names are not in `base`.
     """
     values = dict(base)
     for name, value in over.items():

@@ -1,10 +1,12 @@
 """Options of a trial on a command line, and the settings that follow from them.
 
-`sandbox run` and `sandbox play` parse a `TrialOptions`, and a study's design and `run_trial` fill
-one; `trial_settings` makes `Settings` of it. An option is a field with its docstring, which is its
-help, and stands under a heading of `--help`: what most people need comes first, what one device
-needs if it is named. Options of a device stand with the device (`sandbox.devices`). Option `--vary`
-names quantities of a trial or a screen, with their units.
+`sandbox run` and `sandbox play` parse a command line into `TrialOptions`. A study's design and
+`run_trial` create `TrialOptions`, too. `trial_settings` converts them to `Settings`.
+
+An option is a field; the field's docstring is the option's help. Each option has a heading of
+`--help`. Options that most people need come first. Options of a device are defined with the device
+(`sandbox.devices`), and listed if the device is named. The option `--vary` names quantities of a
+trial or a screen, with their units.
 """
 
 from __future__ import annotations
@@ -75,9 +77,9 @@ OF_SETTINGS = {
     "PipelineSettings": RECONSTRUCTION,
     "PhysicsSettings": PHYSICS,
 }
-"""Class of settings -> heading of the options that its fields are."""
+"""Class of settings -> heading of the options that its fields define."""
 COMMON_SETTINGS = ("encoder",)
-"""Fields of these classes that most people need."""
+"""Fields of these classes that are listed under the common options instead."""
 
 
 @dataclass(frozen=True)
@@ -90,8 +92,9 @@ class Kind:
         neutral: Value without variation.
         unit: Unit of the values; empty for a factor.
         scale: One unit in SI units.
-        down: Values below the neutral one, which a sweep tries in turn until success breaks off.
-        up: The same, above the neutral one.
+        down: Values below the neutral value, from near to far. `sandbox regress` tries them in this
+            order until success drops.
+        up: The same for values above the neutral value.
     """
 
     name: str
@@ -113,7 +116,7 @@ class Kind:
 
 
 HAND_SIZE = "hand-size"
-"""Name of the factor on the hand's size, which is a setting of the run and not of the trial."""
+"""Name of the factor on the hand's size. The size is a setting of the hand, not of `Variation`."""
 
 KINDS = {
     quantity.name: quantity
@@ -148,7 +151,7 @@ KINDS = {
         ),
         Kind(
             "start",
-            "start, away from where it was drawn",
+            "shift of the drawn start",
             0.0,
             "mm",
             1e-3,
@@ -156,14 +159,14 @@ KINDS = {
         ),
         Kind(
             "room",
-            "room between the things",
+            "gaps between the objects",
             1.0,
             down=(0.95, 0.9, 0.85, 0.8, 0.5, 0.25),
             up=(1.05, 1.1, 1.2, 1.5, 2.0),
         ),
         Kind(
             HAND_SIZE,
-            "hand, against the one that touches",
+            "length of the hand",
             1.0,
             down=(0.95, 0.9, 0.85, 0.8, 0.7),
             up=(1.05, 1.1, 1.15, 1.2, 1.3, 1.5),
@@ -171,7 +174,7 @@ KINDS = {
         Kind("noise", "noise of touches", 0.0, "mm", 1e-3, up=(0.5, 1.0, 2.0, 3.0, 5.0, 8.0, 12.0)),
         Kind(
             "dropped",
-            "times that each touch is lost",
+            "drop-outs of each touch",
             0.0,
             "per s",
             up=(0.25, 0.5, 1.0, 2.0, 4.0, 8.0),
@@ -191,7 +194,7 @@ KINDS = {
 
 
 def help_with_units(kinds: Iterable[Kind]) -> str:
-    """Text that names all quantities by their units: `size, mass: factors. noise: mm.`"""
+    """Text with all quantities, grouped by unit: `size, mass: factors. noise: mm.`"""
     by_unit: dict[str, list[str]] = {}
     for kind in kinds:
         by_unit.setdefault(kind.unit or "factors", []).append(kind.name)
@@ -199,7 +202,7 @@ def help_with_units(kinds: Iterable[Kind]) -> str:
 
 
 def help_with_names(kinds: Iterable[Kind]) -> str:
-    """Text that names all quantities: `size, mass or noise`."""
+    """Text with the names of all quantities: `size, mass or noise`."""
     *names, last = (kind.name for kind in kinds)
     return f"{', '.join(names)} or {last}" if names else last
 
@@ -231,8 +234,8 @@ def parse_value(quantity: Kind, text: str) -> float:
             where=f"--vary {quantity.name}",
             got=text,
             expected=f"such as {quantity.name}={(quantity.up or quantity.down)[0]:g}",
-            # `run` separates quantities by commas, where one trial has all of them.
-            remedy="Separate quantities by spaces here: each is varied by itself"
+            # `run` separates quantities by commas, since one trial has all of them.
+            remedy="Separate quantities by spaces here, not by commas: each is varied by itself"
             if "=" in text
             else None,
         ) from None
@@ -307,33 +310,34 @@ class SourceOptions:
 
     device: Annotated[str, Parameter(group=COMMON, metavar="DEVICE")] = "simulated"
     """Source of the input. simulated: a simulated user. tuio: a TUIO sender. evdev: a touch screen
-    of this Linux machine. leap: a hand in the air over a Leap. webcam: a hand before a camera, by a
-    page that opens in your browser (docs/webcam.md). leap-simulated: a simulated person
-    over a Leap (leap-simulated:v1: over the first Leap; leap-simulated:v1,noise=2,lose=1: with
-    twice the noise, and the hand is lost for 1 s while it carries something). webxr-simulated: a
-    simulated person in a headset (docs/headset.md). FILE: a recording of this program, a file by
-    `touches record`, a capture of TUIO packets, a Leap recording (.json, .json.lz), or landmarks by
-    `devices webcam record`. Or a device of your own: FILE.py:CLASS[:ARGUMENT],
-    MODULE:CLASS[:ARGUMENT], or its name in an installed package (docs/write-a-device.md)."""
+    of this Linux machine. leap: a hand in the air over a Leap. webcam: a hand in front of a camera,
+    by a page that opens in your browser (docs/webcam.md). leap-simulated: a simulated person
+    over a Leap (leap-simulated:v1: with the first Leap software, v1;
+    leap-simulated:v1,noise=2,lose=1: with twice the noise, and the hand is lost for 1 s while it
+    carries an object). webxr-simulated: a simulated person in a headset (docs/headset.md). FILE: a
+    recording of this program, a file by `touches record`, a capture of TUIO packets, a Leap
+    recording (.json, .json.lz), or landmarks by `devices webcam record`. Or a device of your own:
+    FILE.py:CLASS[:ARGUMENT], MODULE:CLASS[:ARGUMENT], or its name in an installed package
+    (docs/write-a-device.md)."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class ConditionOptions(PipelineSettings, PhysicsSettings):
-    """Hand, pipeline and physics; for `sandbox regress`, those of every trial."""
+    """Options of hand, pipeline and physics. In `sandbox regress` they apply to every trial."""
 
     given: Annotated[frozenset[str], Parameter(parse=False)] = frozenset()
-    """Names of the options on the command line; of options that were made in Python, those that
-    differ from the defaults count (`given_options`)."""
+    """Names of the options on the command line. For options that were created in Python,
+    `given_options` adds those that differ from the defaults."""
 
     bare: Annotated[bool, Parameter(group=RECONSTRUCTION)] = False
-    """Use the paper's labels, and no correction or smoothing, with any encoder."""
+    """With any encoder, use the paper's labels, and no correction or smoothing."""
 
     impulse: Annotated[str, Parameter(group=PHYSICS, metavar="paper|safe|N")] = "paper"  # type: ignore[assignment]
     """Limit of every servo in N s per 1/60 s: paper is 100, safe is 0.5. At 0.5 and below, a
     lowered hand moves more slowly and its fingers are heavier."""
 
     hand: Annotated[Literal["right", "left"] | None, Parameter(group=COMMON)] = None
-    """Which hand. Default: that of the recording or profile, else right."""
+    """The hand. Default: the hand of the recording or profile, otherwise right."""
 
     hand_size: Annotated[float | None, Parameter(group=PERSON, metavar="RATIO")] = None
     """Length of the hand relative to the trained hand, 0.6 to 1.6; `sandbox hand measure` measures
@@ -343,15 +347,15 @@ class ConditionOptions(PipelineSettings, PhysicsSettings):
     """Edge of the screen at which the person sits: 0 lower, 90 right, 180 upper, 270 left."""
 
     profile: Annotated[str | None, Parameter(group=COMMON, metavar="default|none|FILE")] = None
-    """Profile of a person by `sandbox hand measure`: side and size of the hand, and seat. default:
-    this user's own profile, which `sandbox play` with a touch device uses even without this
-    option. Over a Leap: a calibration by `sandbox paalm calibrate`; default is this user's own
-    measured hand."""
+    """Profile of a person, written by `sandbox hand measure`: side and size of the hand, and seat.
+    default: this user's own profile; `sandbox play` with a touch device uses it even without this
+    option. Over a Leap, the profile is a calibration by `sandbox paalm calibrate`; default is
+    then this user's own calibration."""
 
     rest: Annotated[Path | None, Parameter(group=RECONSTRUCTION, metavar="FILE")] = None
-    """Rest posture: a few looks at the person's hand while it touches, or a capture of it. With
-    --encoder population it removes what the hand does differently all the time
-    (docs/playing.md). Default: that of the profile."""
+    """Rest posture: a file by `sandbox hand rest`, or a capture of the person's touching hand.
+    With --encoder population it removes the constant difference between this hand and the trained
+    hands (docs/playing.md). Default: the rest posture of the profile."""
 
     surface: Annotated[str | None, Parameter(group=COMMON, metavar="SIZE")] = None
     """Size of the touch surface: 7.76x5.82in, 197x148mm, or a preset such as ipad2."""
@@ -363,15 +367,15 @@ class ConditionOptions(PipelineSettings, PhysicsSettings):
     """Simulated user. idle and random are control conditions, which should not succeed."""
 
     drop_outs: Annotated[float, Parameter(group=SIMULATED)] = 0.0
-    """Times per second that the simulated user's screen loses each touch. A lost touch returns
-    after 0.1 s with another id."""
+    """Drop-outs per second of each touch on the simulated user's screen. A lost touch returns after
+    0.1 s with another id."""
 
     def __post_init__(self) -> None:
         """Checks nothing: values are checked when they become settings."""
 
 
 TWICE = ("--device", "--hand", "--hand-size", "--turn", "--user")
-"""Options whose second occurrence is for the second hand."""
+"""Options that may be given twice; the second occurrence is for the second hand."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -379,16 +383,16 @@ class SecondOptions:
     """Options of a second hand."""
 
     second_device: Annotated[str | None, Parameter(group=SECOND, metavar="DEVICE")] = None
-    """Device of a second hand; web gives it a page of its own. A second --device, --hand,
+    """Device of a second hand; web opens a separate page for this hand. A second --device, --hand,
     --hand-size, --turn or --user means the same as the option with --second. The first hand is at
-    the right, unless it is a left hand and the second one is a right hand. Tasks for two hands
+    the right, unless it is a left hand and the second hand is a right hand. Tasks for two hands
     always have a second hand."""
 
     second_hand: Annotated[Literal["right", "left"] | None, Parameter(group=SECOND)] = None
-    """Side of the second hand. Default: opposite to the first."""
+    """Side of the second hand. Default: the opposite of the first hand."""
 
     second_hand_size: Annotated[float | None, Parameter(group=SECOND, metavar="RATIO")] = None
-    """Length of the second hand, as --hand-size. Default: that of the first."""
+    """Length of the second hand, as --hand-size. Default: the length of the first hand."""
 
     second_turn: Annotated[Literal[0, 90, 180, 270] | None, Parameter(group=SECOND)] = None
     """Seat of the second hand's person, as --turn."""
@@ -396,7 +400,7 @@ class SecondOptions:
     second_user: Annotated[Literal["skilled", "idle", "random"] | None, Parameter(group=SECOND)] = (
         None
     )
-    """Simulated user of the second hand. Default: that of the first."""
+    """Simulated user of the second hand. Default: the same as for the first hand."""
 
     one_surface: Annotated[bool, Parameter(group=SECOND)] = False
     """Both hands touch one surface; its contacts are divided between them."""
@@ -405,16 +409,16 @@ class SecondOptions:
 # `--help` lists the options of the last base first.
 @dataclass(frozen=True, kw_only=True)
 class TrialOptions(SecondOptions, ConditionOptions, SourceOptions):
-    """What a command line says of a trial with one or two hands."""
+    """Options of a trial with one or two hands."""
 
     device_options: Annotated[Mapping[str, Any], Parameter(parse=False)] = field(
         default_factory=dict
     )
-    """Options of the named devices that were given, by name. On a command line each device has its
-    own (`DeviceEntry.on_command_line`)."""
+    """Given options of the named devices, by the option's name. On a command line each device has
+    options of its own (`DeviceEntry.on_command_line`)."""
 
     seed: Annotated[int | None, Parameter(group=COMMON, metavar="INT")] = None
-    """Seed of start, goal and simulated user. Default: that of the recording, else 0."""
+    """Seed of start, goal and simulated user. Default: the seed of the recording, otherwise 0."""
 
     vary: Annotated[
         str,
@@ -450,7 +454,7 @@ def given_options(options: ConditionOptions) -> frozenset[str]:
 
 
 def recording_of(device: str) -> Recording | None:
-    """The recording that a device's name names; None if it names another device.
+    """The recording that `--device` names; None if it names another device or file.
 
     Raises:
         InputError: There is no such device and no such file, or the file cannot be read.
@@ -468,8 +472,8 @@ def trial_settings(options: TrialOptions, base: Settings | None = None) -> Setti
 
     Args:
         options: The options.
-        base: Settings that the options change; None has the defaults. A recording that is played
-            has its own.
+        base: Settings that the options change; None starts from the defaults. If the device is a
+            recording, its own settings are used instead.
 
     Raises:
         InputError: An option has an invalid value, or options contradict each other.
@@ -493,7 +497,7 @@ def _settings(options: TrialOptions, recording: Recording | None, base: Settings
     if recording is not None and options.vary:
         raise InputError("a recording cannot be varied", where="--vary", got=str(recording.path))
     if recording is not None:
-        # A recording has its own task, seed and surface; other options apply to its touches.
+        # A recording has its own task, seed and surface. All other options apply to its touches.
         header, where = recording.header, str(recording.path)
         base = recorded_settings(header)
         base = base.changed(
@@ -538,7 +542,7 @@ def _settings(options: TrialOptions, recording: Recording | None, base: Settings
 
         first = replace(first, rest=load_rest(options.rest, first.side, first.size))
     elif values.get("encoder", base.pipeline.encoder) != POPULATION:
-        # A model of one person knows nothing of others'.
+        # Only the encoder `population` uses the rest posture.
         first = replace(first, rest=())
     values["hands"] = (first, *others)
     if options.surface:
@@ -548,7 +552,7 @@ def _settings(options: TrialOptions, recording: Recording | None, base: Settings
         values["size_in"] = (native.width_in, native.height_in)
         values["calibrated"] = native.calibrated
     elif kind_of(options.device).guessed_size:
-        # TUIO does not transmit a size: without --surface, inches are a guess, and views say so.
+        # TUIO does not transmit a size. Without --surface the size is a guess, and views show this.
         values["calibrated"] = False
     return base.changed(**values)
 
@@ -593,8 +597,8 @@ def _with_second_hand(
         settings: Settings with the first hand.
         options: Options of the second hand.
         device: Device of the first hand.
-        recording: Recording that the first device plays, which brings its own second hand; None
-            if it plays none.
+        recording: Recording that the first device plays; the recording may have a second hand of
+            its own. None if the first device plays no recording.
 
     Raises:
         InputError: The options contradict each other.
@@ -612,15 +616,15 @@ def _with_second_hand(
     if not (for_two or wanted):
         if given or options.second_user:
             raise InputError(
-                "an option of a second hand is given, and there is only one hand",
-                where="--hand, --turn or --user twice",
+                "an option of a second hand is given, but there is only one hand",
+                where="--hand, --hand-size, --turn or --user twice",
                 remedy="Give --device twice, or --one-surface",
             )
         return settings
     simulated = (device, options.second_device or "simulated") == ("simulated",) * 2
     if options.one_surface and not simulated and options.second_device is not None:
         raise InputError(
-            "one surface has one device",
+            "with --one-surface, both hands touch one device",
             where="--one-surface",
             got=f"{device} and {options.second_device}",
             remedy="Leave out the second --device",
@@ -635,7 +639,8 @@ def _with_second_hand(
 
 
 def _for_two(task: str) -> bool:
-    """True if a task is for two hands; an unknown task is refused later, when it is drawn."""
+    """True if a task is for two hands. An unknown task gives False; it is refused later, when it
+    is drawn."""
     try:
         return hands_of(find_task(task)) > 1
     except InputError:
@@ -647,11 +652,11 @@ _TOGETHER = {
     Sees.CAMERA: "before one camera",
     Sees.HEADSET: "in one headset",
 }
-"""What a device sees -> where two hands are that it sees both."""
+"""Kind of input of a device -> place of two hands that one such device sees."""
 
 
 def _share_device_in_air(options: TrialOptions) -> bool:
-    """True if two hands, should there be two, are in the air and seen by the same device."""
+    """True if one device would see both hands in the air, whether or not there is a second hand."""
     kind = kind_of(options.device)
     if not kind.in_air or options.second_device not in (None, options.device):
         return False
@@ -662,7 +667,7 @@ def _share_device_in_air(options: TrialOptions) -> bool:
 def _with_hands_in_air(
     settings: Settings, options: TrialOptions, second_recording: Recording | None
 ) -> Settings:
-    """Returns settings in which hands in the air are seen by their devices.
+    """Returns settings in which each hand in the air has the settings of its 3-D device.
 
     Args:
         settings: Settings with all hands.
@@ -670,14 +675,14 @@ def _with_hands_in_air(
         second_recording: Recording that the second hand's device plays; None otherwise.
 
     Raises:
-        InputError: A position, a camera or a calibration is unusable, both hands over one device
-            are of one side, or only the second one is in a headset.
+        InputError: A position, a camera or a calibration is unusable; two hands that one device
+            sees are of the same side; or only the second hand is in a headset.
     """
     first, *others = settings.hands
     other = options.second_device or options.device
     if others and other == LIVE_HEADSET and options.device != LIVE_HEADSET:
         raise InputError(
-            "a headset shows the scene on its own page, so its hand comes first",
+            "a headset shows the scene on its own page, so it must be the first hand's device",
             where="--device",
             got=f"{options.device}, {other}",
             expected=f"--device {LIVE_HEADSET} first",
@@ -707,7 +712,7 @@ def _with_hands_in_air(
 
 
 def _seen(options: TrialOptions, device: str, side: str) -> HandInput:
-    """How a device sees a hand in the air."""
+    """Settings of a 3-D device for a hand in the air."""
     given = dict(options.device_options)
     if kind_of(device).sees is Sees.LEAP:
         from sandbox.hand.profiles import chosen_calibration
@@ -732,7 +737,7 @@ def _device(
 def _second(
     options: TrialOptions, recording: Recording | None, settings: Settings
 ) -> DeviceSettings | None:
-    """The device of the second hand; None where there is one hand, or one device for both."""
+    """The device of the second hand; None if there is one hand, or one device for both hands."""
     if len(settings.hands) == 1:
         return None
     other = options.second_device or ("simulated" if recording is None else options.device)
@@ -748,10 +753,10 @@ def _second(
 
 
 def _check_of_devices(options: TrialOptions, settings: Settings) -> None:
-    """Refuses options of devices that are not there.
+    """Refuses options of devices that the trial does not use.
 
     Raises:
-        InputError: There is one; the error names the devices that have it.
+        InputError: Such an option is given; the error names the devices that have the option.
     """
     devices = [each.name for each in (settings.device, settings.second_device) if each is not None]
     check_device_options(options.device_options, devices)
@@ -759,7 +764,7 @@ def _check_of_devices(options: TrialOptions, settings: Settings) -> None:
         return
     for name in sorted({"fingers", "user", "drop_outs", "second_user"} & given_options(options)):
         raise InputError(
-            "only a simulated user has this option",
+            "this option is for simulated users only",
             where="--" + name.replace("_", "-"),
             got=f"--device {' and '.join(devices)}",
             expected="--device simulated",
@@ -768,7 +773,7 @@ def _check_of_devices(options: TrialOptions, settings: Settings) -> None:
 
 
 def with_second_names(argv: Sequence[str]) -> list[str]:
-    """Returns the command line with a repeated `--device` renamed to `--second-device`, and so on.
+    """Returns the command line with a repeated option of `TWICE` renamed, as to `--second-device`.
 
     Raises:
         InputError: An option is given three times.
@@ -796,7 +801,7 @@ def check_names(options: TrialOptions) -> None:
     """Checks the names of task, devices, encoder and robot.
 
     Raises:
-        InputError: There is nothing of a name.
+        InputError: A name is unknown.
     """
     find_task(options.task)
     named_device(options.device)
@@ -804,16 +809,17 @@ def check_names(options: TrialOptions) -> None:
         named_device(options.second_device, "--second-device")
     check_model_name(options.encoder)
     if options.robot:
-        # This import reads mappings, which hands of people do without.
+        # This import reads the mappings of robot hands, which a human hand does not need.
         from models.robot.mapping import find_robot
 
         find_robot(options.robot)
 
 
 def check_labels(options: TrialOptions) -> None:
-    """Refuses labels by the population beside the paper's own.
+    """Refuses `--labels population` together with `--encoder paper` or `--bare`.
 
-    Commands ask this; a study may have a factor `labels` beside a level `paper`.
+    Only commands call this function. A study may combine a factor `labels` with the level `paper`
+    of the factor `encoder`.
 
     Raises:
         InputError: Both are given.
@@ -821,8 +827,9 @@ def check_labels(options: TrialOptions) -> None:
     what = "--bare" if options.bare else "--encoder paper" if options.encoder == "paper" else ""
     if what and options.labels == "population" and "labels" in given_options(options):
         raise InputError(
-            "this has the paper's labels, so these cannot be chosen",
+            "this option means the paper's labels, so --labels population cannot be used with it",
             where=what,
             got=f"--labels {options.labels}",
-            remedy="Leave one of them out; `--no-correction --no-smoothing` keeps labels of ours",
+            remedy="Leave one of them out. To turn off only correction and smoothing, use "
+            "`--no-correction --no-smoothing`",
         )
