@@ -3,10 +3,10 @@
 The names in `__all__` are the public API; `docs/from-python.md` explains them. Every other module
 may change without notice.
 
-`models` and `tasks` are common names. Where somebody's `models.py` comes first on the import path,
-half of this program would silently be theirs, and the first sign would be a strange AttributeError
-far from the cause. So importing `sandbox` looks, without importing anything, at where its
-neighbours would come from, and refuses at once if one of them is not its own.
+`models` and `tasks` are common names. If another `models.py` comes first on the import path, this
+program would use it, and fail with an AttributeError far from the cause. Therefore `import sandbox`
+first checks, without importing them, from which files the packages `models`, `encoders` and `tasks`
+would be loaded. It raises an error if a package is not the one beside `sandbox`.
 """
 
 from __future__ import annotations
@@ -25,15 +25,15 @@ _EXIT_BAD_INPUT = 2
 
 
 class ShadowedPackageError(ImportError):
-    """Another module stands where one of our packages should be.
+    """Another module would be imported in place of a package of Hand Sandbox.
 
-    The one error outside the tree of `models.errors`: it is raised exactly when `models` may not be
-    ours. `name` is the package, `path` the file in the way (None where the package is missing).
+    This error is not in the tree of `models.errors`, since `models` itself may be the wrong module.
+    `name` is the package, `path` the file of the other module (None if the package is missing).
     """
 
 
 def _place_of(name: str) -> str | None:
-    """The file (or bare folder) that `import name` gives or would give; None if nothing does."""
+    """The file, or folder without `__init__.py`, that `import name` loads; None if it fails."""
     if name in sys.modules:
         module = sys.modules[name]
         if module is None:
@@ -44,7 +44,7 @@ def _place_of(name: str) -> str | None:
     if spec is None:
         return None
     folders = list(spec.submodule_search_locations or ())
-    # A folder without __init__.py has no origin, yet it hides a package of an editable install.
+    # A folder without __init__.py has no origin, but it hides a package of an editable install.
     return spec.origin or (folders[0] if folders else repr(spec.loader))
 
 
@@ -56,10 +56,10 @@ def _same_place(place: str, folder: str) -> bool:
 
 
 def _refuse_shadowed_neighbours() -> None:
-    """Compares where each neighbour comes from with the folder next to this package.
+    """Checks that each neighbouring package is loaded from the folder beside this package.
 
     Raises:
-        ShadowedPackageError: One of them is somebody else's, or missing.
+        ShadowedPackageError: A package is missing, or another module would be loaded.
     """
     home = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
     for name in _NEIGHBOURS:
@@ -82,10 +82,10 @@ def _refuse_shadowed_neighbours() -> None:
 
 
 def _check_for_foreign_files() -> None:
-    """Says in one line that another package's files are among those of our neighbours.
+    """Warns in one line if another package has installed files into a neighbouring package.
 
     Raises:
-        ShadowedPackageError: Files of ours were replaced by another package's, or are gone.
+        ShadowedPackageError: Files of a neighbouring package were replaced or are missing.
     """
     home = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
     for name, (strange, changed) in mixed_up(home, _NEIGHBOURS).items():
@@ -93,15 +93,15 @@ def _check_for_foreign_files() -> None:
         if changed:
             raise ShadowedPackageError(
                 f"another package has replaced files of the package `{name}` (got another "
-                f"{changed[0]!r} in {where!r}). Install hand-sandbox in an environment of its own, "
-                "or again: `pip install --force-reinstall --no-deps hand-sandbox`",
+                f"{changed[0]!r} in {where!r}). Install hand-sandbox in its own environment, or "
+                "reinstall it here: `pip install --force-reinstall --no-deps hand-sandbox`",
                 name=name,
                 path=os.path.join(where, changed[0]),
             )
         line = (
             f"another package has installed files into the package `{name}` ({strange[0]!r} in "
-            f"{where!r}); one of the two may fail. Install hand-sandbox in an environment of its "
-            "own"
+            f"{where!r}); one of the two packages may fail. Install hand-sandbox in its own "
+            "environment"
         )
         if _is_own_command():
             print(f"sandbox: {line}", file=sys.stderr)
@@ -110,9 +110,9 @@ def _check_for_foreign_files() -> None:
 
 
 def _is_own_command() -> bool:
-    """True if this process is `sandbox ...` itself, not a program that imports us."""
+    """True if this process is the command `sandbox`, not a program that imports this package."""
     if sys.argv[:1] == ["-m"]:
-        # runpy is still looking for the module to run; only orig_argv has its name.
+        # runpy is still searching for the module to run. Only orig_argv has the module's name.
         return any(
             flag.startswith("-") and flag.endswith("m") and target.partition(".")[0] == __name__
             for flag, target in pairwise(sys.orig_argv)
@@ -127,8 +127,8 @@ try:
 except ShadowedPackageError as _error:
     if not _is_own_command():
         raise
-    # A person typed the command: one line and the exit status of bad input. The command line's own
-    # handler cannot do it, since its module is never reached.
+    # If `sandbox` was run as a command, print the error in one line and exit with the status for
+    # bad input. The command line's own handler is in a module that is not loaded yet.
     print(f"sandbox: {_error}", file=sys.stderr)
     sys.exit(_EXIT_BAD_INPUT)
 

@@ -1,4 +1,4 @@
-"""`python -m sandbox` is `sandbox`, where the command is not on the path."""
+"""`python -m sandbox` runs the command `sandbox`, for when the command is not on the path."""
 
 from __future__ import annotations
 

@@ -1,12 +1,12 @@
-"""Finds files of another package among ours in site-packages.
+"""Finds files of other packages in the folders of this program in site-packages.
 
-`models` and `tasks` are common names. Two packages that both bring a folder of such a name are
-installed into one folder, and pip says nothing: what came last has replaced files of the same name.
-The installed package's list of files (RECORD, PEP 376 and 627) tells which are ours. A checkout and
-an editable install have no such list beside them, and share no folder with anybody.
+`models` and `tasks` are common names. If two packages have a folder with such a name, pip installs
+both into one folder without a warning, and the later package replaces files of the same name. The
+installed package's list of files (RECORD, PEP 376 and 627) tells which files belong to this
+program. A checkout and an editable install have no such list, and share no folder with other
+packages.
 
-Nothing is imported here but the standard library's plainest modules, since every import of
-`sandbox` runs it.
+Every import of `sandbox` runs this module, so that it imports only `os`.
 """
 
 from __future__ import annotations
@@ -18,15 +18,15 @@ _NO_PYTHON = {"__pycache__"}
 
 
 def mixed_up(home: str, packages: tuple[str, ...]) -> dict[str, tuple[list[str], list[str]]]:
-    """Files in the top folders of packages that are not as they were installed.
+    """Finds foreign and changed files in the top folders of packages.
 
     Args:
         home: The folder of the packages.
-        packages: Their names.
+        packages: Names of the packages.
 
     Returns:
-        Package -> files or folders that are not ours, and files of ours that were replaced or are
-        gone; without packages that are whole. Empty where no list of files is.
+        For each affected package: names of files and folders that do not belong to it, and names of
+        its files that were replaced or are missing. Empty without a list of installed files.
     """
     recorded = _recorded(home, packages)
     if recorded is None:
@@ -48,8 +48,10 @@ def mixed_up(home: str, packages: tuple[str, ...]) -> dict[str, tuple[list[str],
 
 
 def _recorded(home: str, packages: tuple[str, ...]) -> dict[str, dict[str, int | None]] | None:
-    """Package -> name in its top folder -> bytes of a file, None for a folder or where unknown;
-    None without a list of files."""
+    """The installed files: package -> name in its top folder -> size in bytes.
+
+    A size is None for a folder, or if it is unknown. Returns None without a list of files.
+    """
     try:
         [folder] = [
             name
@@ -62,7 +64,7 @@ def _recorded(home: str, packages: tuple[str, ...]) -> dict[str, dict[str, int |
         return None
     names: dict[str, dict[str, int | None]] = {package: {} for package in packages}
     for line in lines:
-        # PATH,HASH,SIZE; a path with a comma is in quotes, and none of ours has one.
+        # PATH,HASH,SIZE. A path with a comma would be in quotes; this program has no such path.
         before, _, size = line.rpartition(",")
         path = before.rpartition(",")[0]
         package, _, inner = path.partition("/")

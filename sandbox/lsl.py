@@ -1,13 +1,14 @@
 """Lab Streaming Layer: touches, poses and markers for other instruments (extra `lsl`).
 
-Three streams, and two more where there is a second hand:
+There are three streams, and with a second hand two more (`sandbox_touch_2`, `sandbox_hand_2`):
 
-- `sandbox_touch`, irregular: a sample for every touch frame, when it takes effect;
+- `sandbox_touch`, irregular: a sample for every touch frame, when the frame takes effect;
 - `sandbox_hand`, 62.5 Hz: the commanded pose of every control period;
 - `sandbox_markers`, irregular: JSON texts.
 
 The session's loop only puts samples on a queue; another thread sends them. Time stamps are taken in
-the loop, by our monotonic clock, and converted to LSL's by an offset that is measured repeatedly.
+the loop by Python's monotonic clock. They are converted to LSL's clock by an offset that is
+measured repeatedly.
 """
 
 from __future__ import annotations
@@ -38,7 +39,7 @@ if TYPE_CHECKING:
     from sandbox.session.session import Recorder, Session
 
 CONTACTS = 10
-"""Contacts of one touch sample; more than ten are not sent."""
+"""Number of contacts in a touch sample; further contacts are not sent."""
 PER_CONTACT = ("id", "x", "y", "size", "finger")
 TOUCH_CHANNELS = ("step", "time", *(f"{name}_{i}" for i in range(CONTACTS) for name in PER_CONTACT))
 HAND_CHANNELS = ("step", "time", *(f"q_{i}" for i in range(POSE_SIZE)))
@@ -47,10 +48,10 @@ KINDS: dict[str, tuple[str, tuple[str, ...], float]] = {
     "hand": ("MoCap", HAND_CHANNELS, 1.0 / CONTROL_PERIOD),
     "markers": ("Markers", ("json",), 0.0),
 }
-"""By kind of stream: LSL's type, channels, samples per second (0: irregular)."""
+"""Kind of stream -> LSL's type, channels, samples per second (0: irregular)."""
 NAMES = ("sandbox_touch", "sandbox_hand", "sandbox_markers")
 TRIES = 9
-"""Number of measurements of the clocks' offset, of which the fastest one counts."""
+"""Number of measurements of the clocks' offset; only the fastest measurement is used."""
 
 
 def touch_sample(step: int, time_: float, frame: TouchFrame) -> Array:
@@ -71,7 +72,7 @@ def hand_sample(step: int, time_: float, q: Array) -> Array:
 
 
 class LslOutlets:
-    """Streams of this program; implements `sandbox.lsl.SessionListener`.
+    """LSL streams of this program; implements `SessionListener`.
 
     Raises:
         DeviceError: pylsl or its library is missing.
@@ -90,7 +91,7 @@ class LslOutlets:
         self._thread.start()
 
     def wait_for_consumers(self, seconds: float) -> bool:
-        """Waits for a receiver of the markers; returns true if there is one."""
+        """Waits for a receiver of the markers; returns True if there is one."""
         return bool(self._streams[NAMES[-1]].wait_for_consumers(seconds))
 
     def close(self) -> None:
@@ -101,14 +102,14 @@ class LslOutlets:
         """
         self._queue.put(None)
         self._thread.join()
-        # An outlet ends with its object.
+        # An outlet closes when its object is deleted.
         self._streams.clear()
         if self._lost:
             raise DeviceError(
                 "samples or markers were not sent over Lab Streaming Layer",
                 where="--lsl",
                 got=f"{self._lost} samples or markers lost: {self._why}",
-                remedy="Recordings and journals are complete",
+                remedy="Use recordings or journals, which are complete",
             )
 
     def begin(self, header: Mapping[str, Any]) -> None:
@@ -119,8 +120,7 @@ class LslOutlets:
         self.event("trial_start", {**about, **header.get("study", {})})
 
     def input(self, step: int, time: float, hand: int, frame: Frame) -> None:
-        """See `SessionListener`; for hands in the air only poses are sent, since they have no
-        touches."""
+        """See `SessionListener`. Hands in the air have no touches, so only their poses are sent."""
         if isinstance(frame, TouchFrame):
             self._put(_named("touch", hand), (touch_sample, step, time, frame))
 
@@ -133,7 +133,7 @@ class LslOutlets:
         self._put(NAMES[-1], {"event": what, **details})
 
     def clock(self) -> dict[str, float]:
-        """Returns LSL's clock minus ours, s, and our clock at that moment."""
+        """Returns LSL's clock minus the monotonic clock, s, and the monotonic clock, s."""
         self._offset = self._measure()
         return {"lsl_minus_monotonic_s": self._offset, "monotonic_s": round(time.monotonic(), 6)}
 
@@ -159,7 +159,7 @@ class LslOutlets:
         self._streams[stream].push_sample(sample, stamp + self._offset)
 
     def _measure(self) -> float:
-        """Returns LSL's clock minus ours, s, by the fastest of several measurements."""
+        """Returns LSL's clock minus the monotonic clock, s, from the fastest measurement."""
         measurements = []
         for _ in range(TRIES):
             before = time.monotonic()
@@ -208,22 +208,22 @@ def _pylsl() -> Any:
             remedy="pip install 'hand-sandbox[lsl]'",
         ) from None
     except RuntimeError as error:
-        # The wheel of pylsl for older systems lacks the library, which shows only now.
+        # The wheel of pylsl for older systems lacks the library. The import fails only then.
         raise DeviceError(
-            "pylsl has no library",
+            "pylsl cannot find its library liblsl",
             where="--lsl",
             got=str(error).splitlines()[0],
             remedy="Install liblsl from github.com/sccn/liblsl/releases, or set "
             "PYLSL_LIB to its file",
         ) from None
     if not any(path.is_file() for path in _settings_files()):
-        # Without settings of the user, only errors are logged.
+        # If the user has no settings, log only errors.
         pylsl.set_config_content("[log]\nlevel = -2\n")
     return pylsl
 
 
 def _settings_files() -> list[Path]:
-    """Environment variable and files with liblsl's settings."""
+    """Paths at which liblsl looks for settings; the first from the environment variable."""
     name = "lsl_api.cfg"
     given = os.environ.get("LSLAPICFG")
     return [
@@ -235,7 +235,7 @@ def _settings_files() -> list[Path]:
 
 
 CLOCK_PERIOD = 10.0
-"""s of simulated time between two comparisons of clocks in a recording."""
+"""Simulated time between two comparisons of clocks in a recording, s."""
 STATES_PER_CLOCK = round(CLOCK_PERIOD / CONTROL_PERIOD)
 
 
@@ -243,30 +243,30 @@ class SessionListener(Protocol):
     """Contract of listeners, which receive the calls of a recorder."""
 
     def begin(self, header: Mapping[str, Any]) -> None:
-        """Takes the start of a trial, with the header of its recording."""
+        """Receives the start of a trial, with the header of its recording."""
         ...
 
     def input(self, step: int, time: float, hand: int, frame: Frame) -> None:
-        """Takes a frame that takes effect at a physics step; time in s of simulated time."""
+        """Receives a frame that takes effect at a physics step; `time` is simulated time, s."""
         ...
 
     def pose(self, step: int, time: float, hand: int, q: Array) -> None:
-        """Takes the commanded pose (48,) of a hand in the control period that ended at a step."""
+        """Receives a hand's commanded pose (48,) in the control period that ended at a step."""
         ...
 
     def event(self, what: str, details: Mapping[str, Any]) -> None:
-        """Takes another event."""
+        """Receives another event."""
         ...
 
     def clock(self) -> dict[str, float]:
-        """Returns the offset of the listener's clock from ours, as JSON values for the
-        recording."""
+        """Returns the offset of the listener's clock from the monotonic clock, as JSON values for
+        the recording."""
         ...
 
 
 @contextmanager
 def forwarding_to(listener: SessionListener) -> Iterator[None]:
-    """Context in which all recorded trials are forwarded to a listener, too."""
+    """Context in which all recorded trials are also forwarded to a listener."""
     LISTENERS.append(listener)
     try:
         yield
@@ -275,7 +275,7 @@ def forwarding_to(listener: SessionListener) -> Iterator[None]:
 
 
 def send_event(what: str, details: Mapping[str, Any]) -> None:
-    """Sends all listeners an event outside of trials, such as a break."""
+    """Sends an event outside of trials, such as a break, to all listeners."""
     for listener in LISTENERS:
         listener.event(what, details)
 
@@ -300,7 +300,8 @@ class ForwardingRecorder:
     def watch(self, session: Session) -> None:
         """Sets the session whose poses are sent, and forwards the start of its trial.
 
-        A trial whose scene or device cannot be made has no session, and so neither start nor end.
+        If the scene or a device of a trial cannot be made, the trial has no session, and neither
+        its start nor its end is forwarded.
         """
         self._session = session
         for listener in self._listeners:

@@ -1,7 +1,8 @@
-"""A pytest fixture for a lab's own task or encoder: `pytest_plugins = ["sandbox.regression"]`.
+"""A pytest plugin with the fixture `regression`, for tests of a lab's own task or encoder.
 
-In a conftest.py of the test folder's root, or as `pytest -p sandbox.regression`, it also has the
-options `--sandbox-update-baseline` and `--sandbox-workers N`.
+Enable it with `pytest_plugins = ["sandbox.regression"]`. In a conftest.py of the test folder's
+root, or with `pytest -p sandbox.regression`, it also adds the options `--sandbox-update-baseline`
+and `--sandbox-workers N`.
 
     def test_our_encoder_is_no_worse(regression):
         regression("box-to-goal", seeds="0:60", encoder="ours.npz", baseline="base.json")
@@ -33,17 +34,17 @@ from tasks.task import Task
 UPDATE = "--sandbox-update-baseline"
 WORKERS = "--sandbox-workers"
 MOST_NAMED = 5
-"""Failed trials in the message of a test that fails."""
+"""Largest number of failed trials in the message of a failed test."""
 
 
 class Regression:
-    """Runs a task over seeds and asserts that nothing was lost.
+    """Runs a task over many seeds and asserts that there is no loss against a baseline.
 
     Args:
-        folder: Folder of the test, from which baselines are searched.
-        scratch: Folder for what has to be a file.
-        update: Baselines are made rather than compared with.
-        workers: Processes; one runs everything in the test's own.
+        folder: Folder of the test. Paths of baselines are relative to it.
+        scratch: Folder for temporary files.
+        update: True writes baselines instead of comparing with them.
+        workers: Number of processes; 1 runs all trials in the process of the test.
     """
 
     def __init__(self, folder: Path, scratch: Path, update: bool = False, workers: int = 1) -> None:
@@ -67,27 +68,27 @@ class Regression:
         """Runs the trials.
 
         Args:
-            task: A name, a place `FILE.py:Class`, or a class of one's own that the registry need
-                not know. Files are searched from the test's folder, then from the current one.
-            seeds: Such as `0:60`.
-            encoder: A name, a file, or a trained model; files as for tasks.
-            baseline: File to compare with, from the test's folder; made by
-                `--sandbox-update-baseline`.
-            at_least: Success rate 0 to 1; fewer successes than chance explains fail the test.
-            exact: States must be equal where MuJoCo, architecture and libm are the baseline's.
-            across_encoders: The baseline may be another encoder's.
-            allow_crashes: Number of trials that may crash; more fail the test.
-            arm: Which arms are played: the task as it is, the task made hard, or both.
+            task: A name, a place `FILE.py:Class`, or a task class, which need not be registered.
+                Files are searched in the test's folder, then in the current folder.
+            seeds: Seeds, such as `0:60`.
+            encoder: A name, a file, or a trained model. Files are searched as for tasks.
+            baseline: Baseline file, relative to the test's folder. `--sandbox-update-baseline`
+                writes it.
+            at_least: Success rate, 0 to 1. The test fails if success is lower beyond chance.
+            exact: True requires equal states on machines with the baseline's fingerprint.
+            across_encoders: True allows a baseline of another encoder.
+            allow_crashes: Number of trials that may crash; the test fails if more trials crash.
+            arm: `plain`, `hard` (the task with its hard variation), or `both`.
             scene: Options of `sandbox run` with underscores: `fingers=5`, `bare=True`.
 
         Returns:
-            The report, for assertions of one's own.
+            The report, for further assertions.
 
         Raises:
-            AssertionError: A loss beyond chance, or trials that crashed.
-            InputError: What is asked for cannot be run or compared.
+            AssertionError: A loss beyond chance, or too many trials crashed.
+            InputError: The trials cannot be run or compared.
         """
-        __tracebackhide__ = True  # pytest then shows the line of the test, and what was lost
+        __tracebackhide__ = True  # pytest then shows the line of the test and the message
         plan = RegressionPlan(
             find_tasks([self._resolved(task)]) if isinstance(task, str) else (task,),
             parse_seeds(seeds),
@@ -127,8 +128,10 @@ class Regression:
         return self._resolved(str(encoder))
 
     def _resolved(self, place: str) -> str:
-        """A place such as FILE.py:Class from the test's folder where the file is there, as given
-        otherwise. It is seen from the current folder, so that printed commands hold elsewhere."""
+        """A place such as FILE.py:Class, with the file in the test's folder if it exists there.
+
+        The file is relative to the current folder, so that printed commands can be run from it.
+        """
         file, colon, name = place.partition(":")
         here = self.folder / file
         if not here.is_file():
@@ -143,39 +146,39 @@ class Regression:
         if name is None:
             return None
         path = self.folder / name
-        # The baseline of another encoder is made where that encoder is tested.
+        # The test of the other encoder writes its baseline.
         if self.update and not across_encoders:
             check_whole(path, "baseline")
-            # What is no baseline is told before the run.
+            # Report a file that is not a baseline before the run.
             if replaceable(path) is None and path.exists():
-                warnings.warn(f"{path} is replaced as a whole: it cannot be read", stacklevel=3)
+                warnings.warn(f"{path} cannot be read, and is replaced as a whole", stacklevel=3)
             return None
         if not path.exists():
             raise InputError(
                 "no such baseline",
                 where=str(path),
-                remedy=f"`pytest -p sandbox.regression {UPDATE}` makes it",
+                remedy=f"`pytest -p sandbox.regression {UPDATE}` writes it",
             )
         old = load_baseline(path)
-        # Before the run rather than after it.
+        # Check before the run, not after it.
         old.check(plan.origin(), plan.versions(), across_encoders, exact)
         return old
 
 
 def _toothless(report: Report, at_least: float | None) -> Iterator[str]:
-    """Sentences on what cannot fail with so few seeds, whatever is lost."""
+    """Warnings about checks that cannot fail, because the test has too few seeds."""
     needed = statistics.fewest_losses(level_of(report.comparisons))
     for name, comparison in report.comparisons.items():
         if comparison.pairs < needed:
             yield (
-                f"{name}: of {counted(comparison.pairs, 'seed')}, no loss is beyond chance, so "
-                f"this test cannot fail by its baseline: give {needed} seeds or more"
+                f"{name}: with {counted(comparison.pairs, 'seed')}, no loss is beyond chance, so "
+                f"this test cannot fail by its baseline: give at least {needed} seeds"
             )
     for task in report.tasks if at_least else ():
         if statistics.falls_short(0, task.n, float(at_least or 0.0)) > statistics.ALPHA:
             yield (
-                f"{task.name}: of {counted(task.n, 'seed')}, no number of successes falls short "
-                f"of {at_least:.0%} beyond chance, so this test cannot fail by at_least: give more "
+                f"{task.name}: with {counted(task.n, 'seed')}, no number of successes is below "
+                f"{at_least:.0%} beyond chance, so this test cannot fail by at_least: give more "
                 "seeds"
             )
 
@@ -204,16 +207,16 @@ def _assert(report: Report, at_least: float | None) -> None:
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
-    """Adds the options, where pytest asks early enough."""
+    """Adds the options; pytest calls this only if the plugin is loaded early enough."""
     group = parser.getgroup("sandbox", "regression runs of Hand Sandbox")
-    group.addoption(UPDATE, action="store_true", help="make baselines rather than compare")
+    group.addoption(UPDATE, action="store_true", help="write baselines instead of comparing")
     group.addoption(WORKERS, type=int, default=1, metavar="N", help="processes for trials")
 
 
 @pytest.fixture
 def regression(request: pytest.FixtureRequest, tmp_path: Path) -> Regression:
-    """See `Regression`."""
-    # A module's own `pytest_plugins` comes too late for options; their defaults hold then.
+    """Fixture of this plugin; see `Regression`."""
+    # `pytest_plugins` in a test module is too late for options; their defaults apply then.
     return Regression(
         request.path.parent,
         tmp_path,

@@ -1,1 +1,1 @@
-"""Captures of one's own hand: touches, and what sees the hand, recorded and read together."""
+"""Captures of a person's own hand: touches and a Leap or camera, recorded and read together."""

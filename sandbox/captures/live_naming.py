@@ -27,17 +27,18 @@ from sandbox.devices.device import Closeable
 KEPT = 2.0
 """Time for which touches are stored, for pictures that arrive late, s."""
 _LONGEST = 0.25
-"""Longest time for which a single picture counts, s."""
+"""Largest time for which a single picture counts as evidence, s."""
 _RESTS = 0.1
-"""Time between two touch frames from which on the fingers are assumed to rest in between, s."""
+"""Time between two touch frames, s. After a longer time, fingers are assumed to have rested in
+between."""
 _UNKNOWN = np.full(len(FINGERS), np.nan)
 
 
 def hand_in(frame: LandmarkFrame, side: str) -> Array | None:
     """Returns the landmarks (21, 2) of the hand of a side, px; None without one.
 
-    A single hand of the other side is accepted, since the engine may mistake the side. A left hand
-    is mirrored.
+    If there is a single hand, it is accepted even if it has the other side, since the engine may
+    mistake the side. A left hand is mirrored.
     """
     own = [h for h in frame.hands if h.side == side]
     hands = own or (list(frame.hands) if len(frame.hands) == 1 else [])
@@ -76,7 +77,7 @@ class LiveName:
         id: The device's id of the contact.
         finger: Thumb 0 to little 4.
         share: Probability of the name.
-        since: Time from the arrival of the touch-down to that of the picture, s.
+        since: Time from the arrival of the touch-down to the arrival of the picture, s.
     """
 
     id: int
@@ -105,7 +106,7 @@ class TouchHistory:
                 if before is None:
                     return {}
                 span = entry[0] - before[0]
-                # If a device sends nothing for long, its fingers rest.
+                # If a device sends nothing for a long time, the fingers rest.
                 share = (time - before[0]) / max(span, 1e-9) if span < _RESTS else 0.0
                 return {
                     i: np.array(p) + share * (np.array(entry[1].get(i, p)) - np.array(p))
@@ -116,7 +117,7 @@ class TouchHistory:
 
 
 class LiveNames:
-    """Names touches by pictures, both live.
+    """Names touches by a camera's pictures during a recording.
 
     Args:
         plane: The surface in the picture; for a left hand, both are mirrored.
@@ -195,8 +196,8 @@ class LiveNames:
 USUAL_DELAY = 0.05
 """Assumed delay of pictures relative to touches during a recording, s."""
 _ENOUGH, _MOST, _AGAIN = 40, 300, 100
-"""Numbers of observations: before the first search for the surface, used for a search at most, and
-before the next search."""
+"""Numbers of observations: before the first search for the surface; the largest number used in a
+search; and between two searches."""
 
 
 class LiveNaming(Closeable):
@@ -207,7 +208,8 @@ class LiveNaming(Closeable):
         side: `right` or `left`.
 
     Attributes:
-        touches, named: Number of touches since the surface was found, and of named ones among them.
+        touches: Number of touches since the surface was found.
+        named: Number of these touches that got a name.
     """
 
     def __init__(self, surface: Surface, side: str) -> None:
@@ -234,7 +236,12 @@ class LiveNaming(Closeable):
         return f"the camera names {self.named} of {self.touches} touches; now: {names or 'none'}"
 
     def corners(self, corners: Sequence[tuple[float, float]], width: int) -> None:
-        """Sets the corners that the person marked, px, in a picture of a width, px."""
+        """Sets the corners that the person marked.
+
+        Args:
+            corners: (x, y) of the corners in the picture, px.
+            width: Width of the picture, px.
+        """
         if not corners or corners == self._marked:
             return
         self._marked = corners

@@ -1,4 +1,4 @@
-"""Captures from recorded sessions: touches, and what a Leap or camera saw of the hand."""
+"""Captures from recorded sessions of touches together with a Leap or a camera."""
 
 from __future__ import annotations
 
@@ -42,11 +42,13 @@ from sandbox.devices.leap.leap_file import check_side
 from sandbox.devices.webcam.landmarks import read_landmarks
 
 MOST_DRIFT = 0.002
-"""Largest relative difference of two clocks' seconds; crystals are within a tenth of that."""
+"""Largest relative difference of two clocks' seconds. Quartz clocks differ by less than a tenth of
+it."""
 
 _ROUNDS = 5
 _OUTLIER = 3.0
-"""Median deviations beyond which an arrival is ignored, since the machine was busy."""
+"""Deviation, in robust standard deviations, beyond which an arrival is ignored: the machine was
+busy."""
 
 
 @dataclass(frozen=True)
@@ -55,8 +57,8 @@ class HostClock:
 
     Attributes:
         offset: s, host time at device time 0.
-        drift: Share by which a device's second is longer than the host's.
-        jitter: s, robust standard deviation of the arrivals about the line.
+        drift: Relative difference by which a device's second is longer than the host's second.
+        jitter: s, robust standard deviation of the arrivals from this line.
     """
 
     offset: float
@@ -69,10 +71,10 @@ class HostClock:
 
 
 def host_clock(device: Array, arrived: Array, where: str) -> HostClock:
-    """The line that turns a stream's own times into those of the host's clock, fitted to arrivals.
+    """Fits the line that converts a device's times to times of the host's clock.
 
     Args:
-        device: (n,) s, the frames' own times.
+        device: (n,) s, the frames' times on the device's clock.
         arrived: (n,) s, arrival times on the host's clock.
         where: Name of the stream, for messages.
 
@@ -81,7 +83,9 @@ def host_clock(device: Array, arrived: Array, where: str) -> HostClock:
     """
     if len(device) < 2 or np.ptp(device) <= 0.0:
         raise CaptureError(
-            "too few frames to relate its clock to the host's", where=where, got=len(device)
+            "too few frames to relate the device's clock to the host's clock",
+            where=where,
+            got=len(device),
         )
     middle = float(device.mean())
     keep = np.ones(len(device), bool)
@@ -93,14 +97,14 @@ def host_clock(device: Array, arrived: Array, where: str) -> HostClock:
         spread = 1.4826 * float(np.median(np.abs(off - np.median(off))))
         keep = np.abs(off - np.median(off)) <= max(_OUTLIER * spread, 1e-4)
     drift = float(line[0]) - 1.0
-    # Short recordings do not determine the drift: jitter of the arrivals looks like one.
+    # In a short recording, jitter of the arrivals looks like drift, so a larger drift is allowed.
     if abs(drift) > MOST_DRIFT + 4.0 * spread / max(float(np.ptp(device)), 1e-9):
         raise CaptureError(
             "the device's times do not match their arrivals",
             where=where,
             got=f"a second of {1.0 + drift:.4f} s",
             expected=f"within {100 * MOST_DRIFT:g} %",
-            remedy="The clock of one of the two was set during the recording; record again",
+            remedy="A clock was changed during the recording; record again",
         )
     return HostClock(float(line[1]) - (1.0 + drift) * middle, drift, spread)
 
@@ -108,7 +112,10 @@ def host_clock(device: Array, arrived: Array, where: str) -> HostClock:
 def capture_of_hands(
     options: Any, surface: Surface | None, rules: ConversionRules, report: ConversionReport
 ) -> tuple[Capture, list[str]]:
-    """Makes a capture; also returns descriptions of damage at the end of the files.
+    """Makes a capture from touches and a Leap's hands.
+
+    Returns:
+        The capture, and descriptions of damage at the end of the files.
 
     Args:
         options: `CaptureOptions`.
@@ -193,23 +200,25 @@ def _calibration(path: Path | None, hands: HandsFile, side: str) -> HandCalibrat
         raise EncoderError(
             f"the recording does not begin with an open {side} hand: {error.what}",
             got=error.got,
-            expected=f"{OPEN_FRAMES} frames of it, or --calibration FILE",
+            expected=f"{OPEN_FRAMES} frames of an open hand, or --calibration FILE",
             remedy="Check --side; hold the hand open, palm down, fingers spread",
         ) from None
 
 
 @dataclass(frozen=True)
 class CameraSession:
-    """A recorded session under a camera, on the host's clock, as of a right hand.
+    """A recorded session under a camera, with times on the host's clock.
+
+    Touches and surface of a left hand are mirrored, so that they are those of a right hand.
 
     Attributes:
         about: Description of the session.
         log: The touches.
         frames: The camera's pictures.
-        taken: (F,) s at which they were taken.
-        corners: The surface by its corners; None where nobody marked them.
-        camera: The field of view, where it was told; None otherwise.
-        clocks: Those of touches and pictures.
+        taken: (F,) s, times at which the pictures were taken.
+        corners: The surface, from its marked corners; None if the corners were not marked.
+        camera: The camera with its field of view; None if the field of view is unknown.
+        clocks: Clocks of touches and pictures.
         damage: Descriptions of damage at the end of the files.
     """
 
@@ -223,7 +232,7 @@ class CameraSession:
     damage: tuple[str, ...]
 
     def names(self, rules: ConversionRules, report: ConversionReport) -> NamedTouches:
-        """Names that the camera gives to touches."""
+        """The touches, named by the camera."""
         return name_touches(
             self.log,
             self.frames,
@@ -236,7 +245,7 @@ class CameraSession:
 
 
 def read_session(folder: Path, surface: Surface | None = None) -> CameraSession:
-    """Reads a session by `sandbox capture record --hands webcam`.
+    """Reads a session that `sandbox capture record --hands webcam` recorded.
 
     Raises:
         InputError: The recordings are unusable, or are not of the same session.
@@ -248,7 +257,7 @@ def read_session(folder: Path, surface: Surface | None = None) -> CameraSession:
     seen = picture_arrivals(hands, recording.lines)
     if touched is None or seen is None:
         raise RecordingError(
-            "the files do not say when touches and pictures arrived",
+            "the files have no arrival times of touches and pictures",
             where=str(folder),
             remedy="Record both with `sandbox capture record`",
         )
@@ -279,7 +288,10 @@ def read_session(folder: Path, surface: Surface | None = None) -> CameraSession:
 def capture_of_pictures(
     options: Any, surface: Surface | None, rules: ConversionRules, report: ConversionReport
 ) -> tuple[Capture, list[str]]:
-    """Makes a capture; also returns descriptions of damage at the end of the files.
+    """Makes a capture from touches and a camera's pictures.
+
+    Returns:
+        The capture, and descriptions of damage at the end of the files.
 
     Args:
         options: `CaptureOptions` with `recorded`.
@@ -330,7 +342,7 @@ def capture_of_pictures(
 
 
 def _plane(about: About, touches: Path, surface: Surface | None, width: int) -> TabletPlane | None:
-    """The surface by the corners that were marked, for touches of a right hand."""
+    """The surface from its marked corners, mirrored for a left hand; None without corners."""
     if about.corners is None:
         return None
     corners = np.array(about.corners, float)
@@ -339,7 +351,7 @@ def _plane(about: About, touches: Path, surface: Surface | None, width: int) -> 
     known = surface or touch_surface(touches)
     if known is None:
         raise InputError(
-            "the recording does not say how large the surface is",
+            "the recording has no size of the surface",
             where=str(touches),
             remedy="Add --surface",
         )

@@ -1,1 +1,1 @@
-"""Data sets of demonstrations, for those who train on them (docs/data-sets.md)."""
+"""Data sets of demonstrations, for training policies (docs/data-sets.md)."""

@@ -1,6 +1,6 @@
-"""A data set that was read from files, its kinds, and playing its demonstrations back.
+"""Data sets read from files, the kinds of data sets, and the comparison of played-back states.
 
-Nothing here needs the extra `gym`: `sandbox export` writes motion without it.
+This module must not need the extra `gym`, since `sandbox export` writes motion without it.
 """
 
 from __future__ import annotations
@@ -19,10 +19,10 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class DataSet:
-    """A data set that was read.
+    """A data set that was read from files.
 
     Attributes:
-        task: The task of its environment, a name or a place.
+        task: Name or place of the task of its environment.
         options: Options of its environment (`sandbox.gym.HandSandboxEnv`); JSON values.
         episodes: The demonstrations.
     """
@@ -33,20 +33,20 @@ class DataSet:
 
 
 def check_schema(path: Path, schema: Any, expected: int, to: str) -> None:
-    """Checks that a data set has the form that this version reads.
+    """Checks that a data set has the format that this program reads.
 
     Args:
         path: The data set.
-        schema: Number of its form.
-        expected: Number of the form that this version reads and writes.
-        to: The words after `sandbox export RECORDING --to` that write one.
+        schema: Number of the data set's format.
+        expected: Number of the format that this program reads and writes.
+        to: The words after `sandbox export RECORDING --to` that write such a data set.
 
     Raises:
-        InputError: It has another form.
+        InputError: The data set has another format.
     """
     if schema != expected:
         raise InputError(
-            "this data set is of another version",
+            "this data set has the format of another version",
             where=str(path),
             got=f"schema {schema}",
             expected=f"schema {expected}",
@@ -55,16 +55,16 @@ def check_schema(path: Path, schema: Any, expected: int, to: str) -> None:
 
 
 MINARI, LEROBOT, NPZ = "minari", "lerobot", ".npz"
-"""Words after --to that stand for data sets, and the ending of a file that is one."""
+"""Values of --to that mean data sets, and the ending of a file that is a data set."""
 NAMED = {MINARI: "hand_sandbox/box-to-goal/mine-v0", LEROBOT: "me/box-to-goal"}
-"""Word of a kind whose data sets have names -> such a name."""
+"""Kind of data set -> example of a name, for kinds whose data sets have names."""
 
 
 def is_data_set(to: Path) -> bool:
-    """True if a word after --to stands for a data set.
+    """True if a value of --to means a data set.
 
     Raises:
-        InputError: It is that of a data set, and lacks a part.
+        InputError: The value is `npz`, which lacks the name of a file.
     """
     if str(to) == "npz":
         raise InputError("name the file", where=f"--to {to}", expected="FILE.npz")

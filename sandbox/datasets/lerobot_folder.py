@@ -1,4 +1,4 @@
-"""Data sets of LeRobot: folders in the form LeRobotDataset v3.0, the extra `datasets`.
+"""Data sets of LeRobot: folders in the format LeRobotDataset v3.0. They need the extra `datasets`.
 
 Source: the format as lerobot 0.4.4 writes and reads it.
 """
@@ -28,12 +28,12 @@ from sandbox.recording.versions import versions
 RATE = 1.0 / CONTROL_PERIOD
 """Hz, rows per second of simulated time."""
 STATE, SURROUNDINGS = "observation.state", "observation.environment_state"
-"""Columns of what is seen: of the hand, and of everything else."""
+"""Columns of the observation: of the hand, and of everything else."""
 ACTION, EXACT = "action", "exact_action"
-"""Columns of the action: in single precision, which LeRobot's policies learn in, and as it was
-done, which gives the same states again."""
+"""Columns of the action: in single precision, for LeRobot's policies; and in double precision,
+which gives the same states again."""
 REWARD, DONE, SUCCESS, HASH = "next.reward", "next.done", "next.success", "next.state_hash"
-"""Columns of what a step leads to."""
+"""Columns of the results of a step."""
 
 _AROUND = ("objects", "goals", "properties", "time")
 """Parts of an observation that are not the hand's."""
@@ -45,25 +45,25 @@ class Feature:
     """Declaration of a column.
 
     Attributes:
-        dtype: Its type, as NumPy and LeRobot name it.
-        names: Name of each number of a row; None where it is a single one.
+        dtype: Its type, named as in NumPy and LeRobot.
+        names: Name of each number in a row; None if a row has a single number.
     """
 
     dtype: str
     names: tuple[str, ...] | None = None
 
     def as_json(self) -> dict[str, Any]:
-        """The feature as `meta/info.json` has it."""
+        """The feature in the form of `meta/info.json`."""
         size = len(self.names) if self.names else 1
         names = list(self.names) if self.names else None
         return {"dtype": self.dtype, "shape": [size], "names": names}
 
 
 def features_of(episode: Demonstration, options: Mapping[str, Any]) -> dict[str, Feature]:
-    """The columns of a data set.
+    """The declarations of the columns of a data set.
 
     Args:
-        episode: Any of its demonstrations.
+        episode: Any demonstration of the data set.
         options: Options of its environment.
     """
     seen = episode.observations
@@ -115,7 +115,7 @@ class Columns:
             "timestamp": (steps / RATE)[:, None],
             **{n: v[:, None] for n, v in zip(_COUNTERS, counters, strict=True)},
         }
-        # Truths count as 0 and 1.
+        # Booleans become 0 and 1.
         self.numbers = {name: np.asarray(v, float) for name, v in self.numbers.items()}
         self.hashes = episode.hashes[1:]
 
@@ -164,12 +164,12 @@ class Columns:
 
 
 def _flat(seen: Mapping[str, Array], names: list[str], count: int) -> Array:
-    """(count, n) observations before each step, side by side."""
+    """Values (count, n) of some parts of the observations before each step, side by side."""
     return np.concatenate([seen[name][:count].reshape(count, -1) for name in names], axis=1)
 
 
 def _names(seen: Mapping[str, Array], parts: list[str]) -> tuple[str, ...]:
-    """A name for each number: that of the part, and its place there."""
+    """A name for each number: the name of the part, and the indices in the part."""
     return tuple(
         ".".join([part, *map(str, place)])
         for part in parts
@@ -178,7 +178,7 @@ def _names(seen: Mapping[str, Array], parts: list[str]) -> tuple[str, ...]:
 
 
 def _action_names(size: int, hands: list[str]) -> tuple[str, ...]:
-    """Names of the numbers of an action: of each finger whether it touches, and where."""
+    """Names of the numbers of an action: for each finger, whether it touches, and its place."""
     own = [f"{finger}.{what}" for finger in FINGERS for what in ("touch", "x", "y")]
     if size > len(own) * len(hands):
         own.append("lift")
@@ -188,7 +188,7 @@ def _action_names(size: int, hands: list[str]) -> tuple[str, ...]:
 
 
 QUANTILES = (0.01, 0.10, 0.50, 0.90, 0.99)
-"""The quantiles that LeRobot keeps, as q01, q10 and so on."""
+"""The quantiles that LeRobot stores, named q01, q10 and so on."""
 
 Statistics = dict[str, Array]
 """Name -> (n,) values: min, max, mean, std, the quantiles, and the number of rows as count (1,)."""
@@ -209,8 +209,8 @@ def statistics_of(values: Array) -> Statistics:
 def combined(parts: Sequence[Statistics]) -> Statistics:
     """Statistics of several episodes together.
 
-    Quantiles are the means of those of the episodes, weighted by their lengths, as LeRobot has
-    them; everything else is exact.
+    A quantile is the mean of the episodes' quantiles, weighted by the episodes' lengths, as in
+    LeRobot. All other statistics are exact.
     """
     counts = np.array([part["count"][0] for part in parts], float)
     share = (counts / counts.sum())[:, None]
@@ -235,14 +235,14 @@ def _name(quantile: float) -> str:
 
 
 VERSION = "v3.0"
-"""Of LeRobot's format."""
+"""Version of LeRobot's format."""
 FILE_SIZE = 100
-"""MB after which a new file of frames begins, as LeRobot has it."""
+"""Size in MB after which a new file of frames begins, as in LeRobot."""
 FILES = 1000
-"""Files in one folder, as LeRobot has it."""
+"""Number of files in one folder, as in LeRobot."""
 OURS = "meta/hand_sandbox.json"
-"""File with what LeRobot's own files have no place for: task and options of the environment, and
-versions."""
+"""File with the values that have no place in LeRobot's files: task and options of the environment,
+and versions."""
 KIND, SCHEMA = "hand sandbox demonstrations", 2
 
 _NAME = re.compile(r"[A-Za-z0-9][\w.-]*/[A-Za-z0-9][\w.-]*")
@@ -254,7 +254,7 @@ def need_parquet() -> Any:
     """The module `pyarrow`, with `pyarrow.parquet` in it.
 
     Raises:
-        InputError: It, or pandas, is not installed.
+        InputError: pyarrow or pandas is not installed.
     """
     try:
         import pandas  # noqa: F401
@@ -270,13 +270,13 @@ def need_parquet() -> Any:
 
 
 def lerobot_folder(name: str) -> Path:
-    """The folder in which LeRobot looks for a data set of its own.
+    """The folder in which LeRobot looks for a local data set.
 
     Args:
         name: Name of the data set, `OWNER/NAME`.
 
     Raises:
-        InputError: It is not such a name.
+        InputError: The name has another form.
     """
     if not _NAME.fullmatch(name):
         raise InputError(
@@ -291,10 +291,10 @@ def lerobot_folder(name: str) -> Path:
 
 
 def check_folder(name: str) -> Path:
-    """The folder of a data set that is to be written.
+    """The folder of a new data set.
 
     Raises:
-        InputError: The name cannot be used, something is there already, or pyarrow is missing.
+        InputError: The name has a wrong form, the folder exists, or pyarrow is missing.
     """
     folder = lerobot_folder(name)
     if folder.exists():
@@ -315,14 +315,14 @@ def write_lerobot(
     options: Mapping[str, Any],
     episodes: Iterable[Demonstration],
 ) -> None:
-    """Writes a data set, an episode at a time; the folder appears once all is written.
+    """Writes a data set, one episode after another. The folder appears once the set is complete.
 
     Args:
-        folder: The folder, which is not there yet.
-        words: The task in words, as LeRobot's policies are told it.
-        task: The task of the environment, a name or a place.
+        folder: The folder; it must not exist.
+        words: Description of the task in words, for LeRobot's policies.
+        task: Name or place of the environment's task.
         options: Options of the environment; JSON values.
-        episodes: The demonstrations, one or more.
+        episodes: The demonstrations; at least one.
 
     Raises:
         InputError: The folder cannot be written.
@@ -334,7 +334,9 @@ def write_lerobot(
         _write(beside, words, task, options, episodes)
         beside.rename(folder)
     except OSError as error:
-        raise InputError("it cannot be written", where=str(folder), got=error.strerror) from None
+        raise InputError(
+            "the data set cannot be written", where=str(folder), got=error.strerror
+        ) from None
     finally:
         shutil.rmtree(beside, ignore_errors=True)
 
@@ -386,7 +388,7 @@ def _write(
 
 
 class _Frames:
-    """The files of frames; a new one begins once one is full.
+    """Writes the files of frames. A new file begins once the current file is full.
 
     Args:
         folder: Folder of the data set.
@@ -427,7 +429,7 @@ class _Frames:
 
 
 def _known(episode: Demonstration) -> dict[str, Any]:
-    """Our own columns of an episode."""
+    """The columns of an episode that only Hand Sandbox has."""
     return {
         "seed": episode.seed,
         "success": episode.success,
@@ -469,7 +471,7 @@ def _info(
 
 
 def _write_tasks(folder: Path, words: str) -> None:
-    """The table of tasks, in which LeRobot looks tasks up by their words."""
+    """Writes the table of tasks. LeRobot finds a task in it by its description."""
     import pandas
 
     index = pandas.Index([words], dtype=object)
@@ -477,13 +479,13 @@ def _write_tasks(folder: Path, words: str) -> None:
 
 
 def read_lerobot(folder: Path) -> DataSet:
-    """Reads a data set that `write_lerobot` wrote, as far as it takes to play it back.
+    """Reads a data set that `write_lerobot` wrote, with all values that playing it back needs.
 
-    Observations are those of LeRobot: `observation.state` and `observation.environment_state`,
-    float32 and without the last one of an episode.
+    Observations are those of LeRobot: `observation.state` and `observation.environment_state` in
+    float32, without the last observation of an episode.
 
     Raises:
-        InputError: The folder cannot be read, is cut short, or is of another program or version.
+        InputError: The folder cannot be read, is incomplete, or is from another program or version.
     """
     arrow = need_parquet()
     try:
@@ -514,10 +516,10 @@ def read_lerobot(folder: Path) -> DataSet:
         ) from None
     except (ValueError, KeyError, TypeError) as error:
         raise InputError(
-            "this is not a whole data set",
+            "this is not a complete data set",
             where=str(folder),
             got=" ".join(str(error).split()),
-            remedy="`sandbox export RECORDING --to lerobot --name OWNER/NAME` writes one",
+            remedy="`sandbox export RECORDING --to lerobot --name OWNER/NAME` writes a data set",
         ) from None
 
 

@@ -1,4 +1,4 @@
-"""Data sets of Minari, the extra `datasets`."""
+"""Data sets of Minari. They need the extra `datasets`."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ def need_minari() -> Any:
     """The module `minari`.
 
     Raises:
-        InputError: It, or what it reads files with, is not installed.
+        InputError: Minari or h5py is not installed.
     """
     try:
         import h5py  # noqa: F401
@@ -38,10 +38,10 @@ def need_minari() -> Any:
 
 
 def check_name(name: str) -> None:
-    """Checks the name of a data set that is to be written.
+    """Checks the name of a new data set.
 
     Raises:
-        InputError: It is not one of Minari's names, or there is such a data set.
+        InputError: The name does not have Minari's form, or the data set or its folder exists.
     """
     if not _NAME.fullmatch(name):
         raise InputError(
@@ -56,7 +56,9 @@ def check_name(name: str) -> None:
         there = name in minari.list_local_datasets()
         other = not there and folder.exists()
     except OSError as error:
-        raise InputError("it cannot be written", where=str(folder), got=error.strerror) from None
+        raise InputError(
+            "the data set cannot be written", where=str(folder), got=error.strerror
+        ) from None
     if there:
         raise InputError(
             "there is a data set of this name",
@@ -66,7 +68,7 @@ def check_name(name: str) -> None:
         )
     if other:
         raise InputError(
-            "there is a folder in the place of this data set",
+            "another folder is in the place of this data set",
             where="--name",
             got=f"{name}, in {folder}",
             remedy="Choose another name, or delete the folder",
@@ -74,7 +76,7 @@ def check_name(name: str) -> None:
 
 
 def dataset_folder(name: str) -> Path:
-    """The folder in which Minari keeps a data set of its own."""
+    """The folder in which Minari stores a local data set."""
     root = os.environ.get("MINARI_DATASETS_PATH")
     return (Path("~/.minari/datasets").expanduser() if root is None else Path(root)) / name
 
@@ -82,21 +84,22 @@ def dataset_folder(name: str) -> Path:
 def write_minari(
     name: str, spec: Any, spaces: tuple[Any, Any], episodes: Iterable[Demonstration]
 ) -> tuple[int, int, float, str]:
-    """Writes a data set where Minari keeps its own, an episode at a time, whole or not at all.
+    """Writes a data set into Minari's folder, one episode after another.
 
-    Every step's `infos` have `state_hash` and `seed`; an episode's metadata say the rest.
+    If an error occurs, the incomplete data set is removed. Every step's `infos` have `state_hash`
+    and `seed`. Further values are in the metadata of each episode.
 
     Args:
-        name: Its name.
+        name: Name of the data set.
         spec: Gymnasium's specification of the environment.
         spaces: Spaces of observations and actions.
-        episodes: The demonstrations, one or more.
+        episodes: The demonstrations; at least one.
 
     Returns:
         Number of episodes and steps, size in MB, and the folder.
 
     Raises:
-        InputError: It cannot be written.
+        InputError: The data set cannot be written.
     """
     check_name(name)
     folder = dataset_folder(name)
@@ -105,9 +108,9 @@ def write_minari(
     except OSError as error:
         shutil.rmtree(folder, ignore_errors=True)
         got = error.strerror or str(error)
-        raise InputError("it cannot be written", where=str(folder), got=got) from None
+        raise InputError("the data set cannot be written", where=str(folder), got=got) from None
     except BaseException:
-        # Also of a program that is stopped, nothing stays that looks like a data set.
+        # Nothing that looks like a data set must remain, even if the program is stopped.
         shutil.rmtree(folder, ignore_errors=True)
         raise
 
@@ -138,7 +141,8 @@ def _write(
         about.append(_attributes(episode.about))
         if data is None:
             with warnings.catch_warnings():
-                # It asks for authors and an address, which whoever publishes the set adds.
+                # Minari warns about missing authors and a missing address. The person who publishes
+                # the data set adds them.
                 warnings.simplefilter("ignore")
                 data = minari.create_dataset_from_buffers(
                     name,
@@ -165,14 +169,14 @@ def _write(
 
 
 def _who(simulated: int, episodes: int) -> str:
-    """Who made the demonstrations, in words."""
+    """Text about who made the demonstrations: people, the simulated user, or both."""
     if 0 < simulated < episodes:
         return "people and a simulated user"
     return "simulated user" if simulated else "people"
 
 
 def _attributes(about: Mapping[str, Any]) -> dict[str, Any]:
-    """Facts about an episode, as HDF5's attributes: texts, numbers and truths."""
+    """Values about an episode as HDF5 attributes: texts, numbers and booleans."""
     import json
 
     return {

@@ -1,4 +1,4 @@
-"""Data sets as one file of NumPy's, .npz, which needs no other library."""
+"""Data sets as a single NumPy file, .npz. It needs no other library."""
 
 from __future__ import annotations
 
@@ -21,10 +21,10 @@ OBSERVATION = "observation."
 
 
 def check_npz(path: Path) -> None:
-    """Checks, before anything is played, that a file can be written.
+    """Checks, before recordings are played, that a file can be written.
 
     Raises:
-        InputError: It is a folder, or nothing can be made in its folder.
+        InputError: The path is a folder, or no file can be created in its folder.
     """
     try:
         if path.is_dir():
@@ -33,7 +33,9 @@ def check_npz(path: Path) -> None:
         beside.touch()
         beside.unlink()
     except OSError as error:
-        raise InputError("it cannot be written", where=str(path), got=error.strerror) from None
+        raise InputError(
+            "the data set cannot be written", where=str(path), got=error.strerror
+        ) from None
 
 
 def _beside(path: Path) -> Path:
@@ -43,17 +45,17 @@ def _beside(path: Path) -> Path:
 def write_npz(
     path: Path, task: str, options: Mapping[str, Any], episodes: Iterable[Demonstration]
 ) -> None:
-    """Writes a data set; an existing file is replaced, once all is written.
+    """Writes a data set. An existing file is replaced once the data set is complete.
 
-    `observation.NAME` and `state_hash` have a row more than `action`, `reward`, `terminated` and
-    `truncated` in every episode: those of the beginning. `steps` has the number of steps of each
-    episode; `about` is JSON text.
+    In every episode, `observation.NAME` and `state_hash` have one row more than `action`, `reward`,
+    `terminated` and `truncated`: the row before the first step. `steps` has the number of steps of
+    each episode. `about` is JSON text.
 
     Args:
         path: The file.
-        task: The task of the environment, a name or a place.
+        task: Name or place of the environment's task.
         options: Options of the environment; JSON values.
-        episodes: The demonstrations, one or more.
+        episodes: The demonstrations; at least one.
 
     Raises:
         InputError: The file cannot be written.
@@ -93,14 +95,17 @@ def write_npz(
         beside.replace(path)
     except OSError as error:
         beside.unlink(missing_ok=True)
-        raise InputError("it cannot be written", where=str(path), got=error.strerror) from None
+        raise InputError(
+            "the data set cannot be written", where=str(path), got=error.strerror
+        ) from None
 
 
 def read_npz(path: Path) -> DataSet:
     """Reads a data set.
 
     Raises:
-        InputError: The file cannot be read, is cut short, of another version, or not a data set.
+        InputError: The file cannot be read, is incomplete, is of another version, or is not a data
+            set.
     """
     try:
         with np.load(path, allow_pickle=False) as file:
@@ -115,10 +120,10 @@ def read_npz(path: Path) -> DataSet:
         raise InputError("cannot be read", where=str(path), got=error.strerror) from None
     except (ValueError, KeyError, TypeError, EOFError, zipfile.BadZipFile) as error:
         raise InputError(
-            "this is not a whole data set",
+            "this is not a complete data set",
             where=str(path),
             got=str(error),
-            remedy="`sandbox export RECORDING --to FILE.npz` writes one",
+            remedy="`sandbox export RECORDING --to FILE.npz` writes a data set",
         ) from None
 
 
@@ -126,10 +131,10 @@ def _episodes(arrays: Mapping[str, Array], about: list[Any]) -> Iterator[Demonst
     steps = [int(count) for count in arrays["steps"]]
     after = [sum(steps[:i]) for i in range(len(steps) + 1)]
     if len(arrays["action"]) != after[-1] or len(arrays["state_hash"]) != after[-1] + len(steps):
-        raise ValueError("its arrays have other lengths than its episodes")
+        raise ValueError("the lengths of arrays and episodes do not match")
     for i, (count, known) in enumerate(zip(steps, about, strict=True)):
         of = slice(after[i], after[i] + count)
-        # Observations have a row more in each episode.
+        # Observations have one more row in each episode.
         seen = slice(after[i] + i, after[i] + i + count + 1)
         yield Demonstration(
             int(arrays["seed"][i]),

@@ -1,4 +1,4 @@
-"""A demonstration: a recorded trial, played through the environment that others learn in."""
+"""A demonstration: a recorded trial, played through the Gymnasium environment of its task."""
 
 from __future__ import annotations
 
@@ -32,10 +32,10 @@ class Touch:
     """One touch from its beginning to its end.
 
     Attributes:
-        number: Its place in the list of all touches of a hand.
+        number: Its index in the list of all touches of a hand.
         first: Control period in which it begins.
-        places: (x, y) m on the surface, period by period.
-        finger: Its finger, if the device said it or once it is found out; None otherwise.
+        places: (x, y), m on the surface, for each of its control periods.
+        finger: Its finger, reported by the device or found by the labeller; None if unknown.
     """
 
     number: int
@@ -45,15 +45,16 @@ class Touch:
 
     @property
     def end(self) -> int:
-        """The control period after its last one."""
+        """The first control period after the touch."""
         return self.first + len(self.places)
 
 
 def touches_of(frames: Sequence[Sequence[Contact]]) -> list[Touch]:
     """All touches of a hand, in the order in which they begin.
 
-    A slot is empty for one period at least between two touches, or they would be one. With more
-    than five at a time, a touch begins as soon as there is a slot for it, or is left out.
+    Between two touches, a slot must be empty for at least one period; otherwise they would be a
+    single touch. If more than five touches are down at the same time, a further touch begins as
+    soon as a slot is free. It is left out if no slot becomes free while it is down.
 
     Args:
         frames: The contacts of every control period.
@@ -62,7 +63,7 @@ def touches_of(frames: Sequence[Sequence[Contact]]) -> list[Touch]:
     here: dict[int, Touch] = {}
     for period, contacts in enumerate(frames):
         known = {contact.id: contact for contact in contacts}
-        # Slots that have just become empty are not free yet.
+        # A slot that has just become empty is not free yet.
         busy = len(here)
         here = {id: touch for id, touch in here.items() if id in known}
         for id, contact in known.items():
@@ -77,20 +78,20 @@ def touches_of(frames: Sequence[Sequence[Contact]]) -> list[Touch]:
 
 
 def slots_of(touches: Sequence[Touch]) -> list[int]:
-    """A slot for every touch: that of its finger if it is free, and another one otherwise."""
+    """A slot for every touch: the slot of its finger if this slot is free, else another slot."""
     free_from = [0] * SLOTS
     slots = []
     for touch in touches:
         free = [slot for slot in range(SLOTS) if free_from[slot] <= touch.first]
         slot = touch.finger if touch.finger in free else _last_choice(free, touches, touch)
-        # Empty for one period in between.
+        # The slot stays empty for one period between two touches.
         free_from[slot] = touch.end + 1
         slots.append(slot)
     return slots
 
 
 def _last_choice(free: Sequence[int], touches: Sequence[Touch], touch: Touch) -> int:
-    """A free slot, of a finger that no touch of the same time has if there is one."""
+    """A free slot; if possible, the slot of a finger that no simultaneous touch has."""
     beside = {t.finger for t in touches if t.first < touch.end and touch.first <= t.end}
     return next((slot for slot in free if slot not in beside), free[0])
 
@@ -102,8 +103,8 @@ def actions_of(
 
     Args:
         touches: The touches of a hand.
-        slots: The slot of each.
-        lifts: Position of the lift control in every period; None where there is none.
+        slots: The slot of each touch.
+        lifts: Position of the lift control in every period; None without a lift control.
         periods: Number of control periods.
     """
     actions = np.zeros((periods, 3 * SLOTS + (lifts is not None)))
@@ -119,7 +120,12 @@ def actions_of(
 
 
 def labelled(touches: Sequence[Touch], found: Mapping[int, int]) -> list[Touch]:
-    """The touches with the fingers that were found, by the touch's number."""
+    """The touches with the fingers that the labeller found.
+
+    Args:
+        touches: The touches of a hand.
+        found: Finger by the touch's number.
+    """
     return [Touch(t.number, t.first, t.places, found.get(t.number, t.finger)) for t in touches]
 
 
@@ -129,12 +135,14 @@ class Demonstration:
 
     Attributes:
         seed: Seed of the trial.
-        observations: Name -> (T + 1, ...) observations, the first before the first step.
+        observations: Name -> (T + 1, ...) observations; the first one is from before the first
+            step.
         actions: (T, n) actions.
         rewards: (T,) rewards.
-        terminated, truncated: Whether the task ended the episode, or something else did.
+        terminated: True if the task ended the episode.
+        truncated: True if the time limit or the end of the recording ended the episode.
         hashes: (T + 1) hashes of the states.
-        about: What is known of it; JSON values (see docs/data-sets.md).
+        about: Source and outcome of the episode; JSON values (see docs/data-sets.md).
     """
 
     seed: int
@@ -156,17 +164,18 @@ def open_demonstration(path: Path) -> Recording:
     """Reads a recording that can become a demonstration.
 
     Raises:
-        DifferentStatesError: It was made with other `STATES`, so it would be another trial.
-        RecordingError: It breaks off, is damaged, says no versions, or is of a hand in the air.
+        DifferentStatesError: The recording was made with other `STATES`.
+        RecordingError: The recording has no end, is damaged, has no versions, or is of a hand in
+            the air.
     """
     recording = load_recording(path)
     check_states(recording)
     if recording.damage or recording.end is None:
         raise RecordingError(
-            "a demonstration needs a whole recording",
+            "a demonstration needs a complete recording",
             where=str(path),
-            got=recording.damage or "it has no end",
-            remedy="Leave it out",
+            got=recording.damage or "a recording without an end",
+            remedy="Leave this recording out",
         )
     versions_of(recording)
     for hand in recording.inputs:
@@ -175,28 +184,28 @@ def open_demonstration(path: Path) -> Recording:
 
 
 def broken_off(recording: Recording) -> bool:
-    """True if it is of an attempt of a study that was broken off, and does not count."""
+    """True if a recording is of a study's attempt that was ended early and does not count."""
     return recording.end is not None and bool(recording.end["result"].get("broken_off"))
 
 
 def environment_of(recording: Recording, observe: Sequence[str]) -> tuple[str, dict[str, Any]]:
     """The environment that plays a recording: its task, and its options as JSON values.
 
-    Recordings with equal environments are of one data set.
+    Recordings can be in the same data set if their environments are equal.
 
     Args:
         recording: The recording.
         observe: Parts of observations, or `all` alone.
 
     Raises:
-        RecordingError: Its task, encoder or robot is not on this machine.
+        RecordingError: The recorded task, encoder or robot is not on this machine.
     """
     settings = encoded(settings_of(recording))
     task = _from_anywhere(settings.pop("task"))
     del settings["seed"]
-    # The recorded touches are what the screen made of the fingers.
+    # Recorded touches already contain the disturbances of the variation.
     settings["variation"] |= dict.fromkeys(TOUCHES, 0.0)
-    # An agent takes the place of whoever drove the devices.
+    # The agent replaces the recorded devices.
     for device in ("device", "second_device"):
         del settings[device]
     options: dict[str, Any] = {
@@ -212,29 +221,30 @@ def environment_of(recording: Recording, observe: Sequence[str]) -> tuple[str, d
 
 
 def _from_anywhere(task: str) -> str:
-    """The place of a task in a file as it is found from any folder; any other name as it is."""
+    """The place of a task with the absolute path of its file; the name of any other task."""
     file = place_file(task)
     return task if file is None else f"{file}:{TASK_PLUGINS.member_at(task)}"
 
 
 def changed_task(recording: Recording) -> str:
-    """What has changed in a recording's own task since it was recorded, in a line; else empty.
+    """A line on changes of a recording's external task since the recording; empty without changes.
 
     Raises:
-        RecordingError: Its task, encoder or robot is not on this machine.
+        RecordingError: The recorded task, encoder or robot is not on this machine.
     """
     settings = settings_of(recording)
     return task_change(recording.header, settings.task, settings.seed, settings.surface.rectangle)
 
 
 def demonstrate(recording: Recording, env: HandSandboxEnv) -> Demonstration:
-    """Plays a recording's touches through an environment with its options.
+    """Plays a recording's touches through an environment that has the recording's options.
 
-    Touches take slots in the order of their beginning, and those of their fingers in the actions
-    that are returned. States do not depend on slots, so these actions give the same states.
+    While the recording is played, touches get slots in the order in which they begin. In the
+    returned actions, touches are in the slots of their fingers. States do not depend on slots, so
+    that these actions give the same states.
 
     Raises:
-        RecordingError: The recording has no touches of every hand.
+        RecordingError: A hand of the recording has no touches.
     """
     assert recording.end is not None
     hands = len(env.settings.hands)
@@ -278,7 +288,7 @@ def demonstrate(recording: Recording, env: HandSandboxEnv) -> Demonstration:
         actions,
         np.array(rewards),
         terminated,
-        # The recording ended first: a person gave up, or the input ended.
+        # True if the recording ended before the task: a person gave up, or the input ended.
         truncated or not terminated,
         tuple(hashes),
         _about(recording, bool(info["success"]), same and taken == periods),
@@ -325,14 +335,21 @@ def _in_slots(
     before: Sequence[Sequence[int]],
     after: Sequence[Sequence[int]],
 ) -> Array:
-    """Observations (T + 1, 5, ...), or (T + 1, hands, 5, ...), with touches in other slots."""
+    """Moves touches to other slots in observations (T + 1, 5, ...), or (T + 1, hands, 5, ...).
+
+    Args:
+        values: The observations.
+        touches: Touches of each hand.
+        before: Slots of the touches in the observations.
+        after: New slots of the touches.
+    """
     hands = len(touches)
     old = values if hands > 1 else values[:, None]
-    # An empty slot shows what it did before the first step.
+    # An empty slot has the values that it has before the first step.
     new = np.repeat(old[:1], len(old), axis=0)
     for hand in range(hands):
         for touch, a, b in zip(touches[hand], before[hand], after[hand], strict=True):
-            # The touch of a step is seen after it.
+            # The touch of a step appears in the observation after this step.
             seen = slice(touch.first + 1, touch.end + 1)
             new[seen, hand, b] = old[seen, hand, a]
     return new if hands > 1 else new[:, 0]
@@ -345,7 +362,7 @@ def _note_fingers(
     k: int,
     fingers: Sequence[dict[int, int]],
 ) -> None:
-    """Notes the fingers that the touches of a control period were taken for."""
+    """Stores the labels of the touches of control period `k` in `fingers`."""
     for hand, labels in enumerate(env.slot_labels()):
         for touch, slot in zip(touches[hand], slots[hand], strict=True):
             finger = labels[slot]
@@ -374,12 +391,12 @@ def _about(recording: Recording, success: bool, same: bool) -> dict[str, Any]:
 def check_equal(
     first: tuple[str, dict[str, Any]], other: tuple[str, dict[str, Any]], where: str
 ) -> None:
-    """Checks that two recordings are of one environment.
+    """Checks that two recordings have the same environment.
 
     Args:
-        first: What `environment_of` returned of the first one.
-        other: The same of the other one.
-        where: The other one's file, for errors.
+        first: Result of `environment_of` for the first recording.
+        other: Result of `environment_of` for the other recording.
+        where: File of the other recording, for error messages.
 
     Raises:
         InputError: Tasks or options differ.
@@ -388,11 +405,11 @@ def check_equal(
     for name, value in _flat(*first).items():
         if (got := theirs.get(name)) != value:
             raise InputError(
-                "a data set is of one environment, and this recording is of another one",
+                "recordings of one data set must have equal tasks and settings",
                 where=where,
                 got=f"{name} {got}",
-                expected=str(value),
-                remedy="Export it by itself",
+                expected=f"{value}, as the first recording",
+                remedy="Export this recording as a data set of its own",
             )
 
 

@@ -27,11 +27,12 @@ class Exported:
     """Summary of an export.
 
     Attributes:
-        where: Places of the data set, for people.
-        episodes, steps, successes, simulated: Counts.
-        differing: Recordings whose states are not those of the environment.
-        changed: Recordings whose own task has changed since, each with what to do.
-        broken_off: Number of attempts that were broken off, and are left out.
+        where: Name, size and place of the data set, for people.
+        episodes, steps, successes, simulated: Numbers of episodes, steps, successful episodes and
+            episodes of the simulated user.
+        differing: Recordings whose recorded states differ from those of the environment.
+        changed: Recordings whose external task has changed since, each with a remedy.
+        broken_off: Number of a study's attempts that were ended early. They are left out.
     """
 
     where: str = ""
@@ -52,19 +53,19 @@ def export_data_set(
     observe: Sequence[str] = ("all",),
     done: Callable[[int], None] = lambda count: None,
 ) -> Exported:
-    """Plays recordings through their environment and writes what it showed.
+    """Plays recordings through their environment and writes the observations as a data set.
 
     Args:
         files: The recordings.
         to: `minari`, `lerobot`, or a file `.npz`.
         name: Name of a data set of Minari or LeRobot.
-        successes_only: Leaves out what did not succeed.
+        successes_only: True leaves out episodes without success.
         observe: Parts of observations.
-        done: Called with the number of recordings that were played.
+        done: Called with the number of recordings played so far.
 
     Raises:
-        InputError: A recording cannot be a demonstration, recordings are of several environments,
-            none is left, or the data set cannot be written.
+        InputError: A recording cannot be a demonstration, recordings have different environments,
+            no episode is left, or the data set cannot be written.
     """
     import gymnasium
 
@@ -81,7 +82,7 @@ def export_data_set(
     else:
         check_npz(to)
     exported = Exported()
-    # Bad recordings are told before the first is played.
+    # Check all recordings before the first one is played.
     counted, environments = [], []
     for file in files:
         recording = open_demonstration(file)
@@ -93,7 +94,7 @@ def export_data_set(
     if not counted:
         raise InputError(
             "no demonstration is left",
-            got=f"{len(files)} recordings, all of attempts that were broken off",
+            got=f"{len(files)} recordings, all of attempts that were ended early",
         )
     files = counted
     for file, other in zip(files, environments, strict=True):
@@ -144,12 +145,12 @@ def export_data_set(
 
 
 def _not_empty(episodes: Iterator[Demonstration], files: Sequence[Path]) -> Iterator[Demonstration]:
-    """The same episodes, of which there must be one."""
+    """The same episodes; raises an error if there is none."""
     any_left = False
     for episode in episodes:
         any_left = True
         yield episode
     if not any_left:
         raise InputError(
-            "no demonstration is left", got=f"{len(files)} recordings, none of a success"
+            "no demonstration is left", got=f"{len(files)} recordings, none with success"
         )

@@ -1,4 +1,4 @@
-"""Checks of OpenGL, each in a process of its own, and of network, ports, input and browser."""
+"""Checks of OpenGL (each in a separate process), network, ports, browser, webcam and input."""
 
 from __future__ import annotations
 
@@ -46,7 +46,8 @@ import sys
 from sandbox.views.graphics import obstacle
 sys.exit(obstacle({backend!r}))
 """
-"""Where a backend is missing, MuJoCo cannot be imported, and does not say what is missing."""
+"""Probe that names the reason why a backend cannot be used. If a backend is missing, the import of
+MuJoCo fails without this reason."""
 
 _BY_SOFTWARE = ("llvmpipe", "softpipe", "swrast", "swiftshader")
 
@@ -87,9 +88,7 @@ def graphics_checks() -> list[Check]:
     if answers:
         any_ok = any(a.ok for a in answers.values())
         told = "; ".join(
-            f"{name}: {_answer_text(a)}"
-            if a.ok or not any_ok
-            else f"no {name}, which is not needed then"
+            f"{name}: {_answer_text(a)}" if a.ok or not any_ok else f"no {name} (not needed)"
             for name, a in answers.items()
         )
         checks.append(
@@ -106,7 +105,7 @@ def graphics_checks() -> list[Check]:
 
 
 def _offscreen(backend: str) -> ProbeResult:
-    """What drawing without a screen says, or what is in its way."""
+    """Result of drawing without a screen, or the reason why a backend cannot be used."""
     there = run_probe(_OBSTACLE.format(backend=backend))
     if not there.ok:
         return there
@@ -115,7 +114,7 @@ def _offscreen(backend: str) -> ProbeResult:
 
 def _answer_text(answer: ProbeResult) -> str:
     slow = answer.ok and any(word in answer.text.lower() for word in _BY_SOFTWARE)
-    return answer.text + (" (by software: slower, and good enough)" if slow else "")
+    return answer.text + (" (in software: slower, but sufficient)" if slow else "")
 
 
 def _display() -> tuple[bool, str]:
@@ -128,7 +127,7 @@ def _display() -> tuple[bool, str]:
 
 
 TUIO_PORT = 3333
-"""Ports of TUIO over UDP and TCP, by its specification."""
+"""Port of TUIO over UDP and TCP, by its specification."""
 
 BROWSERS = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable", "chrome")
 
@@ -156,7 +155,7 @@ def port_check(kind: str, port: int) -> Check:
         socket.AF_INET, socket.SOCK_STREAM if stream else socket.SOCK_DGRAM
     ) as probe:
         if stream and os.name == "posix":
-            # As a server does: a connection closed a minute ago does not block the port.
+            # As servers do, so that a connection that was closed recently does not block the port.
             probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
         try:
             probe.bind(("127.0.0.1", port))
@@ -195,13 +194,13 @@ def _browser() -> Check:
         "Chromium",
         path is not None,
         path or "not found on the PATH",
-        "the page on this machine, and its tests; any browser will do for play",
+        "the page on this machine, and its tests; to play, any browser is sufficient",
         "" if path else "On Debian or Ubuntu: apt-get install chromium",
     )
 
 
 def _webcam() -> Check:
-    """Checks that what finds hands in a camera's pictures is installed and undamaged."""
+    """Checks that the engine that finds hands in a camera's pictures is installed and undamaged."""
     from sandbox.devices.webcam.engine import INSTALL, damaged, engine_folder
 
     folder = engine_folder()
@@ -211,7 +210,7 @@ def _webcam() -> Check:
         "webcam engine",
         not wrong,
         f"{wrong[0]} is missing or damaged in {folder}" if wrong else str(folder),
-        "hands before a camera (--device webcam)",
+        "hands in front of a camera (--device webcam)",
         INSTALL if wrong else "",
     )
 
@@ -227,7 +226,7 @@ def _inputs() -> list[Check]:
         summary = "no input devices, as in most containers"
         remedy = "Connect a touch screen or trackpad to this machine itself"
     elif not readable:
-        summary = f"{len(events)} devices, none of which may be read"
+        summary = f"{len(events)} devices, but none can be read"
         remedy = 'sudo usermod -aG input "$USER", then log in again'
     else:
         summary, remedy = f"{len(readable)} of {len(events)} devices can be read", ""

@@ -11,7 +11,8 @@ from pathlib import Path
 from typing import Any
 
 PATIENCE = 60.0
-"""s for a probe; the first OpenGL of a machine without a graphics card takes seconds."""
+"""Timeout of a probe, s. The first use of OpenGL takes seconds on a machine without a graphics
+card."""
 
 
 @dataclass(frozen=True)
@@ -35,7 +36,7 @@ class Check:
     remedy: str = ""
 
     def as_json(self) -> dict[str, Any]:
-        """Returns all values, with the state as a word."""
+        """Returns all values, with `state` (`ok` or `missing`) in place of `ok`."""
         values = asdict(self)
         values["state"] = "ok" if values.pop("ok") else "missing"
         return values
@@ -43,7 +44,7 @@ class Check:
 
 @dataclass(frozen=True)
 class ProbeResult:
-    """Result of a probe: whether it succeeded, and its last line."""
+    """Result of a probe: True if it succeeded, and the last line of its output."""
 
     ok: bool
     text: str

@@ -24,7 +24,7 @@ DEVELOPERS = ("test", "lint", "site", "release", "notebook", "training", "dev")
 """Extras for development only."""
 
 USES = {
-    "film": "films as mp4 (GIF and WebP need nothing)",
+    "film": "films as mp4 (GIF and WebP need no extra)",
     "plots": "figures of evaluations and regression runs",
     "ray": "regression runs on a cluster",
     "gym": "tasks as Gymnasium environments",
@@ -77,9 +77,9 @@ def within(found: str, bounds: str) -> bool:
 
 
 def declared() -> dict[str, list[Requirement]]:
-    """Declared requirements by extra; the key of mandatory ones is empty.
+    """Declared requirements by extra; the key of mandatory requirements is empty.
 
-    A checkout's own file is preferred, since the metadata of an older installation may be outdated.
+    In a checkout, `pyproject.toml` is read, since the metadata of an installation may be outdated.
     """
     file = _checkout() / "pyproject.toml"
     if file.is_file():
@@ -164,7 +164,7 @@ def _numbers(text: str) -> tuple[int, ...]:
 
 PYTHON = (3, 11)
 LATE = 0.005
-"""s by which a sleep of 1 ms may be late; a longer delay would be felt in touches."""
+"""Largest allowed delay of a sleep of 1 ms, s. A person would feel a longer delay of touches."""
 WAITS = 20
 
 
@@ -220,7 +220,7 @@ def _versions() -> Check:
         True,
         f"{known['fingerprint']} (MuJoCo {known['mujoco']}, {known['machine']}, "
         f"libm {known['libm']})",
-        "replay to the bit, where two machines have the same",
+        "bit-identical replay, on machines with equal fingerprints",
     )
 
 
@@ -297,7 +297,8 @@ def _profile() -> Check:
             "files",
             "your profile",
             True,
-            "none: the trained hand size is assumed; `sandbox hand measure` measures yours",
+            "no profile, so the trained hand's size is assumed; `sandbox hand measure` measures "
+            "your hand",
         )
     try:
         return Check("files", "your profile", True, find_profile(str(path)).line)
@@ -307,13 +308,14 @@ def _profile() -> Check:
             "your profile",
             False,
             str(error),
-            "your own hand's size",
+            "the size of your hand",
             f"Move {path} away, or measure again: `sandbox hand measure`",
         )
 
 
 ENOUGH = 1.5
-"""Simulated seconds per second that leave a session enough time for its views."""
+"""Smallest number of simulated seconds per second that leaves a session enough time for its views.
+"""
 
 _PROBE = """
 import time

@@ -1,1 +1,1 @@
-"""Evaluations of encoders and of PAALM: their data, what is judged, and the tables of it."""
+"""Evaluations of encoders and of PAALM: their data, their computation, and their tables."""

@@ -1,5 +1,4 @@
-"""Training and test data of evaluations: a simulated subject's days, or captures in
-files."""
+"""Training and test data of evaluations: days of a simulated subject, or captures in files."""
 
 from __future__ import annotations
 
@@ -25,20 +24,28 @@ from models.frames import FINGERS
 BUILTIN, SPLIT = "builtin", "split"
 
 MOST = 0.5
-"""Share of a capture's frames that a model may have seen: resting hands may give equal ones."""
+"""Largest share of a test capture's frames that a model may have learned from. Resting hands can
+give equal frames in different captures."""
 SPLIT_FOLDS = 5
-"""`split` tests on one fold of so many, blocked by take; which takes, follows from their sizes."""
+"""Number of folds for `split`; one fold is used for tests. Takes are not divided between folds. The
+sizes of the takes determine the folds."""
 
 
 @dataclass(frozen=True)
 class Data:
-    """Training, test captures, and where both came from (JSON values)."""
+    """Data of an evaluation.
+
+    Attributes:
+        training: Training data.
+        tests: Test captures.
+        configuration: Sources of both; JSON values.
+        remarks: Remarks on the data for people.
+    """
 
     training: Training
     tests: list[Capture]
     configuration: dict[str, Any]
     remarks: tuple[str, ...] = ()
-    """What people should know of them."""
 
 
 def gather(
@@ -49,18 +56,18 @@ def gather(
     day_seed: int,
     progress: Progress,
 ) -> Data:
-    """Loads or simulates everything that was asked for.
+    """Loads or simulates training and test data.
 
     Args:
         places: `builtin`, captures, folders and lists of captures to test on.
         train: `builtin`, `split` or a capture.
         person: The simulated subject.
-        days: How many judged days `builtin` means.
-        day_seed: Which.
-        progress: Gets a bar for every day that is simulated.
+        days: Number of the subject's test days, for `builtin`.
+        day_seed: Seed that selects these days.
+        progress: Gets a bar for every simulated day.
 
     Raises:
-        InputError: Something does not exist, or a method would be tested on what it learned.
+        InputError: A capture does not exist, or a method would be tested on its training data.
     """
     files = [file for place in places if place != BUILTIN for file in capture_files(place)]
     configuration: dict[str, Any] = {"train": train, "captures": [str(f) for f in files]}
@@ -76,13 +83,13 @@ def gather(
         out = trial_folds(whole.trial, SPLIT_FOLDS) == 0
         if out.all():
             raise CaptureError("one take cannot be split", where=str(files[0]))
-        # Nothing can be said of fingers that methods never saw together.
+        # Sets of fingers that do not occur in the training data are not tested.
         sets = np.packbits(whole.down, axis=1)[:, 0]
         known = np.isin(sets, sets[~out])
         unknown = whole.down[out & ~known]
         if not (out & known).any():
             raise CaptureError(
-                "every set of fingers is in one take alone, so there is nothing to test on",
+                "every set of fingers is in a single take only, so no take is left to test on",
                 where=str(files[0]),
                 remedy="Record every set of fingers at least twice, with a pause between",
             )
@@ -111,16 +118,16 @@ def gather(
     for test in tests:
         if capture_digest(test) == digest:
             raise CaptureError(
-                "methods would be tested on the frames they learned from",
+                "methods would be tested on their training frames",
                 where=str(test.meta.get("file", "--capture")),
-                remedy="--train split trains on some of its takes and tests on the others",
+                remedy="--train split trains on some takes of a capture and tests on other takes",
             )
     configuration["training_digest"] = digest
     return Data(training, tests, configuration)
 
 
 def capture_digest(capture: Capture) -> str:
-    """BLAKE2b of a capture's takes, contacts, and their positions to a micrometre."""
+    """BLAKE2b of a capture's takes, its contacts, and the contacts' positions in micrometres."""
     hash_ = blake2b(digest_size=16)
     hash_.update(np.ascontiguousarray(capture.trial, np.int64).tobytes())
     hash_.update(np.ascontiguousarray(capture.down).tobytes())
@@ -130,37 +137,41 @@ def capture_digest(capture: Capture) -> str:
 
 
 def _untested(down: NDArray[np.bool_]) -> tuple[str, ...]:
-    """A remark on frames (n, 5) that are not tested on; none without any."""
+    """A remark on frames that are not tested; none without such frames.
+
+    Args:
+        down: (n, 5) touching fingers of these frames.
+    """
     if not len(down):
         return ()
     sets = [" + ".join(FINGERS[i] for i in np.flatnonzero(row)) for row in np.unique(down, axis=0)]
     return (
-        f"{len(down):,} frames are not tested on, since one take alone has their fingers: "
+        f"{len(down):,} frames are not tested, since only one take has their set of fingers: "
         + "; ".join(sets),
     )
 
 
 def refuse_learned(names: Sequence[str], tests: Sequence[Capture]) -> None:
-    """Refuses captures whose frames a model in a file learned from.
+    """Refuses test captures that are training data of a model in a file.
 
     Args:
-        names: Methods; those that end in `.npz` are files of models.
+        names: Methods; names that end in `.npz` are files of models.
         tests: The captures to test on.
 
     Raises:
         CaptureError: A model learned from most of a capture's frames.
-        EncoderError: A file is no model.
+        EncoderError: A file is not a model.
     """
     for name in names:
         if Path(name).suffix != ".npz":
             continue
-        # Models keep single precision.
+        # Models store their training data in single precision.
         learned = {row.tobytes() for row in load_model(Path(name)).training_u.astype(np.float32)}
         for test in tests:
             seen = [row.tobytes() in learned for row in test.u.astype(np.float32)]
             if np.mean(seen) > MOST:
                 raise CaptureError(
-                    "the method would be tested on the frames it learned from",
+                    "the method would be tested on its training frames",
                     where=f"--encoders {name}",
                     got=str(test.meta.get("file", "--capture")),
                     remedy="Test on another capture, or let `--train split` train on some takes",
@@ -170,8 +181,8 @@ def refuse_learned(names: Sequence[str], tests: Sequence[Capture]) -> None:
 def capture_files(place: str) -> list[Path]:
     """Returns the captures that a value of --capture names.
 
-    A folder stands for its .npz files in the order of their names; a text file (.txt) for one
-    capture a line, relative to its own folder, `#` beginning a comment.
+    A folder means its .npz files in the order of their names. A text file (.txt) names one capture
+    per line, relative to the folder of the text file; `#` begins a comment.
     """
     path = Path(place)
     if path.is_dir():
@@ -188,7 +199,11 @@ def capture_files(place: str) -> list[Path]:
     else:
         return [path]
     if not files:
-        raise CaptureError("no captures here", where=str(path), expected="at least one .npz file")
+        raise CaptureError(
+            "there are no captures in this place",
+            where=str(path),
+            expected="at least one .npz file",
+        )
     return files
 
 
@@ -203,7 +218,8 @@ def _simulated(person: Subject, day: int, progress: Progress) -> Capture:
 
 
 def _day_0(person: Subject, progress: Progress) -> Training:
-    """Returns the subject's training script, which may be the shipped capture."""
+    """Returns the subject's training capture: the shipped one if it is of this subject, else a
+    simulated one."""
     if person.plays(builtin_capture()):
         return Training(builtin_capture())
     return Training(_simulated(person, TRAINING_DAY, progress))

@@ -36,7 +36,8 @@ CONDITIONS = {
     "v1_without_drop_outs": ("v1", False),
     "v3": ("v3", True),
 }
-"""Dialect and drop-outs of each simulated condition; PAALM was written for the first of them."""
+"""Condition -> dialect of the Leap, and whether hands drop out. PAALM was written for the first
+condition."""
 
 
 def judge_simulated(takes: int, shown: Callable[[float], None]) -> dict[str, Any]:
@@ -136,10 +137,10 @@ def judge_folder(folder: Path, shown: Callable[[float], None]) -> dict[str, Any]
 
 
 def _names(found: list[Judgement], left_out: dict[str, str], name: str, unnamed: LeapTake) -> None:
-    """Adds a judgement of the finger names of a take to `found`.
+    """Adds a judgement of the finger names in a take to `found`.
 
-    Judging names needs an open hand in the recording. If it is missing, only the names are left
-    out: angles of a device that reports joints do not need it.
+    It needs an open hand in the recording. Without an open hand, only the names are left out,
+    since the judgement of angles of a device that reports joints does not need an open hand.
     """
     try:
         found.append(judge_recording(name, unnamed, angles=False))
@@ -164,7 +165,7 @@ def _takes(path: Path, recording: LeapRecording) -> Iterator[tuple[str, LeapTake
 
 
 def _fit(others: list[LeapTake]) -> Coupling | None:
-    """Returns the coupling fitted to other recordings; None if their data cannot determine it."""
+    """Returns the coupling fitted to other recordings; None if they do not determine it."""
     if not others:
         return None
     try:
@@ -234,5 +235,5 @@ def show_judgements(found: dict[str, Any]) -> None:
 
 
 SIMULATED_FIT = Coupling(0.631, 1.596)
-"""DIP coupling fitted by least squares to gestures of the simulated persons 0 to 9, which are
-never judged."""
+"""DIP coupling, fitted by least squares to gestures of the simulated persons 0 to 9. These persons
+are never used for tests."""

@@ -1,5 +1,5 @@
-"""Prints the report of `sandbox evaluate`. The paper's numbers have rows of their own, since they
-are of another data set."""
+"""Prints the report of `sandbox evaluate`. The paper's numbers are in separate rows, since they are
+of another data set."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ Report = dict[str, Any]
 _PAPER = "  [dim]paper[/]"
 
 _OWN = "trained on this person"
-"""Name of the row of `trained` where the training data are of the person who is tested."""
+"""Name of the row `trained` if the training data are of the tested person."""
 
 
 def show(console: Console, report: Report) -> None:
@@ -39,7 +39,7 @@ def show(console: Console, report: Report) -> None:
 
 
 def _with_own_row(report: Report) -> Report:
-    """The report with `_OWN` in place of `trained` where it is true."""
+    """The report, with `trained` renamed to `_OWN` if training data are of the tested person."""
     about = report["configuration"]
     one_day = about["train"] == BUILTIN and not about["captures"]
     if not one_day and about["train"] != SPLIT:
@@ -52,8 +52,8 @@ def _header(console: Console, report: Report) -> None:
     training, tests = report["training"], report["tests"]
     kind = "[bold yellow]SIMULATED[/] captures" if report["simulated"] else "captures"
     console.print(
-        f"{kind}. Trained, but for what comes from files, on {training['frames']:,} frames of "
-        f"{_source(training)} in {training['takes']} takes.",
+        f"{kind}. Methods, except models from files, were trained on {training['frames']:,} frames "
+        f"of {_source(training)} in {training['takes']} takes.",
         soft_wrap=True,
     )
     for test in tests:

@@ -1,7 +1,7 @@
-"""Hands over a Leap as PAALM has them: in the device's frame, without a task, table or speed limit.
+"""Hands over a Leap, reconstructed by PAALM in the device's frame, without a task or table.
 
-`HandReconstructor` is what drives a hand in a task, too. There the hand must not sink into the
-table, outrun its servos or hide objects while it is lost; here nothing of that applies.
+`HandReconstructor` also drives a hand in a task. In a task the hand must not sink into the table,
+outrun its servos or hide objects while it is lost. These limits do not apply here.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ from sandbox.devices.wrappers.shared import SharedDevice
 STRAIGHT = HandReconstructorSettings(
     device=(0.0, 0.0, 0.0), rate=RateLimit(inf, inf), rise=0.0, rise_speed=0.0, floor=-inf
 )
-"""The device's frame; a lost hand keeps its last pose."""
+"""Settings without limits, in the device's frame. A lost hand keeps its last pose."""
 
 
 def straight_reconstructor(side: str, calibration: HandCalibration | None) -> HandReconstructor:
@@ -33,7 +33,7 @@ def straight_reconstructor(side: str, calibration: HandCalibration | None) -> Ha
 
     Args:
         side: `right` or `left`.
-        calibration: Calibration of that hand. None: the bones that the device reports when it
+        calibration: Calibration of the hand. None uses the bones that the device reports when it
             first sees the hand, or an average hand.
     """
     paalm = Paalm()
@@ -45,23 +45,23 @@ def straight_reconstructor(side: str, calibration: HandCalibration | None) -> Ha
 def straight_reconstructors(
     sides: Sequence[str], calibrations: Mapping[str, HandCalibration]
 ) -> list[HandReconstructor]:
-    """The reconstructors of several hands; calibrations may be missing."""
+    """The reconstructors of several hands; hands may lack a calibration."""
     return [straight_reconstructor(side, calibrations.get(side)) for side in sides]
 
 
 def leap_armatures(sides: Sequence[str]) -> tuple[Armature, ...]:
-    """The armatures of the average hand, which PAALM poses."""
+    """Armatures of the average hand. PAALM computes poses for this hand."""
     return tuple(Armature(Person(side).skeleton(ADULT)) for side in sides)
 
 
 def described(sides: Sequence[str]) -> str:
-    """The hands, in words for people."""
+    """Description of the hands for people."""
     hands = "hand" if len(sides) == 1 else "hands"
     return f"the {' and '.join(sides)} {hands} over a Leap, by PAALM, in the frame of the device"
 
 
 def devices_by_side(device: AnyDevice, sides: Sequence[str]) -> tuple[AnyDevice, ...]:
-    """A device for each hand over one live device."""
+    """One device for each hand, all from one live device."""
     if len(sides) == 1:
         return (device,)
     return SharedDevice(device, SplitBySide(sides)).parts
@@ -72,11 +72,11 @@ class HandSplitter:
 
     Args:
         sides: Sides of the wanted hands.
-        pairs: True if frames show two hands. A single hand otherwise keeps its frames whole, and
-            PAALM finds it.
+        pairs: True if frames show two hands. For a single wanted hand and False, frames are not
+            split, and PAALM finds the hand in them.
 
     Attributes:
-        counts: Numbers of hands that were left out or mended, by reason.
+        counts: Numbers of hands that were left out or corrected, by reason.
     """
 
     def __init__(self, sides: Sequence[str], pairs: bool) -> None:

@@ -1,4 +1,4 @@
-"""Source of poses: a Leap recording, straight from PAALM."""
+"""Source of poses: a Leap recording, with poses computed by PAALM."""
 
 from __future__ import annotations
 
@@ -40,11 +40,12 @@ from sandbox.export.leap_hands import (
 from sandbox.export.motion_source import MotionSource, PoseCallback, poses_of, together
 
 FEW = 0.01
-"""Share of the frames with a hand below which a hand of another side is the device's mistake."""
+"""Share of the frames with a hand. If a hand of another side is seen in a smaller share, it counts
+as a mistake of the device."""
 _MEASURED_FRAMES = 20_000
-"""Frames in which a hand is measured where the device reports no bones."""
+"""Number of frames from which a hand is measured if the device reports no bones."""
 _BONES_FRAMES = 1000
-"""Frames in which the device's own bones, and their coupling, are looked up."""
+"""Number of frames from which the device's bones and their coupling are read."""
 
 Hand = Literal["right", "left", "both"]
 
@@ -55,11 +56,11 @@ class LeapSurvey:
 
     Attributes:
         duration: s by the device's clock; 0 if the messages have no times.
-        sides: Numbers of messages with a hand of each side that the device names; under None those
-            with a hand of no side.
-        pairs: Number of messages with two hands or more of no side.
+        sides: Number of messages with a hand of each side that the device reports; under None, the
+            number of messages with a hand without a side.
+        pairs: Number of messages with two or more hands without a side.
         both: Number of messages with hands of both sides.
-        same: Numbers of messages with several hands of one side.
+        same: Number of messages with several hands of one side, by side.
         hands: Number of messages with a hand.
         frames: Number of messages that are frames.
     """
@@ -74,11 +75,11 @@ class LeapSurvey:
 
     @classmethod
     def of(cls, messages: Iterable[Any], second: float = 1e-6) -> LeapSurvey:
-        """Looks through the messages of a recording, which may hold anything.
+        """Examines the messages of a recording, which may have any content.
 
         Args:
             messages: The messages.
-            second: s, unit of their times.
+            second: Unit of their times, s.
         """
         sides: Counter[str | None] = Counter()
         same: Counter[str] = Counter()
@@ -114,15 +115,15 @@ def open_leap(
 
     Args:
         path: The recording.
-        hand: Whose hand; None: all hands that are there.
-        calibration: File with the measured hands. None: the open hand in the recording, the bones
-            that the device reports, or an average hand.
-        unit: Units that a person gave, such as `cm,ms`.
+        hand: Side of the hand; None takes all hands in the recording.
+        calibration: File with the measured hands. None uses the bones that the device reports, else
+            an open hand in the recording, else an average hand.
+        unit: Units that the user gave, such as `cm,ms`.
 
     Raises:
-        RecordingError: The file is damaged, of another program, or has no hand or no finger.
-        InputError: That hand is not in the recording.
-        EncoderError: The calibration is damaged, or of the other hand.
+        RecordingError: The file is damaged, is of another program, or has no hand or no finger.
+        InputError: The hand is not in the recording.
+        EncoderError: The calibration is damaged, or is of the other hand.
     """
     recording = read_leap(path, unit)
     survey = LeapSurvey.of(recording.messages, unit_size(recording.units, "time"))
@@ -163,10 +164,10 @@ def open_leap(
 def _sides(
     survey: LeapSurvey, metadata: dict[str, Any], hand: Hand | None, where: str
 ) -> tuple[tuple[str, ...], list[str]]:
-    """Sides of the hands to be taken, and remarks on them."""
+    """Sides of the hands to export, and remarks on them."""
     if not survey.hands:
         raise RecordingError(
-            "no hand is seen in this recording",
+            "this recording has no hand",
             where=where,
             expected="frames with a hand over the Leap",
         )
@@ -194,13 +195,15 @@ def _sides(
     enough = FEW * survey.hands
     if not named:
         if survey.pairs > enough:
-            return SIDES, ["this Leap does not say whose hands they are: thumbs and places tell"]
+            return SIDES, [
+                "this Leap does not say whose hands they are: sides follow from thumbs and places"
+            ]
         told = metadata.get("side")
         if told in SIDES:
             return (str(told),), []
         return ("right",), ["this Leap does not say whose hand it is: --hand left, if it is left"]
     most = max(named, key=named.__getitem__)
-    # A hand counts beside another only where both were seen at once.
+    # A second hand is exported only if both hands were often seen at the same time.
     sides = tuple(s for s in named if s == most or survey.both > enough)
     remarks = [
         f"the {side} hand is not exported: {counted(count, 'frame')} of {survey.hands} name it, "
@@ -209,8 +212,8 @@ def _sides(
         if side not in sides
     ]
     remarks += [
-        f"{counted(survey.same[side], 'frame')} of {survey.hands} show two {side} hands: the one "
-        "that is seen first is taken, and the other is left out"
+        f"{counted(survey.same[side], 'frame')} of {survey.hands} show two {side} hands: the hand "
+        "that was seen first is exported, and the other hand is left out"
         for side in sides
         if survey.same[side]
     ]
@@ -229,7 +232,7 @@ def _calibration(frames: Sequence[HandFrame], side: str) -> tuple[HandCalibratio
     except EncoderError as error:
         return average_calibration(some, side, paalm.options), (
             f"an average {side} hand is assumed, because {error.what} ({error.got}); "
-            "--calibration FILE takes yours"
+            "--calibration FILE uses your calibration"
         )
 
 
@@ -239,10 +242,12 @@ def _poses(
     sides: Sequence[str],
     where: str,
 ) -> Array:
-    """Poses (n, H, 48) of the hands in the device's frame; before a hand is seen, its first one.
+    """Poses (n, H, 48) of the hands in the device's frame.
+
+    Frames before a hand is first seen have its first pose.
 
     Raises:
-        RecordingError: One of the hands can be reconstructed in no frame.
+        RecordingError: A hand cannot be reconstructed in any frame.
     """
     poses = np.empty((len(frames), len(hands), POSE_SIZE))
     first: list[int | None] = [None] * len(hands)
@@ -255,9 +260,9 @@ def _poses(
     unseen = [side for side, i in zip(sides, first, strict=True) if i is None]
     if unseen:
         raise RecordingError(
-            f"no frame can be used of the {' and '.join(unseen)} hand",
+            f"the {' and '.join(unseen)} hand cannot be reconstructed in any frame",
             where=where,
-            expected="hands apart, with five fingers at most",
+            expected="separate hands with at most five fingers",
         )
     for j, begin in enumerate(first):
         poses[:begin, j] = poses[begin, j]

@@ -23,13 +23,13 @@ class MotionSource:
 
     Attributes:
         armatures: Armatures of the hands.
-        names: Names of the hands, `right`, `left` or `right_too`.
-        duration: s, if it is known beforehand; else 0.
+        names: Names of the hands, such as `right`, `left` or `right_too`.
+        duration: Duration, s; 0 if it is not known beforehand.
         what: Description for people.
-        play: Passes all poses, in batches, to a callback; returns an error text for the rest, or an
-            empty text.
-        remarks: What people must know of these poses, said before they are played.
-        report: What the reader left out and assumed; complete once all is played.
+        play: Function that passes all poses, in batches, to a callback. It returns an error text if
+            some poses are missing, otherwise an empty text.
+        remarks: Remarks on the poses for people, to be shown before the poses are played.
+        report: Data that the reader left out, and its assumptions; complete after playing.
     """
 
     armatures: tuple[Armature, ...]
@@ -42,7 +42,7 @@ class MotionSource:
 
 
 def poses_of(time: Array, q: Array) -> Poses:
-    """Poses of one hand at times (n,), from world poses (n, 48)."""
+    """Poses of one hand at times (n,), s, from poses (n, 48) in one frame."""
     vectors = np.concatenate([q[:, None, ROOT_ROTATION], joint_vectors(q)], axis=1)
     return Poses(time, q[:, None, ROOT_POSITION], quaternion_exp(vectors)[:, None])
 

@@ -1,4 +1,4 @@
-"""A view of a session, running or replayed, that writes the hands' motion down as it happens."""
+"""A view that writes the motion of the hands of a running or replayed session to a file."""
 
 from __future__ import annotations
 
@@ -27,12 +27,12 @@ class MotionView(Exporter):
 
     Args:
         path: Path of the file; its ending chooses the format.
-        session: The session to be written.
+        session: The session.
         settings: Settings of written motion.
         of: Simulated or commanded motion of the hands.
 
     Raises:
-        InputError: The file cannot be written there.
+        InputError: The file cannot be written.
     """
 
     def __init__(
@@ -49,7 +49,7 @@ class MotionView(Exporter):
         super().__init__(path, armatures, names, settings or ExportSettings())
 
     def show(self, snapshot: Snapshot) -> None:
-        """Takes in one moment."""
+        """Writes the motion up to a snapshot."""
         self.take(self._poses(snapshot))
 
     def __exit__(

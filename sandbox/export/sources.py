@@ -62,7 +62,7 @@ STRAIGHT = FollowingSettings(
     rise=0.0,
     floor=-1e3,
 )
-"""How hands without a table follow: as fast as they move, and not raised above anything."""
+"""Settings of hands without a table: no limit of speed, and no lowest height."""
 
 
 def open_landmarks(path: Path, hand: Hand | None = None, unit: str = "") -> MotionSource:
@@ -70,12 +70,12 @@ def open_landmarks(path: Path, hand: Hand | None = None, unit: str = "") -> Moti
 
     Args:
         path: The recording.
-        hand: Whose hand; None: all hands that are there.
-        unit: Units that a person gave, such as `cm,ms`.
+        hand: Side of the hand; None takes all hands in the recording.
+        unit: Units that the user gave, such as `cm,ms`.
 
     Raises:
         RecordingError: The file is damaged, or has no picture.
-        InputError: That hand is not in the recording.
+        InputError: The hand is not in the recording.
     """
     recording = read_landmarks(path, unit)
     camera = recording.camera or Camera()
@@ -83,7 +83,7 @@ def open_landmarks(path: Path, hand: Hand | None = None, unit: str = "") -> Moti
     report = ReaderReport()
     report.add(recording.report)
     begin = recording.frames[0].taken
-    # Of pictures of one moment, as there are where a page is opened anew, the last one counts.
+    # Several pictures may have the same time if the page was opened again. The last one is used.
     follows = pairwise(recording.frames)
     frames = [a for a, b in follows if b.taken > a.taken] + [recording.frames[-1]]
 
@@ -101,13 +101,14 @@ def open_landmarks(path: Path, hand: Hand | None = None, unit: str = "") -> Moti
                 take(together([poses_of(time, q[:, i]) for i in range(len(sides))]))
                 times, poses = [], []
         for one in hands:
-            # Two hands need not be in every picture.
+            # With two hands, a picture without one of them is normal.
             without = (WITHOUT,) if len(sides) > 1 else ()
             report.add_counts({k: n for k, n in one.counts.items() if k not in without})
         return "" if recording.damage is None else str(recording.damage)
 
     armatures = tuple(Armature(Person(side).skeleton(ADULT)) for side in sides)
-    what = f"{' and '.join(sides)} before a camera with a field of view of {camera.view:g} degrees"
+    hands_text = f"{' and '.join(sides)} {'hand' if len(sides) == 1 else 'hands'}"
+    what = f"the {hands_text} in front of a camera with a field of view of {camera.view:g} degrees"
     duration = recording.frames[-1].taken - begin
     return MotionSource(armatures, sides, duration, what, run, tuple(remarks), report)
 
@@ -117,8 +118,8 @@ def _sides(
 ) -> tuple[tuple[str, ...], list[str]]:
     """The sides to export, and remarks on them.
 
-    Where pictures never show both hands at once, the side of a single one is mistaken at times. So
-    a second hand counts only beside the first one.
+    If pictures never show both hands, the reported side of a single hand is sometimes wrong.
+    Therefore a second hand is exported only if it was often seen together with the first hand.
     """
     seen: Counter[str] = Counter()
     same: Counter[str] = Counter()
@@ -143,14 +144,14 @@ def _sides(
         )
     pictures = len(recording.frames)
     remarks = [
-        f"a {s} hand is named in {seen[s]} of {pictures} pictures, {both} of them with both hands: "
-        f"it is taken for the {most} one where that was; --hand {s} exports it"
+        f"a {s} hand is reported in {seen[s]} of {pictures} pictures, {both} of them with both "
+        f"hands: it counts as the {most} hand where the {most} hand was; --hand {s} exports it"
         for s in there
         if hand is None and s not in wanted
     ]
     remarks += [
-        f"{same[s]} of {pictures} pictures show two {s} hands: one is followed from where it was, "
-        "beginning with the surest, and the other is left out"
+        f"{same[s]} of {pictures} pictures show two {s} hands: the hand nearest to the last one is "
+        "exported, at first the more certain hand; the other hand is left out"
         for s in wanted
         if same[s]
     ]
@@ -160,7 +161,7 @@ def _sides(
 Of = Literal["simulated", "commanded"]
 
 HAND_JOINTS = 3 + 4 * 15
-"""Joint positions of one hand in a scene; hands come before objects."""
+"""Number of joint positions of one hand in a scene. Hands come before objects."""
 
 
 def open_source(
@@ -175,16 +176,16 @@ def open_source(
 
     Args:
         path: The file.
-        of: `simulated` hands of a recording, the default; or `commanded` poses, for which the
+        of: For the recording of a session: `simulated`, the default, or `commanded`, for which the
             recording is played again.
         take: Number of the take of a capture, from 1.
-        hand: Whose hand of a recording of a Leap or a camera; None: all that are there.
+        hand: Side of the hand in a recording of a Leap or a camera; None takes all hands.
         calibration: File with the measured hands of a Leap recording.
-        unit: Units of a recording of a Leap or a camera, such as `cm,ms`; those that are not given
-            are found.
+        unit: Units of a recording of a Leap or a camera, such as `cm,ms`. Units that are not given
+            are inferred.
 
     Raises:
-        InputError: The file is none of them, or has no poses.
+        InputError: The file is of no such kind, or has no poses.
     """
 
     if not stored(path).exists():
@@ -202,7 +203,7 @@ def open_source(
         return _capture(load_capture(path), str(path), take)
     if of is not None:
         raise InputError(
-            "only the recording of a session has a simulated and a commanded hand",
+            "--of is for recordings of sessions, which have a simulated and a commanded hand",
             where=f"--of {of}",
             got=str(path),
             remedy="Leave out --of",
@@ -218,20 +219,21 @@ def open_source(
         raise InputError(
             "this is neither a recording nor a capture, nor a recording of a Leap",
             where=str(path),
-            remedy="`--record FILE` of run and play makes a recording, `sandbox capture` a "
-            "capture; `sandbox devices leap formats` lists recordings of a Leap",
+            remedy="`sandbox run` and `sandbox play` write a recording with --record FILE, and "
+            "`sandbox capture` writes a capture; `sandbox devices leap formats` lists the formats "
+            "of Leap recordings",
         ) from error
 
 
 def _only_leaps(hand: Hand | None, calibration: Path | None, unit: str, what: str) -> None:
-    """Refuses options that a source has no use for."""
+    """Refuses options that do not apply to a source."""
     given = "--hand" if hand else "--calibration" if calibration else "--unit" if unit else ""
     if given:
         raise InputError(
             "this option is for recordings of a Leap",
             where=given,
             got=what,
-            remedy="Leave it out: all hands are taken, each under its own name",
+            remedy="Leave it out: all hands are exported, each under its own name",
         )
 
 
@@ -239,7 +241,7 @@ def poses_of_qpos(time: Array, qpos: Array, hands: int) -> Poses:
     """Poses of hands at times (n,), from joint positions (n, nq) of a scene."""
     values = qpos[:, : hands * HAND_JOINTS].reshape(len(qpos), hands, HAND_JOINTS)
     turns = values[..., 3:].reshape(len(qpos), hands, 15, 4)
-    # A track is rounded, so that its quaternions are not quite of length one.
+    # A track is rounded, so that the lengths of its quaternions differ slightly from 1.
     return Poses(time, values[..., :3], turns / np.linalg.norm(turns, axis=-1, keepdims=True))
 
 
@@ -247,11 +249,11 @@ def hands_of(settings: Settings) -> tuple[tuple[Armature, ...], tuple[str, ...]]
     """Armatures and names of a session's hands.
 
     Raises:
-        InputError: The hands are a robot's, whose joints the formats do not hold.
+        InputError: The hands are robot hands, whose joints the formats cannot hold.
     """
     if settings.physics.robot:
         raise InputError(
-            "a robot's hand has no skeleton that can be exported",
+            "the motion of a robot hand cannot be exported",
             where="--robot",
             got=settings.physics.robot,
         )
@@ -272,13 +274,13 @@ def _simulated(path: Path) -> MotionSource:
         for steps, qpos, damage in _tracks(path):
             if damage and not any_rows:
                 raise RecordingError(
-                    "it breaks off before the first pose", where=str(path), got=damage
+                    "the recording ends before the first pose", where=str(path), got=damage
                 )
             if damage:
                 return damage
             if qpos.shape[1] < len(names) * HAND_JOINTS:
                 raise RecordingError(
-                    "its poses are those of another scene",
+                    "the recorded poses are of another scene",
                     where=str(path),
                     got=f"{qpos.shape[1]} joint positions",
                     expected=f"at least {len(names) * HAND_JOINTS}",
@@ -287,9 +289,9 @@ def _simulated(path: Path) -> MotionSource:
             any_rows = True
         if not any_rows:
             raise RecordingError(
-                "it holds no poses: it ends before the first one",
+                "the recording has no poses: it ends before the first pose",
                 where=str(path),
-                remedy="--of commanded replays it and exports the commanded pose",
+                remedy="--of commanded replays the recording and exports the commanded pose",
             )
         return ""
 
@@ -299,7 +301,7 @@ def _simulated(path: Path) -> MotionSource:
 
 
 def _commanded(path: Path) -> MotionSource:
-    # This import loads the simulation, which other exports do not need.
+    # This import loads the simulation, which all other exports do not need.
     from sandbox.trial.replay import replay
 
     recording = load_recording(path)
@@ -318,7 +320,9 @@ def _commanded(path: Path) -> MotionSource:
         _, verification = replay(recording, views)
         said = [recording.damage, verification.task_change]
         if not verification.exact:
-            said.append("the replay differs from the recording, so the commanded poses may, too")
+            said.append(
+                "the replay differs from the recording, so the commanded poses may be different"
+            )
         return "; ".join(filter(None, said))
 
     return MotionSource(armatures, names, duration, "the commanded pose", run)
@@ -351,15 +355,15 @@ def _capture(capture: Capture, where: str, take: int) -> MotionSource:
 
 
 def _tracks(path: Path) -> Iterator[tuple[Array, Array, str]]:
-    """Steps (n,) and joint positions (n, nq) of each line of a recording that has them.
+    """Yields steps (n,), joint positions (n, nq) and an empty text for each `track` line.
 
-    In a damaged file, the last item has the error text and no poses.
+    If the file is damaged, the last item has no poses and the error text.
     """
     nothing, number, ended, any_track, last = np.zeros(0), 0, False, False, -1
     try:
         for text in _lines(path):
             number += 1
-            # The other fields, which are most of the file, are not needed here.
+            # Only the beginning of a line is examined, since most lines are not needed here.
             begins = text[:40].replace(b" ", b"")
             ended = begins.startswith(b'{"kind":"end"') and text.endswith(b"\n")
             if not begins.startswith(b'{"kind":"track"'):
@@ -368,7 +372,7 @@ def _tracks(path: Path) -> Iterator[tuple[Array, Array, str]]:
             read_track_line(json.loads(text), track)
             steps = sorted(track.qpos)
             if steps and steps[0] <= last:
-                raise ValueError("it repeats what came before")
+                raise ValueError("it repeats earlier steps")
             last = steps[-1] if steps else last
             yield np.array(steps, float), np.array([track.qpos[s] for s in steps]), ""
         if any_track and not ended:
@@ -382,11 +386,11 @@ def _tracks(path: Path) -> Iterator[tuple[Array, Array, str]]:
         OSError,
         zlib.error,
     ) as error:
-        yield nothing, nothing, f"line {number} is damaged ({error}); what follows is left"
+        yield nothing, nothing, f"line {number} is damaged ({error}); the rest is left out"
 
 
 def _lines(path: Path) -> Iterator[bytes]:
-    """Lines of a recording, compressed or not, one by one."""
+    """Yields the lines of a recording, compressed or not."""
     with stored(path).open("rb") as file:
         compressed = file.read(2) == GZIP
         file.seek(0)
@@ -398,14 +402,16 @@ def _lines(path: Path) -> Iterator[bytes]:
 
 
 class _End(Struct):
-    """Field of a recording's last line with its length in steps."""
+    """Field of a recording's last line: its length in physics steps."""
 
     step: int
 
 
 def _length(path: Path, timestep: float) -> float:
-    """Duration in s from the end line in the last bytes of the file; 0 without one, as in a
-    compressed recording."""
+    """Duration in s, from the `end` line in the last bytes of the file.
+
+    0 if no `end` line is found, as in a compressed recording.
+    """
     file_path = stored(path)
     with file_path.open("rb") as file:
         file.seek(max(0, file_path.stat().st_size - 8192))

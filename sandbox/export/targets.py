@@ -1,4 +1,4 @@
-"""Target files of an export; the writer follows from the ending of the name."""
+"""Target files of an export. The ending of a file's name chooses the format."""
 
 from __future__ import annotations
 
@@ -27,10 +27,10 @@ class ExportSettings:
     """Settings of written motion.
 
     Attributes:
-        rate: Hz of the keys.
+        rate: Rate of the keyframes, Hz.
         euler: Order of Euler angles, for formats that allow a choice.
-        points: Content of points files: `tips`, or `joints` with the tips.
-        fingers: Labels of the fingers in points files.
+        points: Content of point files: `tips`, or `joints` for joints and tips.
+        fingers: Labels of the fingers in point files.
     """
 
     rate: float = 60.0
@@ -96,8 +96,8 @@ class Format:
 
     Attributes:
         make: Function that opens a writer.
-        all_hands: True if one file holds all hands; otherwise each hand has a file.
-        heeds: Fields of `ExportSettings`, besides the rate, that have an effect on it.
+        all_hands: True if one file holds all hands; False if each hand needs its own file.
+        heeds: Fields of `ExportSettings`, besides the rate, that affect this format.
     """
 
     make: Maker
@@ -118,8 +118,9 @@ FORMATS: dict[str, Format] = {
 
 
 _FROM_BLENDER = (
-    "Blender writes it: `sandbox stream --script blender > hand_sandbox_blender.py`, run that with "
-    "--out FILE, and stream the recording to it (docs/stream.md)"
+    "Blender writes it. Make the script with `sandbox stream --script blender > "
+    "hand_sandbox_blender.py`, run it with --out FILE, and stream the recording to it "
+    "(docs/stream.md)"
 )
 
 
@@ -142,12 +143,13 @@ def format_of(path: Path) -> Format:
 
 
 class Exporter:
-    """Resamples poses and writes keys, to one file or one per hand.
+    """Resamples poses and writes keyframes, to one file or to one file per hand.
 
-    Used as a context manager; the files appear when the block ends without an error.
+    It must be used in a `with` block; the files appear when the block ends without an error.
 
     Args:
-        path: Path of the file; with two hands and a format for one, the hand's name is added.
+        path: Path of the file. If there are two hands and the format holds only one hand, each
+            file's name gets the name of its hand.
         armatures: Armatures of the hands.
         names: Names of the hands.
         settings: Settings of written motion.
@@ -181,7 +183,7 @@ class Exporter:
 
     @property
     def frames(self) -> int:
-        """Keys written so far."""
+        """Number of keyframes written so far."""
         return self.writers[0][0].frames
 
     @property
@@ -190,13 +192,13 @@ class Exporter:
         return [path for writer, _ in self.writers for path in writer.paths]
 
     def take(self, poses: Poses) -> None:
-        """Resamples poses and writes the keys up to the last one."""
+        """Resamples poses and writes the keyframes up to the last pose."""
         keys = self._sampler.add(poses)
         if keys is not None:
             self.write(keys)
 
     def write(self, keys: Sequence[Keys]) -> None:
-        """Writes keys of all hands."""
+        """Writes keyframes of all hands."""
         for writer, hands in self.writers:
             writer.write(*(keys[i] for i in hands))
 

@@ -1,6 +1,6 @@
-"""Pictures of an evaluation: bar charts of the tables, and hands beside the captured ones.
+"""Figures of an evaluation: bar charts of the tables, and reconstructed beside captured hands.
 
-matplotlib is an extra (`plots`) and is imported only when something is drawn.
+matplotlib is an extra (`plots`) and is imported only when a figure is drawn.
 """
 
 from __future__ import annotations
@@ -22,12 +22,12 @@ def draw_all(
     results: Mapping[str, MethodResult],
     tests: Tests,
 ) -> list[Path]:
-    """Draws everything into a folder, each picture as PNG and SVG.
+    """Draws all figures into a folder, each as PNG and SVG.
 
     Args:
         folder: An existing folder.
         report: Report from `encoders.evaluation.result_values`.
-        results: Results of the same methods; hands are drawn from their poses.
+        results: Results of the same methods, with the poses from which hands are drawn.
         tests: The test captures.
 
     Returns:

@@ -48,7 +48,7 @@ def need_matplotlib() -> None:
     """
     if find_spec("matplotlib") is None:
         raise InputError(
-            "pictures of an evaluation need matplotlib",
+            "figures of an evaluation need matplotlib",
             where="--plots",
             remedy="pip install 'hand-sandbox[plots]', or leave --plots out",
         )
@@ -80,7 +80,7 @@ def save(made: Figure, stem: Path) -> list[Path]:
 
 
 def source(report: dict[str, Any]) -> str:
-    """Description of the measured frames, for the foot of a picture."""
+    """Description of the measured frames, for the foot of a figure."""
     frames, tests = report["test_frames"]["all"], report["tests"]
     takes = sum(test["takes"] for test in tests)
     kind = "SIMULATED captures" if report["simulated"] else "captures"
@@ -142,7 +142,7 @@ def labels(report: Report) -> Figure:
                 [e["labels_percent_interval"][count] for e in methods.values()],
                 0.92 * width,
                 COLOURS[i],
-                "1 finger, others left" if count == "1" else f"{count} fingers",
+                "1 finger, others lifted" if count == "1" else f"{count} fingers",
             )
             if count != "1":
                 known += [
@@ -252,7 +252,7 @@ def _finish(made: Figure, axis: Axes, title: str, subtitle: str) -> None:
     """Adds title, description of the frames, and one legend below, with the paper's lines last."""
     handles, names = axis.get_legend_handles_labels()
     order = sorted(range(len(names)), key=lambda i: names[i] == PAPER)
-    # Approximate width of a single row in inches, which gives the number of rows.
+    # The number of rows follows from the approximate width of a single row in inches.
     rows = math.ceil(sum(0.6 + 0.068 * len(name) for name in names) / made.get_figwidth())
     made.legend(
         [handles[i] for i in order],

@@ -1,8 +1,8 @@
-"""The paper's Figure 2: the captured hand beside that of each method, for unseen touches.
+"""The paper's Figure 2: the captured hand beside the hand of each method, for unseen touches.
 
-Hands are drawn as the sandbox draws them where there is OpenGL, and as bones otherwise. All of a
-row are seen from the same place. Which frames are drawn follows from the numbers: for every number
-of fingers the frame whose error, averaged over the methods, is the median. Nobody chose them.
+With OpenGL, hands are drawn as in the program; without it, as bones. All hands of a row are seen
+from the same place. For every number of fingers, the frame with the median error is drawn, where
+the error is averaged over the methods. Nobody selects frames by hand.
 """
 
 from __future__ import annotations
@@ -31,17 +31,24 @@ if TYPE_CHECKING:
 _KINEMATICS = Kinematics(ADULT)
 
 SIZE = (480, 400)
-"""px of one hand's picture."""
+"""Width and height of one hand's picture, px."""
 ASIDE, ELEVATION, DISTANCE = 62.0, -32.0, 0.35
-"""deg from the hand's own direction, deg, m. From the thumb's side and above, where fingers hide
-each other least."""
+"""Place of the camera: angle from the hand's own direction (deg), elevation (deg) and distance (m).
+It is on the thumb's side and above, where fingers hide each other least."""
 ABOVE, BEHIND = 0.03, 0.02
-"""m over the table, and from the middle of the joints towards the wrist: the picture's middle."""
+"""Middle of the picture: its height over the table (m), and its distance from the middle of the
+joints towards the wrist (m)."""
 
 
 @dataclass(frozen=True)
 class Moment:
-    """A frame that is drawn: touches (5, 2) m by label, NaN where lifted, and the captured pose."""
+    """A frame to draw.
+
+    Attributes:
+        frame: Index of the frame.
+        xy: (5, 2) m, touches by label; NaN for lifted fingers.
+        q: (48,) captured pose.
+    """
 
     frame: int
     xy: Array
@@ -49,10 +56,10 @@ class Moment:
 
 
 def typical_frames(results: Mapping[str, MethodResult], tests: Tests) -> list[int]:
-    """For 2, 3, 4 and 5 fingers the frame with the median error; fewer where some do not occur.
+    """The frame with the median error for each number of fingers from 2 to 5 that occurs.
 
-    The error of a frame is, averaged over the methods, that of the wrist over its own mean plus
-    that of the joints over theirs.
+    The error of a frame is the sum over the methods of two ratios: the wrist's error divided by its
+    mean, and the joints' error divided by its mean.
     """
     total = np.zeros(len(tests.q))
     for result in results.values():
@@ -71,7 +78,7 @@ def typical_frames(results: Mapping[str, MethodResult], tests: Tests) -> list[in
 def side_by_side(
     report: dict[str, Any], results: Mapping[str, MethodResult], tests: Tests
 ) -> Figure:
-    """Draws one row for every typical frame: the captured hand, then that of every method."""
+    """Draws one row for every typical frame: the captured hand, then the hand of every method."""
     from matplotlib import rc_context
 
     moments = [Moment(f, tests.xy[f], tests.q[f]) for f in typical_frames(results, tests)]
@@ -122,7 +129,7 @@ def side_by_side(
 
 
 def _rendered(moments: Sequence[Moment], poses: Sequence[Array]) -> list[list[Any]]:
-    """RGB pictures of every moment's poses, as the sandbox draws hands.
+    """RGB pictures of every moment's poses, drawn as in the program.
 
     Raises:
         GraphicsError: There is no OpenGL on this machine.
@@ -172,7 +179,7 @@ def _rendered(moments: Sequence[Moment], poses: Sequence[Array]) -> list[list[An
                 for f in down.tolist()
             )
             world = surface.pose_to_world(row)
-            # The captured hand is in the middle of its row, and seen from its thumb's side.
+            # The captured hand is in the middle of its picture, and seen from its thumb's side.
             along = exp(world[0, ROOT_ROTATION])[:, 1]
             middle = _KINEMATICS.place(world[0]).joints.mean(axis=0) - BEHIND * along
             camera.lookat[:] = [middle[0], middle[1], ABOVE]

@@ -1,4 +1,4 @@
-"""Plots success against variations: a panel for each variation, a line for each task."""
+"""Plots success against variations, with a panel for each variation and a line for each task."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 SUFFIXES = (".png", ".svg")
 ACROSS = 3
-"""Panels side by side."""
+"""Largest number of panels side by side."""
 
 
 def check_plot(path: Path) -> None:
@@ -29,9 +29,13 @@ def check_plot(path: Path) -> None:
 
     where = f"--plot {path}"
     if path.suffix.lower() not in SUFFIXES:
-        raise InputError("not a picture's name", where=where, expected=" or ".join(SUFFIXES))
+        raise InputError(
+            "this name has not the ending of a picture",
+            where=where,
+            expected=" or ".join(SUFFIXES),
+        )
     if not path.absolute().parent.is_dir():
-        raise InputError("no such folder", where=where, remedy="Make it, or name another")
+        raise InputError("no such folder", where=where, remedy="Create it, or name another folder")
     if find_spec("matplotlib") is None:
         raise InputError(
             "a picture needs matplotlib", where=where, remedy="pip install 'hand-sandbox[plots]'"
@@ -39,7 +43,7 @@ def check_plot(path: Path) -> None:
 
 
 def draw(found: Sweep) -> Figure:
-    """Draws success in percent with Wilson intervals, and a ring where success breaks off."""
+    """Draws success in percent with Wilson intervals, and rings at values that break a task."""
     from matplotlib import rc_context
 
     kinds = list(dict.fromkeys(curve.kind for curve in found.curves))
@@ -65,13 +69,13 @@ def draw(found: Sweep) -> Figure:
         for panel in panels[::across]:
             panel.set_ylabel("success, %")
         if kinds:
-            # Within a panel it would hide where something breaks.
+            # Inside a panel, the legend could hide a ring.
             lines, names = panels[0].get_legend_handles_labels()
             made.legend(lines, names, loc="outside lower center", ncols=min(len(names), 4))
         encoder = found.plan.settings[0].pipeline.encoder
         made.suptitle(
             f"SIMULATED user, {len(found.plan.seeds)} seeds, encoder {encoder}; 95 % intervals; "
-            "ring: breaks",
+            "ring: breaks the task",
             fontsize=9.0,
         )
     return made
@@ -91,7 +95,7 @@ def save_plot(made: Figure, path: Path) -> None:
             made.savefig(path, dpi=DPI, metadata=metadata)
     except OSError as error:
         raise InputError(
-            "it cannot be written", where=f"--plot {path}", got=error.strerror
+            "the figure cannot be written", where=f"--plot {path}", got=error.strerror
         ) from None
 
 

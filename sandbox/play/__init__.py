@@ -1,1 +1,1 @@
-"""Play with a person: one trial after another, in a window and on pages, as the player requests."""
+"""Play: one trial after another, in a window and on pages, as the player requests."""

@@ -1,8 +1,8 @@
-"""A demonstration: the simulated user plays a person's own trial.
+"""A demonstration: the simulated user plays the trial that a person is about to play.
 
-It is played in a process of its own at low priority, so that the trial is not slowed down, and the
-page gets it as frames when it is finished. A task that the simulated user cannot play, or does not
-finish, has none.
+It is played in a separate process at low priority, so that it does not slow down the person's
+trial. When it is finished, the page gets its frames. There is no demonstration if the simulated
+user cannot play the task, or does not succeed.
 
     python -m sandbox.play.demonstration    # settings on stdin, frames on stdout
 """
@@ -31,11 +31,12 @@ from sandbox.trial.settings import Settings, decoded, encoded
 PERIOD = 0.05
 """Simulated time (s) between two frames of a demonstration."""
 MOST_FRAMES = 90
-"""Largest number of frames for a page; from longer demonstrations, only every nth frame is sent."""
+"""Largest number of frames for a page. Of a longer demonstration, only every nth frame is sent."""
 STIRRED, TURNED = 0.002, 0.05
-"""Displacement (m), and change of an entry of the rotation matrix, by which an object has moved."""
+"""Smallest displacement (m), and smallest change of an entry of the rotation matrix, with which an
+object counts as moved."""
 NICE = 15
-"""Priority of the process, as of `nice`."""
+"""Priority of the process, as for the command `nice`."""
 
 _HEADER = struct.Struct("<BBHI")
 
@@ -43,8 +44,8 @@ _HEADER = struct.Struct("<BBHI")
 def demonstrated(settings: Settings, scene: int) -> bytes:
     """The message with frames of the simulated user's play, from its first touch to its success.
 
-    Attempts that moved no object, such as a chord beside its keys, are left out, since they show a
-    person a mistake.
+    Touches that moved no object, such as a chord beside its keys, are left out, since they would
+    show a mistake.
 
     The layout is little-endian: PROTOCOL, KIND and the number of frames (uint8, uint8, uint16),
     the number of the scene (uint32), then for every frame its length (uint32) and its bytes.
@@ -74,7 +75,7 @@ def demonstrated(settings: Settings, scene: int) -> bytes:
 
 
 class _Film:
-    """Frames of a trial from the first touch that moved an object.
+    """Collects the frames of a trial, from the first touch that moves an object.
 
     Args:
         scene: Number of the scene that the frames are for.
@@ -89,7 +90,7 @@ class _Film:
         self._objects: Mapping[str, ObjectView] = {}
 
     def show(self, snapshot: Snapshot) -> None:
-        """Takes a frame, if one is due."""
+        """Adds a frame if the next frame is due."""
         touches = any(hand.contacts for hand in snapshot.hands)
         if touches and not self._touched and not _moved(self._objects, snapshot.objects):
             self.frames, self._objects, self._due = [], snapshot.objects, snapshot.time
@@ -104,7 +105,7 @@ class _Film:
 
 
 def _moved(before: Mapping[str, ObjectView], now: Mapping[str, ObjectView]) -> bool:
-    """True if an object lies elsewhere than before; False without objects before."""
+    """True if an object is at another place than before; False without earlier objects."""
     return any(
         np.abs(now[name].position - view.position).max() > STIRRED
         or np.abs(now[name].rotation - view.rotation).max() > TURNED
@@ -113,10 +114,11 @@ def _moved(before: Mapping[str, ObjectView], now: Mapping[str, ObjectView]) -> b
 
 
 class Demonstrator:
-    """Plays demonstrations, one at a time; a newer demonstration ends the previous one.
+    """Plays demonstrations, one at a time. A new demonstration ends the previous demonstration.
 
     Args:
-        show: Called with the message of a demonstration that is finished, from another thread.
+        show: Called from another thread with the number of the scene and the message of a finished
+            demonstration.
     """
 
     def __init__(self, show: Callable[[int, bytes], None]) -> None:
@@ -150,7 +152,7 @@ class Demonstrator:
         self._waits.start()
 
     def stop(self) -> None:
-        """Ends the demonstration that is being played."""
+        """Ends the demonstration that is playing now."""
         if self._process is not None:
             self._process.kill()
             self._process = None
@@ -161,7 +163,7 @@ def main() -> None:
     with suppress(AttributeError, OSError):  # Windows has no such priority.
         os.nice(NICE)
     given = json.load(sys.stdin.buffer)
-    # All other output goes elsewhere.
+    # Only the message may go to stdout; all other output goes to stderr.
     out, sys.stdout = sys.stdout, sys.stderr
     out.buffer.write(demonstrated(decoded(given["settings"]), given["scene"]))
     out.buffer.flush()

@@ -1,4 +1,4 @@
-"""The player's profile: its usable settings, and the layouts that are added to it."""
+"""The player's profile: use of its valid parts, and addition of new layouts."""
 
 from __future__ import annotations
 
@@ -31,13 +31,13 @@ Options = TypeVar("Options", bound=TrialOptions)
 def with_measured_hand(options: Options, console: Console, ask: bool | None = None) -> Options:
     """Options with the calibration of the player's hand over a Leap.
 
-    A saved calibration is used. Otherwise the player is asked to hold the hand open. Ctrl-C skips
-    this, and an average hand is assumed.
+    If a calibration is saved, it is used. Otherwise the program asks the player to hold the hand
+    open, and measures it. Ctrl-C skips the measurement; an average hand is then assumed.
 
     Args:
         options: Options of `sandbox play`.
         console: Console for instructions.
-        ask: True if questions are possible; None means: if this is a terminal.
+        ask: True if the program may ask the player; None: True on a terminal.
     """
     if (
         options.device != LIVE_LEAP
@@ -45,7 +45,7 @@ def with_measured_hand(options: Options, console: Console, ask: bool | None = No
         or chosen_calibration(options) is not None
     ):
         return options
-    # Only players with a Leap need these.
+    # Imported here, since only players with a Leap need these modules.
     from encoders.paalm.calibration_file import read_calibration
     from sandbox.devices.leap import DEFAULT_ADDRESS
     from sandbox.devices.leap.guided_calibration import measure_and_save
@@ -65,10 +65,10 @@ def with_measured_hand(options: Options, console: Console, ask: bool | None = No
 
 
 def with_usable_profile(options: Options, console: Console) -> Options:
-    """Options without the unusable parts of the profile, which are printed in one line.
+    """Options without the invalid parts of the profile. One line is printed about these parts.
 
     Raises:
-        InputError: There is no such file, or it is a calibration over a Leap.
+        InputError: There is no such file, or it is a Leap calibration.
     """
     if not uses_touch_profile(options):
         return options
@@ -79,14 +79,14 @@ def with_usable_profile(options: Options, console: Console) -> Options:
         if not profile_path(name).exists():
             raise
         usable = _with_person_alone(options, name)
-        rest = "without the profile" if usable is None else "with its hand, size and seat alone"
-        _say(f"{error}. Play goes on {rest}", console)
+        rest = "without the profile" if usable is None else "with only its hand, size and seat"
+        _say(f"{error}. Play continues {rest}", console)
         return usable or replace(options, profile="none")
     learned = profile.layouts and options.labels == "population"
     if learned and options.hand not in (None, profile.person.hand):
         _say(
-            f"the layouts of the profile are of the {profile.person.hand} hand, and the "
-            f"{options.hand} one plays: its fingers are named without them",
+            f"the layouts of the profile are of the {profile.person.hand} hand, so they are not "
+            f"used for the {options.hand} hand",
             console,
         )
     return options
@@ -109,7 +109,7 @@ def _say(text: str, console: Console) -> None:
 
 @dataclass
 class Learner:
-    """Layouts of five fingers that a player's trials add to the profile, for later trials.
+    """Adds layouts of five fingers from a player's trials to the profile, for later trials.
 
     Attributes:
         path: File of the profile.
@@ -124,33 +124,33 @@ class Learner:
         """The learner of the options' profile.
 
         Raises:
-            InputError: Nothing can be learned with these options.
+            InputError: With these options, no layouts can be learned.
         """
         if options.labels != "population":
             raise InputError(
-                "only labels by the population use layouts of five fingers",
+                "layouts of five fingers are used only by --labels population",
                 where="--learn",
                 got=f"--labels {options.labels}",
                 expected="--labels population",
             )
         if options.device == "mouse" or is_in_air(options.device):
             raise InputError(
-                "there are no fingers on a touch surface to learn from",
+                "layouts can only be learned from fingers on a touch surface",
                 where="--learn",
                 got=f"--device {options.device}",
                 expected="tuio, evdev or web",
             )
         if options.profile in (None, "none"):
             raise InputError(
-                "there is no profile to learn into",
+                "there is no profile to which layouts can be added",
                 where="--learn",
-                remedy="`sandbox hand measure` makes one",
+                remedy="`sandbox hand measure` writes a profile",
             )
         learner = cls(profile_path(str(options.profile)), console)
         profile = load_profile(learner.path)
         if profile.simulated != (options.device == "simulated"):
             raise InputError(
-                "a simulated person and a real one do not share a profile",
+                "a simulated person and a real person cannot share a profile",
                 where="--learn",
                 got=f"--device {options.device} and a profile of "
                 + ("a simulated person" if profile.simulated else "a real person"),
@@ -159,7 +159,7 @@ class Learner:
         return learner
 
     def after(self, session: Session) -> None:
-        """Stores the layouts of the profile's hand that a trial has found."""
+        """Stores the layouts of the profile's hand that were found in a trial."""
         profile = load_profile(self.path)
         side = profile.person.hand
         layouts = learned_layouts(session).get(side)
@@ -167,5 +167,5 @@ class Learner:
             return
         save_profile(replace(profile, layouts=layouts), self.path)
         self.console.print(
-            f"{len(layouts)} layouts of five fingers are kept in {self.path}", soft_wrap=True
+            f"{len(layouts)} layouts of five fingers are stored in {self.path}", soft_wrap=True
         )

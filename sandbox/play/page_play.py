@@ -46,10 +46,11 @@ from sandbox.trial.settings import Settings
 from sandbox.trial.trial_options import TrialOptions, trial_settings
 
 OTHER_PAGE_PATIENCE = 2.0
-"""Seconds after which one page shows that the page of the other hand is not open."""
+"""Time (s) after which one page shows that the page of the other hand is not open."""
 
 OTHER_SIZE = 0.05
-"""Relative difference between a headset's hand and the drawn hand that is reported."""
+"""Smallest relative difference of size between a headset's hand and the drawn hand that is
+reported."""
 
 OTHER_PAGE = Message("other_page", "The page of the other hand is not open yet.")
 
@@ -76,7 +77,7 @@ class PagePlay(Play):
             self.demonstrator.stop()
 
     def _wait_for_players(self) -> None:
-        """Waits until every page is open; an open page shows if the other one is missing."""
+        """Waits until every page is open. An open page shows that the other page is missing."""
         start, notified = time.monotonic(), False
         while missing := [s for s in self.servers if not s.wait_for_player(0.0)]:
             time.sleep(TICK)
@@ -155,7 +156,7 @@ class PagePlay(Play):
                 self.demonstrator.begin(chosen, scene)
             pause = auto_pause.check(session.time, session.scorer.score.held)
             if pause == "away":
-                # A page that was left has no open menu when it returns.
+                # When a player returns to a page, its menu is closed.
                 self.requests.paused = False
             elif self.requests.paused:
                 return "menu"
@@ -173,17 +174,17 @@ class PagePlay(Play):
         LiveRun(trial, self.servers).play(turn, end)
 
     def _can_demonstrate(self, settings: Settings) -> bool:
-        """True if a single hand plays by touch on one page, as the demonstration does."""
+        """True if one hand plays by touch on one page, since the demonstration has one hand."""
         return self.options.device == "web" and len(settings.hands) == 1
 
     def _report_hand_size(self, session: Session, settings: Settings) -> None:
-        """Prints the size of the headset's hand if it differs from the drawn hand's."""
+        """Prints the size of the headset's hand if the drawn hand has another size."""
         headset = session.first_rig.device.find(HeadsetDevice)
         seen = headset.hand_size if headset is not None else None
         if seen is not None and abs(seen / settings.hands[0].size - 1.0) > OTHER_SIZE:
             self.console.print(
                 f"the headset measures a hand {seen:.2f} times as long as the average hand: "
-                f"use `--hand-size {seen:.2f}` for a drawn hand of this size"
+                f"use `--hand-size {seen:.2f}` to draw a hand of this size"
             )
 
     def _on_screens(self, settings: Settings) -> Settings:
@@ -191,7 +192,7 @@ class PagePlay(Play):
         screens = [server.screen for server in self.servers if server.screen]
         if "web" in (self.options.device, self.options.second_device) and screens:
             hands = len(settings.hands) if settings.surface.shared else 1
-            # A single page may scale its table to fill the screen. Two tablets have true size.
+            # A single page may scale the table to fill the screen. Two tablets show true sizes.
             alone = len(self.servers) == 1 and not settings.surface.shared
             if alone and screens[0].fit:
                 return settings.changed(**scaled(screens[0], lifts(settings)))
@@ -284,7 +285,7 @@ def play_on_page(
 
 
 def _counts(settings: Settings) -> dict[str, Any]:
-    """Fields of the result for a table that is not shown in true size."""
+    """Fields of the result that depend on the scale of the table."""
     scale = settings.surface.scale
     return {
         "surface_scale": None if scale == 1.0 else round(scale, 4),

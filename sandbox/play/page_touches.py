@@ -1,4 +1,4 @@
-"""Browser page as a touch device without simulation, in front of a static scene."""
+"""The browser page as a touch device without simulation. The page shows a static scene."""
 
 from __future__ import annotations
 
@@ -23,16 +23,16 @@ from sandbox.trial.logs import EventLog
 from sandbox.trial.trial_options import TrialOptions, trial_settings
 
 _PERIOD = 1.0 / 30.0
-"""Time (s) between two frames for the page, which show it that the program is running."""
+"""Time (s) between two frames for the page. The page sees by the frames that the program runs."""
 
 
 class PageTouches(Device):
     """Serves the page and reads its touches.
 
-    Made by `open_page_touches` when a page has connected.
+    `open_page_touches` creates it when a page has connected.
 
     Attributes:
-        surface: The touch rectangle, as measured on the page.
+        surface: The touch surface, measured on the page or given by the user.
     """
 
     name = "web"
@@ -83,7 +83,7 @@ class PageTouches(Device):
 
     @property
     def finished(self) -> bool:
-        """True when closed; until then the person may return to the page."""
+        """True once the device is closed; until then the person may return to the page."""
         return bool(self._session_device.finished)
 
     def poll(self, now: float = 0.0) -> Sequence[TouchFrame]:
@@ -103,8 +103,8 @@ def open_page_touches(asked: TouchOptions, console: Console, patience: float) ->
     """Serves the page and waits until it is opened; returns None after a timeout.
 
     Args:
-        asked: Address of the page, and size of the touch rectangle unless it is measured on the
-            page.
+        asked: Address of the page, and size of the touch surface. Without a size, it is measured on
+            the page.
         console: Console for link and QR code.
         patience: Timeout, s.
     """

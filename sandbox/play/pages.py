@@ -1,4 +1,4 @@
-"""Pages of a session: their servers by options, their addresses, and the session that they show."""
+"""Pages of a session: start of their servers, their addresses, and the session that they show."""
 
 from __future__ import annotations
 
@@ -46,9 +46,9 @@ EASIEST_FIRST = (
     "single-keys",
     "stack-three",
 )
-"""The order in which the page offers tasks: pushes and turns with any fingers first, then tasks
-that need a grip, a lift or a narrow path, then those that need named fingers or several lifts. It
-follows from the requirements of the tasks, and was not measured with people."""
+"""The order in which the page offers tasks: first pushes and turns with any fingers; then tasks
+that need a grip, a lift or a narrow path; last, tasks that need certain fingers or several lifts.
+The order follows from the requirements of the tasks, and was not measured with people."""
 
 
 def _difficulty(kind: type[Task]) -> int:
@@ -69,8 +69,8 @@ def open_page(
         study: View of a study, which has no menus; None for play.
         touch: True if the player's page moves the hand.
         headset: True for the page of a headset, False for the page of fingers on a screen.
-        task: Name or place of the task that play begins with, which the page's menu then offers
-            beside the built-in ones.
+        task: Name or place of the first task. The page's menu offers it in addition to the built-in
+            tasks.
 
     Raises:
         DeviceError: The address or port is not available.
@@ -81,11 +81,11 @@ def open_page(
             "no such port",
             where="--page-port",
             got=options.page_port,
-            expected="0 to 65535; 0 takes a free one",
+            expected="0 to 65535; 0 chooses a free port",
         )
     if (options.tls_cert is None) != (options.tls_key is None):
         raise InputError(
-            "a certificate needs its key, and a key its certificate",
+            "a certificate and its key must be given together",
             where="--tls-cert, --tls-key",
         )
     tls = None
@@ -114,12 +114,12 @@ def open_page(
 def open_window_page(
     page: PageOptions, touch: bool, events: EventLog, console: Console, task: str = ""
 ) -> PageServer | None:
-    """Starts the page beside the window; returns None if it cannot be served, with a warning.
+    """Starts the page beside the window. If it cannot be served, prints a warning and returns None.
 
     For `task` see `open_page`.
 
     Raises:
-        DeviceError: An option asks for the page, and it cannot be served.
+        DeviceError: The page cannot be served, but an option requires it.
     """
     try:
         server = open_page(page, touch=touch, task=task)
@@ -142,7 +142,7 @@ def open_window_page(
 
 
 def show_address(server: PageServer, page: PageOptions, events: EventLog, console: Console) -> None:
-    """Prints the page's address, for tablets with a QR code, and hints."""
+    """Prints the page's address and hints, and for tablets a QR code."""
     host = page.page_host
     if page.tablet or page.lan:
         console.print(code(server.url), highlight=False, soft_wrap=True)
@@ -153,7 +153,7 @@ def show_address(server: PageServer, page: PageOptions, events: EventLog, consol
 
 
 def short_address(server: PageServer) -> str:
-    """Returns the page's host and port; the terminal shows the whole link."""
+    """Returns the page's host and port, without the rest of the link."""
     return server.url.split("://", 1)[1].split("/", 1)[0].split("?", 1)[0]
 
 
@@ -185,11 +185,11 @@ def show_session(
         session: Session to show.
         hand: `right` or `left`.
         caption: Name of the player if it is not a person.
-        device: Device for the page's touches; None: the page only shows.
-        own: Index of the hand that touches this page, if the other hand touches elsewhere.
+        device: Device for the page's touches; None for a page that only shows the session.
+        own: Index of the hand that touches this page; None if both hands touch it.
         scored: False if the result does not count.
-        texts: Title, goal and hint that the page of a study shows, from the task's name and its own
-            summary; None shows those of the task.
+        texts: Function that returns the title, goal and hint for a study's page, from the task's
+            name and summary; None shows the task's own texts.
         finger_sets: Sets of fingers that the player uses; None if they cannot be chosen.
     """
     message = describe_scene(
@@ -211,7 +211,7 @@ def show_session(
 
 
 def touched_pages(session: Session) -> list[tuple[int | None, PageDevice]]:
-    """Returns the device of each page, with the index of its hand; None for both hands."""
+    """Returns the device of each page, with the index of its hand, or None if it has both hands."""
     devices: dict[int, tuple[int | None, PageDevice]] = {}
     for hand, rig in enumerate(session.rigs):
         device = rig.device

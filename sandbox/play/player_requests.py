@@ -1,9 +1,8 @@
 """Parts shared by play in a window and on pages: the player's requests, settings and views.
 
-Lines in the terminal about trials: notices, how a trial ended, and the latency of touches.
-
-Notices come from the session's thread while a trial runs. The latency of touches is a table at the
-end, with a limit for scripts.
+This module also prints to the terminal: notices, how a trial ended, and the latency of touches.
+Notices come from the session's thread while a trial runs. The latency of touches is printed as a
+table at the end; scripts may set a limit for it.
 """
 
 from __future__ import annotations
@@ -50,7 +49,7 @@ KINDS = {
 """Kind in a `LatencyLog` -> description, in the order from touch to picture."""
 
 END_TO_END = ("window", "drawn")
-"""Kinds from a touch to a picture, to which a limit applies."""
+"""Kinds of latency from a touch to a picture. The limit applies to these kinds."""
 
 
 def print_latency(log: LatencyLog, console: Console) -> None:
@@ -64,7 +63,7 @@ def print_latency(log: LatencyLog, console: Console) -> None:
         p = percentiles[kind]
         table.add_row(KINDS[kind], str(p.n), *(f"{v:.1f}" for v in (p.p50, p.p95, p.p99)))
     console.print(table)
-    console.print("[dim]What the display adds after a picture is drawn is not measured.[/]")
+    console.print("[dim]The delay of the display itself is not measured.[/]")
 
 
 def checked_limit(limit: float | None) -> float | None:
@@ -79,9 +78,9 @@ def checked_limit(limit: float | None) -> float | None:
 
 
 def judge_latency(log: LatencyLog, limit: float | None, console: Console) -> int:
-    """Returns 0 if the 95th percentile from touch to picture is within the limit, else 1.
+    """Returns 0 if the 95th percentile of the latency from touch to picture is within the limit.
 
-    Without a measurement the limit counts as exceeded.
+    Returns 1 if it exceeds the limit, or if no latency was measured.
 
     Args:
         log: Log of the session.
@@ -107,11 +106,11 @@ def judge_latency(log: LatencyLog, limit: float | None, console: Console) -> int
 
 
 class NoticePrinter:
-    """Prints notices; a stopped terminal, as by Ctrl-S, does not delay the session.
+    """Prints notices. A stopped terminal (Ctrl-S) does not delay the session.
 
     Args:
         console: Console of the program.
-        wrap: False leaves it to the terminal to break long lines.
+        wrap: False lets the terminal break long lines.
     """
 
     def __init__(self, console: Console, wrap: bool = True) -> None:
@@ -121,7 +120,7 @@ class NoticePrinter:
         self._said = self._printed = 0
 
     def say(self, notice: str) -> None:
-        """Prints a notice soon; called from the session's thread."""
+        """Queues a notice for printing; may be called from the session's thread."""
         self._said += 1
         self._waiting.put(notice)
         if self._thread is None:
@@ -134,7 +133,7 @@ class NoticePrinter:
         return self._said - self._printed
 
     def wait(self, seconds: float = 1.0) -> None:
-        """Waits until all notices are printed, but no longer than a terminal may take."""
+        """Waits until all notices are printed, for at most `seconds`."""
         end = time.monotonic() + seconds
         while self.waiting and time.monotonic() < end:
             time.sleep(0.01)
@@ -147,18 +146,18 @@ class NoticePrinter:
 
 
 def address_line(address: str) -> str:
-    """Returns the line about where a device listens: a link to open, or an address to send to."""
+    """Returns a line with a device's address: a link to open, or an address to send TUIO to."""
     action = "open" if "://" in address else "listening for TUIO on"
     return f"{action} [bold]{address}[/]"
 
 
 def report_end(result: TrialResult, console: Console) -> None:
-    """Prints how a trial ended, and the recording of the last states of a diverged simulation."""
+    """Prints how a trial ended, and after a divergence the file with the last states."""
     if result.diverged:
         console.print(f"[red]the simulation diverged: {result.diverged}[/]")
     if result.dump:
         line = shlex.join(["sandbox", "replay", result.dump])
-        console.print(f"its last states: {escape(line)}", soft_wrap=True)
+        console.print(f"to see its last states: {escape(line)}", soft_wrap=True)
     elif result.dump_error:
         console.print(f"[yellow]{escape(result.dump_error)}[/]", soft_wrap=True)
     colour = "green" if result.success else "red"
@@ -167,7 +166,7 @@ def report_end(result: TrialResult, console: Console) -> None:
     if result.scored is False:
         line += ", not scored: the table was scaled"
     if result.reason:
-        # After success a trial goes on, and the success may be undone.
+        # A trial continues for a moment after success, and the goal state may be lost again.
         line += f"{'; afterwards, ' if result.success else ', '}{escape(result.reason)}"
     console.print(line)
 
@@ -177,16 +176,16 @@ class PlayerRequests:
     """The person's requests for this trial and the next one.
 
     Attributes:
-        task: Name, or place of a task of the player's own.
-        sides: `right` or `left`, of every hand.
-        finger_sets: Sets of fingers that the person uses; None as in the settings.
+        task: Name of the task, or place of a task that is not built in.
+        sides: `right` or `left`, for every hand.
+        finger_sets: Sets of fingers that the person uses; None uses those of the settings.
         trial: Number of trials so far.
         again: True if a new trial is requested.
-        paused: True if the trial is to pause.
+        paused: True if a pause is requested.
         demonstrate: True if a demonstration of the trial is requested.
-        seated: Count of changes of the player's page at the start of this trial.
+        seated: Number of changes of the players' pages so far, at the start of this trial.
         hands: Index of the hand of every page.
-        own: Name in the page's menu of the task that play began with, and its name or place.
+        own: The first task: its name in the page's menu, and its name or place.
     """
 
     task: str
@@ -202,12 +201,12 @@ class PlayerRequests:
 
     @classmethod
     def of(cls, settings: Settings) -> PlayerRequests:
-        """The task and the hands of settings."""
+        """Requests with the task and the hands of some settings."""
         sides = tuple(hand.side for hand in settings.hands)
         return cls(settings.task, sides, (find_task(settings.task).name, settings.task))
 
     def take(self, requests: Sequence[PlayerRequest], hand: int = 0) -> None:
-        """Applies the requests from the page of a hand; invalid ones are ignored."""
+        """Applies the requests from the page of a hand; invalid requests are ignored."""
         for request in requests:
             match request.what:
                 case "retry":
@@ -227,7 +226,7 @@ class PlayerRequests:
                     self.demonstrate = True
 
     def next_trial(self) -> None:
-        """Counts a trial; the next one is neither paused nor over."""
+        """Increases the number of trials, and clears requests to pause, repeat or demonstrate."""
         self.trial += 1
         self.again = self.paused = self.demonstrate = False
 
@@ -250,7 +249,10 @@ class PlayerRequests:
 
 
 def can_choose_fingers(settings: Settings) -> bool:
-    """True if a player may choose fingers: labels are those of a whole human hand."""
+    """True if a player may choose sets of fingers.
+
+    False for the paper's labels, a robot hand, and hands in the air.
+    """
     known = settings.pipeline.labels != "paper" and not settings.physics.robot
     return known and not settings.in_air
 
@@ -277,8 +279,8 @@ class Play:
         servers: Servers of the pages that show the trials.
         events: Log of events.
         console: Console for messages.
-        learner: Keeps layouts of five fingers in the player's profile; None keeps none.
-        requests: What the player requests, on a page or in the window.
+        learner: Adds layouts of five fingers to the player's profile; None adds none.
+        requests: The player's requests, from a page or the window.
     """
 
     options: TrialOptions
@@ -299,12 +301,12 @@ class Play:
 
     @property
     def record(self) -> Path | None:
-        """File of this trial's recording; later trials get a number, so that none is replaced."""
+        """File of this trial's recording; from the second trial on, its name has a number."""
         path, trial = self.options.record, self.requests.trial
         return path.with_stem(f"{path.stem}-{trial + 1}") if path and trial else path
 
     def make_views(self, session: Session, timing: Timing) -> list[View]:
-        """Views of a trial: its timing, its notices, and its pages."""
+        """Views of a trial: for the latency of touches, for notices, and for pages."""
         notices = NoticeEvents(self.events, self.notices.say)
 
         def on_pages(snapshot: Snapshot) -> None:

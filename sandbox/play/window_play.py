@@ -58,20 +58,20 @@ from tasks.task import Task, summary
 
 WAITING = "time begins with your first touch"
 WITH_MOUSE = "press 3 for a hand, drag beside it to move it; "
-"""Hint for players with the mouse, before the first touch."""
+"""Hint for players with a mouse before the first touch."""
 RATE_PERIOD = 0.5
 """Time (s) between two measurements of the rate of pictures."""
 NOTABLE_DELAY = 0.05
-"""Delay (s) behind real time from which it is shown."""
+"""Delay (s) behind real time above which the delay is shown."""
 KNOB = "Here the keys up and down move the knob."
-"""Line of the hint in tasks that lift."""
+"""Line of the hint in tasks with a lift control."""
 LINE = 60
-"""Characters of a line of the hint."""
+"""Number of characters in a line of the hint."""
 
 
 @dataclass
 class Footer:
-    """Texts at the bottom right: speed of drawing, lift, and the page's address."""
+    """Texts at the bottom right: rate of pictures, lift, and the page's address."""
 
     address: str = ""
     _since: float = 0.0
@@ -83,8 +83,8 @@ class Footer:
 
         Args:
             window: Window that drew the last picture.
-            lost: s that the session is behind real time.
-            session: Session, whose first hand may be lifted.
+            lost: Time that the session is behind real time, s.
+            session: The session. The lift of its first hand is shown.
         """
         now = time.monotonic()
         if now - self._since >= RATE_PERIOD:
@@ -94,7 +94,7 @@ class Footer:
         texts = [self._rate]
         if lost > NOTABLE_DELAY:
             texts.append(f"{lost:.1f} s behind real time")
-        # A hand in the air lifts itself.
+        # A hand in the air needs no lift control.
         reach = 0.0 if in_air(session) else 1000.0 * session.task.lift_range
         if reach > 0.0:
             texts.append(f"lifted {reach * (session.lift(0) or 0.0):.0f} of {reach:.0f} mm")
@@ -111,8 +111,8 @@ class WindowPlay(Play):
 
     Attributes:
         share: True if touches on the page also move the hand.
-        lan: True if the page is for a tablet, whose QR code is shown until it connects.
-        latency: Latency log of all trials, which the page's server shares.
+        lan: True if the page is for a tablet; its QR code is shown until the tablet connects.
+        latency: Latency log of all trials, shared with the page's server.
         window: The window; None until it is open.
     """
 
@@ -130,7 +130,7 @@ class WindowPlay(Play):
         done = requests.task, requests.sides
         try:
             while True:
-                # The trial receives the requests for the next trial.
+                # During a trial, `requests` changes to the task and hands of the next trial.
                 playing = requests.task, requests.sides
                 try:
                     go_on = self._trial()
@@ -138,7 +138,7 @@ class WindowPlay(Play):
                 except InputError as error:
                     if self.window is None or playing == done:
                         raise
-                    # The page's request cannot be met: show why there, and continue.
+                    # The page's request cannot be met: show this on the page, and continue.
                     self._refuse(str(error))
                     requests.task, requests.sides = done
                     go_on = True
@@ -168,7 +168,7 @@ class WindowPlay(Play):
                 if ended:
                     return
                 ended.append(trial.end(latency=self.latency.as_json()))
-                # A program that reads the end's event may read the recording.
+                # A program that reads the event of the end may then read the recording.
                 trial.settle()
                 self.events.write("trial_end", **ended[0].as_json())
                 if self.learner is not None:
@@ -193,10 +193,11 @@ class WindowPlay(Play):
         return waiting[0] if waiting else ""
 
     def _device_makers(self, chosen: Settings, timing: Timing) -> DeviceMakers:
-        """Returns device makers; the first adds the page's touches and measures latency."""
+        """Returns device makers. The first device has the page's touches and measures latency."""
         makers = device_makers(chosen)
         if self._waits(chosen):
-            # Inside wrappers that delay or share touches, since these stop while time stands still.
+            # This wrapper must be inside wrappers that delay or share touches, since they do not
+            # run while simulated time stands still.
             makers = device_makers(chosen, _from_first_touch)
         makers = with_lift(makers, keys=True)
 
@@ -208,7 +209,7 @@ class WindowPlay(Play):
 
         if self.share:
             makers = with_first(makers, with_page)
-        # The offset of a Leap's clock from this machine's is unknown.
+        # The offset between a Leap's clock and this machine's clock is unknown.
         if is_live(chosen) and not chosen.in_air:
             makers = with_first(makers, lambda maker: timed(maker, timing))
         return makers
@@ -235,7 +236,7 @@ class WindowPlay(Play):
         return self.window
 
     def _show_on_page(self, session: Session, chosen: Settings) -> int:
-        """Returns the index of the hand that the page is for."""
+        """Shows the session on the page; returns the index of the page's hand."""
         if not self.servers:
             return 0
         caption = SIMULATED_USER if chosen.device.user is not None else ""
@@ -254,7 +255,7 @@ class WindowPlay(Play):
 
 
 class _Turns:
-    """Turns of a live run in the window: each draws a picture and follows keys and requests.
+    """Turns of a live run in the window. Each turn draws a picture and handles keys and requests.
 
     Attributes:
         again: True if another trial is requested.
@@ -319,8 +320,9 @@ def play_in_window(
     """Plays until the window is closed; returns 1 if latency exceeds the limit, else 0.
 
     Args:
-        options: Options of the scene. The page is for the second hand if that is its device. Else
-            it takes touches beside the mouse, and only shows the session beside other devices.
+        options: Options of the scene. If `web` is the second hand's device, the page is for this
+            hand. Otherwise the page receives touches if the first device is the mouse, and only
+            shows the session with any other device.
         page: Options of the page's server.
         limit: ms, see `judge_latency`; None sets no limit.
         console: Console for messages.
@@ -353,13 +355,13 @@ def _from_first_touch(maker: DeviceMaker) -> DeviceMaker:
 
 
 def hint_of(task: str) -> tuple[str, ...]:
-    """Instructions for a task, in the page's words, as lines; general ones for an external task."""
+    """Lines with the page's instructions for a task; general instructions for an external task."""
     words = words_in("en")
     return tuple(wrap(words.get(f"how_{task}", words["how_any"]), LINE))
 
 
 def _waiting(session: Session) -> bool:
-    """True while a person has not touched the surface yet."""
+    """True as long as the person has not touched the surface yet."""
     person = session.first_rig.device.find(FirstTouch)
     begun = any(
         isinstance(device, PageDevice) and device.touched

@@ -1,4 +1,4 @@
-"""A recording as a device, which returns each frame at the step at which it took effect."""
+"""A recording as a device. It returns each frame at the step at which the frame took effect."""
 
 from __future__ import annotations
 

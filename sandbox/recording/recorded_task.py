@@ -1,12 +1,12 @@
 """Tasks that are not built in: their origin, digests of their files, and their changes.
 
-An external task changes without a change of the program's version. It consists of its file and the
-modules that this file imports from the same folder, or of its whole package, and of the
-descriptions and meshes that it reads, which become part of the scene.
+An external task is a task that is not built in. It can change while the program's version stays the
+same. It consists of its file and the modules that this file imports from the same folder, or of its
+whole package. The MJCF files and meshes that it reads also belong to it.
 
 The header of a recording has a digest of each file, so that a replay can name the changed file. The
-digests do not include the program's own results from a description, which differ between versions
-and machines.
+digests cover the files only. They do not cover the scene that the program makes from MJCF files,
+since it differs between versions and machines.
 """
 
 from __future__ import annotations
@@ -42,13 +42,13 @@ def recorded_task(header: dict[str, Any], where: str) -> str:
         where: The recording, for error messages.
 
     Raises:
-        RecordingError: The task is not on this machine, or in another version; the error names
+        RecordingError: The task is not on this machine, or has another version; the error names
             what to install.
     """
     name = str(header["settings"]["task"])
     source = header.get("task_from")
     if not isinstance(source, dict):
-        # A built-in task; a task of another version is refused with the settings.
+        # A built-in task. Another version of it is refused with the settings.
         return name
     reasons = []
     for candidate in (name, place_of(source)):
@@ -63,7 +63,7 @@ def recorded_task(header: dict[str, Any], where: str) -> str:
             return candidate
         reasons.append(f"version {version} of the task, not {source['task_version']}")
     raise RecordingError(
-        "its task is not on this machine in the recorded version",
+        "the recorded task is not on this machine in the recorded version",
         where=where,
         got=reasons[-1],
         expected=f"{name} from {place_of(source)}",
@@ -77,7 +77,7 @@ def task_origin(name: str, seed: int, surface: Surface) -> dict[str, Any]:
     Args:
         name: Name of the task, or its place.
         seed: Seed of the trial.
-        surface: The touch rectangle, which need not be placed.
+        surface: The touch surface; its place in the world does not matter.
     """
     source = origin(name)
     return {**source, "files": task_files(name, seed, surface)} if source else {}
@@ -90,7 +90,7 @@ def task_change(header: dict[str, Any], name: str, seed: int, surface: Surface) 
         header: Header of the recording.
         name: Name under which the task was found; see `recorded_task`.
         seed: Seed of the trial.
-        surface: The touch rectangle, which need not be placed.
+        surface: The touch surface; its place in the world does not matter.
 
     Returns:
         The line; empty without a change, for a built-in task, and for a header without digests.
@@ -121,12 +121,12 @@ def task_files(name: str, seed: int, surface: Surface) -> dict[str, str]:
     Args:
         name: Name of the task, or its place.
         seed: Seed of the trial: the objects that a task places may differ between seeds.
-        surface: The touch rectangle, which need not be placed.
+        surface: The touch surface; its place in the world does not matter.
 
     Returns:
-        Name relative to the folder of the task's file -> digest: of that file, of the modules that
-        it has imported from the same folder, of MJCF files and their meshes. All modules of a
-        package are one entry, with the package's name.
+        Digests by file name, relative to the folder of the task's file. The files are the task's
+        file, the modules that it has imported from the same folder, MJCF files and their meshes.
+        A package is one entry with the package's name, for all its modules.
     """
     kind = find_task(name)
     if is_built_in(kind):
@@ -138,7 +138,7 @@ def task_files(name: str, seed: int, surface: Surface) -> dict[str, str]:
 def code_file(name: str, kind: type[Task]) -> Path | None:
     """The file that a task was loaded from; None for a task of a package.
 
-    A file may also import its task from the same folder; then both files count.
+    A file may also import its task from another file in the same folder. Then both files count.
 
     Args:
         name: Name of the task, or its place.
@@ -149,9 +149,9 @@ def code_file(name: str, kind: type[Task]) -> Path | None:
 
 @cache
 def _code(kind: type[Task], file: Path | None) -> tuple[dict[str, str], Path]:
-    """Digests of a task's code, and the folder that names are relative to.
+    """Digests of a task's code, and the folder to which file names are relative.
 
-    They are taken once: a file that is edited later is not loaded again.
+    The digests are computed only once, since a file that is edited later is not loaded again.
     """
     if file is not None:
         return _named(files_of(file), file.parent), file.parent
@@ -161,7 +161,10 @@ def _code(kind: type[Task], file: Path | None) -> tuple[dict[str, str], Path]:
 
 
 def _descriptions(kind: type[Task], seed: int, surface: Surface) -> list[Path]:
-    """Files of the objects of a trial; none if it cannot be drawn, which its start reports."""
+    """MJCF files and meshes of a trial's objects; empty if the trial cannot be drawn.
+
+    The start of the trial reports the reason.
+    """
     from models.mjcf_object import MjcfObject, described_files
 
     found: list[Path] = []
@@ -176,17 +179,17 @@ def _named(files: Iterable[Path], folder: Path) -> dict[str, str]:
     digests: dict[str, list[str]] = {}
     for file in sorted(set(files)):
         with suppress(ValueError):
-            # On another drive of Windows there is no relative path from the folder to the file.
+            # On Windows there is no relative path to a file on another drive.
             name = Path(os.path.relpath(file, folder)).as_posix()
-            # The names of folders outside the task's own may identify a person. So they are left
-            # out, and two files there may have one name.
+            # Names of folders outside the task's folder may identify a person, so they are left
+            # out. Two files outside the task's folder may therefore have the same name.
             name = file.name if name.startswith("../") else name
             digests.setdefault(name, []).append(bytes_digest(file))
     return {name: "+".join(sorted(some)) for name, some in digests.items()}
 
 
 def own_tasks(names: Iterable[str]) -> dict[str, str]:
-    """A digest of every task that is not built in, by the task's own name.
+    """A digest of every task that is not built in, by the task's name.
 
     Args:
         names: Names of tasks, or `FILE.py:CLASS`.
@@ -211,7 +214,7 @@ def _task_digest(kind: type[Task], file: Path | None) -> str:
 
 
 def _trial_xml(kind: type[Task]) -> str:
-    """MJCF of the objects of a trial; empty if the usual surface has no room for them."""
+    """MJCF of the objects of a trial; empty if the default surface has no room for them."""
     try:
         with TASK_PLUGINS.guarded(kind.name):
             task = draw_task(kind, 0, Surface())

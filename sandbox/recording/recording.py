@@ -1,4 +1,4 @@
-"""Recordings: inputs with their physics steps, for a replay equal to the bit.
+"""Recordings: inputs with their physics steps, for a bit-identical replay.
 
 A recording is a file of JSON lines:
 
@@ -6,17 +6,17 @@ A recording is a file of JSON lines:
 - `input`: a touch frame or hand frame, the physics step at which it took effect, and the state's
   hash just before.
 - `event`: another input or event, such as a change of contact mode.
-- `keyframe`: MuJoCo's integration state, once a second.
-- `track`: the poses of a second.
+- `keyframe`: MuJoCo's integration state, once per simulated second.
+- `track`: all poses of one simulated second.
 - `end`: the result.
 
-If the program crashes, at most the lines of the last 10 ms and a second of the track are lost.
+If the program crashes, at most the lines of the last 10 ms and one second of the track are lost.
 
-The track shows a trial on machines that cannot reproduce its states. Its joint positions are
-rounded, so it is for viewing only; to continue a simulation, use a keyframe.
+The track is used to show a trial on machines that cannot reproduce its states. Its joint positions
+are rounded, so that it is for viewing only. To continue a simulation, use a keyframe.
 
 A recording is written uncompressed, line by line, and may be compressed once it is complete. The
-compressed file has the same name with `.gz` appended. Readers accept both.
+compressed file has the same name with `.gz` appended. Readers accept both files.
 """
 
 from __future__ import annotations
@@ -54,14 +54,14 @@ from models.frames import (
 from models.scene import CONTROL_PERIOD
 
 SCHEMA = 2
-"""Version of the file's layout."""
+"""Version of the file format."""
 
 KEYFRAME_PERIOD = 1.0
 """Time between two stored states, s."""
 STATES_PER_KEYFRAME = round(KEYFRAME_PERIOD / CONTROL_PERIOD)
 
 LOOK = 0.01
-"""Time between two checks of the writing thread for new lines, s."""
+"""Time between two looks of the writing thread for new lines, s."""
 
 Line = dict[str, Any]
 SHARED_FIELDS = {
@@ -74,18 +74,18 @@ SHARED_FIELDS = {
     "track": ("kind", "steps", "hands", "joints", "poses"),
     "end": ("kind", "step", "hash", "result"),
 }
-"""Fields of lines, by kind, that `sandbox study share` includes in the copy. The shared fields of a
-header are those of a result (`sandbox.trial.result`)."""
+"""Fields of lines, by kind, that `sandbox study share` copies. The shared fields of a header are
+those of a result with `SHARED` (`sandbox.trial.result`)."""
 
 GRAIN = 2e-5
 """Rounding of joint positions, in m, rad or quaternion units: 0.02 mm, 0.002 degrees."""
 TRACK_LEVEL = 6
-"""Compression level of zlib. Level 6 takes 0.1 ms for the poses of a second; level 9 takes 0.5 to
-1 ms and saves 2 percent."""
+"""Compression level of zlib. Level 6 takes 0.1 ms for the poses of a second. Level 9 takes 0.5 to
+1 ms, and its data are 2 percent smaller."""
 ROOM = 64
-"""Initial capacity, poses: slightly more than a second."""
+"""Initial capacity in poses: slightly more than a second."""
 LONGEST = 3600 * 1000
-"""Largest number of poses in one line of an undamaged file."""
+"""Number of poses in a line above which the line counts as damaged."""
 
 
 @dataclass(frozen=True)
@@ -94,7 +94,7 @@ class PoseTrack:
 
     Attributes:
         qpos: Joint positions of the scene's model (nq,) by step.
-        solid: Labels of the solid fingers of every hand by step.
+        solid: Labels of each hand's solid fingers, by step.
     """
 
     qpos: dict[int, Array] = field(default_factory=dict)
@@ -104,8 +104,8 @@ class PoseTrack:
 class PoseTrackWriter:
     """Collects poses and turns them into lines of a recording.
 
-    Poses are copied into memory that was allocated beforehand. After the loop has slept, allocating
-    memory would take longer than copying.
+    Poses are copied into memory that was allocated beforehand. Allocating memory after the loop has
+    slept would take longer than copying.
     """
 
     def __init__(self) -> None:
@@ -121,9 +121,9 @@ class PoseTrackWriter:
         self._entries.append((step, solid))
 
     def take(self) -> Callable[[], dict[str, Any]] | None:
-        """Returns a function that makes a line of the poses since the last call, or None.
+        """Returns a function that makes a line of the poses since the last call.
 
-        None means that there are no new poses. The returned function takes a millisecond, and may
+        Returns None if there are no new poses. The returned function takes a millisecond, and may
         be called later from any thread.
         """
         if not self._entries:
@@ -167,7 +167,7 @@ def track_line(
     fingers = np.array(masks, np.int64).reshape(len(steps), -1)
     rows = np.hstack([np.rint(places).astype(np.int64), fingers])
     changes = np.diff(rows, axis=0, prepend=0 * rows[:1])
-    # Zigzag encoding: small changes of either sign become small numbers, whose upper bytes are 0.
+    # Zigzag encoding: small changes of either sign become small numbers. Their upper bytes are 0.
     folded = ((changes << 1) ^ (changes >> 63)).astype("<u4")
     planes = np.ascontiguousarray(folded.T).view(np.uint8).reshape(-1, 4).T
     data = base64.b64encode(zlib.compress(planes.tobytes(), TRACK_LEVEL)).decode()
@@ -240,7 +240,7 @@ def frame_from_json(line: dict[str, Any]) -> Frame:
     """Reads a frame from JSON values.
 
     Raises:
-        FrameError: Its numbers are not valid for a frame.
+        FrameError: The numbers are not valid for a frame.
         KeyError, TypeError, ValueError: The values are damaged.
     """
     if "hands" in line:
@@ -271,7 +271,7 @@ def frame_from_json(line: dict[str, Any]) -> Frame:
 
 
 def _extent(values: list[Any]) -> tuple[float, float] | None:
-    """Reads width and height of a contact, m; None if its values end with the label."""
+    """Reads width and height of a contact, m; None if there are no values after the label."""
     if not values:
         return None
     width, height = values
@@ -336,13 +336,13 @@ GZIP = b"\x1f\x8b"
 """First bytes of a compressed file."""
 SUFFIX = ".gz"
 GZIP_LEVEL = 6
-"""Compression level; level 9 takes three times as long, and saves one percent."""
+"""Compression level. Level 9 takes three times as long, and its files are 1 percent smaller."""
 
 _PIECE = 1 << 16
 
 
 def stored(path: Path) -> Path:
-    """Returns the file of a recording: the plain file, or the compressed one if only it exists."""
+    """Returns the file of a recording: the compressed file if only this file exists, or `path`."""
     packed = Path(f"{path}{SUFFIX}")
     return packed if not path.exists() and packed.exists() else path
 
@@ -351,8 +351,8 @@ class Stored(NamedTuple):
     """Contents of a recording's file.
 
     Attributes:
-        data: Uncompressed bytes; of a damaged compressed file, those before the damage.
-        whole: True unless the compressed data is damaged.
+        data: Uncompressed bytes. If a compressed file is damaged, the bytes before the damage.
+        whole: False if compressed data are damaged.
     """
 
     data: bytes
@@ -388,12 +388,12 @@ def first_line(path: Path, most: int = 1_000_000) -> bytes:
 
 
 def packed(data: bytes) -> bytes:
-    """The data compressed; equal data gives equal bytes."""
+    """Compresses data. Equal data give equal bytes."""
     return gzip.compress(data, compresslevel=GZIP_LEVEL, mtime=0)
 
 
 def _unpacked(data: bytes) -> Stored:
-    """Decompresses data up to its end or the damage."""
+    """Decompresses data up to their end, or up to the damage."""
     reader, pieces = zlib.decompressobj(wbits=31), []
     try:
         # Decompress in pieces, so that the pieces before the damage are not lost.
@@ -406,17 +406,17 @@ def _unpacked(data: bytes) -> Stored:
 
 
 class DeferredLine:
-    """A line that is made when it is first used, to keep this work out of the session's loop.
+    """A line that is made on first use, so that the session's loop does not do this work.
 
     Args:
         make: Function that makes the line.
-        values: Its arguments; they must not change afterwards.
+        values: Arguments of the function; they must not change afterwards.
     """
 
     __slots__ = ("_line", "_parts")
 
     def __init__(self, make: Callable[..., Line], *values: Any) -> None:
-        # A single attribute: another thread reads either both values or None.
+        # One attribute for both values: another thread reads either both values or None.
         self._parts: tuple[Callable[..., Line], tuple[Any, ...]] | None = (make, values)
         self._line: Line | None = None
 
@@ -426,14 +426,14 @@ class DeferredLine:
         if self._line is None and parts is not None:
             make, values = parts
             self._line = make(*values)
-        # The arguments may be large, and are no longer needed.
+        # The arguments may be large, and are not needed any more.
         self._parts = None
         assert self._line is not None
         return self._line
 
 
 class RecordingLines(ABC):
-    """Base class of session recorders: makes the lines of a recording, which subclasses store."""
+    """Base class of session recorders. It makes the lines of a recording; subclasses store them."""
 
     def __init__(self) -> None:
         self._track = PoseTrackWriter()
@@ -504,10 +504,10 @@ class RecordingWriter(RecordingLines):
 
     Args:
         path: The new file; an existing file is never overwritten.
-        header: Settings, versions and the like; JSON values.
+        header: Header: settings, versions, digests and further JSON values.
 
     Raises:
-        RecordingError: The file exists or cannot be made.
+        RecordingError: The file exists or cannot be created.
     """
 
     def __init__(self, path: Path, header: dict[str, Any]) -> None:
@@ -528,11 +528,11 @@ class RecordingWriter(RecordingLines):
         self._put({"kind": "header", "schema": SCHEMA, **header})
 
     def put(self, line: Line | DeferredLine) -> None:
-        """Appends a line that was made elsewhere."""
+        """Appends a line that the caller has made."""
         self._waiting.append(line)
 
     def _start(self) -> None:
-        # Appending to a deque wakes no thread; waking a thread would be the slowest part.
+        # A deque, since appending to it wakes no thread. Waking a thread would be the slowest part.
         self._waiting: deque[Line | DeferredLine] = deque()
         self._ending = threading.Event()
         self._error: Exception | None = None
@@ -578,7 +578,7 @@ class RecordingWriter(RecordingLines):
     def _write(self) -> None:
         ending = False
         while not ending:
-            # Lines that arrive after this check are written by the next one.
+            # Lines that arrive after this loop are written in the next round.
             ending = self._ending.wait(LOOK)
             while self._waiting:
                 self._write_line(self._waiting.popleft())
@@ -620,12 +620,12 @@ class Recording:
 
     Attributes:
         path: File of the recording.
-        header: Header, in the layout of this version (see `read_header`).
+        header: Header in the current format (see `read_header`).
         inputs: Inputs by hand, in order.
         keyframes: Integration states by physics step.
         events: Events in order.
-        hashes: Hashes of the state by physics step, for the steps with a hash in the file.
-        track: Poses, for viewing; empty if the file ends before its first `track` line.
+        hashes: State hashes by physics step, for the steps with a hash in the file.
+        track: Poses, for viewing; empty if the file ends before the first `track` line.
         end: The `end` line; None if the recording breaks off.
         damage: Description of damage at the end of the file; empty without damage.
     """
@@ -650,7 +650,7 @@ class Recording:
         touches = [frame for frame in frames if isinstance(frame, TouchFrame)]
         if len(touches) < len(frames):
             raise RecordingError(
-                "this recording has no touches: the hand was in the air",
+                "this recording has no touches, since the hand was in the air",
                 where=str(self.path),
                 remedy="`sandbox run` and `sandbox replay` play it",
             )
@@ -667,7 +667,9 @@ def is_recording(path: Path) -> bool:
 
 
 def is_dump(path: Path) -> bool:
-    """True if a recording is the dump of a divergence, a copy of the recording next to it.
+    """True if a recording is the dump of a divergence.
+
+    Its inputs are also in the recording of the trial, if the trial was recorded.
 
     Args:
         path: File of a recording; see `is_recording`.
@@ -679,15 +681,15 @@ def read_header(line: bytes, path: Path) -> dict[str, Any]:
     """Reads the header in a recording's first line.
 
     Raises:
-        RecordingError: The header is damaged, or its layout is of another version.
+        RecordingError: The header is damaged, or has another format.
     """
     try:
         header = json.loads(line)
     except (ValueError, RecursionError):
-        raise RecordingError("its first line is damaged", where=str(path)) from None
+        raise RecordingError("the first line is damaged", where=str(path)) from None
     if header.get("schema") != SCHEMA:
         raise RecordingError(
-            "the layout of this recording is of another version",
+            "this recording has the format of another version",
             where=str(path),
             got=f"schema {header.get('schema')}",
             expected=f"schema {SCHEMA}",
@@ -696,7 +698,7 @@ def read_header(line: bytes, path: Path) -> dict[str, Any]:
     states = header.get("states", 1)
     if not isinstance(states, int) or isinstance(states, bool):
         raise RecordingError(
-            "its header is damaged",
+            "the header is damaged",
             where=f"{path}, states",
             got=repr(states)[:80],
             expected="a whole number",
@@ -749,14 +751,14 @@ def load_recording(path: Path | str) -> Recording:
             damage = f"line {number} is damaged ({error}); everything before it is used"
             break
     if not whole and (damage or end is not None):
-        damage = f"its compression is damaged; {damage or 'some of it may be wrong'}"
+        damage = f"the compressed data are damaged; {damage or 'some values may be wrong'}"
     elif not damage and end is None:
         damage = "it breaks off before its end"
     return replace(recording, end=end, damage=damage)
 
 
 def _take(line: Line, recording: Recording) -> None:
-    """Adds a line to a recording; unknown kinds, of a later version, are skipped."""
+    """Adds a line to a recording. Lines of unknown kinds, from a later version, are skipped."""
     kind = line["kind"]
     if kind == "input":
         frame = frame_from_json(line)

@@ -1,11 +1,12 @@
 """The program that made a recording: versions, fingerprint of the machine, states, source code.
 
-A state depends on the recording, on MuJoCo's version, on the architecture and on the system's libm,
-and on nothing else (`models/arithmetic.py`). These three are the fingerprint, each with a digest of
-its computed values. All other versions are recorded for people.
+For a given program and models, replayed states depend only on the recording and on the fingerprint
+of the machine. The fingerprint covers MuJoCo's version, the system and architecture, the values of
+the system's libm, and the order of sums and products (`models/arithmetic.py`). All other versions
+are recorded for people.
 
-With equal `STATES` and models a recording replays to the bit where the fingerprint is equal. With
-other `STATES` it cannot be played again, only read: its recorded poses, its score, its header.
+With equal `STATES`, models and fingerprint, a replay is bit-identical. A recording with other
+`STATES` cannot be played again. Its recorded poses, its score and its header can be read.
 """
 
 from __future__ import annotations
@@ -30,7 +31,7 @@ DECISIVE = {
     "libm": "the system's libm",
     "arithmetic": "the order of sums and products",
 }
-"""Versions that states depend on, and their names for people."""
+"""Names of the versions on which states depend -> their descriptions for people."""
 
 SHARED_VERSIONS = (
     *("python", "hand-sandbox", "mujoco", "numpy", "scipy", "commit"),
@@ -41,14 +42,14 @@ SHARED_VERSIONS = (
 
 @cache
 def versions() -> dict[str, str]:
-    """Versions of the computing parts, a fingerprint of those on which states depend, and the
-    commit if the program runs from a checkout."""
+    """Versions of the program and its libraries, a fingerprint of those on which states depend, and
+    the commit if the program runs from a checkout."""
     known = {"python": platform.python_version()}
     for package in ("hand-sandbox", "mujoco", "numpy", "scipy"):
         try:
             known[package] = version(package)
         except PackageNotFoundError:
-            # Running from a checkout that is not installed.
+            # The program runs from a checkout that is not installed.
             known[package] = "checkout"
     if at := commit(program_root()):
         known["commit"] = at
@@ -62,17 +63,17 @@ def versions() -> dict[str, str]:
 
 
 def decisive_part(name: str, value: Any) -> Any:
-    """The decisive part of a version; for libm only the digest, without its own version."""
+    """The part of a version on which states depend. For libm, this is only its digest."""
     return value.rpartition(", ")[2] if name in DECISIVE and isinstance(value, str) else value
 
 
 def decisive_parts(known: Mapping[str, Any]) -> dict[str, str]:
-    """The parts of the fingerprint, by the names of `DECISIVE`; empty where they are unknown."""
+    """The parts of the fingerprint, by the names of `DECISIVE`; without unknown parts."""
     return {name: str(decisive_part(name, known[name])) for name in DECISIVE if name in known}
 
 
 def differing_parts(there: Mapping[str, str], here: Mapping[str, str]) -> list[str]:
-    """Parts of two fingerprints that differ, in words; both as of `decisive_parts`."""
+    """Descriptions of the differing parts of two fingerprints; see `decisive_parts`."""
     return [
         f"{words} ({there.get(name, 'unknown')} there, {here.get(name, 'unknown')} here)"
         for name, words in DECISIVE.items()
@@ -81,9 +82,9 @@ def differing_parts(there: Mapping[str, str], here: Mapping[str, str]) -> list[s
 
 
 def decisive_differences(there: Mapping[str, str]) -> list[str]:
-    """Differences from a recording's `versions` on which states depend, in words.
+    """Descriptions of the differences from a recording's `versions` on which states depend.
 
-    Of libm the digest counts, not the version: another version with equal values is equal.
+    For libm only the digest of its values counts: another version with equal values is equal.
     """
     here = versions()
     if there.get("fingerprint") == here["fingerprint"]:
@@ -93,7 +94,7 @@ def decisive_differences(there: Mapping[str, str]) -> list[str]:
         for name, words in DECISIVE.items()
         if decisive_part(name, there.get(name)) != decisive_part(name, here[name])
     ]
-    return different or ["the fingerprint, in a way that its parts do not show"]
+    return different or ["the fingerprint (its recorded parts are equal)"]
 
 
 def _processor() -> str:
@@ -107,7 +108,7 @@ def _processor() -> str:
 
 
 SUFFIXES = (".py", ".xml")
-"""Suffixes of files that count: modules, and the hand's model. Digests of encoders cover arrays."""
+"""Suffixes of source files: modules, and MJCF files. Arrays are covered by digests of encoders."""
 
 
 def program_root() -> Path:
@@ -120,14 +121,14 @@ def source_files(folder: Path, below: bool = False) -> list[Path]:
 
     Args:
         folder: The folder.
-        below: True also takes those of all folders below it.
+        below: True includes the files of all folders below it.
     """
     paths = folder.rglob("*") if below else folder.iterdir()
     return sorted(path for path in paths if path.suffix in SUFFIXES)
 
 
 def source_digest(files: Iterable[Path], root: Path) -> str:
-    """Digest of files, with their names relative to a folder."""
+    """Digest of the contents of files and of their names relative to a folder."""
     digest = blake2b(digest_size=8)
     for path in files:
         name, data = path.relative_to(root).as_posix().encode(), path.read_bytes()
@@ -142,8 +143,10 @@ def bytes_digest(file: Path) -> str:
 
 @cache
 def package_digest(module: str) -> str:
-    """Digest of the outermost package of a loaded module, or of the module alone; empty without a
-    file."""
+    """Digest of the top-level package of a loaded module, or of the module if it has no package.
+
+    Empty if the module was not loaded from a file.
+    """
     top = sys.modules.get(module.partition(".")[0])
     spec = top.__spec__ if top else None
     if spec is None or spec.origin is None or not spec.has_location:
@@ -155,19 +158,19 @@ def package_digest(module: str) -> str:
 
 
 STATES = 2
-"""Generation of simulated states. Every commit that changes state hashes raises it, and updates
-`tools/gate.json`. A header without this number is of the first generation."""
+"""Version number of simulated states. Every commit that changes state hashes raises it, and updates
+`tools/gate.json`. A header without this number has version 1."""
 
 
 class DifferentStatesError(RecordingError):
-    """A recording was made with other `STATES`, so it cannot be played again."""
+    """A recording cannot be played again, since it was made with other `STATES`."""
 
 
 def states_of(header: Mapping[str, Any]) -> int:
-    """The generation of states that a recording's header names.
+    """The `STATES` in a recording's header.
 
     Args:
-        header: Header of the recording, checked (see `sandbox.recording.recording.read_header`).
+        header: Header of the recording, from `sandbox.recording.recording.read_header`.
     """
     return int(header.get("states", 1))
 
@@ -184,31 +187,31 @@ def this_program() -> str:
 
 
 def states_difference(header: Mapping[str, Any]) -> str:
-    """A line on a recording of other `STATES`; empty for a recording of these."""
+    """A line that names both programs if a recording has other `STATES`; empty otherwise."""
     if states_of(header) == STATES:
         return ""
     return f"made with {made_with(header)}; this program has states {STATES}"
 
 
 def check_states(recording: Recording) -> None:
-    """Refuses to play a recording of other `STATES` again.
+    """Checks that a recording can be played again by this program.
 
     Raises:
-        DifferentStatesError: It was made with other states.
+        DifferentStatesError: The recording was made with other `STATES`.
     """
     if states_of(recording.header) != STATES:
         raise DifferentStatesError(
-            "it cannot be played again",
+            "the recording cannot be played again",
             where=str(recording.path),
             got=f"made with {made_with(recording.header)}",
             expected=f"states {STATES}, which this program has",
-            remedy="Play it with that version; `sandbox export` writes its recorded poses here, "
-            "too, and its result can be read",
+            remedy="Play it with the version that made it. With this version, `sandbox export` "
+            "writes its recorded poses, and its result can be read",
         )
 
 
 def _program(states: int, known: Mapping[str, Any]) -> str:
-    """A generation of states, with the version and the commit that had it."""
+    """Text with `STATES`, version and commit of a program."""
     commit = f", commit {known['commit']}" if known.get("commit") else ""
     return f"states {states} (hand-sandbox {known.get('hand-sandbox', 'unknown')}{commit})"
 
@@ -218,7 +221,7 @@ PATIENCE = 5.0
 
 
 def commit(root: Path) -> str:
-    """Short name of the commit of a folder's files, `with changes` where files differ from it.
+    """Short name of the commit of a checkout, followed by `with changes` if files were changed.
 
     Empty if the folder is not the root of a checkout, or if git fails.
 

@@ -1,5 +1,5 @@
-"""Hands inside Blender: the streamed one as an armature of its own, and chains of somebody's that
-follow it. Part of the script for Blender, like `blender_side`."""
+"""Hands inside Blender: the streamed hand as a new armature, or chains of the user's armature that
+follow the streamed hand. This module is part of the script for Blender, as `blender_side` is."""
 
 from __future__ import annotations
 
@@ -30,13 +30,14 @@ from sandbox.stream.guest_math import (
 )
 
 TURNED, AT_ONCE = math.radians(90.0), 0.1
-"""Largest turn (rad) of a palm in a time (s); after a larger turn, one of its poses is wrong."""
+"""Largest plausible turn of a palm (rad) within a time (s). With a larger turn, the pose before or
+after it is wrong."""
 BY_COUNT = {1: (1,), 2: (0, 1), 3: (0, 1, 2), 4: (1, 2, 3, 4), 5: (0, 1, 2, 3, 4)}
 NOTHING: Quaternion = (1.0, 0.0, 0.0, 0.0)
 
 
 class Editing:
-    """An armature in edit mode."""
+    """Context in which an armature is in edit mode."""
 
     def __init__(self, armature: Any) -> None:
         self.armature = armature
@@ -50,7 +51,7 @@ class Editing:
 
 
 class Keyed:
-    """An armature with keys, the base class of the two kinds of hands."""
+    """An armature with keyframes: base class of both kinds of hands."""
 
     def __init__(self, armature: Any) -> None:
         self.armature = armature
@@ -59,11 +60,11 @@ class Keyed:
         self.frames: List[int] = []  # first and last
         self.last: Dict[str, Quaternion] = {}
         self.absolute = True
-        self.palm: Optional[Tuple[Quaternion, float]] = None  # its turn at the last moment, and s
+        self.palm: Optional[Tuple[Quaternion, float]] = None  # turn at the last moment, time (s)
         self.jumps: List[Tuple[float, int]] = []  # turns beyond TURNED, rad, and their frames
 
     def begin(self, line: Line) -> bool:
-        """True if the stream has begun again with this line."""
+        """Starts a new take if the stream has begun again with this line; True if it has."""
         if line.run == self.run:
             return False
         self.run, self.start = line.run, (float(bpy.context.scene.frame_current), line.time)
@@ -71,7 +72,7 @@ class Keyed:
         return True
 
     def frame_of(self, line: Line) -> int:
-        """The frame of a moment; this frame becomes the current one."""
+        """The frame of a moment; in a window, it becomes the current frame."""
         scene = bpy.context.scene
         rate = scene.render.fps / scene.render.fps_base
         frame = int(round(self.start[0] + (line.time - self.start[1]) * rate))
@@ -86,7 +87,7 @@ class Keyed:
         return frame
 
     def put(self, name: str, turn: Quaternion, frame: int, place: Optional[Vector] = None) -> None:
-        """Keys the turn and the place of a bone, relative to rest and in its own axes."""
+        """Sets keyframes for turn and place of a bone, relative to rest, in the bone's own axes."""
         bone = self.armature.pose.bones[name]
         if sum(a * b for a, b in zip(turn, self.last.get(name, turn))) < 0.0:
             turn = (-turn[0], -turn[1], -turn[2], -turn[3])
@@ -99,12 +100,12 @@ class Keyed:
             bone.keyframe_insert("location", frame=frame)
 
     def rest(self, name: str) -> Quaternion:
-        """Turn of a bone at rest, in the armature."""
+        """Turn of a bone at rest, in the armature's frame."""
         return unit(self.armature.data.bones[name].matrix_local.to_quaternion())
 
 
 class OwnHand(Keyed):
-    """The streamed hand itself, joint by joint."""
+    """An armature with the joints and the motion of the streamed hand."""
 
     def __init__(self, line: Line) -> None:
         data = bpy.data.armatures.new("hand_sandbox_" + line.side)
@@ -142,7 +143,7 @@ class OwnHand(Keyed):
         turns = {0: line.turn, **line.turns}
         for j, turn in turns.items():
             if j >= len(self.names):
-                raise Refused("a turn of a joint that this hand has not")
+                raise Refused("the line turns a joint that the streamed hand does not have")
             above = self.frames_at_rest[self.parents[j]] if j else NOTHING
             moved = product(product(above, turn), inverse(self.frames_at_rest[j]))
             own = product(product(inverse(self.rests[j]), moved), self.rests[j])
@@ -151,7 +152,7 @@ class OwnHand(Keyed):
 
 
 class ForeignRig(Keyed):
-    """Chains of the user's armature, which follow the fingers as far as they can."""
+    """Chains of the user's armature. They follow the fingers as closely as their bones allow."""
 
     def __init__(
         self,
@@ -165,14 +166,16 @@ class ForeignRig(Keyed):
     ) -> None:
         super().__init__(armature)
         if len(firsts) not in BY_COUNT:
-            raise Refused("%d bones are selected: take the first of 1 to 5 chains" % len(firsts))
+            raise Refused(
+                "%d bones are selected: select the first bones of 1 to 5 chains" % len(firsts)
+            )
         self.fingers = BY_COUNT[len(firsts)] if fingers is None else tuple(fingers)
         if len(self.fingers) != len(firsts) or len({*self.fingers} & {*range(5)}) != len(firsts):
             raise Refused("fingers=%r do not name each of %d chains" % (self.fingers, len(firsts)))
         self.chains = [self._chain(name) for name in firsts]
         every = [name for chain in self.chains for name in chain]
         if len({*every}) != len(every):
-            raise Refused("one of the bones is in the chain of another one")
+            raise Refused("one of the bones is in the chain of another bone")
         bones = armature.data.bones
         self.bones = [
             [tuple(bones[n].tail_local - bones[n].head_local) for n in c] for c in self.chains
@@ -190,7 +193,7 @@ class ForeignRig(Keyed):
     def _chain(self, name: str) -> List[str]:
         if name not in self.armature.data.bones:
             there = ", ".join(bone.name for bone in self.armature.data.bones)
-            raise Refused("no bone has the name %s; the armature has: %s" % (name, there))
+            raise Refused("no bone has the name %s; the armature's bones: %s" % (name, there))
         chain = [self.armature.data.bones[name]]
         while chain[-1].children:
             chain.append(chain[-1].children[0])
@@ -216,7 +219,7 @@ class ForeignRig(Keyed):
                 self._bend(chain, bones, self._out(way), self._out(back), frame)
 
     def _out(self, a: Vector) -> Vector:
-        """A vector of the palm's frame in the armature at rest."""
+        """Converts a vector from the palm's frame to the frame of the armature at rest."""
         rows = self.frame
         return (dot(rows[0], a), dot(rows[1], a), dot(rows[2], a))
 
@@ -231,8 +234,8 @@ class ForeignRig(Keyed):
         )
 
     def _moved(self, line: Line) -> Tuple[Quaternion, Vector]:
-        """Turn and displacement of the palm from rest, in the armature: those of the streamed hand
-        since its first moment."""
+        """Turn and displacement of the palm from rest, in the armature's frame, equal to those of
+        the streamed hand since its first moment."""
         there = unit(self.armature.matrix_world.to_quaternion())
         size = self.armature.matrix_world.median_scale or 1.0
         turned = product(line.turn, inverse(self.first[1]))
@@ -241,8 +244,8 @@ class ForeignRig(Keyed):
         return turned, rotated(inverse(there), moved)
 
     def _placed(self, line: Line) -> Tuple[Quaternion, Vector]:
-        """Turn and displacement of the palm from rest, in the armature, that bring it to the
-        streamed hand."""
+        """Turn and displacement of the palm from rest, in the armature's frame, that bring the palm
+        to the place of the streamed hand."""
         there = unit(self.armature.matrix_world.to_quaternion())
         palm = unit(mathutils.Matrix(self.frame).to_quaternion())
         turned = product(product(inverse(there), line.turn), inverse(palm))
@@ -270,16 +273,16 @@ def apart(a: Quaternion, b: Quaternion) -> float:
 
 
 def bent(sizes: Sequence[float], way: Vector, back: Vector) -> List[Vector]:
-    """Directions of evenly bent bones, whose end is at a given place.
+    """Directions of the bones of an evenly bent chain that ends at a given place.
 
     Args:
-        sizes: Sizes of the bones.
-        way: Vector to the end, in lengths of the chain.
+        sizes: Lengths of the bones.
+        way: Vector from the start to the end, divided by the length of the chain.
         back: Direction in which the chain bulges.
     """
     whole, reach = sum(sizes), length(way)
     if reach < 1e-6:
-        raise Refused("a finger that ends where it begins")
+        raise Refused("a finger ends where it begins, so it has no direction")
     along = normal(way)
     across = cross(cross(along, back), along)
     if length(across) < 1e-6:
@@ -292,7 +295,7 @@ def bent(sizes: Sequence[float], way: Vector, back: Vector) -> List[Vector]:
             -sum(size * math.sin(i * angle) for i, size in enumerate(sizes)),
         )
 
-    # The end comes nearer until the bones form a full circle, for which all bones but one count.
+    # The distance of the end falls with the angle, up to this angle at most.
     low, high = 0.0, 2.0 * math.pi / max(len(sizes), 2)
     for _ in range(40):
         middle = 0.5 * (low + high)

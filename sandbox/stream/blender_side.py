@@ -5,26 +5,27 @@
 
     sandbox stream run.jsonl --blender :7004              # in another terminal
 
-A streamed hand makes an armature of its own, hand_sandbox_right, that does what the hand does,
-joint by joint, keyed. To move an armature of yours, select the first bones of one to five chains
-in pose mode and call start() at the end of this text. Chains are taken in the order in which the
-armature has them; start(chains=["thumb", "index"]) says another. Without a window:
+By default, a streamed hand makes a new armature, hand_sandbox_right, with keyframes for every joint
+of the hand. To move an armature of your own instead, select the first bones of one to five chains
+in pose mode and call start() at the end of this text. Chains have the order of the armature;
+start(chains=["thumb", "index"]) gives another order. Without a window:
 
     python hand_sandbox_blender.py --open rig.blend --armature Rig --chains thumb index --out a.glb
 
-It follows the right hand; start(side="left"), or --side left, lets it follow the left one. For both
-hands, call start(side=..., armature=..., chains=[...]) once for each, or stream twice: with --side
-right and --out one.blend, then with --open one.blend and --side left.
+The armature follows the right hand; with start(side="left"), or --side left, it follows the left
+hand. For both hands, call start(side=..., armature=..., chains=[...]) once for each hand, or stream
+twice: with --side right and --out one.blend, then with --open one.blend and --side left.
 
-Keys are set at the scene's rate: what --fps says, that of the file that --open opens, or 60. A .glb
-or .fbx file has the armature, its skin and this motion; two streamed hands make two files, but one
-.blend.
+Keyframes are set at the scene's rate: the rate of --fps, else that of the file of --open, else 60.
+A .glb or .fbx file has the armature, its skin and this motion. Two streamed hands give two files,
+but a single .blend.
 
-Chains may have any number of bones. They point where the fingers point and reach as far, as shares
-of their lengths; the joints between bend evenly. The bone above the chains follows the palm from
-where it stands, by what the palm moves and turns after its first moment. If that moment was seen
-wrongly, the whole take is turned: start(absolute=True), or --absolute, puts the palm where the
-streamed one is. Keys go straight onto the bones: there is nothing to bake. stop() lets go.
+Chains may have any number of bones. A chain points in the direction of its finger, and reaches as
+far, as a share of its length; the joints in between bend evenly. The bone above the chains moves
+from its own place, by the movement of the streamed palm since its first moment. If this first
+moment was seen wrongly, the whole take is turned. In this case use start(absolute=True), or
+--absolute: the bone is then at the place of the streamed palm. Keyframes are set on the bones
+themselves, so that no bake is needed. stop() releases the armature.
 """
 
 from __future__ import annotations
@@ -45,13 +46,13 @@ from sandbox.stream.guest_line import LONGEST, Line
 from sandbox.stream.guest_math import Refused
 
 PORT = 7004
-TICK = 0.008  # s between two looks at the port in a window
+TICK = 0.008  # time between two checks of the port in a window, s
 SIDES = ("right", "left")
 ENDINGS = (".bvh", ".glb", ".fbx", ".blend")
 
 hands: Dict[str, Any] = {}
 counts: Dict[str, int] = {"lines": 0, "lines refused": 0}
-streamed: Set[str] = set()  # sides of hands that came
+streamed: Set[str] = set()  # sides of the hands that were streamed
 shown: Set[str] = set(SIDES)  # sides that get an armature of their own if no rig waits for them
 stopped: List[str] = []
 listener: Optional["Listener"] = None
@@ -94,14 +95,14 @@ class Listener:
         return count
 
     def close(self) -> None:
-        """Ends it."""
+        """Closes the port and all connections."""
         for guest in self.guests:
             guest.close()
         self.server.close()
 
 
 def take(text: str) -> None:
-    """Processes a line of the stream; no content of the line stops Blender."""
+    """Processes a line of the stream. A bad line raises no error, so that Blender continues."""
     try:
         line = Line(text)
         if line.kind == "stop":
@@ -129,14 +130,14 @@ def start(
     scale: Optional[float] = None,
     absolute: bool = False,
 ) -> None:
-    """Lets the selected chains, or named ones, follow a streamed hand."""
+    """Makes the selected chains, or the named chains, follow a streamed hand."""
     if side not in SIDES:
-        raise Refused("no hand is %s: right or left" % side)
+        raise Refused("side=%s is not a hand: use right or left" % side)
     rig = bpy.data.objects.get(armature) if armature else bpy.context.object
     if rig is None or rig.type != "ARMATURE":
         there = [each.name for each in bpy.data.objects if each.type == "ARMATURE"]
         said = "no armature has the name %s" % armature if armature else "no armature is selected"
-        raise Refused("%s; the file has: %s" % (said, ", ".join(there) or "none"))
+        raise Refused("%s; the file's armatures: %s" % (said, ", ".join(there) or "none"))
     names = chains or [bone.name for bone in bpy.context.selected_pose_bones or []]
     hands[side] = ForeignRig(rig, names, fingers, side, root, scale, absolute)
 
@@ -151,7 +152,7 @@ def stop(side: Optional[str] = None) -> None:
 
 
 def listen(port: int = PORT) -> "Listener":
-    """Begins to listen; in a window, a timer processes the lines."""
+    """Starts to listen. In a window, a timer processes the lines."""
     global listener  # noqa: PLW0603
     if listener is None:
         listener = Listener(port)
@@ -174,9 +175,9 @@ def _answer(guest: socket.socket) -> None:
 
 
 def export(path: str, armature: Any, frames: Sequence[int]) -> None:
-    """Writes an armature with its skin and this motion alone; .blend has the whole scene.
+    """Writes an armature with its skin and only this motion; a .blend file has the whole scene.
 
-    The end of the name chooses the format: .bvh, .glb, .fbx, .blend.
+    The ending of the name chooses the format: .bvh, .glb, .fbx, .blend.
     """
     if not path.endswith(".blend"):
         bpy.context.scene.frame_start, bpy.context.scene.frame_end = frames
@@ -194,7 +195,7 @@ def export(path: str, armature: Any, frames: Sequence[int]) -> None:
             root_transform_only=True,
         )
     elif path.endswith(".glb"):
-        # Otherwise all actions of the file would be written, those of the other hand, too.
+        # By default, all actions of the file would be written, including those of the other hand.
         bpy.ops.export_scene.gltf(
             filepath=path, use_selection=True, export_animation_mode="ACTIVE_ACTIONS"
         )
@@ -212,16 +213,16 @@ def export(path: str, armature: Any, frames: Sequence[int]) -> None:
 
 
 def _warn(rig: Any) -> None:
-    """Prints the largest sudden turn of a rig's palm, which no hand makes; nothing without one."""
+    """Prints the largest implausible turn of a rig's palm; nothing without such a turn."""
     if rig.jumps:
         angle, frame = max(rig.jumps)
         print(
-            "hand_sandbox: the palm turned by %.0f degrees at once at frame %d, so it was seen "
-            "wrongly before or after it%s"
+            "hand_sandbox: the palm turned by %.0f degrees at once at frame %d, so its pose before "
+            "or after this frame is wrong%s"
             % (
                 math.degrees(angle),
                 frame,
-                "" if rig.absolute else "; if the rig stands the wrong way round, use --absolute",
+                "" if rig.absolute else "; if the rig points in a wrong direction, use --absolute",
             )
         )
 
@@ -240,10 +241,10 @@ def _skins(armature: Any) -> List[Any]:
 
 
 def main(words: Sequence[str]) -> int:
-    """Without a window: listens until every hand that was streamed has stopped.
+    """Runs without a window: listens until every streamed hand has stopped.
 
-    The exit status is 1 if a rig got no hand, and 2, with one line of explanation, if a request
-    cannot be met.
+    Returns the exit status: 1 if a rig got no hand; 2, with one line of explanation, if a request
+    cannot be met; otherwise 0.
     """
     try:
         return run(words)
@@ -266,14 +267,14 @@ def run(words: Sequence[str]) -> int:
     parser.add_argument(
         "--absolute",
         action="store_true",
-        help="puts the palm where the streamed one is, not on from where the rig stands",
+        help="put the palm at the place of the streamed palm; default: move it from its own place",
     )
     parser.add_argument("--out", default="", metavar="FILE")
     asked = parser.parse_args(list(words))
     if asked.out and not asked.out.endswith(ENDINGS):
         raise Refused("--out needs a name that ends in %s, not %s" % (" ".join(ENDINGS), asked.out))
     if asked.armature and not asked.chains:
-        raise Refused("--armature needs --chains: the first bones of one to five chains")
+        raise Refused("--armature needs --chains with the first bones of one to five chains")
     if asked.open:
         try:
             bpy.ops.wm.open_mainfile(filepath=asked.open)
@@ -295,7 +296,7 @@ def run(words: Sequence[str]) -> int:
     print("hand_sandbox: listening on 127.0.0.1:%d" % port.port, flush=True)
     rigs = dict(hands)
     try:
-        # A rig without a streamed hand waits for nothing; a hand without a rig stops, too.
+        # Only streamed hands count: a rig without a streamed hand does not keep this loop running.
         while not stopped or streamed - set(stopped):
             if not port.poll():
                 time.sleep(0.001)
@@ -307,8 +308,8 @@ def run(words: Sequence[str]) -> int:
     idle = set(hands) - streamed
     for side in idle:
         print(
-            "hand_sandbox: %s waited for the %s hand, which was not streamed; --side says another"
-            % (rigs.pop(side).armature.name, side)
+            "hand_sandbox: %s waited for the %s hand, which was not streamed; --side chooses the "
+            "hand" % (rigs.pop(side).armature.name, side)
         )
     for side, rig in rigs.items():
         path = asked.out

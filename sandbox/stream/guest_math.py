@@ -1,4 +1,5 @@
-"""Vectors and turns inside Maya and Blender, which may have no NumPy. Python 3.7 and later."""
+"""Vectors and turns (rotations) inside Maya and Blender, which may lack NumPy. For Python 3.7 and
+later."""
 
 from __future__ import annotations
 
@@ -11,31 +12,31 @@ Rows = List[List[float]]  # of a 3 x 3 matrix
 
 
 class Refused(Exception):  # noqa: N818
-    """A rig or a line cannot be used, for the given reason."""
+    """A rig or a line cannot be used; the message has the reason."""
 
 
 def plus(a: Sequence[float], b: Sequence[float]) -> Vector:
-    """Their sum."""
+    """The sum a + b."""
     return (a[0] + b[0], a[1] + b[1], a[2] + b[2])
 
 
 def minus(a: Sequence[float], b: Sequence[float]) -> Vector:
-    """From b to a."""
+    """The difference a - b."""
     return (a[0] - b[0], a[1] - b[1], a[2] - b[2])
 
 
 def times(a: Sequence[float], factor: float) -> Vector:
-    """A vector, so many times as long."""
+    """A vector, multiplied by a factor."""
     return (factor * a[0], factor * a[1], factor * a[2])
 
 
 def dot(a: Sequence[float], b: Sequence[float]) -> float:
-    """Their scalar product."""
+    """The scalar product of two vectors."""
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 
 
 def cross(a: Sequence[float], b: Sequence[float]) -> Vector:
-    """Their vector product."""
+    """The vector product of two vectors."""
     return (a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0])
 
 
@@ -45,10 +46,10 @@ def length(a: Sequence[float]) -> float:
 
 
 def normal(a: Sequence[float]) -> Vector:
-    """The unit vector of the same direction."""
+    """The unit vector in the direction of a vector."""
     size = length(a)
     if size < 1e-9:
-        raise Refused("joints that lie in one place have no direction")
+        raise Refused("joints at the same place have no direction")
     return times(a, 1.0 / size)
 
 
@@ -56,12 +57,12 @@ def unit(q: Sequence[float]) -> Quaternion:
     """A quaternion of nearly unit length, normalised."""
     size = math.sqrt(sum(v * v for v in q))
     if len(q) != 4 or not 0.9 < size < 1.1:
-        raise ValueError("no unit quaternion")
+        raise ValueError("not a unit quaternion")
     return (q[0] / size, q[1] / size, q[2] / size, q[3] / size)
 
 
 def product(a: Quaternion, b: Quaternion) -> Quaternion:
-    """First b, then a."""
+    """The product of two quaternions: turns by b, then by a."""
     return (
         a[0] * b[0] - a[1] * b[1] - a[2] * b[2] - a[3] * b[3],
         a[0] * b[1] + a[1] * b[0] + a[2] * b[3] - a[3] * b[2],
@@ -71,12 +72,12 @@ def product(a: Quaternion, b: Quaternion) -> Quaternion:
 
 
 def inverse(q: Quaternion) -> Quaternion:
-    """The turn back."""
+    """The inverse of a turn."""
     return (q[0], -q[1], -q[2], -q[3])
 
 
 def rotated(q: Quaternion, a: Sequence[float]) -> Vector:
-    """A vector, turned."""
+    """A vector, turned by a quaternion."""
     u = (q[1], q[2], q[3])
     t = times(cross(u, a), 2.0)
     return plus(plus(a, times(t, q[0])), cross(u, t))
@@ -89,12 +90,12 @@ def rows_of(q: Quaternion) -> Rows:
 
 
 def quaternion_of(m: Rows) -> Quaternion:
-    """The turn of a matrix."""
+    """The quaternion of a rotation matrix."""
     w = math.sqrt(max(0.0, 1.0 + m[0][0] + m[1][1] + m[2][2])) / 2.0
     x = math.sqrt(max(0.0, 1.0 + m[0][0] - m[1][1] - m[2][2])) / 2.0
     y = math.sqrt(max(0.0, 1.0 - m[0][0] + m[1][1] - m[2][2])) / 2.0
     z = math.sqrt(max(0.0, 1.0 - m[0][0] - m[1][1] + m[2][2])) / 2.0
-    # The greatest of the four determines the signs of the others.
+    # The largest of the four numbers determines the signs of the others.
     if w >= max(x, y, z):
         signs = (1.0, m[2][1] - m[1][2], m[0][2] - m[2][0], m[1][0] - m[0][1])
     elif x >= max(y, z):
@@ -119,14 +120,15 @@ def between(a: Sequence[float], b: Sequence[float]) -> Quaternion:
 
 
 POLE = 1e-7
-"""Cosine of the turn about y below which the turns about x and z cannot be separated."""
+"""Cosine of the turn about y; below it, the turns about x and z cannot be separated."""
 
 
 def angles_of(q: Quaternion, before: Sequence[float]) -> Vector:
-    """Degrees about x, then y, then z (still axes), nearest to those before."""
+    """Angles (degrees) about the fixed axes x, then y, then z, nearest to the angles before."""
     m = rows_of(q)
     if math.hypot(m[2][1], m[2][2]) < POLE:
-        # Only the sum or the difference of the outer turns is known there; one of them is kept.
+        # Only the sum or the difference of the turns about x and z is known; the angle about x
+        # stays as it was.
         about_x = math.radians(before[0])
     else:
         about_x = math.atan2(m[2][1], m[2][2])
@@ -146,8 +148,10 @@ def angles_of(q: Quaternion, before: Sequence[float]) -> Vector:
 def palm_frame(
     places: Sequence[Sequence[Vector]], fingers: Sequence[int], side: str, up: Vector
 ) -> Rows:
-    """Rows of the matrix whose columns are a rig's palm in its world: x across it, y along the
-    fingers, z out of its back; x is towards the little finger of a right hand.
+    """Rows of the matrix whose columns are the axes of a rig's palm in the rig's world.
+
+    x points across the palm, towards the little finger of a right hand or the thumb of a left hand;
+    y along the fingers; z out of the back of the hand.
 
     Args:
         places: Positions of the joints of every chain, from the palm outwards.
@@ -172,7 +176,7 @@ def palm_frame(
 
 
 def into(frame: Rows, origin: Vector, place: Vector) -> Vector:
-    """A place in a frame whose axes are the columns of a matrix."""
+    """Converts a place to a frame with the given origin, whose axes are the columns of a matrix."""
     d = minus(place, origin)
     return (
         sum(frame[i][0] * d[i] for i in range(3)),

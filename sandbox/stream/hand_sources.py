@@ -1,7 +1,7 @@
-"""Sources of streamed hands: a live Leap, or a session that computes commanded poses without
-physics.
+"""Sources of streamed hands: a live Leap, or a session.
 
-Simulated persons need the scene for their movements, so the physics runs for them, too.
+A session computes commanded poses without physics. If a device needs the scene, as a simulated
+person does, physics runs too.
 """
 
 from __future__ import annotations
@@ -40,12 +40,13 @@ from sandbox.trial.driver import RealTime, Trial
 def source_of_session(
     session: Session, stop: threading.Event, of: str = "commanded"
 ) -> MotionSource:
-    """Yields the hands of a session in real time, until it is over or `stop` is set.
+    """Source of a session's hands in real time, until the session is over or `stop` is set.
 
     Args:
-        session: Ready for its first step.
-        stop: Ends it.
-        of: `commanded` poses from the devices; or `simulated` motion, for which the physics runs.
+        session: A session that is ready for its first step.
+        stop: Event that ends the source.
+        of: `commanded` for the commanded poses, or `simulated` for the motion of simulated hands,
+            which needs physics.
     """
     looking = [rig.device.show for rig in session.rigs if rig.device.takes_snapshots]
     physics = bool(looking) or of == "simulated"
@@ -67,14 +68,14 @@ def source_of_leap(
     calibrations: Mapping[str, HandCalibration],
     stop: threading.Event,
 ) -> MotionSource:
-    """Yields the hands over a live Leap in real time, in the frame of the device, until `stop`.
+    """Source of the hands over a live Leap in real time, in the device's frame, until `stop`.
 
     Args:
         device: The running device.
         sides: Sides of the hands, one or both.
-        calibrations: Calibrations by side. A hand without one has the bones that the device
-            reports at its first appearance, or is average.
-        stop: Ends it.
+        calibrations: Calibrations by side. A hand without a calibration has the bones that the
+            device reports when it first sees the hand, or those of an average hand.
+        stop: Event that ends the source.
     """
     names = tuple(sides)
 
@@ -84,7 +85,8 @@ def source_of_leap(
         return _without_physics(pairs, stop, take)
 
     remarks = tuple(
-        f"no --calibration: the {side} hand has the bones that the Leap reports, or is average"
+        f"without --calibration, the {side} hand has the bones that the Leap reports, or those of "
+        "an average hand"
         for side in names
         if side not in calibrations
     )
@@ -106,7 +108,7 @@ def follow(
 
     Args:
         hands: Device and reconstructor of each hand.
-        stop: Ends it early.
+        stop: Event that ends the computation early.
         show: Called every control period with its time, s, and the pose (48,) of each hand.
     """
     newest = [LatestFrame(reconstructor.empty) for _, reconstructor in hands]
@@ -140,16 +142,16 @@ class CommandReceiver(Protocol):
     def show(
         self, hand: str, moment: Moment, wait: float = 0.0, stop: threading.Event | None = None
     ) -> bool:
-        """Takes a moment of a hand; `stop` ends the wait for the last one."""
+        """Receives a moment of a hand; `stop` ends the wait for the last moment."""
         ...
 
     def order(self, command: str) -> None:
-        """Takes a command that must not be lost."""
+        """Receives a command that must not be lost."""
         ...
 
 
 class Stopped(Exception):  # noqa: N818
-    """Raised inside a source to end it early, and caught by the player."""
+    """Raised inside a source to end it early; `StreamPlayer` catches it."""
 
 
 @dataclass(frozen=True)
@@ -157,9 +159,10 @@ class StreamPace:
     """Rate and speed of the stream.
 
     Attributes:
-        rate: Hz of the moments.
-        speed: Seconds of the motion per second; 0 leaves the clock to the source, which is live.
-        wait: s for which to wait for a moment to be sent before the next one; 0 drops the older.
+        rate: Moments per second, Hz.
+        speed: Seconds of motion per second; 0 for a live source, which has its own clock.
+        wait: Longest wait for an unsent moment before the next moment, s; 0 drops the unsent
+            moment.
     """
 
     rate: float = 60.0
@@ -177,8 +180,8 @@ class StreamPlayer:
 
     Attributes:
         hands: Writers of lines, one for each hand.
-        moments: Number of moments sent or dropped so far, of all hands together.
-        work: s of processor time that writing lines took, in the sender's thread.
+        moments: Number of moments sent or dropped so far. All hands share a moment.
+        work: Processor time of writing lines so far, in the sender's thread, s.
     """
 
     def __init__(self, source: MotionSource, target: StreamTarget, pace: StreamPace) -> None:
@@ -198,11 +201,11 @@ class StreamPlayer:
         return [hand.rig for hand in self.hands]
 
     def play(self, sender: CommandReceiver, stop: threading.Event) -> str:
-        """Streams to the end of the source, then orders the other side to stop.
+        """Streams to the end of the source, then sends the commands to stop.
 
         Args:
-            sender: Made with `greeting`.
-            stop: Ends it early.
+            sender: A receiver of commands; a `Sender` must be created with `greeting`.
+            stop: Event that ends the stream early.
 
         Returns:
             Error text of the source; empty without an error.

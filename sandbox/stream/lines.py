@@ -4,15 +4,18 @@
     hs1 RUN SIDE rig b NAME PARENT X Y Z W X Y Z ... e PARENT X Y Z ...
     hs1 RUN SIDE stop
 
-`p` is the palm: m, and a unit quaternion world from palm (palm: x towards the little finger of a
-right hand and the thumb of a left one, y along the fingers, z out of its back). `c` is finger K:
-from its first joint to its tip, in the palm's frame, divided by the length L (m) of its bones, so
-that 1 is a straight finger (direction times length ratio, PAALM section 5); and the direction in
-which it bulges when it bends. `j` is the rotation of joint J, parent from joint. A `rig` line
-describes the hand itself: joints at zero, and fingertips.
+`p` is the palm: its place (m), and a unit quaternion that rotates palm axes to world axes. In the
+palm's frame, x points towards the little finger of a right hand or the thumb of a left hand, y
+along the fingers, z out of the back of the hand. `c` is finger K, in the palm's frame. D is the
+vector from the finger's first joint to its tip, divided by the length L (m) of its bones, so that D
+has length 1 for a straight finger (direction times length ratio, PAALM section 5). P is the
+direction in which the finger bulges when it bends. `j` is the rotation of joint J, from joint axes
+to parent axes. A `rig` line describes the hand itself, with all joints at zero: joints (`b`), and
+fingertips (`e`).
 
-Every line holds the palm, so that any line may be lost; a line is shorter than Maya's command port
-allows. Only letters, digits, `.`, `-`, `_` and spaces occur, so that any language can quote it.
+Every line of a moment has the palm, so that any such line may be lost. A line is shorter than the
+limit of Maya's command port. Only letters, digits, `.`, `-`, `_` and spaces occur, so that a line
+needs no escapes in any language.
 """
 
 from __future__ import annotations
@@ -30,11 +33,12 @@ from models.motion.armature import Y_UP, Z_UP, Armature, Keys
 from models.rotations import matrix_to_quaternion
 
 LIMIT = 4096
-"""Bytes of a command at which Maya's command port closes the connection, its default bufferSize."""
+"""Number of bytes (Maya's default bufferSize) from which Maya's command port closes the connection.
+"""
 
 VERSION = "hs1"
 STRAIGHT = 0.9999
-"""Greatest length ratio sent: with a target out of reach, IK solvers oscillate."""
+"""Largest length ratio that is sent. If a target is out of reach, IK solvers oscillate."""
 
 
 @dataclass(frozen=True)
@@ -43,9 +47,9 @@ class StreamTarget:
 
     Attributes:
         name: Name for people.
-        up: (3, 3) rotation, its world from ours.
-        turns: True if the rotations of all joints are sent, too.
-        wrap: Converts a line to a command, without newline.
+        up: (3, 3) rotation from this program's world axes to the receiver's.
+        turns: True if the rotations of all joints are also sent.
+        wrap: Function that converts a line to a command without newline.
     """
 
     name: str
@@ -64,10 +68,10 @@ class HandLines:
 
     Args:
         armature: Armature of the hand.
-        side: Its name, `right` or `left`.
+        side: Name of the hand, `right` or `left`.
         target: The receiving program.
-        limit: Upper limit of a command's bytes.
-        run: Id of this start of the program; random unless given.
+        limit: Number of bytes below which every command must be.
+        run: Id of this start of the program; None chooses a random id.
     """
 
     def __init__(
@@ -100,18 +104,18 @@ class HandLines:
 
     @property
     def stop(self) -> str:
-        """Command that ends the stream: bake the keys and release the rig."""
+        """The command that ends the stream: the receiver bakes keyframes and releases the rig."""
         return self._command(f"{self._head} stop")
 
     def lines(self, time: float, keys: Keys) -> list[str]:
-        """The commands of one moment: usually one, more if it would be too long.
+        """The commands of one moment: usually one command, several if it would be too long.
 
         Args:
-            time: s since the stream's start.
-            keys: One moment, shapes (1, 3) and (1, 15, 3, 3).
+            time: Time since the stream's start, s.
+            keys: Keyframe of one moment, shapes (1, 3) and (1, 15, 3, 3).
 
         Raises:
-            InputError: A single finger exceeds the limit.
+            InputError: A command with a single finger or joint exceeds the limit.
         """
         items = self._items(keys)
         head = f"{self._head} {self._sent} {time:.4f} {items[0]}"
@@ -133,7 +137,7 @@ class HandLines:
         for k, chain in enumerate(self._chains):
             reach = palm.T @ (tips[0, k] - joints[0, chain[0]]) / self._lengths[k]
             reach *= min(1.0, STRAIGHT / max(float(np.linalg.norm(reach)), 1e-9))
-            # Half-way along the finger, its back is the direction in which it bulges.
+            # The finger bulges in the direction of its back, half-way along the finger.
             first, second = turns[chain[0]], turns[chain[1]]
             back = (first @ second)[:, 2]
             numbers = f"{_numbers(reach, 5)} {_numbers(back, 4)} {self._lengths[k]:.5f}"
@@ -146,7 +150,7 @@ class HandLines:
         command = self._target.wrap(line)
         if len(command) + 1 >= self._limit:
             raise InputError(
-                "a command would be too long for the other program",
+                "a command would be too long for the receiving program",
                 where=self._target.name,
                 got=f"{len(command) + 1} bytes",
                 expected=f"below {self._limit}",
@@ -155,7 +159,7 @@ class HandLines:
 
 
 def _chains(armature: Armature) -> list[list[int]]:
-    """Joints of every finger, outwards."""
+    """Joints of every finger, from the palm outwards."""
     out: list[list[int]] = [[] for _ in FINGERS]
     for j, bone in enumerate(armature.skeleton.bones, start=1):
         out[bone.finger].append(j)

@@ -1,4 +1,4 @@
-"""The live hand commanded by a device, for programs that need its current pose."""
+"""A live hand that a device commands, for programs that need the hand's current pose."""
 
 from __future__ import annotations
 
@@ -13,12 +13,12 @@ from sandbox.trial.driver import RealTime, Trial
 
 
 class LiveHand(Closeable):
-    """Follows the first hand of a session in real time.
+    """Follows the commanded pose of a session's first hand in real time.
 
-    Physics runs only for a device that needs the scene, such as a simulated person.
+    Physics runs only if a device needs the scene, as a simulated person does.
 
     Args:
-        session: Ready for its first step; it is closed with this.
+        session: A session that is ready for its first step. `close` also closes the session.
     """
 
     def __init__(self, session: Session) -> None:
@@ -35,7 +35,7 @@ class LiveHand(Closeable):
         return not self._thread.is_alive()
 
     def pose(self) -> Array:
-        """The newest commanded pose (48,), in the world; after the end, the last one.
+        """The newest commanded pose (48,) in the world; after the end, the last pose.
 
         Raises:
             DeviceError: The device failed.

@@ -2,24 +2,24 @@
 
 Select the first joint of one to five chains, thumb first, then
 
-    open_port()          # Maya's command port, reached from this machine only
+    open_port()          # Maya's command port, which only this machine can reach
     start()              # the chains follow the hand that `sandbox stream --maya :7002` sends
     start(side="left")   # another rig, another selection, for a left hand
-    stop()               # bakes the keys onto the joints and takes the targets away
+    stop()               # bakes the keyframes onto the joints and removes the targets
 
-With nothing selected, start() makes a hand like the streamed one. Options of start:
+With nothing selected, start() makes a new hand like the streamed hand. Options of start:
 
-    fingers   which finger moves which chain, such as (1, 2): thumb 0 .. little 4
-    root      the transform that follows the palm; found above the chains where it is not named, and
-              root="" leaves the palm where it is
-    absolute  True puts the palm where the streamed one is; otherwise the rig goes on from where it
-              stands by what the streamed hand moves and turns
-    key       False moves the rig without keys
-    scale     scene units a metre of the palm's path; found from the chains' lengths
+    fingers   the finger of each chain, such as (1, 2): thumb 0 .. little 4
+    root      the transform that follows the palm; by default the nearest one above all chains;
+              root="" moves no transform with the palm
+    absolute  True puts the palm at the place of the streamed palm; otherwise the rig moves from its
+              own place, by the movement of the streamed hand
+    key       False moves the rig without keyframes
+    scale     scene units per metre of the palm's path; by default from the lengths of the chains
 
-Written for Python 3.7 (Maya 2022) and later, and needs nothing but Maya. NEVER RUN IN A REAL MAYA:
-what speaks for it are types and a small scene made to behave like Maya's as far as that is
-documented. docs/stream.md tells more.
+Written for Python 3.7 (Maya 2022) and later; it needs only Maya. It was NEVER RUN IN A REAL MAYA.
+It was checked by types, and by tests with a small scene that imitates the documented behaviour of
+Maya. See docs/stream.md.
 """
 
 from __future__ import annotations
@@ -67,11 +67,11 @@ RATES = {
     "min": 1.0 / 60.0,
     "hour": 1.0 / 3600.0,
 }
-STEP = 10.0  # degrees by which a solver is told to bend joints that are straight
-COUPLING = 2.0 / 3.0  # of a finger's last joint to the one before it, as in PAALM
-TOLD = 3  # warnings about lines that cannot be used; more would fill the script editor
+STEP = 10.0  # preferred angle of straight joints for a solver, degrees
+COUPLING = 2.0 / 3.0  # bend of a finger's last joint / bend of the joint before it, as in PAALM
+TOLD = 3  # largest number of warnings about bad lines; more would fill the script editor
 
-# Published stubs of maya.cmds declare no query together with another flag.
+# Published stubs of maya.cmds do not declare `query` together with another flag.
 asked: Any = cmds
 
 hands: Dict[str, "HandRig"] = {}
@@ -82,8 +82,9 @@ counts: Dict[str, int] = {"lines": 0, "lines refused": 0}
 class HandRig:
     """A rig that follows one streamed hand.
 
-    Everything hangs in one group: a transform for the palm, in which each chain has a locator for
-    its tip and one for the way it bulges, in the palm's frame, and the IK handles that follow them.
+    All its nodes are in one group: a transform for the palm, and IK handles. Below the transform,
+    in the palm's frame, each chain has a locator for its tip and a locator for the direction in
+    which it bulges. The IK handles follow these locators.
     """
 
     def __init__(
@@ -155,7 +156,7 @@ class HandRig:
             self.start = (float(asked.currentTime(query=True)), line.time)
         frame = int(round(self.start[0] + (line.time - self.start[1]) * _rate()))
         if self.key and asked.currentTime(query=True) != frame:
-            # Keys at other times than the current one would not be visible.
+            # A keyframe at another time than the current time would not be visible.
             cmds.currentTime(frame)
         if self.root:
             self._follow(line)
@@ -203,7 +204,7 @@ class HandRig:
         cmds.setAttr(self.palm + ".rotate", *times(angles_of(turn, before), unit))
 
     def finish(self, bake: bool) -> None:
-        """Bakes what was keyed, and takes handles and targets away."""
+        """Bakes the keyframes, and removes handles and targets."""
         if bake and self.keyed and cmds.objExists(self.group):
             nodes = [joint for chain in self.chains for joint in chain[:-1]]
             turns, moves = (
@@ -221,7 +222,7 @@ class HandRig:
                         preserveOutsideKeys=True,
                     )
             _show(self.keyed[0], self.keyed[1])
-        # Constraints hang below what they move, everything else in the group.
+        # A constraint is below the node that it moves; all other nodes are in the group.
         for one in (
             cmds.listRelatives(self.root, type="parentConstraint") or [] if self.root else []
         ):
@@ -240,7 +241,7 @@ def start(
     key: bool = True,
     absolute: bool = False,
 ) -> None:
-    """Lets the selected chains follow a streamed hand."""
+    """Makes the selected chains follow a streamed hand."""
     stop(side, bake=False)
     chosen = cmds.ls(selection=True, type="joint", long=True) or []
     options: Dict[str, Any] = {"root": root, "scale": scale, "key": key, "absolute": absolute}
@@ -251,7 +252,7 @@ def start(
         return
     if not chosen:
         waiting[side] = options
-        print("hand_sandbox: no joint is selected; the streamed hand is made when it comes")
+        print("hand_sandbox: no joint is selected; a new hand is made when the stream begins")
         return
     cmds.undoInfo(openChunk=True, chunkName="hand_sandbox start")
     try:
@@ -272,7 +273,7 @@ def start(
 
 
 def stop(side: Optional[str] = None, bake: bool = True) -> None:
-    """Bakes the keys of a hand, or of all hands, onto the joints, and releases the joints."""
+    """Bakes the keyframes of a hand, or of all hands, onto the joints, and releases the joints."""
     for name in [side] if side else [*hands, *waiting]:
         waiting.pop(name, None)
         hand = hands.pop(name, None)
@@ -286,7 +287,7 @@ def stop(side: Optional[str] = None, bake: bool = True) -> None:
 
 
 def hand_sandbox(text: str) -> None:
-    """Processes a line of the stream; no content of the line stops Maya."""
+    """Processes a line of the stream. A bad line raises no error, so that Maya continues."""
     undo = bool(cmds.undoInfo(query=True, state=True))
     try:
         line = Line(text)
@@ -301,7 +302,7 @@ def hand_sandbox(text: str) -> None:
         elif line.kind == "moment" and line.side in hands:
             hands[line.side].update(line)
         counts["lines"] += 1
-    except Exception as error:  # none may reach the command port, which it could end
+    except Exception as error:  # an error that reaches the command port could end it
         counts["lines refused"] += 1
         if counts["lines refused"] <= TOLD:
             cmds.warning("hand_sandbox: %s" % error)
@@ -314,13 +315,13 @@ def hand_sandbox(text: str) -> None:
 
 
 def open_port(port: int = 7002) -> None:
-    """Opens Maya's command port on this machine only. Whatever reaches it can run any code."""
+    """Opens Maya's command port for this machine only. Any program that reaches it can run code."""
     if not asked.commandPort("127.0.0.1:%d" % port, query=True):
         cmds.commandPort(name="127.0.0.1:%d" % port, sourceType="python", noreturn=True)
 
 
 def close_port(port: int = 7002) -> None:
-    """Closes it again."""
+    """Closes Maya's command port."""
     cmds.commandPort(name="127.0.0.1:%d" % port, close=True)
 
 
@@ -332,14 +333,16 @@ def _hand(
     **options: Any,
 ) -> HandRig:
     if len(chosen) not in BY_COUNT:
-        raise Refused("%d joints are selected: take the first of 1 to 5 chains" % len(chosen))
+        raise Refused(
+            "%d joints are selected: select the first joints of 1 to 5 chains" % len(chosen)
+        )
     wanted = BY_COUNT[len(chosen)] if fingers is None else tuple(fingers)
     if len(wanted) != len(chosen) or len({*wanted} & {*range(5)}) != len(chosen):
         raise Refused("fingers=%r do not name each of %d chains" % (wanted, len(chosen)))
     chains = [_chain(joint) for joint in chosen]
     every = [joint for chain in chains for joint in chain]
     if len({*every}) != len(every):
-        raise Refused("one of the selected joints is in the chain of another one")
+        raise Refused("one of the selected joints is in the chain of another joint")
     if root is None:
         root = _above(chains)
     elif root:
@@ -353,7 +356,7 @@ def _hand(
 
 
 def _chain(joint: str) -> List[str]:
-    """A joint and the joints below it, the first one at every fork."""
+    """A joint and the joints below it; at every fork, the first joint."""
     chain = [joint]
     while True:
         below = cmds.listRelatives(chain[-1], children=True, type="joint", fullPath=True) or []
@@ -366,7 +369,10 @@ def _chain(joint: str) -> List[str]:
 
 
 def _above(chains: Sequence[Sequence[str]]) -> str:
-    """The nearest transform above all chains, even with metacarpals in between; else None."""
+    """Path of the nearest transform above all chains; empty without one.
+
+    There may be metacarpals between the transform and the chains.
+    """
     shared: List[str] = []
     for names in zip(*(chain[0].split("|")[:-1] for chain in chains)):
         if len({*names}) > 1:
@@ -376,19 +382,19 @@ def _above(chains: Sequence[Sequence[str]]) -> str:
 
 
 def _check_free(node: str, *attributes: str) -> None:
-    """Refuses channels that cannot be baked, since their motion would be lost at the end."""
+    """Refuses attributes that cannot be baked, since their motion would be lost at the end."""
     for attribute in attributes:
         for axis in ("", "X", "Y", "Z"):
             plug = "%s.%s%s" % (node, attribute, axis)
             if cmds.getAttr(plug, lock=True):
-                raise Refused("%s is locked: unlock it, or nothing can be baked there" % plug)
+                raise Refused("%s is locked, so it cannot be baked: unlock it" % plug)
             for source in cmds.listConnections(plug, source=True, destination=False) or []:
                 if not str(cmds.nodeType(source)).startswith("animCurve"):
                     raise Refused("%s is driven by %s: disconnect it first" % (plug, source))
 
 
 def _make(line: Line, **options: Any) -> None:
-    """Makes joints of the streamed hand, fingers straight, palm down, and lets them follow."""
+    """Makes joints of the streamed hand, with straight fingers and the palm down, and starts it."""
     metre = options["scale"] or UNITS.get(str(cmds.currentUnit(query=True, linear=True)), 100.0)
     quarter = math.sqrt(0.5)
     flat: Quaternion = (1.0, 0.0, 0.0, 0.0) if _up()[2] else (quarter, -quarter, 0.0, 0.0)
@@ -407,7 +413,7 @@ def _make(line: Line, **options: Any) -> None:
         _joint(name, plus(place, rotated(so_far, reach)), metre, above)
     firsts = [made[i][0] for i, bone in enumerate(line.bones) if bone[1] == 0]
     for first in firsts:
-        # By the convention of riggers: x along the bone, y out of the back of the hand.
+        # The usual convention of rigs: x along the bone, y out of the back of the hand.
         cmds.joint(
             first,
             edit=True,
@@ -427,7 +433,7 @@ def _joint(name: str, place: Vector, metre: float, above: Optional[str]) -> str:
 
 
 def _long(name: Any) -> str:
-    """The whole path of a node, since short names are not unique if two rigs share them."""
+    """The full path of a node. Short names are not unique if two rigs share them."""
     paths = cmds.ls(str(name), long=True) or []
     if len(paths) != 1:
         raise Refused("%s %s" % ("more than one node is named" if paths else "there is no", name))
@@ -435,7 +441,7 @@ def _long(name: Any) -> str:
 
 
 def _prefer(joint: str, frame: Rows, coupling: float) -> None:
-    """Sets the direction in which a solver bends a joint: about the palm's x axis, from its pose.
+    """Sets the direction in which a solver bends a joint: about the palm's x axis.
 
     Solvers bend the joints of a chain in proportion to their preferred angles.
     """
@@ -457,7 +463,7 @@ def _up() -> Vector:
 
 
 def _rate() -> float:
-    """Frames a second of the scene."""
+    """Frames per second of the scene."""
     unit = str(cmds.currentUnit(query=True, time=True))
     told = re.match(r"([0-9]+\.?[0-9]*)(fps|df)\Z", unit)
     if told is None and unit not in RATES:
@@ -466,12 +472,12 @@ def _rate() -> float:
 
 
 def _degree() -> float:
-    """A degree in the scene's unit of angles."""
+    """One degree in the scene's unit of angles."""
     return math.radians(1.0) if cmds.currentUnit(query=True, angle=True) == "rad" else 1.0
 
 
 def _show(first: int, last: int) -> None:
-    """Extends the time slider to the keys."""
+    """Extends the time slider to the keyframes."""
     begin, end = ("animationStartTime", "minTime"), ("animationEndTime", "maxTime")
     for flag in begin + end:
         now = float(asked.playbackOptions(**{"query": True, flag: True}))
@@ -480,5 +486,5 @@ def _show(first: int, last: int) -> None:
             asked.playbackOptions(**{flag: wanted})
 
 
-# A command port runs its commands in __main__, wherever this file was loaded from.
+# A command port runs its commands in __main__, independent of the module of this file.
 __main__.hand_sandbox = hand_sandbox

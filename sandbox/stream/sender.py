@@ -1,13 +1,15 @@
 """Sends commands to another program, which may be slow or not running, without blocking.
 
-A separate thread owns one socket. Of the commands for moments only the newest is queued (older ones
-are dropped and counted); orders, which are few, are all queued. After a lost connection it
-reconnects, at once if the other side had accepted data, else after increasing pauses.
+A separate thread owns one socket. There are two kinds of commands. Of the commands for moments,
+only the newest is queued for each hand; older commands are dropped and counted. Orders are few, and
+all of them are queued. After a lost connection the thread reconnects: at once if the other program
+had accepted data, otherwise after increasing pauses.
 
 Known behaviour of Maya's command port: it answers every command or none, and ends answers with a
 newline and a zero byte. Up to Maya 2025 its thread can die *while answering*, after the command was
-carried out. So answers are read and discarded; an answer, or the end of the connection, only means
-that the next command may be sent. Without an answer, it is sent after `patience`.
+executed. Therefore answers are read and discarded. An answer, or the end of the connection, only
+means that the next command may be sent. Without an answer, the next command is sent after
+`patience`.
 """
 
 from __future__ import annotations
@@ -22,25 +24,27 @@ from collections.abc import Callable, Sequence
 from models.errors import DeviceError, InputError
 
 FIRST_PAUSE, LONGEST_PAUSE = 0.1, 2.0
-"""Shortest and longest time (s) between attempts to connect; it doubles each time."""
+"""Shortest and longest time (s) between attempts to connect; it doubles after each attempt."""
 PATIENCE = 0.05
-"""Time (s) to wait for an answer if there were answers before; three frames at 60 Hz."""
+"""Time (s) to wait for an answer if there were answers before: three frames at 60 Hz."""
 FIRST_PATIENCE = 1.0
-"""Time (s) to wait for the answer to the greeting, which shows the kind of port."""
+"""Time (s) to wait for the answer to the greeting. The answer shows the kind of port."""
 LINGER = 0.05
-"""Time (s) after the greeting's answer within which a port that fails on answers closes."""
+"""Time (s) to wait after the greeting's answer. A port that dies while answering closes within it.
+"""
 DEATH_PATIENCE = 5.0
-"""Time (s) to wait for the end of a connection if every command so far ended a connection."""
+"""Time (s) to wait for the end of a connection if the last connection ended with its first command.
+"""
 SEND_TIMEOUT = 2.0
 """Time (s) after which a program that accepts no data counts as disconnected."""
 CONNECT_TIMEOUT = 2.0
 """Time (s) to wait for a connection."""
 STOP_SLICE = 0.1
-"""Time (s) after which a wait checks for a request to end."""
+"""Time (s) between two checks for a request to end, during a wait."""
 SMALL_BUFFER = 8192
 """Size of the system's send buffer in bytes; a larger one would only delay data."""
 MOST_ORDERS = 16
-"""Greatest number of queued orders; a session has one for each hand."""
+"""Largest number of queued orders; a session has one order for each hand."""
 _GREETING, _ORDER = "greeting", "order"
 
 Moment = Callable[[], list[str]]
@@ -71,7 +75,7 @@ def parse_address(text: str, default_host: str = "127.0.0.1") -> tuple[str, int]
 
 
 def _is_host(host: str) -> bool:
-    """False if no computer can have this name, such as one with an empty part."""
+    """True if a computer can have this name; False for example for a name with an empty part."""
     try:
         return bool(host.encode("idna"))
     except UnicodeError:
@@ -79,7 +83,7 @@ def _is_host(host: str) -> bool:
 
 
 class Sender:
-    """A connection that is restored after every loss.
+    """A connection that is opened again after every loss.
 
     Args:
         host: Host of the other program.
@@ -111,20 +115,21 @@ class Sender:
 
     @property
     def counts(self) -> dict[str, int]:
-        """Moments sent and dropped, answers and connections."""
+        """Numbers of sent and dropped moments, orders, connections and answers, by description."""
         with self._news:
             return dict(self._counts)
 
     def show(
         self, hand: str, moment: Moment, wait: float = 0.0, stop: threading.Event | None = None
     ) -> bool:
-        """Queues a moment of a hand; a queued older one is dropped.
+        """Queues a moment of a hand; an older moment in the queue is dropped.
 
         Args:
             hand: Name of the hand.
-            moment: Makes the commands, in the sender's thread and only if they are sent.
-            wait: s to wait until the last moment is sent, if none may be lost.
-            stop: Ends the wait.
+            moment: Function that makes the commands; it is called in the sender's thread, and only
+                if the moment is sent.
+            wait: Time to wait until the last moment is sent, s; 0 may drop it.
+            stop: Event that ends the wait.
 
         Returns:
             True if no moment was dropped.
@@ -194,8 +199,9 @@ class Sender:
             finally:
                 self.connected.clear()
             if commands != 1:
-                # Whoever listens next may be another one. A port that dies of every single answer
-                # is the same one, and greeting it again would leave no turn for anything else.
+                # The next connection may be to another program, which needs the greeting. With
+                # exactly one command, it is the same port, which dies while answering. If it got
+                # the greeting each time, no other command would ever be sent.
                 self._greeted = 0
             if commands:
                 pause = FIRST_PAUSE
@@ -205,7 +211,7 @@ class Sender:
             pause = min(2.0 * pause, LONGEST_PAUSE)
 
     def _prepare(self, channel: socket.socket) -> None:
-        # Each command is a packet of its own: Maya may not understand merged or split commands.
+        # Each command must be a separate packet: Maya may not understand merged or split commands.
         channel.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
         channel.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, SMALL_BUFFER)
         channel.settimeout(SEND_TIMEOUT)
@@ -222,7 +228,7 @@ class Sender:
                     self._news.wait_for(lambda: self._pending or self._closing, 0.2)
             commands = moment()
             if not self._drain(channel):
-                # It had gone before this was sent, so that this is not lost.
+                # The connection had ended before the commands were sent, so none is lost.
                 self._give_back(key, commands)
                 return sent
             for i, command in enumerate(commands):
@@ -235,8 +241,8 @@ class Sender:
                 if alive:
                     continue
                 self._dies = sent == 1
-                # Without an answer, and with others on the way, nobody knows which of them the
-                # other side took. Nothing is lost by saying the last one again, once.
+                # If several commands were sent without an answer, it is unknown which of them the
+                # other program executed. It does no harm to send the last command again, once.
                 unsure = sent > 1 and not self._heard and key not in self._said_again
                 self._said_again = {key} if unsure else set()
                 self._give_back(key, commands[i if unsure else i + 1 :])
@@ -246,8 +252,10 @@ class Sender:
             self._done(key, commands)
 
     def _take(self) -> tuple[str, Moment]:
-        """Chooses the next command to send: moments before orders, since an order may end the
-        display."""
+        """Chooses the next commands to send, with their kind or hand.
+
+        Moments come before orders, since an order may end the display.
+        """
         self._busy = True
         if self._greeted < len(self._greeting):
             self._greeted += 1
@@ -270,7 +278,7 @@ class Sender:
             self._news.notify_all()
 
     def _give_back(self, key: str, commands: list[str]) -> None:
-        """Queues unsent commands again, unless there are newer ones."""
+        """Queues unsent commands again, unless there is a newer moment of the hand."""
         with self._news:
             self._busy = False
             if not commands:
@@ -287,7 +295,7 @@ class Sender:
             self._news.notify_all()
 
     def _send(self, channel: socket.socket, command: str, first: bool) -> bool:
-        """Sends a command and reads answers if useful; returns True if the connection is alive."""
+        """Sends a command, and reads an expected answer; True if the connection is open."""
         channel.sendall(command.encode("ascii") + b"\n")
         if self._dies:
             return self._drain(channel, DEATH_PATIENCE, DEATH_PATIENCE)
@@ -322,7 +330,7 @@ class Sender:
                 self._count("connections ended by the other side")
                 return False
             self._count("bytes of answers thrown away", len(data))
-            # What else has come is read without waiting.
+            # Read further answers without waiting.
             self._answers = self._heard = True
             until = time.monotonic() + linger
 

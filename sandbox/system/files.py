@@ -1,10 +1,10 @@
-"""Files on every operating system: locks, flushes, whole replacements, and the home folder.
+"""Files on every operating system: locks, flushes, atomic replacement, and the home folder.
 
-Where Python has `fcntl`, a file is locked itself. Elsewhere a database of SQLite in the same folder
-is locked, since SQLite locks files in the way of each system. Either lock ends with the program
-that holds it, however that ends.
+If Python has `fcntl`, the file itself is locked. Otherwise an SQLite database in the same folder is
+locked, since SQLite can lock files on every system. Both kinds of lock end with the program that
+holds them, even if it is killed.
 
-`write_whole` writes a temporary file and renames it, so that nobody reads half of one.
+`write_whole` writes a temporary file and renames it, so that readers never get an incomplete file.
 """
 
 from __future__ import annotations
@@ -22,15 +22,15 @@ from types import ModuleType
 from models.errors import InputError
 
 Release = Callable[[], None]
-"""Ends a lock; closing the file does so, too, where the file itself is locked."""
+"""Function that ends a lock. If the file itself is locked, closing it also ends the lock."""
 
 BESIDE = ".held"
-"""What is appended to the name of a file for the database that is locked in its place."""
+"""Suffix of the SQLite database that is locked in place of a file."""
 LONGEST_WAIT = 3600.0
-"""s after which waiting for another program's lock is given up, where a database is locked; a file
-is waited for as long as it takes."""
+"""Longest wait (s) for another program's lock on an SQLite database. The wait for a lock on a file
+itself has no limit."""
 OPEN = getattr(os, "O_BINARY", 0)
-"""Flag for `os.open` that leaves line breaks as they are; only Windows needs it."""
+"""Flag for `os.open` that prevents the conversion of line breaks; only Windows needs it."""
 
 
 def _system_locks() -> ModuleType | None:
@@ -50,10 +50,10 @@ def lock(fd: int, path: Path, wait: bool) -> Release | None:
     Args:
         fd: The open file.
         path: Its path.
-        wait: True waits until others end their lock.
+        wait: True waits until another program ends its lock.
 
     Returns:
-        What ends the lock; None if another program holds it.
+        Function that ends the lock; None if another program holds the lock.
 
     Raises:
         OSError: The file cannot be locked.
@@ -68,7 +68,7 @@ def lock(fd: int, path: Path, wait: bool) -> Release | None:
 
 
 def _lock_beside(path: Path, wait: bool) -> Release | None:
-    """Locks the database beside a file."""
+    """Locks the SQLite database beside a file."""
     beside = f"{path}{BESIDE}"
     held = sqlite3.connect(
         beside,
@@ -87,7 +87,7 @@ def _lock_beside(path: Path, wait: bool) -> Release | None:
 
 
 def _nothing() -> None:
-    """The lock ends when the file is closed."""
+    """Does nothing: the lock ends when the file is closed."""
 
 
 def flush(fd: int) -> None:
@@ -97,7 +97,7 @@ def flush(fd: int) -> None:
 
 def sync_file(path: Path) -> None:
     """Flushes a file to the disk, so that its content survives a power cut."""
-    # Windows flushes only files that may be written.
+    # Windows can flush only files that are open for writing.
     fd = os.open(path, (os.O_RDWR if os.name == "nt" else os.O_RDONLY) | OPEN)
     try:
         os.fsync(fd)
@@ -108,7 +108,7 @@ def sync_file(path: Path) -> None:
 def sync_folder(folder: Path) -> None:
     """Flushes new names in a folder to the disk, so that they survive a power cut."""
     if os.name == "nt":
-        # Windows opens no folders; NTFS keeps its names in a journal of its own.
+        # Windows cannot open folders. NTFS writes new names to its own journal.
         return
     fd = os.open(folder, os.O_RDONLY)
     try:
@@ -118,22 +118,24 @@ def sync_folder(folder: Path) -> None:
 
 
 def this_program() -> str:
-    """Process and machine, for the message of another program that wants a lock."""
+    """Process and machine, for the message of another program that waits for a lock."""
     return f"process {os.getpid()} on {platform.node()}"
 
 
 def why(error: OSError | RuntimeError) -> str:
-    """The reason of an error of a path; `Path.resolve` raises a `RuntimeError` for a loop of links
-    in Python before 3.13."""
+    """The reason of an error with a path.
+
+    Before Python 3.13, `Path.resolve` raises a `RuntimeError` for a loop of links.
+    """
     return (error.strerror or str(error)) if isinstance(error, OSError) else str(error)
 
 
 def resolved(path: Path, option: str) -> Path:
-    """The absolute path behind all links.
+    """The absolute path with all links resolved.
 
     Args:
-        path: A path that need not exist.
-        option: Name of its option, for the message.
+        path: A path; it need not exist.
+        option: Name of the option, for the message.
 
     Raises:
         InputError: Links lead in a circle, or the current folder was deleted.
@@ -142,17 +144,18 @@ def resolved(path: Path, option: str) -> Path:
         return path.resolve()
     except (OSError, RuntimeError) as error:
         raise InputError(
-            "this path leads nowhere", where=f"{option} {path}", got=why(error)
+            "this path cannot be resolved", where=f"{option} {path}", got=why(error)
         ) from None
 
 
 def write_whole(path: Path, text: str, option: str) -> None:
     """Writes a temporary file and renames it, so that incomplete content is never read.
 
-    A link stays, and its target is replaced. A pipe or a device is written itself.
+    If the path is a link, the link stays and its target is replaced. A pipe or a device is written
+    directly.
 
     Raises:
-        InputError: It cannot be written.
+        InputError: The file cannot be written.
     """
     try:
         if path.exists() and not path.is_file():
@@ -166,18 +169,20 @@ def write_whole(path: Path, text: str, option: str) -> None:
         finally:
             new.unlink(missing_ok=True)
     except (OSError, RuntimeError) as error:
-        raise InputError("it cannot be written", where=f"{option} {path}", got=why(error)) from None
+        raise InputError(
+            "the file cannot be written", where=f"{option} {path}", got=why(error)
+        ) from None
 
 
 def check_whole(path: Path | None, option: str) -> None:
-    """Checks, before anything is run, that `write_whole` will find room for its temporary file.
+    """Checks, before a long run, that `write_whole` can create its temporary file.
 
     Args:
-        path: The file; None needs none.
+        path: The file; None needs no check.
         option: Name of the option, for the message.
 
     Raises:
-        InputError: No file can be made in its folder.
+        InputError: No file can be created in the folder of the file.
     """
     if path is None or (path.exists() and not path.is_file()):
         return
@@ -187,15 +192,15 @@ def check_whole(path: Path | None, option: str) -> None:
         new.unlink()
     except (OSError, RuntimeError) as error:
         raise InputError(
-            "nothing can be made in the folder of this file, which is written beside it first",
+            "no file can be created in the folder of this file",
             where=f"{option} {path}",
             got=why(error),
-            remedy="Name a file in a folder of yours",
+            remedy="Name a file in a folder in which you can write",
         ) from None
 
 
 def _temporary(path: Path) -> Path:
-    """A temporary file that no other run takes."""
+    """Path of a temporary file with a random name."""
     return path.with_name(f"{path.name}.{token_hex(4)}.new")
 
 
@@ -203,11 +208,11 @@ def home() -> Path:
     """The home folder.
 
     Raises:
-        InputError: None is known, as of a user without an account in a container.
+        InputError: The home folder is unknown, as for a user without an account in a container.
     """
     try:
         return Path.home()
     except RuntimeError as error:
         raise InputError(
-            "no home folder is known", got=str(error), remedy="Set HOME to a folder of yours"
+            "no home folder is known", got=str(error), remedy="Set HOME to a folder of your own"
         ) from None

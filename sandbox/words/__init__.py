@@ -1,1 +1,1 @@
-"""Sentences of the page, one file a language."""
+"""Texts of the page, one file per language."""

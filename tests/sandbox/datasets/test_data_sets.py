@@ -257,7 +257,7 @@ def test_a_file_that_is_cut_short_is_said_to_be(npz: Path, tmp_path: Path) -> No
     data = npz.read_bytes()
     for wrong in (data[: len(data) // 2], b"nothing"):
         (tmp_path / "cut.npz").write_bytes(wrong)
-        with pytest.raises(InputError, match="not a whole data set") as error:
+        with pytest.raises(InputError, match="not a complete data set") as error:
             read_npz(tmp_path / "cut.npz")
         assert "\n" not in str(error.value)
     with pytest.raises(InputError, match="cannot be read"):
@@ -389,7 +389,7 @@ def test_a_minari_export_that_fails_in_its_second_recording_leaves_no_data_set_a
     words = ["export", str(recordings), "--to", "minari", "--name", name]
     assert main(words) == 2
     (line,) = capsys.readouterr().err.strip().splitlines()
-    assert "it cannot be written" in line and "No space left on device" in line
+    assert "the data set cannot be written" in line and "No space left on device" in line
     assert not minari.list_local_datasets() and not (tmp_path / "sets" / name).exists()
     errors[0] = KeyboardInterrupt()
     with pytest.raises(KeyboardInterrupt):
@@ -399,7 +399,7 @@ def test_a_minari_export_that_fails_in_its_second_recording_leaves_no_data_set_a
     monkeypatch.setenv("MINARI_DATASETS_PATH", str(tmp_path / "file" / "sets"))
     assert main(words) == 2
     (line,) = capsys.readouterr().err.strip().splitlines()
-    assert "it cannot be written" in line
+    assert "the data set cannot be written" in line
 
 
 @pytest.mark.needs("datasets")

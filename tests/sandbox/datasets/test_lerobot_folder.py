@@ -158,7 +158,7 @@ def test_a_data_set_that_is_cut_short_is_said_to_be(folder: Path, tmp_path: Path
         shutil.copytree(folder, copy)
         file = next((copy / wrong).rglob("*.parquet")) if wrong == "data" else copy / wrong
         file.write_bytes(file.read_bytes()[: file.stat().st_size // 2])
-        with pytest.raises(InputError, match="not a whole data set") as error:
+        with pytest.raises(InputError, match="not a complete data set") as error:
             read_lerobot(copy)
         assert "\n" not in str(error.value)
         file.unlink()
