@@ -121,7 +121,7 @@ def capture_of_hands(
         options: `CaptureOptions`.
         surface: Touch surface of --surface, or None.
         rules: Rules for dropping frames and contacts.
-        report: Collects counts of what was dropped.
+        report: Collects counts of dropped data.
 
     Raises:
         InputError: The recordings are unusable, or are not of the same session.
@@ -297,7 +297,7 @@ def capture_of_pictures(
         options: `CaptureOptions` with `recorded`.
         surface: Touch surface of --surface, or None.
         rules: Rules for dropping frames and contacts.
-        report: Collects counts of what was dropped.
+        report: Collects counts of dropped data.
 
     Raises:
         InputError: The recordings are unusable, or are not of the same session.

@@ -1,1 +1,1 @@
-"""Checks of this machine, with remedies for failed ones (`sandbox doctor`)."""
+"""Checks of this machine, with remedies for failed checks (`sandbox doctor`)."""

@@ -29,7 +29,7 @@ USES = {
     "ray": "regression runs on a cluster",
     "gym": "tasks as Gymnasium environments",
     "datasets": "data sets of demonstrations for Minari and LeRobot",
-    "robots": "hands of robots in the place of ours: Shadow, Adroit",
+    "robots": "robot hands in place of the human hand: Shadow, Adroit",
     "bullet": "comparison with Bullet",
     "evdev": "Linux touch screens and trackpads",
     "lsl": "streams to the Lab Streaming Layer",

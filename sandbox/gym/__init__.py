@@ -63,7 +63,7 @@ def _check_own(spec: EnvSpec, task: str) -> None:
     """Checks that an id is registered for this task.
 
     Args:
-        spec: What is registered under the id.
+        spec: Specification that is registered under the id.
         task: Name or place of the task.
 
     Raises:

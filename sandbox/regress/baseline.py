@@ -361,7 +361,7 @@ def replaceable(path: Path) -> Baseline | None:
     # Reading a pipe would wait for its writer.
     if not (path.is_file() and _is_ours(read_bytes(path, InputError, what=what))):
         raise InputError(
-            "this file is no baseline, and is not replaced by one",
+            "this file is no baseline, so it is not replaced",
             where=str(path),
             expected="a file that --update-baseline wrote, or a new file",
             remedy="Name another file, or remove this file",

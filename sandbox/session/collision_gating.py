@@ -60,8 +60,8 @@ creeps by 0.8 mm in 5 s if softness comes from a lower impedance, and by 0.1 mm 
 from the time constant (measured at db485e42)."""
 SOFT_TOLERANCE = 1e-11
 """Solver tolerance while contacts are soft. The residual at MuJoCo's default of 1e-8 is negligible
-with hard contacts, but with soft ones it rocks an object held by two fingers. The lower tolerance
-takes no measurable time."""
+with hard contacts, but with soft contacts it rocks an object held by two fingers. The lower
+tolerance takes no measurable time."""
 CHANGE = 0.2
 """Duration (s) of a change from hard to soft contacts, or from soft to hard ones."""
 

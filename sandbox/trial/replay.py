@@ -99,14 +99,14 @@ def settings_of(recording: Recording) -> Settings:
         remedy = "Use the version of the sandbox that its header names"
         if "encoder" in changed and "encoder_from" in header:
             remedy = (
-                "Put the encoder's file back as it was; its libraries or the machine may differ, "
-                "too. For replays on other machines, train it once with `sandbox train --encoder` "
-                "into a model file"
+                "Restore the encoder's file as it was. If it is unchanged, its libraries or the "
+                "machine differ: for replays on other machines, train it once with `sandbox train "
+                "--encoder` into a model file"
             )
         elif "encoder" in changed and Path(settings.pipeline.encoder).is_file():
-            remedy = "Put the model file, or the code of its encoder, back as it was"
+            remedy = "Restore the model file, or the code of its encoder, as it was"
         raise RecordingError(
-            f"its {' and '.join(changed) or 'encoder'} of the same name changed since it was made",
+            f"its {' and '.join(changed) or 'encoder'} changed since the recording was made",
             where=where,
             got=", ".join(str(here.get(name)) for name in changed),
             expected=", ".join(str(before.get(name)) for name in changed) or str(there),

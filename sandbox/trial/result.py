@@ -154,7 +154,7 @@ class TrialResult(msgspec.Struct, frozen=True, kw_only=True):
         ),
     ]
     reason: Annotated[
-        str, _field("", "what was missing at the end", JOURNAL, TABLE, REGRESS, SHARED)
+        str, _field("", "why the goal was not reached at the end", JOURNAL, TABLE, REGRESS, SHARED)
     ]
     diverged: Annotated[
         str, _field("", "why the simulation diverged; empty if it did not", JOURNAL, SHARED)

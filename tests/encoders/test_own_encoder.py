@@ -471,7 +471,7 @@ def test_a_recording_whose_encoder_has_changed_or_is_gone_is_refused(tmp_path: P
     whole = record.read_text()
     digest = json.loads(whole.splitlines()[0])["digests"]["encoder"]
     record.write_text(whole.replace(digest, "0" * 32))
-    with pytest.raises(RecordingError, match=r"name changed.*sandbox train --encoder"):
+    with pytest.raises(RecordingError, match=r"encoder changed.*sandbox train --encoder"):
         settings_of(load_recording(record))
     record.write_text(whole.replace("lab.py", "gone.py"))
     with pytest.raises(RecordingError, match=r"not on this machine.*Put gone\.py back"):

@@ -135,7 +135,7 @@ def test_a_capture_with_every_set_in_one_take_still_tests_what_can_be_tested(
     twice = list(first.values()) + list(last.values())[:-6]
     save_capture(whole.select(np.isin(whole.trial, twice)), folder / "once.npz")
     assert main(["evaluate", "--encoders", "pca-ik", "linear", *argv]) == 0
-    assert "one take alone has their fingers" in capsys.readouterr().err
+    assert "only one take has their set of fingers" in capsys.readouterr().err
 
 
 RAISES = """
@@ -184,7 +184,7 @@ def test_a_model_is_not_tested_on_the_capture_that_it_learned_from(
     error = refused(
         capsys, "--encoders", str(folder / "learned.npz"), "--capture", str(test), "--no-copas"
     )
-    assert "would be tested on the frames it learned from" in error and "--train split" in error
+    assert "would be tested on its training frames" in error and "--train split" in error
 
 
 def test_nothing_is_tested_on_the_frames_it_learned_from(

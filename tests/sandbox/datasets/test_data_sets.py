@@ -215,8 +215,8 @@ def bad_inputs() -> dict[str, tuple[str, str, str]]:
     """What is wrong -> the file's name, --to, and what is said."""
     return {
         "cut short": ("cut.jsonl", "set.npz", "needs a whole recording"),
-        "another task": ("other.jsonl", "set.npz", "of another one"),
-        "no success": ("idle.jsonl", "set.npz", "none of a success"),
+        "another task": ("other.jsonl", "set.npz", "must have equal tasks"),
+        "no success": ("idle.jsonl", "set.npz", "none with success"),
         "no such file": ("nothing.jsonl", "set.npz", "no such recording"),
         "not a recording": ("text.jsonl", "set.npz", "not a recording"),
         "no folder": ("6000.jsonl", "nowhere/set.npz", "cannot be written"),
@@ -446,7 +446,7 @@ def test_a_recording_whose_header_lacks_versions_is_one_clear_error(
         for words in (["replay", str(file)], ["export", str(file), "--to", f"{tmp_path}/a.npz"]):
             assert main(words) == 2
             (line,) = capsys.readouterr().err.strip().splitlines()
-            assert "does not say which versions" in line and "old.jsonl" in line
+            assert "has no versions" in line and "old.jsonl" in line
 
 
 def test_a_data_set_of_a_task_in_a_file_gives_its_environment_from_any_folder(

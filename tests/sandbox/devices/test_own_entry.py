@@ -91,7 +91,7 @@ def test_its_option_moves_its_fingers_and_is_in_the_header(sticks: Sticks, tmp_p
         (["--leap-at", "0,0,0"], ["option of another device", "--leap-at", "--device leap"]),
         (["--device", "tuio", "--grab"], ["option of another device", "--device evdev"]),
         (["--device", "web", "--port", "3"], ["option of another device", "--device tuio"]),
-        (["--device", "tuio", "--fingers", "3"], ["only a simulated user", "--fingers"]),
+        (["--device", "tuio", "--fingers", "3"], ["for simulated users only", "--fingers"]),
     ],
     ids=lambda words: " ".join(words[-2:]),
 )

@@ -242,7 +242,7 @@ def test_what_cannot_be_exported_is_refused_in_one_line(
     )
     capsys.readouterr()
     for line, why in (
-        ([empty], "no hand is seen"),
+        ([empty], "this recording has no hand"),
         ([str(tmp_path / "other.json")], "no usable Leap frames"),
         ([v3, "--hand", "left"], "this hand is not in the recording"),
         ([right, "--hand", "both"], "never shows two hands"),

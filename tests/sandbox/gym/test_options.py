@@ -229,7 +229,7 @@ def test_options_of_a_reset_that_cannot_be_are_refused_in_a_line(
         ({"observe": ["smell"]}, "all, touches, velocities"),
         ({"observe": 3}, "all, touches, velocities"),
         ({"reward": "gold"}, "progress, reach, sparse"),
-        ({"goal": True, "reward": "sparse"}, "a reward of their own"),
+        ({"goal": True, "reward": "sparse"}, "have their own reward"),
         ({"goal": "far"}, "False, True"),
         ({"step": 0.0}, "up to 0.1 m"),
         ({"hand": "middle"}, "right or left"),
@@ -237,10 +237,10 @@ def test_options_of_a_reset_that_cannot_be_are_refused_in_a_line(
         ({"robot": "gripper"}, "shadow"),
         ({"render_mode": "human"}, "rgb_array"),
         ({"variation": Variation(noise=0.001)}, "noise"),
-        ({"settings": "mine"}, "a header's mapping"),
+        ({"settings": "mine"}, "a recording's header"),
         ({"encodr": "cubic"}, "action, labels, observe, .* encoder, "),
         ({"seed": 3}, "action, labels, observe, "),
-        ({"names": "told"}, 'labels="true" takes the place'),
+        ({"names": "told"}, 'Write labels="true"'),
     ],
 )
 def test_what_cannot_be_made_is_refused_with_what_can(wrong: dict[str, Any], says: str) -> None:
@@ -287,8 +287,8 @@ def test_what_is_wrong_with_an_action_is_said(env: HandSandboxEnv) -> None:
     nan[4] = np.nan
     for action, says in (
         (np.zeros(14), r"shape \(14,\).*shape \(15,\)"),
-        (nan, "number 4.*not finite.*0 to 0.19"),
-        (["left"] * 15, "made of numbers"),
+        (nan, "action.4.*not finite.*0 to 0.19"),
+        (["left"] * 15, "not an array of numbers"),
     ):
         with pytest.raises(InputError, match=says):
             env.step(action)

@@ -131,8 +131,8 @@ def test_play_leaves_a_profile_as_it_is_unless_it_is_asked_to_learn(path: Path) 
     ("more", "says"),
     [
         ({"labels": "paper"}, "--labels population"),
-        ({"device": "mouse"}, "no fingers"),
-        ({"device": "leap"}, "no fingers"),
+        ({"device": "mouse"}, "fingers on a touch surface"),
+        ({"device": "leap"}, "fingers on a touch surface"),
         ({"profile": "none"}, "no profile"),
         ({"device": "simulated"}, "simulated"),
     ],

@@ -119,7 +119,7 @@ def test_a_task_without_a_hard_arm_is_played_plain_and_refused_alone(
 
 
 def test_a_hard_arm_has_no_other_variation() -> None:
-    with pytest.raises(InputError, match="a variation of its own"):
+    with pytest.raises(InputError, match="has its own variation"):
         RegressionPlan(("quick",), (0,), {"vary": "noise=1"}, arms=ARMS["both"])
 
 

@@ -96,7 +96,7 @@ def test_hands_over_a_live_leap_are_where_the_device_sees_them(sides: tuple[str,
         (["{leap}", "--hand", "both"], "never shows two hands"),
         (["--device", "tuio", "--hand", "both"], "both hands can be streamed from a Leap"),
         (["--device", "{leap}", "--task", "stack", "--hand", "both"], "without a task"),
-        (["{none}"], "no hand is seen"),
+        (["{none}"], "this recording has no hand"),
     ],
 )
 def test_what_cannot_be_streamed_is_refused_in_one_line(

@@ -202,7 +202,7 @@ def test_a_palm_that_is_to_stay_stays_while_the_fingers_move() -> None:
         (["a0", "a1"], "in the chain of another"),
         (["a3"], "has no joint below it"),
         (["a0", "b0", "c0", "d0", "e0", "g0"], "1 to 5 chains"),
-        (["still0"], "in one place"),
+        (["still0"], "at the same place"),
     ],
 )
 def test_chains_that_cannot_follow_a_hand_are_refused_in_words_and_leave_nothing(

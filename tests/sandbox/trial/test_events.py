@@ -86,7 +86,7 @@ def test_events_that_nobody_ever_reads_are_told_of_at_the_end(
     log = EventLog(path)
     for _ in range(3000):
         log.write("warning", what="x" * 100)
-    with pytest.raises(InputError, match=r"events were lost.*took nothing"):
+    with pytest.raises(InputError, match=r"events were lost.*read nothing"):
         log.close()
     os.close(reader)
 

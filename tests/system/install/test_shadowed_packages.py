@@ -161,7 +161,7 @@ def test_another_package_s_files_among_ours_are_told_in_one_line(
     command = python("-m", "sandbox", "--version", **call)
     (line,) = command.stderr.splitlines()
     assert command.returncode == 0
-    assert line.startswith("sandbox: another package") and "environment of its own" in line
+    assert line.startswith("sandbox: another package") and "in its own environment" in line
 
 
 @pytest.mark.parametrize("file", ["models/__init__.py", "tasks/task.py"])
