@@ -115,7 +115,8 @@ def _own_labels(report: Report) -> Table:
 
 
 def _table_2(report: Report) -> Table:
-    table = Table(title="Table 2: frames with all fingers named right, %", title_justify="left")
+    title = "Table 2: frames with all fingers labelled correctly, %"
+    table = Table(title=title, title_justify="left")
     table.add_column("method")
     for column in ("1 (first)", "1 (stayed)", "2", "3", "4", "5", "2-5"):
         table.add_column(column, justify="right")

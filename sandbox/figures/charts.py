@@ -119,7 +119,7 @@ def errors(report: Report) -> Figure:
             _marks(axis, known, 0.36)
             axis.set_ylabel(title)
         axes[-1].set_xticks(range(len(methods)), list(methods))
-        _finish(made, axes[0], "Table 1: errors, and 95 % over takes", source(report))
+        _finish(made, axes[0], "Table 1: errors, with 95 % intervals over takes", source(report))
     return made
 
 
@@ -151,10 +151,11 @@ def labels(report: Report) -> Figure:
                     if row(n) in paper
                 ]
         _marks(axis, known, 0.5 * width)
-        axis.set_ylabel("frames named right, %")
+        axis.set_ylabel("frames labelled correctly, %")
         axis.set_ylim(0, 105)
         axis.set_xticks(range(len(methods)), list(methods))
-        _finish(made, axis, "Table 2: fingers named right, and 95 % over takes", source(report))
+        title = "Table 2: fingers labelled correctly, with 95 % intervals over takes"
+        _finish(made, axis, title, source(report))
     return made
 
 

@@ -2,7 +2,7 @@
 
 With OpenGL, hands are drawn as in the program; without it, as bones. All hands of a row are seen
 from the same place. For every number of fingers, the frame with the median error is drawn, where
-the error is averaged over the methods. Nobody selects frames by hand.
+the error is averaged over the methods. No frame is selected by a person.
 """
 
 from __future__ import annotations

@@ -114,7 +114,7 @@ class Moment:
     Attributes:
         session: The session.
         snapshot: Its current snapshot.
-        hands: The agent's devices, hand by hand.
+        hands: The agent's devices, one for each hand.
     """
 
     session: Session
@@ -339,7 +339,9 @@ class Observing:
 
 
 def check_counts(task: Task, space: spaces.Dict) -> None:
-    """Checks that a trial has as many objects and goals as the space, made from another trial.
+    """Checks that a trial has as many objects and goals as the environment's space.
+
+    The space was made from another trial.
 
     Without the check, NumPy would broadcast a single object to the expected number.
 

@@ -621,7 +621,7 @@ class Recording:
     Attributes:
         path: File of the recording.
         header: Header in the current format (see `read_header`).
-        inputs: Inputs by hand, in order.
+        inputs: Inputs of each hand, in order, by the hand's index.
         keyframes: Integration states by physics step.
         events: Events in order.
         hashes: State hashes by physics step, for the steps with a hash in the file.

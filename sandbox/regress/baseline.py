@@ -61,7 +61,7 @@ class BaselineTask:
         depends_on: Parts of the fingerprint, by the names of `versions.DECISIVE`; empty if unknown.
         trials: Results by seed.
         repeats: Second results of some seeds, with a harmless change. They measure churn
-            (`sandbox.regress.power`).
+            (`sandbox.regress.detectable_changes`).
         vary: The variation; empty in the plain arm.
     """
 

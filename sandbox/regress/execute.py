@@ -233,7 +233,7 @@ def _work(line: Connection) -> None:
     """A worker's loop: a job, its result, and the next job, until the pipe is closed."""
     for number in SIGNALS:
         signal.signal(number, signal.SIG_IGN)
-    # The pipe breaks if the parent process is killed. It then needs no result.
+    # If the parent process is killed, the pipe breaks, and no result is needed any more.
     with suppress(EOFError, ConnectionError):
         while True:
             line.send(_answer(line))

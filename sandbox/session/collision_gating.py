@@ -85,7 +85,7 @@ def contact_mode(name: str) -> ContactMode:
 
 
 class ContactModes:
-    """The contact mode of a scene's hands, written into its model step by step.
+    """Writes the contact mode of a scene's hands into the scene's model, step by step.
 
     Args:
         scene: The scene; its model must not be shared with another session.

@@ -295,7 +295,7 @@ def bent(sizes: Sequence[float], way: Vector, back: Vector) -> List[Vector]:
             -sum(size * math.sin(i * angle) for i, size in enumerate(sizes)),
         )
 
-    # The distance of the end falls with the angle, up to this angle at most.
+    # The end comes nearer as the angle grows, up to the angle `high`.
     low, high = 0.0, 2.0 * math.pi / max(len(sizes), 2)
     for _ in range(40):
         middle = 0.5 * (low + high)

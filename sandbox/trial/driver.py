@@ -590,7 +590,7 @@ class LiveRun:
             self.failure = error
 
     def _wait_while_paused(self) -> bool:
-        """Waits while the trial is paused; True if it was."""
+        """Waits while the trial is paused; returns True if it was paused."""
         if self._running.is_set():
             return False
         self._running.wait()
