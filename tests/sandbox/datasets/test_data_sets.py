@@ -214,7 +214,7 @@ def test_names_are_those_that_minari_reads() -> None:
 def bad_inputs() -> dict[str, tuple[str, str, str]]:
     """What is wrong -> the file's name, --to, and what is said."""
     return {
-        "cut short": ("cut.jsonl", "set.npz", "needs a whole recording"),
+        "cut short": ("cut.jsonl", "set.npz", "needs a complete recording"),
         "another task": ("other.jsonl", "set.npz", "must have equal tasks"),
         "no success": ("idle.jsonl", "set.npz", "none with success"),
         "no such file": ("nothing.jsonl", "set.npz", "no such recording"),

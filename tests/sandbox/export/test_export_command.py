@@ -267,7 +267,7 @@ def test_what_cannot_be_exported_is_refused_in_one_line(
         ([str(tmp_path), "--to", "a.csv", "--euler", "XYZ"], "--euler: this option has no effect"),
         ([str(tmp_path / "notes.txt"), "--to", out], "neither a recording nor a capture"),
         ([str(tmp_path / "zip.npz"), "--to", out], "zip.npz"),
-        ([str(tmp_path / "empty.jsonl"), "--to", out], "holds no poses"),
+        ([str(tmp_path / "empty.jsonl"), "--to", out], "has no poses"),
         ([str(tmp_path / "other.jsonl"), "--to", out], "another version"),
         ([str(tmp_path / "scene.jsonl"), "--to", out], "another scene"),
         ([run, "--to", str(tmp_path / "out.fbx")], "--out FILE, and stream the recording"),

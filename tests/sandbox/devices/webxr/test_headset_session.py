@@ -41,7 +41,7 @@ def test_the_simulated_person_succeeds(task: str, hand: Literal["left", "right"]
 
 
 def test_a_headset_is_the_first_device() -> None:
-    with pytest.raises(InputError, match="comes first"):
+    with pytest.raises(InputError, match="must be the first hand"):
         trial_settings(TrialOptions(device="tuio", second_device="webxr"))
 
 
