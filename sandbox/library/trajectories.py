@@ -107,8 +107,9 @@ class TouchTable:
 class Trajectories:
     """Trajectories of a trial; T control periods of 16 ms.
 
-    Positions of objects and fingertips are one physics step (2 ms) older than `time` and `q`, as in
-    views and study tables, because MuJoCo computes the positions of bodies at the start of a step.
+    Positions of objects and fingertips are one physics step (2 ms) older than `time` and `q`, since
+    MuJoCo computes the positions of bodies at the start of a step. This is also so in views and in
+    the tables of studies.
 
     Attributes:
         time: (T,) s of simulated time since the trial's start, at the end of each period.

@@ -103,9 +103,9 @@ def _differing(differences: ArrayLike) -> NDArray[np.float64]:
 def typical_change(*samples: ArrayLike) -> tuple[float, float, float]:
     """The Hodges-Lehmann estimate of the shift, and its interval (estimate, low, high).
 
-    The estimate is the median of the means of any two differences of a sample, computed over pairs
-    that differ, times the share of these pairs among all pairs. Its sign agrees with `signed_rank`,
-    and single large differences do not change it.
+    Only pairs that differ are used for the median of the means of any two differences of a sample.
+    The estimate is this median, multiplied by the share of these pairs among all pairs. Its sign
+    agrees with `signed_rank`, and single large differences do not change it.
 
     Args:
         samples: Differences (n,) of pairs, one array per sample, n at least 1.

@@ -1,8 +1,8 @@
 """Logs of a live session: its events as JSON lines, and the latencies of its touches.
 
-Events are in order and complete, for scripts that drive a session. Latencies cover the time from
-the arrival of a touch at this program until a picture is passed to the screen of the window or the
-page (see `LatencyLog`). They exclude the delays of the touch screen and of the display.
+Events are in order and complete, for scripts that drive a session. Latencies begin when a touch
+arrives at this program, and end when a picture is passed to the screen of the window or the page
+(see `LatencyLog`). They exclude the delays of the touch screen and of the display.
 """
 
 from __future__ import annotations

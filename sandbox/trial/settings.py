@@ -1,9 +1,9 @@
 """Settings of a trial: one nested value, from the command line to a recording's header.
 
 To add a setting, add a field with its docstring to `PipelineSettings` or `PhysicsSettings`. The
-setting is then an option of the command line with the same name and a possible setting of a study's
-design, `sandbox regress` sends it to its workers, and a recording's header stores it. Files that
-are older than the field lack it. The field declares its value for these files:
+command line then has an option of the same name, and a study's design may contain the setting.
+`sandbox regress` sends it to its workers, and a recording's header stores it. Files that are older
+than the field lack it. The field declares its value for these files:
 `field(default=..., metadata={BEFORE: value})`.
 """
 
