@@ -134,9 +134,9 @@ class RegressOptions(SecondOptions, ConditionOptions):
     """File for a plot of the results of --vary, .png or .svg (extra `plots`)."""
 
     film_lost: Annotated[Path | None, Parameter(metavar="DIR")] = None
-    """New or empty folder for films of the trials with the largest changes in each loss. A page
-    in it shows each film beside one of the baseline's program, and has the command that makes the
-    latter."""
+    """New or empty folder for films of the trials with the largest changes in each loss. A page in
+    the folder shows the film of each trial beside a film by the baseline's program, and has the
+    command that makes this second film."""
 
     record: Annotated[Path | None, Parameter(metavar="DIR")] = None
     """New or empty folder for a recording of every trial that fails."""

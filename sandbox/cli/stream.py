@@ -400,7 +400,9 @@ def _session(options: StreamOptions, console: Console) -> tuple[Settings, Device
     page = open_page_touches(picked(TouchOptions, options), console, PAGE_PATIENCE)
     if page is None:
         raise InputError(
-            f"no browser has opened the page within {PAGE_PATIENCE:g} s", where="--device web"
+            f"no browser has opened the page within {PAGE_PATIENCE:g} s",
+            where="--device web",
+            remedy="Run the command again, and open the printed link in a browser",
         )
     size = (page.surface.width_in, page.surface.height_in)
     return chosen.changed(size_in=size), (lambda task, surface: page,)

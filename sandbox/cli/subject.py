@@ -64,7 +64,10 @@ def main(argv: list[str]) -> int:
         save_capture(capture, options.out, np.float32)
     except OSError as error:
         raise InputError(
-            "the capture cannot be written", where=f"--out {options.out}", got=str(error)
+            "the capture cannot be written",
+            where=f"--out {options.out}",
+            got=str(error),
+            remedy="Name another file",
         ) from error
     fingers = capture.down.sum(axis=1)
     split = ", ".join(f"{(fingers == n).sum():,} with {n}" for n in range(2, 6))

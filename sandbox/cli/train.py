@@ -86,7 +86,10 @@ def main(argv: list[str]) -> int:
         return _train_encoder(options, capture, console)
     except OSError as error:
         raise InputError(
-            "the model cannot be written", where=f"--out {options.out}", got=str(error)
+            "the model cannot be written",
+            where=f"--out {options.out}",
+            got=str(error),
+            remedy="Name another file",
         ) from error
 
 

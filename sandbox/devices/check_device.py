@@ -171,11 +171,17 @@ def _check_cancelled(
     """
     if both := frame.cancelled & ids:
         raise DeviceError(
-            "an id is cancelled and among the contacts", where=where, got=str(sorted(both))
+            "an id is cancelled and among the contacts",
+            where=where,
+            got=str(sorted(both)),
+            remedy="Leave cancelled touches out of `contacts`",
         )
     if present is not None and (unknown := frame.cancelled - present):
         raise DeviceError(
-            "an id is cancelled that was no contact before", where=where, got=str(sorted(unknown))
+            "an id is cancelled that was no contact before",
+            where=where,
+            got=str(sorted(unknown)),
+            expected="ids of contacts of the previous frame",
         )
 
 
@@ -210,11 +216,19 @@ def _check_words(device: AnyDevice, where: str) -> None:
     """
     name: object = device.name
     if not (isinstance(name, str) and name and name.isprintable()):
-        raise DeviceError("the device has no name", where=where, got=repr(name)[:60])
+        raise DeviceError(
+            "the device has no name",
+            where=where,
+            got=repr(name)[:60],
+            expected="`name`, a text that can be printed",
+        )
     finished: object = device.finished
     if not isinstance(finished, bool):
         raise DeviceError(
-            "`finished` is neither true nor false", where=where, got=repr(finished)[:60]
+            "`finished` is neither true nor false",
+            where=where,
+            got=repr(finished)[:60],
+            expected="True or False",
         )
 
 
@@ -235,10 +249,18 @@ def _watch(
         got = _poll(device, where, step * PERIOD)
         if over and got:
             raise DeviceError(
-                "a frame comes after the device had finished", where=where, got=repr(got[0])[:80]
+                "a frame comes after the device had finished",
+                where=where,
+                got=repr(got[0])[:80],
+                remedy="`finished` becomes true only after `poll` has returned the last frame",
             )
         if twice := [frame for frame in got if any(frame is old for old in frames)]:
-            raise DeviceError("a frame comes twice", where=where, got=repr(twice[0])[:80])
+            raise DeviceError(
+                "a frame comes twice",
+                where=where,
+                got=repr(twice[0])[:80],
+                remedy="`poll` returns only frames since the last call",
+            )
         frames += got
     return frames
 
@@ -318,7 +340,11 @@ def _open(
             return open_device.open(open_device.options(), Place(surface))
         if isinstance(open_device, str):
             if find_device(open_device) is None:
-                raise DeviceError("no such device", got=open_device)
+                raise DeviceError(
+                    "no such device",
+                    got=open_device,
+                    expected="a name, FILE.py:CLASS or MODULE:CLASS, as for --device",
+                )
             return DeviceSettings.of(open_device).open(Place(surface))
         return open_device(surface, "") if isinstance(open_device, type) else open_device(surface)
 

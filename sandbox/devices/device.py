@@ -596,7 +596,7 @@ class LatestFrame:
         cancelled.
 
         Args:
-            frames: Oldest first, of one kind.
+            frames: Frames of one kind, oldest first.
             time: s, session time.
         """
         last = frames[-1] if frames else self.frame

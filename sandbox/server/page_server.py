@@ -254,7 +254,7 @@ class PageServer(ServerThread):
         await self._pages.part()
 
     def _process(self, connection: ServerConnection, request: Request) -> Response | None:
-        """Accepts or refuses a request, and answers those for files."""
+        """Accepts or refuses a request; returns the response, or None to open a WebSocket."""
         if not self._limits.judge(connection):
             return plain(HTTPStatus.SERVICE_UNAVAILABLE, self._words(request)["too_many_pages"])
         wants_socket = request.headers.get("Upgrade", "").lower() == "websocket"

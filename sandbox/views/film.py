@@ -231,5 +231,8 @@ def _write_picture(picture: Image.Image, target: Path) -> None:
         picture.save(target)
     except OSError as error:
         raise InputError(
-            "a picture cannot be written here", where=str(target), got=error
+            "a picture cannot be written here",
+            where=str(target),
+            got=error,
+            remedy="Name another folder",
         ) from error

@@ -72,7 +72,12 @@ def open_film(path: Path, size: tuple[int, int], fps: float) -> FilmFile:
     try:
         part.touch()
     except OSError as error:
-        raise InputError("a film cannot be written here", where=str(path), got=error) from error
+        raise InputError(
+            "a film cannot be written here",
+            where=str(path),
+            got=error,
+            remedy="Name another folder",
+        ) from error
     part.unlink()
     if kind == ".mp4":
         return _Mp4(path, part, size, fps)
@@ -225,7 +230,7 @@ def durations(frames: int, fps: float, unit: int, stride: int = 1) -> list[int]:
         frames: Number of frames of the film.
         fps: Frames per second of the film.
         unit: Unit of durations in the format, ms.
-        stride: One frame of this number is in the file, and is also shown for the others.
+        stride: The file has one of this number of frames, and shows it for all of them.
     """
     starts = [*range(0, frames, stride), frames]
     ends = [round(i * 1000.0 / fps / unit) * unit for i in starts]

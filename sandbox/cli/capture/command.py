@@ -242,7 +242,10 @@ def _write(options: CaptureOptions, capture: Capture) -> None:
         save_capture(capture, options.out)
     except OSError as error:
         raise InputError(
-            "the capture cannot be written", where=f"--out {options.out}", got=str(error)
+            "the capture cannot be written",
+            where=f"--out {options.out}",
+            got=str(error),
+            remedy="Name another file",
         ) from error
 
 
@@ -285,7 +288,12 @@ def _checked(options: CaptureOptions) -> Path:
                 "out of range", where=name, got=value, expected=f"above 0, below {greatest:g}"
             )
     if not np.isfinite(options.offset):
-        raise InputError("not a number of seconds", where="--offset", got=options.offset)
+        raise InputError(
+            "the offset is not finite",
+            where="--offset",
+            got=options.offset,
+            expected="a number of seconds",
+        )
     return hands[0]
 
 

@@ -61,7 +61,7 @@ SILENT = 10.0
 REMEDY = {
     "touches": "`sandbox touches show` gives hints on what to check",
     "hand": "`sandbox paalm show --device leap` shows what the Leap sees",
-    "camera": "The camera's page says in its one line what is missing",
+    "camera": "The camera's page shows the reason in its status line",
 }
 """Kind of data -> next step if none of it arrives."""
 PICTURE_WIDTH = 640
@@ -249,7 +249,9 @@ def main(argv: list[str]) -> int:
     named_device(options.touches, "--touches")
     for name, value in (("--seconds", options.seconds), ("--each", options.each)):
         if not value > 0.0:
-            raise InputError("expected a positive time", where=name, got=value)
+            raise InputError(
+                "the time is not positive", where=name, got=value, expected="seconds, above 0"
+            )
     check_new(options.out)
     hands = _hands(options)
     try:

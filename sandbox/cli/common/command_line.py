@@ -337,7 +337,11 @@ def _no_option(
 
         if devices := devices_with_option(word.removeprefix("--").replace("-", "_")):
             if any(each.removeprefix("--device=") in devices for each in argv):
-                return InputError("this command does not accept options of devices", where=word)
+                return InputError(
+                    "this command does not accept options of devices",
+                    where=word,
+                    remedy=help_line,
+                )
             return InputError(
                 "this option belongs to another device",
                 where=word,

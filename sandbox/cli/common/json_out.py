@@ -163,7 +163,10 @@ def write_json(path: Path | None, values: dict[str, Any], sort_keys: bool = Fals
         text = json.dumps(values, indent=1, allow_nan=False, sort_keys=sort_keys)
     except ValueError as error:
         raise InputError(
-            "the result cannot be written as JSON", where=f"--json {path}", got=str(error)
+            "the result cannot be written as JSON",
+            where=f"--json {path}",
+            got=str(error),
+            expected="finite numbers",
         ) from None
     if path == TERMINAL:
         print(text)

@@ -122,7 +122,11 @@ def simulate(
     try:
         (out if many else out.absolute().parent).mkdir(parents=True, exist_ok=True)
     except OSError as error:
-        raise InputError(f"the folder cannot be made: {error}", where=f"--out {out}") from error
+        raise InputError(
+            f"the folder cannot be created: {error}",
+            where=f"--out {out}",
+            remedy="Name another folder",
+        ) from error
     for i, motion in enumerate(motions):
         take = leap_take(turned_take(motion, rotation), seed + i, dialect, drop_outs)
         path = out / f"take-{seed + i:04d}.json" if many else out

@@ -167,7 +167,12 @@ def measure(options: MeasureOptions = MeasureOptions()) -> int:
             expected="tuio, evdev:PATH, simulated, or a file of touches",
         )
     if not options.seconds > 0.0:
-        raise InputError("expected a positive time", where="--seconds", got=options.seconds)
+        raise InputError(
+            "the time is not positive",
+            where="--seconds",
+            got=options.seconds,
+            expected="seconds, above 0",
+        )
     path = options.out or default_path()
     if options.out is None:
         with suppress(OSError):

@@ -220,7 +220,12 @@ def _plan(options: RestOptions) -> Settings:
             expected=f"1 to {MOST}",
         )
     if not options.seconds > 0.0:
-        raise InputError("expected a positive time", where="--seconds", got=options.seconds)
+        raise InputError(
+            "the time is not positive",
+            where="--seconds",
+            got=options.seconds,
+            expected="seconds, above 0",
+        )
     check_output(options.out, "--out")
     sources = {"--device": Path(options.device), "--calibration": options.calibration}
     refuse_replacing(options.out, sources)

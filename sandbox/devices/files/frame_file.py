@@ -76,7 +76,12 @@ class LineFile(Closeable):
                 remedy="Name another file",
             ) from None
         except OSError as error:
-            raise RecordingError("cannot be written", where=str(path), got=error.strerror) from None
+            raise RecordingError(
+                "the file cannot be written",
+                where=str(path),
+                got=error.strerror,
+                remedy="Name another file",
+            ) from None
 
     def write(self, values: Mapping[str, Any]) -> None:
         """Appends a line.
@@ -259,7 +264,9 @@ def read_frame_file(path: Path, unit: str = "", *, ordered: bool = True) -> Fram
                 damage = RecordingError(f"{_DAMAGED}: no time", where=where, remedy=remedy)
                 break
     except OSError as error:
-        raise RecordingError("cannot be read", where=str(path), got=error.strerror) from None
+        raise RecordingError(
+            "the file cannot be read", where=str(path), got=error.strerror
+        ) from None
     if not lines:
         raise damage or RecordingError(
             "the file contains no touches",

@@ -117,7 +117,12 @@ class PairedCaptureWriter(Closeable):
             folder.mkdir(parents=True, exist_ok=True)
             (folder / ABOUT).write_text(json.dumps(about, indent=1) + "\n", encoding="utf-8")
         except OSError as error:
-            raise RecordingError("cannot be written", where=str(folder), got=str(error)) from None
+            raise RecordingError(
+                "the folder cannot be written",
+                where=str(folder),
+                got=str(error),
+                remedy="Name another folder",
+            ) from None
         self._touches, self._hands = LineFile(folder / TOUCHES), LineFile(folder / HANDS)
         self._touches.write(header_record(surface, str(about.get("touches", "touches"))))
         if camera is not None:
@@ -172,7 +177,7 @@ class PairedCaptureWriter(Closeable):
             (self._folder / ABOUT).write_text(text, encoding="utf-8")
         except OSError as error:
             raise RecordingError(
-                "cannot be written", where=str(self._folder), got=str(error)
+                f"{ABOUT} cannot be written", where=str(self._folder), got=str(error)
             ) from None
 
     def close(self) -> None:

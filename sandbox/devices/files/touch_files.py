@@ -120,7 +120,9 @@ def first_line(path: Path) -> dict[str, object]:
     try:
         line = recording_file.first_line(path, _LONGEST_LINE)
     except OSError as error:
-        raise RecordingError("cannot be read", where=str(path), got=error.strerror) from None
+        raise RecordingError(
+            "the file cannot be read", where=str(path), got=error.strerror
+        ) from None
     head = loosely_decoded(line)
     return head if isinstance(head, dict) else {}
 

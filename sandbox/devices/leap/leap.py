@@ -99,7 +99,7 @@ class LeapDevice(HandDevice):
 
     @property
     def counts(self) -> Counter[str]:
-        """Numbers of messages and connections, by what became of them."""
+        """Numbers of messages (used, refused, dropped) and of connections, by kind."""
         with self._new_frame:
             return Counter(self._decoder.counts)
 

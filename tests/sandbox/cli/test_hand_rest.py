@@ -110,7 +110,7 @@ def test_a_left_hand_is_kept_as_one(tmp_path: Path) -> None:
         (("--device", "leap-simulated"), "does not see a person's hand"),
         (("--device", "HAND", "--samples", "0"), "out of range"),
         (("--device", "HAND", "--samples", "2"), "1 of 2 samples"),
-        (("--device", "HAND", "--seconds", "0"), "positive time"),
+        (("--device", "HAND", "--seconds", "0"), "not positive"),
         (("--device", "HAND", "--out", "nowhere/rest.json"), "no such folder"),
         (("--device", "HAND", "--out", "FOLDER"), "this is a folder"),
         (("--device", "HAND", "--out", "HAND"), "would replace a file from which it is made"),

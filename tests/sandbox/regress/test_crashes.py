@@ -168,7 +168,7 @@ class NoNumber(Quick):
 
 
 @pytest.mark.parametrize(
-    ("task", "says"), [(NoPlace, "no room for the box"), (NoNumber, "no finite number")]
+    ("task", "says"), [(NoPlace, "no room for the box"), (NoNumber, "not a finite number")]
 )
 @pytest.mark.parametrize("seeds", ["0:4", "2,0,1,3"])
 def test_a_seed_that_cannot_be_drawn_or_measured_crashes_and_the_others_are_judged(

@@ -89,7 +89,7 @@ def test_a_picture_whose_time_runs_backwards_is_left_out(tmp_path: Path) -> None
 
 
 def test_a_file_without_pictures_is_refused(tmp_path: Path) -> None:
-    with pytest.raises(RecordingError, match="no pictures"):
+    with pytest.raises(RecordingError, match="no usable pictures"):
         read_landmarks(written(tmp_path / "hands.jsonl", []))
 
 
