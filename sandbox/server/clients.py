@@ -438,7 +438,7 @@ class Clients:
 
     @property
     def _seat_is_free(self) -> bool:
-        """True if the last player has been away for too long, or the task does not fit there."""
+        """True if the last player was away for too long, or had a screen too small for the task."""
         kept = self._last_player and time.monotonic() - self._left <= self._seat_timeout
         return not kept or self._trouble is not None
 

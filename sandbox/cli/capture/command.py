@@ -117,7 +117,7 @@ class CaptureOptions:
 
     sync: Literal["clock", "tap"] | None = None
     """Synchronisation. clock: the clocks differ by --offset. tap: the offset is estimated from
-    taps; the command fails if it cannot be. Default: tap for --hands and --recorded, else clock."""
+    taps, or the command fails. Default: tap for --hands and --recorded, else clock."""
 
     offset: Annotated[float, Parameter(metavar="S")] = 0.0
     """For --sync clock: clock of the joints minus clock of the touches, in seconds."""

@@ -1,6 +1,7 @@
 """The layout of `--help`.
 
-For a device that is not on the command line, it prints how to show the options instead of them.
+Instead of the options of a device that is not on the command line, it prints the command that shows
+them.
 """
 
 from __future__ import annotations
