@@ -206,8 +206,8 @@ class DeviceEntry(Generic[O]):
         surface: Returns the surface that the device reports, from its options on the command line
             and its argument; None if it reports no surface.
         command_options: Dataclass of the options on the command line; None if they are `options`.
-            For hands in the air, the class adds the placement and calibration of the device. Its
-            fields give the fields of `options` with the same names.
+            For hands in the air, the class adds the placement and calibration of the device. Fields
+            of `options` get the values of its fields with the same names.
         hand_input: For a device that tracks hands in the air: returns the input settings of a hand
             from the options on the command line, the argument and the hand's side.
         for_second: Returns the options of a second device of this kind, from those of the first,

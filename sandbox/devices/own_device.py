@@ -146,7 +146,7 @@ def _mismatch(device_class: Any, *given: object) -> str:
 
 
 class AdaptedDevice(Device):
-    """Adapter for a device without our base class: supplies the default of each missing member.
+    """Adapter for a device that is not an `AnyDevice`: supplies defaults of missing members.
 
     The device needs `name`, `poll`, `finished` and `close`. Each of its members is read from it at
     every access. A missing member has the default of `AnyDevice`.
@@ -177,7 +177,7 @@ class AdaptedDevice(Device):
 
 
 def adapted(device: Any, where: str) -> AnyDevice:
-    """Returns the device itself if it has our base class, else in an `AdaptedDevice`.
+    """Returns the device itself if it is an `AnyDevice`, else an `AdaptedDevice` around it.
 
     Args:
         device: Object that external code returned as a device.

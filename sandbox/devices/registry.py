@@ -214,8 +214,8 @@ def given_device_options(options: Any) -> dict[str, Any]:
     """Returns the device options, among a command's options, whose values are not the defaults.
 
     Args:
-        options: Object of a dataclass that inherits the options of built-in devices, or those of
-            the device in its field `device`.
+        options: Object of a dataclass. It may inherit options of built-in devices, and those of the
+            device in its field `device`.
     """
     entries = list(DEVICES.values())
     if (named := find_device(getattr(options, "device", "") or "")) is not None:

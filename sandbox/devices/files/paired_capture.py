@@ -36,7 +36,7 @@ from sandbox.devices.leap.leap_file import read_leap
 from sandbox.devices.leap.leap_write import leap_message
 
 UNNAMED = "unnamed"
-"""Pseudonym of a person without a pseudonym."""
+"""Default pseudonym of a person."""
 
 TOUCHES, HANDS, ASKED, ABOUT = "touches.jsonl", "hands.jsonl", "asked.jsonl", "about.json"
 

@@ -1,10 +1,10 @@
 """Decoder of OSC packets; it reads every readable message and raises one kind of error.
 
-It is our own because of hostile packets. python-osc never returns from a bundle with an element of
-negative size, and raises errors of the interpreter for nested bundles and for text that is not
-UTF-8. This decoder is a loop with an explicit stack. Every step consumes bytes, so the work is
-bounded by the size of the packet. A message that cannot be read is left out, the other messages of
-the packet are read. Text need not be UTF-8.
+The program has its own decoder because of hostile packets. Ready-made readers do not return from a
+bundle with an element of negative size, and raise errors of the interpreter for nested bundles and
+for text that is not UTF-8. This decoder is a loop with an explicit stack. Every step consumes
+bytes, so the work is bounded by the size of the packet. A message that cannot be read is left out;
+the other messages of the packet are read. Text need not be UTF-8.
 """
 
 from __future__ import annotations

@@ -16,8 +16,8 @@ from tasks.user import SeenObject
 _STEP = float(np.deg2rad(25.0))
 """Largest rotation (rad) in one movement of an object that turns about a bolt."""
 _GRIP = 0.040
-"""Distance (m) from the origin, along the handle, at which a wrench of size 1 is held. It is long,
-for a long lever."""
+"""Distance (m) from the origin, along the handle, at which a wrench of size 1 is held. It is large,
+so that the lever is long."""
 
 
 @dataclass(frozen=True)
