@@ -177,8 +177,8 @@ def state_of(snapshot: Snapshot, pause: Pause, own: int | None = None) -> State:
     Args:
         snapshot: The snapshot.
         pause: Reason why simulated time stands still; empty while it runs.
-        own: Index of the hand whose contacts come from this page; None if all do. Contacts of
-            other hands get negative ids, which the page's fingers do not use.
+        own: Index of the hand whose contacts come from the page; None if all contacts come from one
+            device. Contacts of other hands get negative ids, which the page's fingers do not use.
     """
     score, hands = snapshot.score, snapshot.hands
     loads = snapshot.loads or [NO_LOAD] * len(hands)
