@@ -5,26 +5,32 @@
     sandbox export demonstrations --to demonstrations.npz --successes
     python examples/behaviour_cloning.py demonstrations.npz --seeds 30000:30100
 
-The first line records a simulated user; `sandbox play --record` records a person. Such a policy
-shows what demonstrations are worth: the better a hand is followed, the more often those succeed who
-learn from it.
+The first line records a simulated user; `sandbox play --record` records a person. The success rate
+of such a policy measures the quality of demonstrations: the better the hand follows the touches,
+the more often a policy succeeds that learns from them.
 
-It sees, of the thing: its turn, touches and the goal relative to it, and how far each touch has to
-go to bring it to its goal. Of the finger that follows a touch: where its tip is, its force, and
-whether it is solid. Of time: the phase of the hand's arrival, touches of the last half second, and
-how long fingers have touched and have not moved. No pictures. It does not see how fingers were
-named: in one of three demonstrations the program takes the user's index and middle finger for
-others; so touches take the slots 0, 1, 2 in the order of their fingers.
+The inputs of the policy are:
 
-It plans the touches of the next 24 control periods, of which 20 (about a third of a second) are
-carried out before it plans anew.
+- of the object: its rotation, the touches and the goal relative to it, and the displacement of each
+  touch that brings the object to its goal;
+- of the finger that follows a touch: the position of its tip, its force, and whether it is solid;
+- of time: the phase of the hand's arrival, the touches of the last half second, and how long
+  fingers have touched and have not moved.
 
-Demonstrations have one hand, and a task in which one thing has to come to one goal: box-to-goal and
-insert were tried. A thing that is as long as wide may lie at its goal by any quarter turn, a longer
-one by half a turn. Other things, such as the pins of slalom, are not seen.
+It does not use pictures, and it does not use the labels of fingers: in one of three demonstrations
+the program labels the user's index and middle finger as others. Touches therefore take the slots 0,
+1, 2 in the order of their fingers.
 
-Training takes about a minute of one processor for any number of demonstrations, and needs PyTorch
-(`pip install torch`). A policy that was trained (`--save`) plays with NumPy alone (`--load`).
+The policy plans the touches of the next 24 control periods. 20 of them (about a third of a second)
+are carried out before it plans again.
+
+Demonstrations have one hand, and a task in which one object has to be moved to one goal:
+box-to-goal and insert were tried. An object that is as long as wide may be rotated by any quarter
+turn at its goal, a longer one by half a turn. The inputs do not include other objects, such as the
+pins of slalom.
+
+Training takes about a minute on one processor for any number of demonstrations, and needs PyTorch
+(`pip install torch`). A saved policy (`--save`) plays with NumPy alone (`--load`).
 """
 
 from __future__ import annotations
@@ -52,35 +58,35 @@ from sandbox.gym import register_task
 from sandbox.regress.run_plan import parse_seeds
 from sandbox.regress.statistics import wilson
 
-# What it sees
+# Inputs of the policy
 
 SEEN = ("objects", "goals", "properties", "tips", "touches", "labels", "solid", "phase", "contact")
-"""Parts of an observation that it uses."""
+"""Parts of an observation that the policy uses."""
 LAGS = (0, 6, 15, 30)
-"""Control periods ago at which touches are seen as well; the longest is half a second."""
+"""Delays (control periods) of the touches among the inputs; the longest is half a second."""
 MEMORY = 90
-"""Control periods that an observer has to remember."""
+"""Number of control periods of observations that the inputs need."""
 LONGEST_TOUCH, LONGEST_REST = 1.0, 0.8
-"""s after which a policy does not tell how long fingers have touched, and have not moved."""
+"""Largest values (s) of the inputs for how long fingers have touched and have not moved."""
 MOVED, WITHIN = 0.004, 5
-"""m by which a finger has to move, within so many control periods, to count as moving: trembling is
-less."""
+"""Distance (m) that a finger has to move within this number of control periods to count as moving.
+Tremor is less."""
 NEAR, STRAIGHT = (0.01, 0.0025), np.deg2rad([10.0, 2.5])
-"""m and rad, within which differences from the goal are seen in more detail: people let go of a
-thing that is within 2 mm of its goal, after they have moved it by 80."""
+"""Scales (m, rad) of additional inputs that resolve small differences from the goal. People let go
+of an object within 2 mm of its goal after they have moved it by 80 mm."""
 SQUARE = 0.01
-"""Share by which two edges of a square thing differ at most."""
+"""Largest difference of the two edges of a square object, as a share of the longer one."""
 
 
 def places_of(observations: Mapping[str, Array], surface: Surface) -> Array:
-    """(T, 2) m on the surface, where the first object is."""
+    """Returns the positions (T, 2) of the first object, m on the surface."""
     return surface.to_surface(observations["objects"][:, 0, :3])
 
 
 def references(observations: Mapping[str, Array], surface: Surface) -> Array:
-    """(T, 5, 2) m on the surface, the references of the next places of touches.
+    """Returns the points to which planned touches are relative: (T, 5, 2) m on the surface.
 
-    It is where a touch is, and where the first object is for a finger that does not touch.
+    The point of a slot is its touch, or the position of the first object without a touch.
     """
     touches = observations["touches"]
     down = touches[:, :, :1] > 0.5
@@ -88,13 +94,13 @@ def references(observations: Mapping[str, Array], surface: Surface) -> Array:
 
 
 def sights(observations: Mapping[str, Array], surface: Surface) -> Array:
-    """(T, n) what is seen at each of T moments, from those moments and the ones before.
+    """Computes the inputs (T, n) of the policy at T times, each from the observations up to then.
 
-    Places are relative to the first object, in m times a factor that makes them about 1. A turn is
-    the shortest one to a goal that looks the same every quarter turn, if the thing is as long as
-    wide, and else every half turn. Of a longer thing it is also seen how far it is from its goal
-    along the goal and across it, as for what has to be lined up with a slot. Of the hand, a touch
-    shows the finger that follows it, by whatever name.
+    Positions are relative to the first object, in m times a factor that makes them about 1. The
+    rotation to the goal is the shortest one: a goal looks the same after every quarter turn if the
+    object is as long as wide, and else after every half turn. A longer object adds its distances
+    from the goal along and across the goal, for an object that has to be aligned with a slot. The
+    inputs of a touch's finger are of the finger that follows it, whatever its label is.
 
     Args:
         observations: Name -> (T, ...) parts of observations with one hand.
@@ -148,14 +154,18 @@ def sights(observations: Mapping[str, Array], surface: Surface) -> Array:
 
 
 def _equal_turns(half: Array) -> Array:
-    """(T,) number of turns in which a thing looks the same from above, by half its edges (T, 2)
-    m."""
+    """Returns the number (T,) of rotations in which an object looks the same from above.
+
+    Args:
+        half: (T, 2) half edges of the object, m.
+    """
     low, high = half.min(axis=1), half.max(axis=1)
     return np.where(high - low <= SQUARE * high, 4.0, 2.0)
 
 
 def _along(goals: Array, objects: Array) -> Array:
-    """(T, 2) m from a thing to its goal, along the goal's first axis and across it."""
+    """Returns the displacement (T, 2) m from an object to its goal, along the goal's first axis and
+    across it."""
     x, y = (goals[:, :2] - objects[:, :2]).T
     c, s = np.cos(goals[:, 3]), np.sin(goals[:, 3])
     return np.stack([c * x + s * y, c * y - s * x], axis=1)
@@ -164,11 +174,11 @@ def _along(goals: Array, objects: Array) -> Array:
 def _fingers_of_touches(
     observations: Mapping[str, Array],
 ) -> tuple[Array, Array, Array, Array]:
-    """The finger that follows each touch, whatever it was named.
+    """Looks up the finger that follows each touch, whatever its label is.
 
     Returns:
-        (T, 5) 1 where the touch has a name; (T, 5, 3) m where that finger's tip is; (T, 5) 1 where
-        it is solid; (T, 5) N its force. All are 0 without a name.
+        (T, 5) 1 where the touch has a label; (T, 5, 3) position of that finger's tip (m); (T, 5) 1
+        where the finger is solid; (T, 5) its force (N). All are 0 without a label.
     """
     labels = observations["labels"].astype(int)
     named = (labels >= 0).astype(float) * (observations["touches"][:, :, 0] > 0.5)
@@ -182,15 +192,18 @@ def _fingers_of_touches(
 def in_first_slots(
     observations: Mapping[str, Array], actions: Array
 ) -> tuple[dict[str, Array], Array]:
-    """A demonstration whose touches have the first slots, in the order of their fingers.
+    """Moves the touches of a demonstration to the first slots, in the order of their fingers.
 
-    Fingers are named as the program found them, which differs between trials in which people did
-    the same. From the first touch to a moment without touches, the fingers that touch take the
-    slots 0, 1, 2 ... in their order.
+    The program's labels of fingers differ between trials in which people did the same. From the
+    first touch to a time without touches, the fingers that touch take the slots 0, 1, 2 ... in
+    their order.
 
     Args:
         observations: Name -> (T + 1, ...) parts of observations with one hand.
-        actions: (T, 15) the touches of each control period.
+        actions: (T, 15) touches of each control period.
+
+    Returns:
+        Observations and actions with the slots exchanged.
     """
     rows = actions.reshape(len(actions), -1, 3)
     order = _orders(rows[:, :, 0] > 0.5)
@@ -202,7 +215,8 @@ def in_first_slots(
 
 
 def _orders(down: NDArray[np.bool_]) -> NDArray[np.intp]:
-    """(T, 5) old slot of each new slot, the same from a first touch to the end of the last one."""
+    """Returns the old slot of each new slot (T, 5). It stays the same from a first touch until no
+    finger touches."""
     order = np.tile(np.arange(down.shape[1]), (len(down), 1))
     any_down = np.concatenate([[False], down.any(axis=1), [False]])
     edges = np.flatnonzero(np.diff(any_down.astype(int)))
@@ -214,13 +228,13 @@ def _orders(down: NDArray[np.bool_]) -> NDArray[np.intp]:
 
 
 def _ways_of_touches(grip: Array, way: Array, turn: Array) -> Array:
-    """(T, 5, 2) m from where touches are to where they would be with the thing at its goal.
+    """Returns the displacement (T, 5, 2) m of each touch that brings the object to its goal.
 
     Args:
-        grip: (T, 5, 2) m from the thing to the touches.
-        way: (T, 2) m from the thing to its goal.
-        turn: (T,) rad by which the thing has yet to be turned about the upward vertical; the
-            surface's second axis points towards the person, so it is the other way round there.
+        grip: (T, 5, 2) displacement from the object to the touches, m on the surface.
+        way: (T, 2) displacement from the object to its goal, m on the surface.
+        turn: (T,) rotation (rad) to the goal about the upward vertical. Its sense is opposite in
+            the axes of the surface, whose second axis points towards the person.
     """
     c, s = np.cos(turn)[:, None], np.sin(turn)[:, None]
     x, y = grip[..., 0], grip[..., 1]
@@ -229,7 +243,8 @@ def _ways_of_touches(grip: Array, way: Array, turn: Array) -> Array:
 
 
 def _clocks(down: Array, places: Array) -> Array:
-    """(T, 2) s since fingers touched or left, and since they moved; 0 while none touches."""
+    """Returns the times (T, 2) s since the last touch began or ended, and since fingers moved. They
+    are 0 while no finger touches."""
     count = len(down)
     out = np.zeros((count, 2))
     touching = moving = 0.0
@@ -245,26 +260,27 @@ def _clocks(down: Array, places: Array) -> Array:
 
 
 def recent(history: Mapping[str, list[Array]]) -> dict[str, Array]:
-    """The moments that a policy remembers."""
+    """Returns the last `MEMORY` observations, as arrays."""
     return {name: np.array(values[-MEMORY:]) for name, values in history.items()}
 
 
 # The policy
 
 CHUNK, STRIDE = 24, 2
-"""Control periods that a policy plans, and between two of the moments that it plans; the touches
-between them are on straight lines."""
+"""Number of control periods of a plan, and number between two planned times. Touches between these
+times are interpolated linearly."""
 DONE_AT_ONCE = 20
-"""Control periods of a plan that are carried out before the next one is made. A policy that plans
-anew at every moment never begins what people wait with: it only sees that nothing has begun."""
+"""Number of control periods of a plan that are carried out before the next plan. A policy that
+plans again in every control period never begins a movement before which people wait: its inputs
+only show that no movement has begun."""
 LANDS, STAYS = 0.5, 0.25
-"""Probabilities above which a finger touches: one that does not yet, and one that does."""
+"""Probability above which a finger begins to touch, and above which it continues to touch."""
 NUMBERS = 3
-"""Numbers of a finger at a moment: whether it touches, and where."""
+"""Number of values of a finger at a planned time: whether it touches, and its position."""
 BOUND = 6.0
-"""Standard deviations beyond which nothing is seen."""
+"""Limit of the standardised inputs, in standard deviations."""
 UNIT = 20.0
-"""Factor by which places, m, are about 1."""
+"""Factor that makes positions in m about 1."""
 
 
 @dataclass(frozen=True)
@@ -272,8 +288,8 @@ class Policy:
     """A multilayer perceptron with rectified units.
 
     Attributes:
-        mean, scale: (n,) of what is seen, by which it is standardised.
-        weights, biases: Of each layer, (inputs, outputs) and (outputs,).
+        mean, scale: (n,) mean and standard deviation of the inputs, which standardise them.
+        weights, biases: Weights (inputs, outputs) and biases (outputs,) of each layer.
     """
 
     mean: Array
@@ -282,13 +298,14 @@ class Policy:
     biases: tuple[Array, ...]
 
     def plan(self, sight: Array) -> tuple[Array, Array]:
-        """The touches of the next moments.
+        """Plans the touches of the next K times, which are `STRIDE` control periods apart.
 
         Args:
-            sight: (n,) what is seen now.
+            sight: (n,) current inputs.
 
         Returns:
-            Probabilities (K, 5) that fingers touch, and places (K, 5, 2) m from the references.
+            Probabilities (K, 5) that fingers touch, and their positions (K, 5, 2) relative to
+            `references`, m on the surface.
         """
         x = np.clip((sight - self.mean) / self.scale, -BOUND, BOUND)
         *hidden, last = zip(self.weights, self.biases, strict=True)
@@ -308,7 +325,7 @@ class Policy:
         """Reads a policy.
 
         Raises:
-            InputError: The file is not one.
+            InputError: The file does not contain a policy.
         """
         try:
             with np.load(path, allow_pickle=False) as file:
@@ -318,32 +335,38 @@ class Policy:
                 )
                 return cls(file["mean"], file["scale"], weights, biases)
         except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile) as error:
-            raise InputError("this is not a policy", where=str(path), got=str(error)) from None
+            raise InputError(
+                "the file does not contain a policy",
+                where=str(path),
+                got=str(error),
+                expected="a file of --save",
+            ) from None
 
 
 # Training
 
 STEPS, BATCH = 5000, 256
-"""Steps of the training and moments in each, the same for any number of demonstrations."""
+"""Number of training steps, and of samples in each, for any number of demonstrations."""
 WIDTH, LAYERS, DROPOUT = 256, 3, 0.1
+"""Units of a hidden layer, number of hidden layers, and share of units that dropout sets to 0."""
 RATE, DECAY = 2e-3, 1e-3
-"""Greatest rate of learning, and weight decay."""
+"""Largest learning rate, and weight decay."""
 EVERY = 2
-"""Moments of demonstrations that are learned from are so many control periods apart."""
+"""Number of control periods between two samples of a demonstration."""
 REST = 45
-"""Control periods after the last touch that are learned from: what follows is only waiting."""
+"""Number of control periods after the last touch that are used. After them the user only waits."""
 
 
 def clone(episodes: Sequence[Demonstration], surface: Surface, seed: int = 0) -> Policy:
     """Trains a policy.
 
-    Whether fingers touch is learned by cross entropy, and where, for those that do, by the absolute
-    error, which trembling disturbs less than the squared one.
+    The loss is the cross entropy of whether fingers touch, plus the absolute error of the positions
+    of those that touch. Tremor disturbs the absolute error less than the squared error.
 
     Args:
         episodes: Demonstrations with one hand, whose actions are touches by finger.
         surface: The touch surface.
-        seed: Seed of the first weights and of the order of moments.
+        seed: Seed of the initial weights and of the order of samples.
 
     Raises:
         InputError: PyTorch is not installed.
@@ -390,7 +413,8 @@ def clone(episodes: Sequence[Demonstration], surface: Surface, seed: int = 0) ->
 
 
 def _moments(episodes: Sequence[Demonstration], surface: Surface) -> tuple[Array, Array, Array]:
-    """What was seen (N, n), what touched (N, K, 5), and where (N, K, 5, 2) m from references."""
+    """Returns the samples: inputs (N, n), whether fingers touch (N, K, 5), and their positions (N,
+    K, 5, 2) relative to `references`, m."""
     seen, touch, places = [], [], []
     for episode in episodes:
         observed, actions = in_first_slots(episode.observations, episode.actions)
@@ -410,7 +434,7 @@ def _moments(episodes: Sequence[Demonstration], surface: Surface) -> tuple[Array
 
 
 class Player:
-    """Plays one episode by a policy.
+    """Plays one episode with a policy.
 
     Args:
         policy: The policy.
@@ -418,7 +442,7 @@ class Player:
         first: The first observation.
 
     Raises:
-        InputError: The policy was trained on what another version sees.
+        InputError: The policy was trained by another version, which has other inputs.
     """
 
     def __init__(self, policy: Policy, surface: Surface, first: Mapping[str, Array]) -> None:
@@ -431,18 +455,18 @@ class Player:
         if size != len(policy.mean):
             raise InputError(
                 "this policy was trained by another version of Hand Sandbox",
-                got=f"{len(policy.mean)} numbers that it sees",
+                got=f"a policy with {len(policy.mean)} inputs",
                 expected=str(size),
                 remedy="Train it again from its demonstrations",
             )
 
     def see(self, observation: Mapping[str, Array]) -> None:
-        """Takes in an observation."""
+        """Adds an observation."""
         for name, values in self._history.items():
             values.append(observation[name])
 
     def act(self) -> Array:
-        """The action (15,) for the next control period."""
+        """Returns the action (15,) for the next control period."""
         if not self._plan:
             self._plan = self._planned()
         return self._plan.pop(0)
@@ -465,12 +489,12 @@ def play(env: Any, policy: Policy, seed: int) -> tuple[bool, float]:
     """Plays one episode.
 
     Args:
-        env: An environment whose actions are touches, with everything to be observed.
+        env: An environment whose actions are touches, with all parts of the observation.
         policy: The policy.
         seed: Seed of the trial.
 
     Returns:
-        Whether it succeeded, and how long it took, s.
+        Whether the episode succeeded, and its duration (s).
     """
     (surface,) = env.surfaces
     seen, info = env.reset(seed=seed)
@@ -487,7 +511,7 @@ def play(env: Any, policy: Policy, seed: int) -> tuple[bool, float]:
 
 
 def main() -> None:
-    """Trains a policy or reads one, plays, and prints how often it succeeded."""
+    """Trains or reads a policy, plays the trials, and prints the success rate."""
     options = _options()
     data = read_npz(options.demonstrations)
     env: Any = gymnasium.make(register_task(data.task), **data.options).unwrapped
@@ -518,19 +542,19 @@ def _options() -> argparse.Namespace:
     parser.add_argument(
         "demonstrations", type=Path, help="a data set that `sandbox export --to FILE.npz` wrote"
     )
-    parser.add_argument("--count", type=int, help="trains on the first COUNT demonstrations")
+    parser.add_argument("--count", type=int, help="train on the first COUNT demonstrations")
     parser.add_argument(
         "--seeds",
         type=parse_seeds,
         default="30000:30100",
-        help="trials that the policy plays, such as 30000:30100 (the default) or 3,17,40:50",
+        help="trials for the policy to play, such as 30000:30100 (the default) or 3,17,40:50",
     )
     parser.add_argument(
-        "--seed", type=int, default=0, help="of the first weights and of the order of moments"
+        "--seed", type=int, default=0, help="seed of the initial weights and of the samples' order"
     )
-    parser.add_argument("--save", type=Path, metavar="POLICY.npz", help="writes the policy")
+    parser.add_argument("--save", type=Path, metavar="POLICY.npz", help="write the policy")
     parser.add_argument(
-        "--load", type=Path, metavar="POLICY.npz", help="plays by a policy in place of training one"
+        "--load", type=Path, metavar="POLICY.npz", help="play a saved policy instead of training"
     )
     return parser.parse_args()
 

@@ -1,20 +1,20 @@
-"""The hand's encoder on a whole body: all joints of a body from hands and feet alone.
+"""The hand's encoder on a whole body: it predicts all joints from hands and feet alone.
 
-The paper of 2015 ends with this suggestion. Here the same quadratic encoder learns from where hands
-and feet are, and from which of them touch the floor, how the whole body is posed.
+The paper of 2015 ends with this suggestion. Here the same quadratic encoder predicts the pose of
+the whole body from the positions of hands and feet and from which of them touch the floor.
 
     python examples/body.py --out body.png                # a simulated humanoid
     python examples/body.py --data DIR --out body.png     # a captured backflip
 
 The humanoid is MuJoCo's, from the package gymnasium (pip install 'hand-sandbox[gym]'). It crouches,
-steps, leans, twists and reaches, each by a smooth random course that moves several joints together,
-and its lowest point is on the floor: movements of a program, not of a person. Whole takes are held
-out.
+steps, leans, twists and reaches. Each of these movements has a smooth random course and turns
+several joints together, and the lowest point of the body is on the floor. The movements are
+simulated, not a person's. Whole takes are held out.
 
-The backflip is one of the CMU motion capture database, which is not part of this repository: DIR
-holds formats/backflip.amc and .asf. Short blocks of the flip are held out. They lie between blocks
-that were learned, so this shows that the encoder carries over to another body, and not that it
-knows any other flip.
+The backflip is from the CMU motion capture database, which is not part of this repository: DIR
+contains formats/backflip.amc and .asf. Short blocks of the flip are held out. They lie between
+blocks of the training data. The result therefore shows that the encoder works for another body, but
+not that it predicts other flips.
 """
 
 from __future__ import annotations
@@ -41,7 +41,7 @@ from models.rotations import exp, geodesic_angle, log
 Array = NDArray[np.float64]
 
 ENDS = ("lhand", "rhand", "lfoot", "rfoot")
-"""Bones of the captured body whose ends are the input."""
+"""Bones of the captured body. The positions of their ends are the input."""
 
 HUMANOID_ENDS = {
     "left_lower_arm": "left_hand",
@@ -49,15 +49,15 @@ HUMANOID_ENDS = {
     "left_foot": "left_foot",
     "right_foot": "right_foot",
 }
-"""Bodies of the humanoid whose ends are the input, and the spheres at those ends."""
+"""Body of the humanoid whose end is an input -> the sphere at that end."""
 
 TAKES, SECONDS, RATE = 16, 6.0, 30.0
-"""Number of takes of the humanoid, s of each, and pictures a second."""
+"""Number of takes of the humanoid, duration (s) of a take, and frames a second."""
 
 FRAMES_OF_A_TAKE = round(SECONDS * RATE)
 
 HZ = (0.1, 0.4)
-"""Slowest and fastest of the three waves that a course is made of."""
+"""Lowest and highest frequency (Hz) of the three sine waves whose mean is a course."""
 
 MOVEMENTS: dict[str, dict[str, float]] = {
     "crouch": {
@@ -74,28 +74,29 @@ MOVEMENTS: dict[str, dict[str, float]] = {
     "reach right": {"right_shoulder1": -80, "right_shoulder2": 45, "right_elbow": -70},
     "reach left": {"left_shoulder1": 80, "left_shoulder2": -45, "left_elbow": -70},
 }
-"""Movement -> degrees by which it turns each joint at most."""
+"""Movement -> angle (degrees) of each of its joints at a course of 1."""
 
 UP = np.array([[0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [1.0, 0.0, 0.0]])
 """Rotation from MuJoCo's world (z up, x forward) to that of recordings (y up, z forward)."""
 
 ON_FLOOR = 0.08
-"""m, height of an end below which it counts as touching."""
+"""Height (m) of an end below which it counts as touching the floor."""
 
 BLOCK = 10
-"""Frames of a block, a twelfth of a second; every fourth block is held out."""
+"""Number of frames of a block, a twelfth of a second. Every fourth block is held out."""
 
 
 @dataclass(frozen=True)
 class Body:
-    """A motion as an encoder sees it.
+    """A motion as inputs and outputs of an encoder.
 
     Attributes:
-        motion: The recording.
-        U: (T, 16) places of the four ends about their middle (m), then their contact flags.
-        Q: (T, N) root's place about that middle (m), two columns of its rotation (a rotation vector
-            would break off in a flip), and every joint's rotation vector (rad).
-        middle: (T, 3) m, of the four ends.
+        motion: The motion.
+        U: (T, 16) positions (m) of the four ends relative to their mean, then their contact flags.
+        Q: (T, N) position (m) of the root relative to that mean, the first two columns of its
+            rotation matrix (a rotation vector would be discontinuous in a flip), and the rotation
+            vectors (rad) of `joints`.
+        middle: (T, 3) mean position (m) of the four ends.
         joints: Indices of the bones that turn.
     """
 
@@ -107,10 +108,10 @@ class Body:
 
 
 def humanoid(seed: int = 0) -> Motion:
-    """Takes of MuJoCo's humanoid whose joints follow smooth random courses, one after the other.
+    """Makes takes of MuJoCo's humanoid, one after the other, with smooth random movements.
 
     Raises:
-        InputError: The package that has the humanoid is not installed.
+        InputError: The package that contains the humanoid is not installed.
     """
     found = find_spec("gymnasium")
     if found is None or not found.submodule_search_locations:
@@ -159,11 +160,11 @@ def humanoid(seed: int = 0) -> Motion:
 
 
 def body_of(motion: Motion, names: Sequence[str] = ENDS) -> Body:
-    """Inputs and outputs of a motion.
+    """Computes the inputs and outputs of a motion.
 
     Args:
         motion: The motion.
-        names: Bones whose ends are the input.
+        names: Names of the four bones whose ends are the input.
     """
     placed = motion.place()
     ends = placed.ends[:, [motion.index(name) for name in names]]
@@ -179,11 +180,11 @@ def body_of(motion: Motion, names: Sequence[str] = ENDS) -> Body:
 
 
 def motion_of(body: Body, Q: Array) -> Motion:
-    """The motion that outputs (T, N) describe, of the same skeleton."""
+    """Returns the motion with the outputs `Q` (T, N), on the skeleton of `body`."""
     shifts, rotations = body.motion.shifts.copy(), body.motion.rotations.copy()
     shifts[:, 0] = Q[:, :3] + body.middle
     a, b = Q[:, 3:9].reshape(-1, 3, 2)[..., 0], Q[:, 3:9].reshape(-1, 3, 2)[..., 1]
-    # What was learned column by column is made a rotation again.
+    # The predicted columns are made orthonormal, so that they are a rotation.
     x = a / np.linalg.norm(a, axis=1, keepdims=True)
     y = b - np.sum(x * b, axis=1, keepdims=True) * x
     y /= np.linalg.norm(y, axis=1, keepdims=True)
@@ -193,7 +194,8 @@ def motion_of(body: Body, Q: Array) -> Motion:
 
 
 def errors(body: Body, Q: Array, frames: NDArray[np.bool_]) -> tuple[float, float, float]:
-    """Mean error of the root (cm), of joint angles (degrees) and of all joints' places (cm)."""
+    """Returns the mean errors of the root's position (cm), of the rotations of joints (degrees) and
+    of the positions of all joints (cm)."""
     true, predicted = body.Q[frames], Q[frames]
     root = 100 * np.linalg.norm(true[:, :3] - predicted[:, :3], axis=1).mean()
     angle = geodesic_angle(true[:, 9:].reshape(-1, 3), predicted[:, 9:].reshape(-1, 3))
@@ -205,9 +207,9 @@ def errors(body: Body, Q: Array, frames: NDArray[np.bool_]) -> tuple[float, floa
 def chosen_ridge(
     kind: type[LinearEncoder] | type[QuadraticEncoder], U: Array, Q: Array, block_size: int
 ) -> float:
-    """The penalty, of those tried for the hand, that does best on blocks left out in turn.
+    """Chooses a penalty of `RIDGES` by cross-validation over blocks of frames.
 
-    Columns count by their spread.
+    The error of each column is divided by its standard deviation.
     """
     block = np.arange(len(U)) // block_size % 5
     spread = Q.std(axis=0) + 1e-3
@@ -223,7 +225,7 @@ def chosen_ridge(
 
 
 def draw(body: Body, Q: Array, frames: Sequence[int], path: Path) -> None:
-    """Truth (grey) beside reconstruction (blue) for a few frames, seen from the side."""
+    """Draws truth (grey) beside prediction (blue) for a few frames, projected on the x-y plane."""
     size, feet, scale = 190, 300, 120.0
     image = Image.new("RGB", (size * 2 * len(frames), 340), "white")
     pen = ImageDraw.Draw(image)
@@ -254,12 +256,14 @@ def draw(body: Body, Q: Array, frames: Sequence[int], path: Path) -> None:
 
 
 def main(argv: Sequence[str] | None = None) -> int:
-    """Runs the example; 2 and one clear line where the data is absent."""
+    """Runs the example. Returns 2 after an error of one line if the data is missing."""
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
-    parser.add_argument("--data", type=Path, metavar="DIR", help="holds formats/backflip.amc, .asf")
-    parser.add_argument("--out", type=Path, help="a picture of a few frames")
+    parser.add_argument(
+        "--data", type=Path, metavar="DIR", help="contains formats/backflip.amc and .asf"
+    )
+    parser.add_argument("--out", type=Path, help="file for a picture of a few frames")
     options = parser.parse_args(argv)
     try:
         if options.data is None:
@@ -289,7 +293,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         print(f"{name:<12}{root:>9.1f}{angle:>12.1f}{joints:>11.1f}")
     if options.out is not None:
         frames = np.flatnonzero(held)
-        # Before and after the flip the captured body only stands.
+        # Before and after the flip the captured person only stands.
         shown = frames[(np.linspace(0.35, 0.9, 4) * len(frames)).astype(int)].tolist()
         try:
             draw(body, results["quadratic"], shown, options.out)

@@ -1,4 +1,4 @@
-"""A touch device of one's own: fingers that run in circles. See docs/write-a-device.md.
+"""A custom touch device: fingers that move in circles. See docs/write-a-device.md.
 
 sandbox touches show --device examples/circling_finger.py:CirclingFinger:3
 """

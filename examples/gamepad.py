@@ -20,15 +20,15 @@ SPEED = 0.15  # m/s, of a finger whose stick is pushed to its end
 
 @dataclass(frozen=True)
 class GamepadOptions:
-    """How sticks move fingers."""
+    """Options of the gamepad."""
 
     dead_zone: float = field(default=0.1, metadata={"metavar": "SHARE"})
-    """Share of a stick's way in which it counts as at rest, 0 to 1."""
+    """Share (0 to 1) of a stick's range in which the stick counts as at rest."""
 
 
 class Gamepad(TouchDevice):
     name = "gamepad"
-    clock_origin = None  # its frames carry the session's time
+    clock_origin = None  # frames have the session's time, not a clock of their own
 
     def __init__(self, surface, node, dead_zone):
         super().__init__(surface, node)
@@ -38,20 +38,20 @@ class Gamepad(TouchDevice):
         except OSError as error:
             raise DeviceError("no gamepad", where=node, got=error.strerror) from None
         self.state = {}  # (BUTTON or AXIS, number) -> value
-        self.rest = b""  # the beginning of an event whose end has not come
-        self.error = None  # why the gamepad is gone
-        self.places = [[0.35, 0.5], [0.65, 0.5]]  # shares of the surface
+        self.rest = b""  # first bytes of an event that is not complete yet
+        self.error = None  # the error when the gamepad was disconnected
+        self.places = [[0.35, 0.5], [0.65, 0.5]]  # of the fingers, as shares of the surface
         self.ids = [None, None]
         self.time, self.touches = 0.0, 0
 
     def poll(self, now):
-        """One frame for every call, with the fingers that are down."""
+        """Returns one frame for every call, with the fingers that touch at the time `now` (s)."""
         if self.finished:
             return []
         if self.error:
             raise self.error
         self.read()
-        if self.error:  # first the touches are cancelled, then the next poll says why
+        if self.error:  # cancels all touches now; the next poll raises the error
             return [TouchFrame(now, cancelled=frozenset(id for id in self.ids if id is not None))]
         passed, self.time = now - self.time, now
         size, contacts = self.surface.size, []
@@ -63,13 +63,13 @@ class Gamepad(TouchDevice):
             if not self.state.get((BUTTON, SHOULDERS[finger])):
                 self.ids[finger] = None
                 continue
-            if self.ids[finger] is None:  # it came down: it gets an id that no finger had
+            if self.ids[finger] is None:  # a new touch gets an id that no touch had before
                 self.ids[finger], self.touches = self.touches, self.touches + 1
             contacts.append(Contact(self.ids[finger], place[0] * size[0], place[1] * size[1]))
         return [TouchFrame(now, tuple(contacts))]
 
     def read(self):
-        """Takes in the events that wait; never waits for one."""
+        """Reads the events that have arrived; does not wait for more."""
         try:
             while data := os.read(self.node, 64 * EVENT.size):
                 data = self.rest + data
@@ -80,7 +80,9 @@ class Gamepad(TouchDevice):
         except BlockingIOError:
             pass
         except OSError as error:
-            self.error = DeviceError("it is gone", where=self.argument, got=error.strerror)
+            self.error = DeviceError(
+                "the gamepad was disconnected", where=self.argument, got=error.strerror
+            )
 
     def close(self):
         if not self.finished:

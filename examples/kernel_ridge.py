@@ -20,12 +20,12 @@ except ImportError as error:
 
 
 class KernelRidge(Encoder):
-    """A pose is a weighted sum of bells, one around each of some hundred training frames.
+    """A pose is a weighted sum of Gaussian kernels, each centred on one training frame.
 
     Args:
         alpha: Penalty on the weights.
-        gamma: 1 / inch2, how narrow the bells are.
-        frames: Most training frames that get a bell, drawn evenly from the capture.
+        gamma: Factor (1 / inch2) of the squared distance in the kernel; larger is narrower.
+        frames: Largest number of training frames with a kernel, evenly spaced in the capture.
     """
 
     def __init__(self, alpha=0.1, gamma=0.03, frames=1000):
@@ -42,8 +42,8 @@ class KernelRidge(Encoder):
         return self
 
     def predict(self, U):
-        bells = rbf_kernel(np.atleast_2d(U), self.places, gamma=self.gamma)
-        return (self.mean + bells @ self.weights).reshape(*np.shape(U)[:-1], len(self.mean))
+        kernels = rbf_kernel(np.atleast_2d(U), self.places, gamma=self.gamma)
+        return (self.mean + kernels @ self.weights).reshape(*np.shape(U)[:-1], len(self.mean))
 
     def arrays(self):
         return {"mean": self.mean, "places": self.places, "weights": self.weights}

@@ -19,7 +19,7 @@ DESK = """<mujoco><worldbody><body>
 
 
 class Hook:
-    """Lands between drawer and handle, and pulls towards the person until told that it is open."""
+    """Lands between drawer and handle, and pulls towards the person until the trial is done."""
 
     def __init__(self, configuration, surface, seed):
         self.surface, self.finger, self.done = surface, None, False

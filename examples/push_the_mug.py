@@ -1,4 +1,4 @@
-"""A lab's own task: bring the mug onto the coaster, with its handle to where the ghost's is.
+"""A lab's own task: push the mug to its goal and turn its handle to the goal's direction.
 
 sandbox run examples/push_the_mug.py --seed 3 --record mug.jsonl && sandbox replay mug.jsonl
 sandbox play examples/push_the_mug.py

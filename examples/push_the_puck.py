@@ -22,7 +22,7 @@ class OneFinger:
         self.finger, self.aim, self.id = None, None, 0
 
     def observe(self, sight):
-        """Takes in what is on the screen: puck, goal, and the drawn hand."""
+        """Reads the picture's state: puck, goal, and drawn hand. Chooses where the finger goes."""
         puck, goal = sight.objects["puck"].position[:2], sight.goals[0].position[:2]
         way = goal - puck
         far = np.linalg.norm(way)
@@ -35,7 +35,7 @@ class OneFinger:
             self.aim = goal - 0.034 * way / far
 
     def touch(self, now):
-        """The touches of this moment, 60 times a second."""
+        """Returns the touches at the time `now` (s); called 60 times a second."""
         if self.finger is None:
             return TouchFrame(now)
         self.finger = self.finger + np.clip(self.aim - self.finger, -0.001, 0.001)

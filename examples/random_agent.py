@@ -1,4 +1,4 @@
-"""An agent that touches at random, for a few seconds: the shortest way into the environments.
+"""An agent that touches at random for a few seconds: the shortest example of an environment.
 
 python examples/random_agent.py hand_sandbox/BoxToGoal-v1
 """

@@ -3,9 +3,10 @@
     pytest -p sandbox.regression --sandbox-update-baseline test_my_lab.py     once: makes baselines
     pytest -p sandbox.regression --sandbox-workers 2 test_my_lab.py           from then on
 
-A test fails only on a loss beyond chance, and names the seeds that were lost. With 8 seeds
-that is a large loss; to notice a small one, give more (docs/regression-runs.md). Baselines are
-files to keep under version control: a change of theirs is reviewed like any other.
+A test fails only on a loss beyond chance, and its message lists the seeds that were lost. With 8
+seeds only a large loss is beyond chance; use more seeds to detect a small one
+(docs/regression-runs.md). Put the baselines under version control, and review changes of them like
+changes of code.
 """
 
 from __future__ import annotations
@@ -22,19 +23,19 @@ from tasks.box_to_goal import BoxToGoal
 pytest_plugins = ["sandbox.regression"]
 
 NEAR = 0.015
-"""m within which a box counts as put away."""
+"""Largest distance (m) from the goal at which a box counts as put away."""
 
 
 @dataclass(frozen=True)
 class PutAway(BoxToGoal):
-    """Bring the box to within 1.5 cm of its goal, turned as it likes, and let go of it."""
+    """Bring the box to within 1.5 cm of its goal, in any orientation, and let go of it."""
 
     name: ClassVar[str] = "my-lab-put-away"
     version: ClassVar[int] = 1
     time_limit: ClassVar[float] = 15.0
 
     def measure(self, sensing: Sensing) -> Measure:
-        """Goal reached, progress from 0 to 1, and the reason."""
+        """Returns whether the goal is reached, the progress from 0 to 1, and the reason."""
         box, goal = sensing.object("box"), np.asarray(self.goals[0].position)
         way = float(np.linalg.norm(goal - np.asarray(self.objects[0].position)))
         off = float(np.linalg.norm(goal - box.position))

@@ -1,4 +1,4 @@
-"""Actions: the numbers of a hand by their names."""
+"""Actions: named numbers that describe the pose of a hand."""
 
 from models.arithmetic import Array
 from models.pose import JOINTS, ROOT_POSITION, ROOT_ROTATION
@@ -8,20 +8,20 @@ from models.rotations import quaternion_exp
 from models.skeleton import ADULT
 
 PALM = tuple(f"palm.{axis}" for axis in ("x", "y", "z", "qw", "qx", "qy", "qz"))
-"""Place of the palm in the world: m, and a unit quaternion."""
+"""Names of the palm's position (m) and rotation (unit quaternion) in the world."""
 
 
 class HandActions:
     """Turns poses of a person's hand into actions.
 
     Args:
-        robot: The robot whose hand it is; empty: the person's own.
+        robot: Name of the robot hand. Empty: a person's hand.
 
     Attributes:
-        names: Names of an action's numbers, in order.
+        names: Names of the numbers of an action, in order.
 
     Raises:
-        InputError: There is no such hand.
+        InputError: `robot` is not a known robot hand.
     """
 
     def __init__(self, robot: str) -> None:
@@ -35,7 +35,7 @@ class HandActions:
         self.names = (*PALM, *joints)
 
     def action(self, pose: Array) -> dict[str, float]:
-        """The action for a pose (48,) of the person's hand."""
+        """Returns the action for a pose (48,) of a person's hand: name -> number."""
         if self._follow is not None:
             numbers = self._follow(pose).tolist()
         else:

@@ -1,4 +1,4 @@
-"""Options, as LeRobot's commands take them: --teleop.device=tablet and so on."""
+"""Options of LeRobot's commands, such as --teleop.device=tablet."""
 
 from dataclasses import dataclass
 
@@ -13,9 +13,9 @@ class HandSandboxConfig(TeleoperatorConfig):
 
     Attributes:
         device: `tablet`, `page`, `webcam`, or a device or file of `sandbox run --device`.
-        robot: The robot's hand that follows, as for `sandbox run --robot`; empty: a person's.
-        task: The task whose table is touched.
-        patience: s within which somebody has to open the page.
+        robot: The robot hand that follows, as for `sandbox run --robot`. Empty: a person's hand.
+        task: The task that is shown.
+        patience: Longest time (s) until a browser has opened the page.
     """
 
     device: str = "tablet"
@@ -30,7 +30,7 @@ class HandSandboxDummyConfig(RobotConfig):
     """Options of the dummy.
 
     Attributes:
-        hand: As `robot` of the teleoperator that moves it.
+        hand: Same value as `robot` of the teleoperator that moves it.
     """
 
     hand: str = ""

@@ -1,4 +1,4 @@
-"""A robot that does at once what it is told, to try the teleoperator without hardware."""
+"""A robot without hardware, with which to try the teleoperator."""
 
 from lerobot.robots.robot import Robot
 from lerobot.utils.errors import DeviceAlreadyConnectedError, DeviceNotConnectedError
@@ -8,13 +8,13 @@ from .config_hand_sandbox import HandSandboxDummyConfig
 
 
 class HandSandboxDummy(Robot):
-    """A hand without hardware: its state is the last action.
+    """A hand without hardware. Its state is the last action.
 
     Args:
-        config: Its options.
+        config: Options of the dummy.
 
     Raises:
-        InputError: There is no such robot's hand.
+        InputError: `hand` is not a known robot hand.
     """
 
     config_class = HandSandboxDummyConfig
@@ -28,12 +28,12 @@ class HandSandboxDummy(Robot):
 
     @property
     def action_features(self) -> dict[str, type]:
-        """Name -> type of an action's numbers."""
+        """Name of each number of an action -> its type."""
         return dict.fromkeys(self._names, float)
 
     @property
     def observation_features(self) -> dict[str, type]:
-        """As `action_features`."""
+        """Same as `action_features`."""
         return self.action_features
 
     @property
@@ -47,7 +47,11 @@ class HandSandboxDummy(Robot):
         return True
 
     def connect(self, calibrate: bool = True) -> None:
-        """Begins with all numbers at 0."""
+        """Sets all numbers to 0.
+
+        Raises:
+            DeviceAlreadyConnectedError: It is connected already.
+        """
         if self._state is not None:
             raise DeviceAlreadyConnectedError(f"{self} is connected already")
         self._state = dict.fromkeys(self._names, 0.0)
@@ -59,27 +63,36 @@ class HandSandboxDummy(Robot):
         """Does nothing."""
 
     def get_observation(self) -> dict[str, float]:
-        """The last action."""
+        """Returns the last action.
+
+        Raises:
+            DeviceNotConnectedError: It is not connected.
+        """
         if self._state is None:
             raise DeviceNotConnectedError(f"{self} is not connected")
         return dict(self._state)
 
     def send_action(self, action: dict[str, float]) -> dict[str, float]:
-        """Takes an action; returns what was done.
+        """Carries out an action, and returns it.
 
         Raises:
-            ValueError: It has other names.
+            DeviceNotConnectedError: It is not connected.
+            ValueError: The action has other names than `action_features`.
         """
         if self._state is None:
             raise DeviceNotConnectedError(f"{self} is not connected")
         if action.keys() != self._state.keys():
             odd = sorted(action.keys() ^ self._state.keys())
-            raise ValueError(f"this action is of another hand: {', '.join(odd[:3])}, ...")
+            raise ValueError(f"this action is for another hand: {', '.join(odd[:3])}, ...")
         self._state = dict(action)
         return dict(self._state)
 
     def disconnect(self) -> None:
-        """Ends the connection."""
+        """Ends the connection.
+
+        Raises:
+            DeviceNotConnectedError: It is not connected.
+        """
         if self._state is None:
             raise DeviceNotConnectedError(f"{self} is not connected")
         self._state = None

@@ -1,4 +1,4 @@
-"""The teleoperator: a person's hand, live, as actions of a robot's hand."""
+"""The teleoperator: turns the live pose of a person's hand into actions of a robot hand."""
 
 from typing import Any
 
@@ -17,17 +17,17 @@ from .actions import HandActions
 from .config_hand_sandbox import HandSandboxConfig
 
 PAGES = {"tablet": True, "page": False}
-"""Device that is a page in a browser -> whether other machines can open it."""
+"""Name of each device that is a page in a browser -> whether other machines can open the page."""
 
 
 class HandSandbox(Teleoperator):
-    """A hand on a tablet, before a webcam or in a recording.
+    """A hand on a tablet, in front of a webcam or in a recording.
 
     Args:
-        config: Its options.
+        config: Options of the teleoperator.
 
     Raises:
-        InputError: There is no such robot's hand.
+        InputError: `robot` is not a known robot hand.
     """
 
     config_class = HandSandboxConfig
@@ -41,12 +41,12 @@ class HandSandbox(Teleoperator):
 
     @property
     def action_features(self) -> dict[str, type]:
-        """Name -> type of an action's numbers."""
+        """Name of each number of an action -> its type."""
         return dict.fromkeys(self._actions.names, float)
 
     @property
     def feedback_features(self) -> dict[str, type]:
-        """Empty: a screen gives no force back."""
+        """Empty: a screen has no force feedback."""
         return {}
 
     @property
@@ -56,19 +56,21 @@ class HandSandbox(Teleoperator):
 
     @property
     def is_calibrated(self) -> bool:
-        """True: touches have a size of their own."""
+        """True: touches need no calibration."""
         return True
 
     @property
     def over(self) -> bool:
-        """True when the device has nothing more to say, as at the end of a recording."""
+        """True when the device has ended, such as at the end of a recording."""
         return self._hand is not None and self._hand.over
 
     def connect(self, calibrate: bool = True) -> None:
-        """Opens the device; a page is waited for.
+        """Opens the device. With a page it waits until a browser has opened it.
 
         Raises:
-            InputError: The device or the task cannot be used, or no browser has opened the page.
+            DeviceAlreadyConnectedError: It is connected already.
+            InputError: The device or the task cannot be used, or no browser opened the page within
+                `patience`.
         """
         if self._hand is not None:
             raise DeviceAlreadyConnectedError(f"{self} is connected already")
@@ -80,7 +82,11 @@ class HandSandbox(Teleoperator):
             asked = TouchOptions(device="web", tablet=PAGES[self.config.device])
             touches = open_page_touches(asked, Console(), self.config.patience)
             if touches is None:
-                raise InputError("no browser has opened the page", where="teleop.device")
+                raise InputError(
+                    f"no browser has opened the page within {self.config.patience:g} s",
+                    where="teleop.device",
+                    remedy="Open the printed address in a browser, or raise --teleop.patience",
+                )
             size = touches.surface.width_in, touches.surface.height_in
             settings, makers = settings.changed(size_in=size), (lambda *_: touches,)
         self._hand = LiveHand(build(settings, makers))
@@ -92,7 +98,7 @@ class HandSandbox(Teleoperator):
         """Does nothing."""
 
     def get_action(self) -> dict[str, float]:
-        """The newest pose as an action.
+        """Returns the newest pose as an action.
 
         Raises:
             DeviceNotConnectedError: It is not connected.
@@ -106,7 +112,11 @@ class HandSandbox(Teleoperator):
         """Does nothing."""
 
     def disconnect(self) -> None:
-        """Closes the device."""
+        """Closes the device.
+
+        Raises:
+            DeviceNotConnectedError: It is not connected.
+        """
         if self._hand is None:
             raise DeviceNotConnectedError(f"{self} is not connected")
         self._hand.close()
