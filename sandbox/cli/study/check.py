@@ -50,7 +50,10 @@ def new(options: NewOptions, console: Console) -> int:
         ) from None
     except OSError as error:
         raise StudyError(
-            "the file cannot be written", where=str(options.file), got=error.strerror
+            "the file cannot be written",
+            where=str(options.file),
+            got=error.strerror,
+            remedy="Choose a name in a folder in which you may write",
         ) from None
     console.print(f"{escape(str(options.file))}: edit it, then `sandbox study check`")
     return 0

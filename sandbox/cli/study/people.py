@@ -45,7 +45,10 @@ def find_participant(options: StudyRunOptions, study: StudyFolder, console: Cons
         )
     if options.session not in (None, 1):
         raise StudyError(
-            "a new participant begins with session 1", where="--session", got=options.session
+            "a new participant begins with session 1",
+            where="--session",
+            got=options.session,
+            remedy="Leave out --session",
         )
     if unfinished:
         console.print(f"[yellow]not finished yet: {', '.join(unfinished)}[/]")

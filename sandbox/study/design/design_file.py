@@ -61,7 +61,12 @@ def load_design(path: Path, try_out: bool = True) -> Design:
             remedy="`sandbox study new FILE` creates a design",
         ) from None
     except UnicodeDecodeError as error:
-        raise StudyError("the design is not UTF-8 text", where=str(path), got=str(error)) from None
+        raise StudyError(
+            "the design is not UTF-8 text",
+            where=str(path),
+            got=str(error),
+            remedy="Save it in UTF-8 with a text editor",
+        ) from None
     return parse_design(text, path, try_out)
 
 

@@ -81,7 +81,10 @@ def write_new(path: Path, text: str) -> None:
         ) from None
     except OSError as error:
         raise StudyError(
-            "the file cannot be written", where=str(path), got=error.strerror
+            "the file cannot be written",
+            where=str(path),
+            got=error.strerror,
+            remedy="Choose a name in a folder in which you may write",
         ) from None
 
 

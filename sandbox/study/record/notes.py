@@ -153,7 +153,12 @@ def read_notes(path: Path) -> list[Record]:
     except FileNotFoundError:
         return []
     except OSError as error:
-        raise StudyError("the notes cannot be read", where=str(path), got=error.strerror) from None
+        raise StudyError(
+            "the notes cannot be read",
+            where=str(path),
+            got=error.strerror,
+            remedy="Give read permission, or restore them from a backup",
+        ) from None
     lines = data.split(b"\n")[:-1]
     what, remedy = "the notes are damaged", "Restore them from a backup; nothing was changed"
     notes = []

@@ -418,7 +418,12 @@ class StudyData:
         values = to_numbers(self.used[name]).dropna()
         if not len(values):
             if must:
-                raise StudyError("the measure has no numbers", where="--measure", got=name)
+                raise StudyError(
+                    "the measure has no numbers in the trials used",
+                    where="--measure",
+                    got=name,
+                    remedy="Name another column of trials.csv, or leave it out",
+                )
             return None
         row = self.columns.get(name, {})
         unit = row.get("unit", "") or ("s" if name == "time_s" else "")
@@ -684,7 +689,12 @@ def read_table(path: Path) -> DataFrame:
             remedy="`sandbox study tables` makes all tables again",
         ) from None
     except OSError as error:
-        raise StudyError("the table cannot be read", where=str(path), got=error.strerror) from None
+        raise StudyError(
+            "the table cannot be read",
+            where=str(path),
+            got=error.strerror,
+            remedy="Give read permission",
+        ) from None
 
 
 def to_numbers(column: Series, path: Path | None = None) -> Series:
@@ -708,6 +718,8 @@ def to_numbers(column: Series, path: Path | None = None) -> Series:
             "not a number",
             where=f"{path}: {column.name}, row {row + 2}",
             got=str(column.iloc[row])[:40],
+            expected="a number or an empty cell",
+            remedy="`sandbox study tables` makes all tables again",
         )
     return numbers
 

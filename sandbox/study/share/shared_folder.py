@@ -157,7 +157,11 @@ def share_study(
         p: some for p, some in sessions.items() if all(s.state.consent is not False for s in some)
     }
     if not agreed:
-        raise StudyError("the study has no participant to share", where=str(study.path))
+        raise StudyError(
+            "the study has no participant to share",
+            where=str(study.path),
+            expected="a participant who has begun and did not decline to consent",
+        )
     names = _new_names(agreed)
     sizes = {p: some[0].state.start[HAND_SIZE] for p, some in agreed.items()}
     # If a session learns layouts, headers of recordings contain layouts of the person's fingers.
