@@ -45,8 +45,8 @@ def trial_folds(trial: NDArray[np.int64], folds: int = FOLDS) -> NDArray[np.int6
 def error_product(q: Array, truth: Array) -> float:
     """Mean distance of the wrist times mean angle of the joints, the paper's two measures.
 
-    A product does not depend on the relative weight of metres and radians. (In a sum of
-    standardised squares, the many numbers that touches cannot determine would outweigh the wrist.)
+    A product needs no relative weight of metres and radians. (In a sum of standardised squares, the
+    many numbers that touches cannot determine would outweigh the wrist.)
 
     Args:
         q: (T, 48) estimated poses.

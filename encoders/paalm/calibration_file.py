@@ -145,7 +145,7 @@ def read_calibration(path: Path) -> dict[str, HandCalibration]:
 
 
 def is_calibration(path: Path) -> bool:
-    """True if a file is a file of PAALM calibrations, even if these are damaged."""
+    """True if a file contains calibrations for PAALM, even if these are damaged."""
     try:
         data = read_bytes(path, EncoderError, what="", largest=_LARGEST)
         head = decoded(data, dict[str, Any], EncoderError, what="", where=str(path))

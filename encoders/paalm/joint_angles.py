@@ -412,7 +412,7 @@ class _Hand:
         return self._result(palm, ids, True)
 
     def _learn(self, learned: LearnedPalm, hand: TrackedHand, palm: Palm, names: list[int]) -> None:
-        """Learns the palm's position from this frame, which the next frame's labels use."""
+        """Learns the palm's position from this frame. The next frame's labels use it."""
         for finger, name in zip(hand.fingers, names, strict=True):
             place = palm.place(finger.tip)
             learned.add(name, finger.length, place, palm.turn(finger.direction))
