@@ -77,7 +77,7 @@ def test_fingertips_that_are_not_on_one_level_are_told() -> None:
     q[JOINTS.start + 6] += 0.8  # the index finger, raised at its knuckle
     seen = SeenRest(ADULT)
     assert not any(shown(seen, trembling(q, 2.0)))
-    assert "index is" in seen.trouble and "above the others" in seen.trouble
+    assert "index is" in seen.trouble and "above the other fingertips" in seen.trouble
 
 
 @pytest.mark.parametrize("size", [0.85, 1.15])
