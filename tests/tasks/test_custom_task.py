@@ -529,8 +529,8 @@ def write(path: Path, body: str) -> Path:
         ("1/0", "ZeroDivisionError.*lab.py:2"),
         ("def", "SyntaxError"),
         ("import nobody_has_this", "No module named"),
-        ("", "which task .*no task"),
-        ("class A(Slide): name = 'a'\nclass B(Slide): name = 'b'", "which task .*A, B"),
+        ("", "exactly one task .*no task"),
+        ("class A(Slide): name = 'a'\nclass B(Slide): name = 'b'", "exactly one task .*A, B"),
         ("class A(Slide): name = 'box-to-goal'", "another task has this name"),
         ("class A(Slide): name = 'Too Nice'", "name is missing or invalid"),
         ("class A(Slide): name = 'a'; hold_time = 'long'", "hold_time is missing or invalid"),
@@ -559,7 +559,7 @@ def test_a_file_without_a_valid_task_is_refused_with_a_one_line_error(
 @pytest.mark.parametrize(
     ("member", "says"),
     [
-        ("", r"which task .*no task.*Define the task as a class at the top of the file"),
+        ("", r"exactly one task .*no task.*Define the task as a class at the top of the file"),
         (":Local", r"nothing of this name \(got 'Local'\)\. Define the task as a class at the top"),
         (":Outer.Inner", r"inside a class or a function.*Name it there: Inner = Outer\.Inner"),
         (":make.<locals>.Local", r"inside a class or a function.*Move it there"),
