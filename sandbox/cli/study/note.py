@@ -105,7 +105,9 @@ def note(options: NoteOptions, console: Console) -> int:
     if kind == "accept_loss":
         return _accept_loss(study, ppid, options.accept_loss, console)
     if print_losses(study, console):
-        console.print("[yellow]restore these sessions, or accept their losses, before that[/]")
+        console.print(
+            "[yellow]restore these sessions, or accept their losses, before any other decision[/]"
+        )
         return 1
     if kind == "release":
         study.release(ppid, options.release)

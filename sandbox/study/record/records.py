@@ -45,7 +45,7 @@ def refuse_later_layout(record: dict[str, Any], where: str) -> None:
     """Checks that this version of the program supports the layout of a record or note.
 
     Raises:
-        LaterLayoutError: A later version has written it, whose fields may have other meanings.
+        LaterLayoutError: A later version has written it. Its fields may have other meanings.
     """
     schema = record.get("schema")
     if isinstance(schema, int) and schema > SCHEMA:

@@ -109,7 +109,7 @@ def _masked_record(record: Record, seconds: float, masking: PersonMasking) -> Re
     kind = record["kind"]
     names = shared_fields(forms()[kind]) if kind in forms() else {}
     if names.keys() <= {"n"} or record.get("command", "note") not in COMMANDS:
-        # Drafts of forms and records of kinds from a later version are replaced.
+        # Two kinds of records are replaced: drafts of forms, and kinds of a later version.
         kind, names, record = COMMAND, {}, {"n": record["n"], "command": LEFT_OUT}
     masked: Record = {
         "n": record["n"],

@@ -55,8 +55,8 @@ def _differences(before: Design | None, after: Design | None) -> str:
 
 
 def _meanings(before: Design, after: Design) -> Iterator[str]:
-    """Yields sentences on changed primary outcomes, and on changed settings of levels whose names
-    stay."""
+    """Yields sentences on changed primary outcomes, and on levels whose settings have changed under
+    the same name."""
     if before.primary != after.primary:
         names = [", ".join(design.primary) or "none" for design in (before, after)]
         yield f"Primary outcomes were {names[0]} before and are {names[1]}"
