@@ -1,8 +1,9 @@
-"""Bullet's hand beside ours: the same skeleton, masses, movement, limit and measures.
+"""Compares a hand in Bullet with ours: same skeleton, masses, movement, limit and measures.
 
-Both hands are in free air and are commanded 12 s of random movements, one pose every 1/60 s, held
-in between. Bullet's has ball joints with its own motors; its rate and gains are searched. Every
-hand is compared with the command in force at the end of each 1/60 s, before the next one comes.
+Both hands are in free air and follow 12 s of random movements, one commanded pose every 1/60 s,
+which is constant in between. Bullet's hand has ball joints with Bullet's own motors. Its rate and
+gains are searched. Every hand is compared with the current command at the end of each 1/60 s,
+before the next command.
 
     pip install "hand-sandbox[bullet]"
     python -m benchmarks.bullet
@@ -30,47 +31,48 @@ from models.skeleton import ADULT
 from tasks.simulated_user.user_hand import minimum_jerk
 
 DURATION = 12.0
-"""s."""
+"""Duration (s) of the movements."""
 SEED = 20
 MOVEMENT = (0.5, 1.0)
-"""s, range of a movement's duration; people's single movements of hand and fingers take so long."""
+"""Range (s) of a movement's duration, as of people's single movements of hand and fingers."""
 REACH, TURN = 0.06, 0.5
-"""m and rad per axis, within which the root's places and turns are drawn."""
+"""Largest position (m) and rotation (rad) of the root, per axis, that are drawn."""
 LEGAL_SHARE = 0.9
-"""Share of every joint's range in which poses are drawn."""
+"""Share of every joint's range from which poses are drawn."""
 TIMESTEPS = (0.001, 0.002, 0.004)
 RATE = 60
-"""Commands a second."""
+"""Number of commands a second."""
 RATES = (60, 120, 240)
-"""Steps a second of Bullet."""
+"""Numbers of steps a second of Bullet that are tried."""
 GAINS = (0.1, 0.2, 0.3, 0.5, 0.7, 0.85, 1.0)
 DEFAULT_ERP = 0.2
-"""ERP of pybullet: its ball joint motors multiply their gain by it. Otherwise this uses 1."""
+"""Default ERP of pybullet. Its ball joint motors multiply their gain by the ERP. All other rows use
+an ERP of 1."""
 LIMITS = (100.0, 10.0, 3.0, 1.0, 0.3, 0.1, 0.03, 0.01, 3e-3, 1e-3, 3e-4, 1e-4, 3e-5, 1e-5)
-"""N s of the slides, N m s of the turns, per 1/60 s."""
+"""Limits that are tried: N s of the slides, N m s of the rotations, per 1/60 s."""
 COSTS, LEAST_COST = 1.1, 0.05
-"""A limit costs something where an error is so many times, and by so many degrees or mm, larger
-than at the paper's limit."""
+"""A limit increases an error if the error is more than this factor times the error without a
+limit, and more than this difference (degrees or mm) above it."""
 LAGS = (-0.03, 0.4)
-"""s within which the lag is looked for."""
+"""Range (s) in which the lag is searched."""
 LOST = 30.0
-"""Degrees or mm from which a hand is not following any more, and its lag means nothing."""
+"""Error (degrees or mm) from which a hand no longer follows, so that its lag has no meaning."""
 CHECKED_POSES = 50
 SCANNED_TIMESTEP = 0.002
-"""s, of ours: the sandbox's own."""
+"""Timestep (s) of our hand when limits are tried: that of the sandbox."""
 
 Play = tuple[Array, Array, Array, float]
 """Poses (T, 48) at the end of every command's time; forces (n, 3) and torques (n, 15, 3) of all
-steps; s per step."""
+steps; duration (s) of a step."""
 
 
 @dataclass(frozen=True)
 class Use:
-    """The largest share of its limit that any of some servos used.
+    """Largest use of a group of servos.
 
     Attributes:
-        impulse: N s or N m s, most that it gave in 1/60 s, as Bullet counts a motor's impulse.
-        peak: The same had it given its largest force all the time: below this, a limit binds.
+        impulse: Largest impulse (N s or N m s) of a servo in 1/60 s, as Bullet counts it.
+        peak: Largest force of a servo times 1/60 s. A limit below this value changes the motion.
     """
 
     impulse: float
@@ -85,10 +87,12 @@ class Row:
     """Result of one hand that followed a motion.
 
     Attributes:
-        joint_rms, joint_max: degrees, of the ball joints.
-        root_rms, root_turn_rms: mm and degrees, of the root.
-        joint_lag, root_lag: ms.
-        root, turn, joint: What slides (N s), the root's turn and joints (N m s) used in 1/60 s.
+        joint_rms, joint_max: Errors of the ball joints (degrees): root mean square, and largest.
+        root_rms, root_turn_rms: Root mean square errors of the root's position (mm) and rotation
+            (degrees).
+        joint_lag, root_lag: Lags (ms) of the joints and of the root's position.
+        root, turn, joint: Use in 1/60 s of the slides (N s), of the root's rotation and of the
+            joints (N m s).
     """
 
     joint_rms: float
@@ -103,7 +107,8 @@ class Row:
 
     @property
     def peaks(self) -> tuple[float, float, float]:
-        """Limits, N s and N m s, that slides, the root's turn and joints would just not reach."""
+        """Smallest limits (N s, N m s, N m s) that slides, root's rotation and joints do not
+        reach."""
         return self.root.peak, self.turn.peak, self.joint.peak
 
     def __str__(self) -> str:
@@ -123,7 +128,7 @@ HEADER = (
 
 
 def trajectory(seed: int = SEED, period: float = CONTROL_PERIOD) -> Array:
-    """(T, 48) commands, one every `period` seconds."""
+    """Draws commands (T, 48), one every `period` seconds."""
     rng = np.random.default_rng(seed)
     middle = np.concatenate([[0, 0, 0.3], np.zeros(3), (ADULT.lower + ADULT.upper) / 2])
     half = LEGAL_SHARE * (ADULT.upper - ADULT.lower) / 2
@@ -140,7 +145,7 @@ def trajectory(seed: int = SEED, period: float = CONTROL_PERIOD) -> Array:
 
 
 def use(force: Array, timestep: float) -> Use:
-    """Use of servos with forces (T, n, 1) in N or torques (T, n, 3) in N m."""
+    """Computes the use of n servos from their forces (T, n, 1) in N or torques (T, n, 3) in N m."""
     given = np.cumsum(np.concatenate([np.zeros_like(force[:1]), force]), axis=0) * timestep
     # A period is not a whole number of steps: its beginning lies between two of them.
     whole, part = divmod(IMPULSE_PERIOD / timestep, 1.0)
@@ -154,7 +159,7 @@ def use(force: Array, timestep: float) -> Use:
 
 
 def ours(commands: Array, hand: Hand, timestep: float) -> Play:
-    """Plays commands (T, 48) to our hand."""
+    """Lets our hand follow commands (T, 48)."""
     scene = Scene(SceneSpec((hand,), timestep=timestep))
     data = mujoco.MjData(scene.model)
     data.qpos[scene.qpos_slice(0)] = scene.pose_to_qpos(0, commands[0])
@@ -175,7 +180,7 @@ def ours(commands: Array, hand: Hand, timestep: float) -> Play:
 def bullets(
     commands: Array, hand: Hand, rate: int, gain: float, loaded: bool = True, erp: float = 1.0
 ) -> Play:
-    """Plays commands (T, 48) to Bullet's hand; see `BulletHand`."""
+    """Lets Bullet's hand follow commands (T, 48). See `BulletHand` for the options."""
     bullet = BulletHand(hand, rate, gain, loaded, erp)
     bullet.place(commands[0])
     steps = []
@@ -187,7 +192,7 @@ def bullets(
 
 
 def compare(commands: Array, play: Play) -> Row:
-    """Result of a hand that played commands (T, 48)."""
+    """Compares a hand's motion with its commands (T, 48)."""
     poses, slides, turns, timestep = play
     joint = np.rad2deg(
         geodesic_angle(poses[:, JOINTS].reshape(-1, 14, 3), commands[:, JOINTS].reshape(-1, 14, 3))
@@ -208,7 +213,10 @@ def compare(commands: Array, play: Play) -> Row:
 
 
 def lag(followed: Array, commands: Array) -> float:
-    """ms by which values (T, k) come late after smooth commands (T, k), to a tenth or so."""
+    """Returns the delay (ms) of values (T, k) after smooth commands (T, k), to about 0.1 ms.
+
+    It is infinite if the best delay is at the edge of `LAGS`.
+    """
     times = np.arange(len(commands)) / RATE
     path = CubicSpline(times, commands, axis=0)
     inside = (times > LAGS[1]) & (times < times[-1] + LAGS[0])
@@ -224,7 +232,8 @@ def lag(followed: Array, commands: Array) -> float:
 
 
 def farthest_joint(commands: Array) -> float:
-    """m, the largest distance of a joint of Bullet's hand from ours, over poses of commands."""
+    """Returns the largest distance (m) between joints of Bullet's hand and ours, over poses of the
+    commands."""
     bullet = BulletHand(Hand(), RATES[-1])
     apart = 0.0
     for q in commands[:: len(commands) // CHECKED_POSES]:
@@ -234,12 +243,15 @@ def farthest_joint(commands: Array) -> float:
 
 
 def print_search(commands: Array, hand: Hand, late: float) -> tuple[int, float]:
-    """Prints a row per rate and gain of Bullet's motors; the rate and gain that follow best.
+    """Prints a row for each rate and gain of Bullet's motors.
 
     Args:
-        commands: (T, 48).
-        hand: What follows.
-        late: ms; the row whose fingers' lag is nearest to this is marked too.
+        commands: (T, 48) commanded poses.
+        hand: The hand.
+        late: Lag (ms) of our fingers. The row with the nearest lag is marked too.
+
+    Returns:
+        Rate and gain with the smallest error of the joints.
     """
     rows = {
         (rate, gain): compare(commands, bullets(commands, hand, rate, gain))
@@ -260,11 +272,11 @@ def print_search(commands: Array, hand: Hand, late: float) -> tuple[int, float]:
 
 
 def print_scan(name: str, play: Callable[[float], Row]) -> None:
-    """Prints what smaller limits do to a hand, and from where on they bind.
+    """Prints how a hand follows with smaller limits, and from which limit on its errors increase.
 
     Args:
         name: Name of the hand.
-        play: How it follows with a limit in N s (N m s).
+        play: Returns the result with a limit in N s (N m s).
     """
     rows = {limit: play(limit) for limit in LIMITS}
     free = rows[LIMITS[0]]
@@ -289,7 +301,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
-    parser.add_argument("--seed", type=int, default=SEED, help="of the movements")
+    parser.add_argument("--seed", type=int, default=SEED, help="seed of the movements")
     args = parser.parse_args()
     commands = trajectory(args.seed, 1.0 / RATE)
     hand = Hand()

@@ -1,9 +1,10 @@
-"""The hand as URDF, with the masses of our own model, and as a body of Bullet that follows poses.
+"""The hand as URDF, with the masses of our own model, and as a body in Bullet that follows poses.
 
-URDF is written from the compiled MuJoCo model, bone by bone, so that both engines move the same
-masses. What URDF cannot say is the armature, inertia that MuJoCo adds at a joint: of the root it is
-exactly a heavier carriage and a palm harder to turn, so that it is always mirrored; of a ball joint
-between two bones it is not, and `loaded` gives it to the bone instead, which is the nearest thing.
+The URDF is written from the compiled MuJoCo model, bone by bone, so that both engines move the same
+masses. URDF has no armature, the inertia that MuJoCo adds at a joint. At the root the armature is
+equal to a heavier carriage and a larger inertia of the palm, and is always written so. At a ball
+joint between two bones there is no equal: `loaded` adds it to the inertia of the bone, which is the
+closest approximation.
 """
 
 from __future__ import annotations
@@ -25,18 +26,19 @@ from models.rotations import quaternion_exp, quaternion_log
 from models.scene import Scene, SceneSpec
 
 LIGHT_MASS, LIGHT_INERTIA = 1e-6, 1e-9
-"""kg and kg m2 of the two carriages that URDF needs between the three slides of the root."""
+"""Mass (kg) and inertia (kg m2) of the two carriages that URDF needs between the three slides of
+the root."""
 SLIDES = ("root_x", "root_y", "root_z")
 
 
 class Inertia:
-    """Mass of one body, its place and the axes in which its inertia is diagonal.
+    """Mass of one body, its centre, and the axes in which its inertia is diagonal.
 
     Attributes:
-        mass: kg.
-        place: (3,) m, centre of mass in the body's frame.
-        axes: (3, 3) body from principal axes.
-        principal: (3,) kg m2 about them.
+        mass: Mass (kg).
+        place: (3,) centre of mass (m) in the body's frame.
+        axes: (3, 3) rotation from the principal axes to the body's frame.
+        principal: (3,) moments of inertia (kg m2) about the principal axes.
     """
 
     def __init__(self, model: mujoco.MjModel, body: str, added: float) -> None:
@@ -54,11 +56,11 @@ class Inertia:
 
 
 def inertias(hand: Hand, loaded: bool) -> dict[str, Inertia]:
-    """Mass of the palm and of every bone of a hand, by name.
+    """Returns masses and inertias of the palm and of every bone of a hand, by name.
 
     Args:
-        hand: Whose bodies.
-        loaded: Adds each ball joint's armature to the inertia of the bone beyond it.
+        hand: The hand.
+        loaded: Adds each ball joint's armature to the inertia of the bone beyond the joint.
     """
     model = Scene(SceneSpec((hand,))).model
     found = {"palm": Inertia(model, hand.element_name("palm"), ROOT_INERTIA)}
@@ -69,18 +71,19 @@ def inertias(hand: Hand, loaded: bool) -> dict[str, Inertia]:
 
 
 def hand_urdf(hand: Hand, loaded: bool = False) -> str:
-    """URDF of a hand: three slides, then a ball joint for the root and one per bone.
+    """Returns the URDF of a hand: three slides, then a ball joint for the root and one per bone.
 
-    Names of joints are those of `Skeleton.bones`, and `root_x`, `root_y`, `root_z`, `root` before
-    them. There is nothing to collide and nothing to see.
+    The joints are named `root_x_joint`, `root_y_joint`, `root_z_joint`, `root_joint` and, for each
+    of `Skeleton.bones`, the bone's name with `_joint`. The bodies have no collision shape and no
+    visual shape.
 
     Args:
-        hand: What to write.
+        hand: The hand.
         loaded: See `inertias`.
     """
     robot = Element("robot", {"name": "hand"})
     bodies = inertias(hand, loaded)
-    # Bullet would give a link without mass 1 kg, and says so on every start.
+    # Bullet would give a link without mass 1 kg, with a warning on every start.
     _link(robot, "ground", LIGHT_MASS, np.zeros(3), np.eye(3), np.full(3, LIGHT_INERTIA))
     parent = "ground"
     for name, axis in zip(SLIDES, np.eye(3), strict=True):
@@ -132,7 +135,7 @@ def _joint(
     SubElement(joint, "parent", {"link": parent})
     SubElement(joint, "child", {"link": child})
     _origin(joint, place, rest)
-    # A ball joint has none, but Bullet's reader complains where there is none.
+    # A ball joint has no axis, but Bullet's reader warns if the element is missing.
     SubElement(joint, "axis", {"xyz": "1 0 0"})
     return joint
 
@@ -148,7 +151,7 @@ def _text(values: Any) -> str:
 
 @cache
 def bullet_world() -> Any:
-    """The Bullet engine of this process, connected once.
+    """Returns the Bullet engine of this process, connected once.
 
     Raises:
         InputError: pybullet is not installed.
@@ -164,16 +167,16 @@ def bullet_world() -> Any:
 
 
 class BulletHand:
-    """The only thing in Bullet's world: the hand in free air, without gravity, as ours.
+    """The hand in Bullet's world: in free air, without gravity and other bodies, like ours.
 
-    Making another one ends the one before it.
+    A new `BulletHand` removes the one before it from the world.
 
     Args:
-        hand: What it is made of; its `force_limit` limits every motor, N or N m.
-        rate: Steps a second.
-        gain: Share of the remaining turn, or way, that every motor asks for in one step.
+        hand: The hand. Its `force_limit` limits every motor (N or N m).
+        rate: Number of steps a second.
+        gain: Share of the remaining rotation or distance that every motor corrects in one step.
         loaded: See `inertias`.
-        erp: ERP of Bullet's world: the motors of its ball joints multiply their gain by it.
+        erp: ERP of Bullet's world. The motors of its ball joints multiply their gain by it.
 
     Raises:
         InputError: pybullet is not installed.
@@ -207,14 +210,14 @@ class BulletHand:
         self._gain = gain
 
     def place(self, q: Array) -> None:
-        """Puts the hand, at rest, into a pose (48,)."""
+        """Sets the pose (48,) of the hand, at rest."""
         for i, value in zip(self._slides, q[:3], strict=True):
             self._world.resetJointState(self._body, i, value, 0.0)
         for i, turn in zip(self._balls, self._turns(q), strict=True):
             self._world.resetJointStateMultiDof(self._body, i, turn, [0.0, 0.0, 0.0])
 
     def command(self, q: Array) -> None:
-        """Gives all motors the pose (48,) to go to."""
+        """Sets the target pose (48,) of all motors."""
         for i, value in zip(self._slides, q[:3], strict=True):
             self._world.setJointMotorControl2(
                 self._body,
@@ -239,7 +242,11 @@ class BulletHand:
         )
 
     def step(self) -> tuple[Array, Array, Array]:
-        """One step on: the pose (48,), forces (3,) N of slides, torques (15, 3) N m of balls."""
+        """Simulates one step.
+
+        Returns:
+            Pose (48,), forces (3,) of the slides (N), and torques (15, 3) of the ball joints (N m).
+        """
         self._world.stepSimulation()
         slides = self._world.getJointStates(self._body, self._slides)
         balls = self._world.getJointStatesMultiDof(self._body, self._balls)
@@ -249,13 +256,13 @@ class BulletHand:
         return pose, np.array([s[3] for s in slides]), np.array([s[3] for s in balls])
 
     def joints(self) -> Array:
-        """(14, 3) m, places of the ball joints in the world."""
+        """Returns the positions (14, 3) of the ball joints in the world, m."""
         states = self._world.getLinkStates(
             self._body, self._balls[1:], computeForwardKinematics=True
         )
         return np.array([state[4] for state in states])
 
     def _turns(self, q: Array) -> list[list[float]]:
-        """Quaternions (x, y, z, w) of the root and the ball joints, in Bullet's axes."""
+        """Returns the quaternions (x, y, z, w) of the root and the ball joints in Bullet's axes."""
         vectors = (np.swapaxes(self._axes, 1, 2) @ q[3:].reshape(-1, 3)[..., None])[..., 0]
         return [list(map(float, v)) for v in quaternion_exp(vectors)[:, [1, 2, 3, 0]]]

@@ -1,10 +1,11 @@
-"""Reads exported files with other programs: the greatest distance of a joint from where it was.
+"""Reads exported files with our readers and with other programs, and prints the largest error.
 
     python -m benchmarks.formats                  # needs the extra `test`; node for three.js
-    python -m benchmarks.formats --keep FOLDER    # leaves the files there, and the truth
+    python -m benchmarks.formats --keep FOLDER    # keeps the files and the true positions there
 
-240 keys of a lively hand, BVH in every Euler order; ours and other people's readers. What is kept,
-`benchmarks/in_blender.py` and `benchmarks/in_dart.cpp` compare with the truth in Blender and DART.
+The files have 240 keys of a hand that moves all joints, BVH in every Euler order. The error is the
+largest coordinate difference of a joint's position. `benchmarks/in_blender.py` and
+`benchmarks/in_dart.cpp` compare the kept files with the truth in Blender and DART.
 """
 
 from __future__ import annotations
@@ -39,7 +40,8 @@ INCH = 0.0254
 
 
 def lively() -> Array:
-    """(240, 48) world poses: every joint through its range, the wrist round and round."""
+    """Returns (240, 48) poses in the world. Joints move in their ranges, and the wrist rotates by
+    2 rad a second."""
     rng = np.random.default_rng(5)
     t = np.arange(COUNT)[:, None] / RATE
     wave = np.sin(2 * np.pi * rng.uniform(0.2, 1.5, 48) * t + rng.uniform(0, 6, 48))
@@ -63,7 +65,7 @@ def main() -> None:
 
 
 def check(folder: Path) -> None:
-    """Writes every format, has it read, and says how far it is off."""
+    """Writes every format to a folder, reads it with every reader, and prints the errors."""
     armature, q = Armature(ADULT), lively()
     joints, tips = armature.place(armature.keys(q))
     wanted = {
@@ -100,7 +102,7 @@ def check(folder: Path) -> None:
     write(VWriter(folder / "hand.v", armature, RATE))
     motion = motion_of(folder / "hand.v", read_vsk(folder / "hand.vsk"), read_v(folder / "hand.v"))
     say("v/vsk", "ours", np.abs(motion.place().positions[:, :15] - joints @ Z_UP.T).max())
-    # What DART is told: rotation vectors and the wrist's place, as the V file has them, in m.
+    # Input of DART: rotation vectors (rad) and the wrist's position (m), as in the V file.
     values = read_v(folder / "hand.v").values[list(FRAMES)]
     values[:, 3:6] /= 1000
     np.savetxt(folder / "for_dart.txt", values)
@@ -158,7 +160,7 @@ def _c3d(path: Path) -> Array:
 def _node(say: Callable[..., None], kind: str, reader: str, ask: Callable[[], object]) -> None:
     try:
         say(kind, reader, ask())
-    except pytest.skip.Exception as error:  # where node is not there
+    except pytest.skip.Exception as error:  # Node is not installed
         print(f"{kind:10}{reader:34}{error}")
 
 

@@ -1,11 +1,11 @@
-"""Exported files in a real Blender: where it puts the joints, against the truth.
+"""Compares the positions of joints in a real Blender with the truth, for exported files.
 
     python -m benchmarks.formats --keep FOLDER     # in the project's environment
-    pip install bpy==5.0.1                         # in another one: bpy wants an older NumPy
+    pip install bpy==5.0.1                         # in another one: bpy needs an older NumPy
     python benchmarks/in_blender.py FOLDER         # there
 
-Blender puts the first key of a BVH at frame 1, whatever start is asked for, and keys of a .glb at
-frame 0; it scales the scene to the rate of a BVH only where asked to (`update_scene_fps`).
+Blender puts the first key of a BVH at frame 1, whatever its option for the start is, and the first
+key of a .glb at frame 0. It sets the scene to the rate of a BVH only with `update_scene_fps`.
 """
 
 from __future__ import annotations
@@ -19,7 +19,12 @@ import numpy as np
 
 
 def worst(wanted: dict, first: int) -> float:
-    """m, greatest distance of a joint from where it belongs, over some frames."""
+    """Returns the largest coordinate difference (m) of a joint from its true position.
+
+    Args:
+        wanted: Contents of `wanted.json`: names, frames and true positions of joints.
+        first: Blender's number of the first frame.
+    """
     armature = next(o for o in bpy.data.objects if o.type == "ARMATURE")
     scene, out = bpy.context.scene, 0.0
     for frame, places in zip(wanted["frames"], wanted["joints"], strict=True):
@@ -32,7 +37,7 @@ def worst(wanted: dict, first: int) -> float:
 
 
 def main(folder: Path) -> None:
-    """Prints a line for each file."""
+    """Prints a line for each file of a folder."""
     wanted = json.loads((folder / "wanted.json").read_text())
     for path in (*sorted(folder.glob("*.bvh")), folder / "hand.glb"):
         bpy.ops.wm.read_factory_settings(use_empty=True)

@@ -1,9 +1,9 @@
-"""Seeds that nobody chose: outputs of SHA-256 over the frozen configuration.
+"""Test seeds that no person chose: outputs of SHA-256 over the frozen configuration.
 
-A number is judged on seeds drawn after the configuration is frozen. `python -m benchmarks.judged
---freeze` writes settings, digests of models, versions of tasks and how a solid hand keeps clear of
-objects into `frozen.json`. The seeds follow from that file, so that tuning any of these afterwards
-draws new ones. The code itself is not part of it: tables of results name its commit.
+Success rates are measured on seeds that are drawn after the configuration is frozen. `python -m
+benchmarks.judged --freeze` writes settings, digests of models, versions of tasks and the constants
+of collision avoidance to `frozen.json`. The seeds depend on that file, so that a later change of
+these values draws new seeds. The file does not include the code: tables of results have its commit.
 """
 
 from __future__ import annotations
@@ -33,10 +33,10 @@ FIRST = (
     "stack-vertical",
     "carry-together",
 )
-"""Tasks of the papers, and those that were made from them."""
+"""Tasks of the papers, and tasks that are derived from them."""
 
 LATER = ("slalom", "gather", "books", "dial", "chords", "single-keys", "insert", "close-case")
-"""Tasks in which more of the hand counts."""
+"""Tasks in which more parts of the hand matter."""
 
 JUDGED = FIRST + LATER
 """Tasks of the frozen configuration."""
@@ -46,7 +46,7 @@ CLEARING = (
     *("STEADY", "CLEAR_SIGMA", "AHEAD", "FAR", "SLOW", "TAU", "SPEED"),
     *("REACH", "CLEARANCE", "INSIDE"),
 )
-"""Constants of `collision_avoidance` by which a hand keeps clear and turns solid."""
+"""Constants of `collision_avoidance` that are part of the configuration."""
 
 
 def configuration() -> dict[str, Any]:
@@ -63,56 +63,56 @@ def configuration() -> dict[str, Any]:
 
 
 def judged_seeds(n: int, task: str = "box-to-goal", solid: str = SOLID[0]) -> list[int]:
-    """The first n seeds of a task; they follow from what is frozen of it and of all tasks' runs.
+    """Returns the first n test seeds of a task, which depend on the frozen configuration alone.
 
     Args:
-        n: How many.
-        task: Name.
-        solid: One of `sandbox.trial.settings.SOLID`; each has seeds of its own.
+        n: Number of seeds.
+        task: Name of the task.
+        solid: One of `sandbox.trial.settings.SOLID`. Each has other seeds.
 
     Raises:
-        InputError: The code's configuration is no longer the frozen one.
+        InputError: The configuration of the code differs from the frozen one.
     """
     return frozen_seeds(n, task, solid, FROZEN, configuration())
 
 
 def frozen_seeds(n: int, task: str, solid: str, path: Path, now: dict[str, Any]) -> list[int]:
-    """The first n seeds of a task by a frozen configuration, which must be that of now.
+    """Returns the first n seeds of a task for a frozen configuration.
 
     Args:
-        n: How many.
-        task: Name.
+        n: Number of seeds.
+        task: Name of the task.
         solid: One of `sandbox.trial.settings.SOLID`.
-        path: What was frozen.
-        now: The configuration as it is in the code.
+        path: File with the frozen configuration.
+        now: The current configuration of the code.
 
     Raises:
-        InputError: They differ in what decides the task's runs.
+        InputError: The two configurations differ for this task.
     """
     frozen = json.loads(path.read_text())
     now = json.loads(json.dumps(now))
-    # Another task that comes or changes draws no new seeds for this one.
+    # A new or changed other task does not change the seeds of this one.
     for each in (frozen, now):
         each["tasks"] = {task: each["tasks"].get(task)}
-    # A setting that is younger than the file has the value that such files stand for.
+    # A setting that is newer than the file has the value that a file without it means.
     same = {**frozen, "settings": json.loads(json.dumps(encoded(decoded(frozen["settings"]))))}
     if same != now or frozen["tasks"][task] is None:
         raise InputError(
             "the configuration has changed since it was frozen",
             where=f"{path}, {task}",
-            remedy="`python -m benchmarks.judged --freeze` freezes it anew and draws new seeds",
+            remedy="Run `python -m benchmarks.judged --freeze`; it draws new seeds",
         )
     text = json.dumps(frozen | {"solid": solid}, sort_keys=True)
     return [int.from_bytes(sha256(f"{text}\n{i}".encode()).digest()[:4], "big") for i in range(n)]
 
 
 def freeze(path: Path, now: dict[str, Any]) -> None:
-    """Writes a configuration down."""
+    """Writes a configuration to a file."""
     path.write_text(json.dumps(now, indent=1, sort_keys=True) + "\n")
 
 
 def main() -> None:
-    """Writes the file if asked, and prints ten seeds a task and solidity."""
+    """Writes the file with `--freeze`, and prints ten seeds for each task and solidity."""
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )

@@ -1,8 +1,8 @@
-"""Trials of a benchmark that are kept as they end, so that a run can be stopped, resumed and split.
+"""Trials of a benchmark that are saved as they end, so that a run can be stopped and resumed.
 
-Every trial is a line of JSON: its job and its outcome. Several files make one table, as those of
-ranges of trials that were played at several times or on several machines. Those that numbers in the
-docs are of are in `benchmarks/kept`, compressed.
+Every trial is a line of JSON: its job and its outcome. Several files can be combined in one table,
+such as files of trials that were played at different times or on different machines. The compressed
+files in `benchmarks/kept` have the trials behind numbers in the docs.
 """
 
 from __future__ import annotations
@@ -30,16 +30,19 @@ Outcome = TypeVar("Outcome", bound="DataclassInstance")
 
 
 class KeptTrials(Generic[Job, Outcome]):
-    """Trials that have been played, in files of JSON lines.
+    """Played trials in files of JSON lines.
 
     Args:
-        job: Class of jobs, tuples with names.
-        outcome: Class of outcomes, dataclasses of plain values.
-        files: Files with trials, which need not exist, some of them compressed (`.gz`). The first
-            one, which is not, takes what is played.
+        job: Class of jobs, a named tuple.
+        outcome: Class of outcomes, a dataclass of plain values.
+        files: Files with trials, some of them perhaps compressed (`.gz`). They need not exist.
+            New trials are added to the first one, which must not be compressed.
 
     Attributes:
-        done: Outcome of every job that has one.
+        done: Job -> outcome, of all played trials.
+
+    Raises:
+        InputError: A file does not contain trials of this benchmark.
     """
 
     def __init__(self, job: type[Job], outcome: type[Outcome], files: Sequence[Path]) -> None:
@@ -53,12 +56,17 @@ class KeptTrials(Generic[Job, Outcome]):
                     raise not_these(file, error) from None
 
     def play(self, trial: Callable[[Job], Outcome], jobs: Iterable[Job], workers: int) -> None:
-        """Plays the jobs without an outcome, and keeps each as soon as it and those before it have
-        ended."""
+        """Plays the jobs without an outcome, and saves each when it and those before it have ended.
+
+        Args:
+            trial: Plays one job; a function of a module, since it runs in other processes.
+            jobs: All jobs of the benchmark.
+            workers: Number of processes.
+        """
         missing = [job for job in jobs if job not in self.done]
         if not missing:
             return
-        # One thread a process: the machine's cores are the processes' already.
+        # One thread in each process, since the processes use all cores already.
         os.environ["OMP_NUM_THREADS"] = "1"
         self._file.parent.mkdir(parents=True, exist_ok=True)
         bars = Progress(console=Console(stderr=True))
@@ -73,25 +81,25 @@ class KeptTrials(Generic[Job, Outcome]):
 
 
 def not_these(file: Path, error: Exception) -> InputError:
-    """The error for a file whose lines are trials of another benchmark."""
+    """Returns the error for a file whose lines are trials of another benchmark."""
     return InputError(
-        "these are trials of something else",
+        "the file has trials of another benchmark",
         where=str(file),
         got=f"{type(error).__name__}: {error}",
     )
 
 
 def whole_lines(file: Path) -> int:
-    """Bytes of a file up to the end of its last whole line: a program that was killed may have torn
-    the one after it."""
+    """Returns the number of bytes up to the end of a file's last complete line. If the program was
+    killed, the line after it may be incomplete."""
     return file.read_bytes().rfind(b"\n") + 1
 
 
 def lines_of(file: Path) -> Iterator[dict[str, Any]]:
-    """Whole lines of a file, perhaps compressed; none if there is no such file.
+    """Yields the complete lines of a file as objects; no line if there is no such file.
 
     Raises:
-        InputError: The file does not hold trials, or is compressed and broken.
+        InputError: A line is not JSON, or the file cannot be read or decompressed.
     """
     try:
         if file.suffix == ".gz":
@@ -99,11 +107,13 @@ def lines_of(file: Path) -> Iterator[dict[str, Any]]:
         else:
             whole = file.read_bytes()[: whole_lines(file)] if file.exists() else b""
     except (OSError, EOFError, zlib.error) as error:
-        raise InputError("cannot be read", where=str(file), got=str(error)) from error
+        raise InputError(
+            "the file of trials cannot be read", where=str(file), got=str(error)
+        ) from error
     for number, line in enumerate(whole.splitlines(), 1):
         try:
             yield json.loads(line)
         except ValueError:
             raise InputError(
-                "this is no trial", where=f"{file}, line {number}", expected="a line of JSON"
+                "the line is not a trial", where=f"{file}, line {number}", expected="a line of JSON"
             ) from None

@@ -1,11 +1,11 @@
-"""Trials side by side, so that inverse kinematics is solved for many of them at once.
+"""Plays trials concurrently, so that inverse kinematics is solved for many of them at once.
 
-100 iterations for one pose are mostly calls of NumPy, and they take longer than all the rest of a
-trial. For many poses they cost little more, and every pose is the one that it would be alone, to
-the bit (`tests/encoders/regression/test_touch_ik.py`). So each trial has a thread, one of them runs
-at a time, and a trial that asks for a pose waits until all of them do. Only touches of the same
-fingers are solved together, so the largest such group goes on and the others wait for company, for
-a while. Trials end in the state in which they would have ended alone.
+The 100 iterations for one pose are mostly overhead of NumPy calls, and take longer than the rest of
+a trial. For many poses they take little more time, and every pose is equal to the bit to the pose
+that is solved alone (`tests/encoders/regression/test_touch_ik.py`). Each trial therefore has a
+thread. One thread runs at a time, and a trial that needs a pose waits until all of them wait. Only
+touches of the same fingers are solved together: the largest such group is solved, and the others
+wait for more trials, up to a limit. Trials end in the same state as alone.
 """
 
 from __future__ import annotations
@@ -25,14 +25,15 @@ Job = TypeVar("Job")
 Result = TypeVar("Result")
 
 AT_ONCE = 120
-"""Trials side by side, about 7 MB each; with more, the fingers that few of them touch with still
-have company."""
+"""Number of concurrent trials, of about 7 MB each. It is large so that rare sets of fingers also
+form groups."""
 LONGEST_WAIT = 30
-"""Rounds; without it, a trial with rare fingers would keep its thread to the very end."""
+"""Number of rounds after which a group is solved first. Without it, a trial with a rare set of
+fingers would wait until the end."""
 
 
 class _Lane(Thread):
-    """A thread for one job. It runs from `resume` until it asks for a pose, or ends."""
+    """A thread for one job. It runs from `resume` until it needs a pose or ends."""
 
     def __init__(self, work: Callable[[], object]) -> None:
         super().__init__(daemon=True)
@@ -44,7 +45,7 @@ class _Lane(Thread):
         self.error: BaseException | None = None
 
     def resume(self) -> None:
-        """Lets it run until it waits again."""
+        """Runs the thread until it waits again or ends."""
         if self.ident is None:
             self.start()
         self._mine.release()
@@ -54,13 +55,13 @@ class _Lane(Thread):
         self._mine.acquire()
         try:
             self.result = self._work()
-        except BaseException as error:  # for the thread that waits, which raises it
+        except BaseException as error:  # `in_lanes` raises it in the main thread
             self.error = error
         self.question = None
         self._theirs.release()
 
     def ask(self, u: Array) -> Array:
-        """The answer to a question; others run meanwhile."""
+        """Returns the pose for an input `u`. Other threads run in the meantime."""
         self.question, self.waited = u.copy(), 0
         self._theirs.release()
         self._mine.acquire()
@@ -69,10 +70,14 @@ class _Lane(Thread):
 
 
 def in_lanes(trial: Callable[[Job], Result], jobs: Iterable[Job]) -> Iterator[Result]:
-    """Results of trials with PCA-IK, as they end.
+    """Yields the results of trials with PCA-IK in the order in which they end.
+
+    Args:
+        trial: Plays one job.
+        jobs: The jobs.
 
     Raises:
-        BaseException: What a trial raised.
+        BaseException: The error that a trial raised.
     """
     encoder = pca_ik_model().encoder
     alone = encoder.predict
@@ -108,7 +113,8 @@ def in_lanes(trial: Callable[[Job], Result], jobs: Iterable[Job]) -> Iterator[Re
 
 
 def _next_group(running: list[_Lane]) -> list[_Lane]:
-    """Those of most that ask about the same fingers; or that of one who has waited for too long."""
+    """Returns the largest group of threads that need a pose for the same fingers. A group with a
+    thread that has waited longer than `LONGEST_WAIT` comes first."""
     groups: dict[bytes, list[_Lane]] = {}
     for lane in running:
         assert lane.question is not None

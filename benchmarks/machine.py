@@ -1,4 +1,4 @@
-"""Says on what machine, and how busy it was: no time means anything without."""
+"""Describes the machine of a measurement and its load, without which times have no meaning."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from sandbox.recording.versions import versions
 
 
 def describe_machine() -> str:
-    """One line: processor, load, system and versions."""
+    """Returns one line with processor, load, system and versions."""
     found = versions()
     load = ", ".join(f"{x:.1f}" for x in os.getloadavg()) if hasattr(os, "getloadavg") else "?"
     return (

@@ -1,23 +1,23 @@
-"""Compares methods that turn touches into a hand, in every task: who differs from what ships?
+"""Compares methods that turn touches into a hand pose with the default method, in every task.
 
     python -m benchmarks.methods --seeds 7000:7150 --out out/methods.jsonl
     python -m benchmarks.methods --tasks insert slalom --methods "mean pose" --seeds 7000:7010
     python -m benchmarks.methods --table out/methods.jsonl [MORE.jsonl ...] --plot methods.svg
 
-Trials of the simulated user on training seeds. Mean pose, linear, quadratic, cubic, what ships and
-true labels have the labels, correction and filter of what ships, and differ in the encoder or in
-the names of fingers; PCA-IK has them, too. No correction, no filter and the paper's labels are what
-ships with one of the three changed. Bare is what ships with the paper's labels and without
-correction and filter, the paper's method has its encoder, too; both keep our rules of arrival.
+The trials are of the simulated user on training seeds. "what ships" is the default method. "mean
+pose", "linear", "quadratic", "cubic" and "pca-ik" differ from it in the encoder, and "true labels"
+in the labels of fingers. "no correction", "no filter" and "the paper's labels" change one of the
+other three parts. "bare" is the default with the paper's labels and without correction and filter.
+"the paper's" also has the paper's encoder. These two still have our rules of arrival.
 
-Columns: success with its Wilson interval; points of `tasks.score.points` with a t interval of their
-mean; median time of successes; trials that ended early, as something was toppled, pushed away or
-overtightened; things that left the surface and were put back; the largest push, N, of palm and free
-fingers on things: median and largest of trials.
+The columns are: success with its Wilson interval; points of `tasks.score.points` with a t interval
+of their mean; median time of successes; number of trials that ended early, since an object was
+toppled, pushed away or overtightened; number of objects that left the surface and were put back;
+largest force (N) of palm and free fingers on objects, as median and largest value of the trials.
 
-Every method is compared with what ships, on the seeds that both have played: exact McNemar tests of
-success and Wilcoxon signed-rank tests of points, two-sided, and Holm over all of them together.
-Trials are kept as they end, so that a run can be stopped, resumed and split.
+Every method is compared with the default on the seeds that both have played, by exact McNemar tests
+of success and Wilcoxon signed-rank tests of points, two-sided, with Holm over all of them. Trials
+are saved as they end, so that a run can be stopped and resumed.
 """
 
 from __future__ import annotations
@@ -70,23 +70,25 @@ METHODS: dict[str, dict[str, Any]] = {
     "bare": {"bare": True},
     "the paper's": {"encoder": "paper"},
 }
-"""Options of a trial by the name of a method."""
+"""Name of a method -> options of its trials."""
 
 FAR = ("bare", "the paper's")
-"""Methods that are so far from what ships that they are drawn on a scale of their own."""
+"""Methods that differ so much from the default that their panels have another scale."""
 
 SOLID = ("fingertips", "hand")
 
 
 class Pushes:
-    """A view that reads the unwanted pushes of a session: forces between a thing and the palm or a
-    finger that does not touch, at the end of every control period.
+    """A view that reads the unintended forces of a session.
+
+    These are forces between an object and the palm or a finger that does not touch, at the end of
+    every control period.
 
     Args:
         session: The session.
 
     Attributes:
-        largest: N, the largest one so far.
+        largest: Largest force (N) so far.
     """
 
     def __init__(self, session: Session) -> None:
@@ -120,7 +122,7 @@ class Pushes:
 
 
 class Job(NamedTuple):
-    """One trial to be played."""
+    """A trial to be played."""
 
     task: str
     method: str
@@ -131,15 +133,16 @@ class Job(NamedTuple):
 
 @dataclass(frozen=True)
 class Played:
-    """What a trial gave.
+    """Result of a trial.
 
     Attributes:
-        success: The goal was held.
-        points: 0 to 100.
-        seconds: s until it was held, or until the trial ended.
-        toppled: It ended early: a thing was toppled or pushed away, or a nut was overtightened.
-        back: Number of things that left the surface and were put back.
-        push: N, the largest one of palm and free fingers on things.
+        success: The goal was reached and held.
+        points: Points, 0 to 100.
+        seconds: Time (s) until the goal was held, or until the trial ended.
+        toppled: The trial ended early, since an object was toppled or pushed away, or a nut was
+            overtightened.
+        back: Number of objects that left the surface and were put back.
+        push: Largest force (N) of palm and free fingers on objects.
     """
 
     success: bool
@@ -151,7 +154,7 @@ class Played:
 
 
 def scored_trial(job: Job, make_views: ViewMaker) -> tuple[TrialResult, float]:
-    """Plays one trial: its result, and its points of `tasks.score.points`."""
+    """Plays one trial. Returns its result, and its points of `tasks.score.points`."""
     options = {"solid": job.solid, "fingers": job.fingers, **METHODS[job.method]}
     chosen = trial_settings(TrialOptions(task=job.task, seed=job.seed, **options))
     done = play_trial(chosen, device_makers(chosen), make_views)
@@ -179,7 +182,8 @@ def play(job: Job) -> Played:
 
 
 def interval(values: Sequence[float]) -> tuple[float, float]:
-    """95 % t interval of the mean of some values; the value itself where there is only one."""
+    """Returns the 95 % t interval of the mean of values. Both ends are the value if there is only
+    one."""
     middle = mean(values)
     if len(values) < 2:
         return middle, middle
@@ -189,13 +193,13 @@ def interval(values: Sequence[float]) -> tuple[float, float]:
 
 @dataclass(frozen=True)
 class Difference:
-    """A method against what ships, on the same seeds.
+    """A method compared with the default, on the same seeds.
 
     Attributes:
         pairs: Number of seeds.
-        won, lost: Seeds on which only the method succeeded, and only what ships.
-        points: Mean difference of points, method less what ships.
-        low, high: 95 % t interval of it.
+        won, lost: Number of seeds on which only the method succeeded, and only the default.
+        points: Mean difference of points, method minus default.
+        low, high: 95 % t interval of this difference.
         by_success, by_points: p values before Holm.
     """
 
@@ -210,11 +214,11 @@ class Difference:
 
 
 def difference(method: Sequence[Played], ships: Sequence[Played]) -> Difference:
-    """Compares a method with what ships.
+    """Compares a method with the default.
 
     Args:
         method: Trials of the method.
-        ships: Those of what ships, of the same seeds in the same order.
+        ships: Trials of the default, on the same seeds in the same order.
     """
     won = sum(a.success and not b.success for a, b in zip(method, ships, strict=True))
     lost = sum(b.success and not a.success for a, b in zip(method, ships, strict=True))
@@ -234,7 +238,8 @@ def difference(method: Sequence[Played], ships: Sequence[Played]) -> Difference:
 
 
 def rows(done: dict[Job, Played]) -> Iterator[str]:
-    """A table of all trials, one line a task, solidity, number of fingers and method."""
+    """Yields a table of all trials, with a line for each task, solidity, number of fingers and
+    method."""
     heads = ("task", "solid", "fingers", "method", "success [95 %]", "points [95 %]", "s")
     yield "| " + " | ".join((*heads, "ended early", "put back", "push, N")) + " |"
     yield "| --- " * 10 + "|"
@@ -259,11 +264,11 @@ def rows(done: dict[Job, Played]) -> Iterator[str]:
 
 
 class Compared(NamedTuple):
-    """A method against what ships, in one task.
+    """A method compared with the default, in one task.
 
     Attributes:
-        difference: What the trials gave.
-        by_success, by_points: p values after Holm over all that is compared.
+        difference: Difference of the trials.
+        by_success, by_points: p values after Holm over all comparisons.
     """
 
     difference: Difference
@@ -272,11 +277,11 @@ class Compared(NamedTuple):
 
 
 Comparisons = dict[tuple[str, str, int, str], Compared]
-"""What was compared, by task, solidity, number of fingers and method."""
+"""(Task, solidity, number of fingers, method) -> comparison."""
 
 
 def compare(done: dict[Job, Played]) -> Comparisons:
-    """Compares every method with what ships, in every task, with Holm over all of them."""
+    """Compares every method with the default, in every task, with Holm over all of them."""
     raw: dict[tuple[str, str, int, str], Difference] = {}
     for (task, solid, fingers), methods in _cells(done).items():
         ships = methods.get(SHIPS, {})
@@ -295,7 +300,8 @@ def compare(done: dict[Job, Played]) -> Comparisons:
 
 
 def differences(compared: Comparisons) -> Iterator[str]:
-    """A table of every method against what ships, with p values after Holm over all of them."""
+    """Yields a table of every method compared with the default, with p values after Holm over all
+    of them."""
     heads = ("task", "solid", "fingers", "method", "pairs", "only it, only what ships")
     yield "| " + " | ".join((*heads, "points more [95 %]", "p of success", "p of points")) + " |"
     yield "| --- " * 9 + "|"
@@ -309,11 +315,11 @@ def differences(compared: Comparisons) -> Iterator[str]:
 
 
 def draw(compared: Comparisons, path: Path) -> None:
-    """Draws the differences of points: a panel a method, a line a task.
+    """Draws the differences of points, with a panel for each method and a line for each task.
 
     Args:
-        compared: What was compared.
-        path: The picture.
+        compared: The comparisons.
+        path: File of the picture.
     """
     from matplotlib import rc_context
 
@@ -337,26 +343,25 @@ def draw(compared: Comparisons, path: Path) -> None:
 
 
 def _line_name(line: tuple[str, str, int], lines: Sequence[tuple[str, str, int]]) -> str:
-    """A task, with what tells its line from the others of the same task."""
+    """Returns the task, with solidity and number of fingers if they differ between lines."""
     task, solid, fingers = line
-    told = [task]
+    parts = [task]
     if len({each[1] for each in lines}) > 1:
-        told.append(solid)
+        parts.append(solid)
     if len({each[2] for each in lines}) > 1:
-        told.append(f"{fingers} fingers")
-    return ", ".join(told)
+        parts.append(f"{fingers} fingers")
+    return ", ".join(parts)
 
 
 def _share_scale(panels: Sequence[Axes]) -> None:
-    """Gives panels one scale of points."""
+    """Sets the same scale of points for panels."""
     ranges = [panel.get_xlim() for panel in panels]
     for panel in panels:
         panel.set_xlim(min(low for low, _ in ranges), max(high for _, high in ranges))
 
 
 def _draw_one(axes: Axes, name: str, one: Compared) -> None:
-    """Draws a mean difference with its interval: in another colour where success or points
-    differ."""
+    """Draws a mean difference with its interval, in another colour if success or points differ."""
     apart = one.difference
     differs = min(one.by_success, one.by_points) < 0.05
     around = [[apart.points - apart.low], [apart.high - apart.points]]
@@ -367,8 +372,8 @@ def _draw_one(axes: Axes, name: str, one: Compared) -> None:
 def _cells(
     done: dict[Job, Played],
 ) -> dict[tuple[str, str, int], dict[str, dict[int, Played]]]:
-    """Trials by task, solidity and number of fingers, by method, and by seed; in the order of the
-    registry and of `METHODS`."""
+    """Groups trials by task, solidity and number of fingers, then by method, then by seed, in the
+    order of the registry and of `METHODS`."""
     order = {name: i for i, name in enumerate((*TASKS, *METHODS))}
     cells: dict[tuple[str, str, int], dict[str, dict[int, Played]]] = {}
     for job in sorted(done, key=lambda j: (order[j.task], j.solid, j.fingers, order[j.method], j)):
@@ -378,7 +383,7 @@ def _cells(
 
 
 def main() -> None:
-    """Plays what is missing, then prints both tables."""
+    """Plays the missing trials, then prints both tables."""
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
@@ -386,14 +391,18 @@ def main() -> None:
     parser.add_argument("--methods", nargs="+", default=list(METHODS), choices=list(METHODS))
     parser.add_argument("--solid", nargs="+", default=list(SOLID), choices=SOLID)
     parser.add_argument("--fingers", nargs="+", type=int, default=[3])
-    parser.add_argument("--seeds", default="7000:7150", help="first and last but one training seed")
+    parser.add_argument(
+        "--seeds", default="7000:7150", help="training seeds, FIRST:END without END"
+    )
     parser.add_argument("--workers", type=int, default=os.cpu_count() or 1)
     parser.add_argument("--out", type=Path, default=Path("out/methods.jsonl"))
     parser.add_argument(
         "--kept", type=Path, nargs="+", default=[], help="files with trials that were played before"
     )
-    parser.add_argument("--table", type=Path, nargs="+", help="only prints what these files have")
-    parser.add_argument("--plot", type=Path, help="also draws the differences of points, as SVG")
+    parser.add_argument(
+        "--table", type=Path, nargs="+", help="only print the trials of these files"
+    )
+    parser.add_argument("--plot", type=Path, help="also draw the differences of points, as SVG")
     options = parser.parse_args()
     for path in [*(options.table or ()), *options.kept]:
         if not path.is_file():
@@ -402,7 +411,7 @@ def main() -> None:
         need_matplotlib()
     kept = KeptTrials(Job, Played, options.table or [options.out, *options.kept])
     if not options.table:
-        # Seed by seed, so that what is cut short has all tasks and methods to the same extent.
+        # Seed by seed, so that an interrupted run has equally many seeds of all tasks and methods.
         chosen = (options.tasks, options.methods, options.solid, options.fingers)
         jobs = [
             Job(*each, seed) for seed in parse_seeds(options.seeds) for each in product(*chosen)

@@ -1,13 +1,13 @@
-"""Reports of studies in which nothing differs: how often one has a difference, and its intervals.
+"""Measures how often reports find a difference in studies without one, and checks their intervals.
 
-Each study has 12 people, two levels that are alike, and 4 trials of each, of which about one in ten
-fails (`tests/support/planted_study.py`). Its tables are read and compared as those of any study.
+Each study has 12 people, two equal levels, and 4 trials at each level, of which about one in ten
+fails (`tests/support/planted_study.py`). Its tables are read and compared like those of any study.
 Prints
 
 - the share of studies with a "difference": a pair whose p value, adjusted for all tests of the
-  study (Holm), is below 0.05. Of 2,000 studies by a right test, 6.2 % or fewer have one, with a
+  study (Holm), is below 0.05. With a correct test, 6.2 % or fewer of 2,000 studies have one, with a
   probability of 99 %;
-- the share of 95 % intervals, of those that there are, that hold the truth, 0.
+- the share of the existing 95 % intervals that contain the true difference, 0.
 
     python -m benchmarks.null_studies --studies 2000
 """

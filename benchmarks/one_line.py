@@ -1,4 +1,4 @@
-"""Bad input to a benchmark is one clear line, as it is for `sandbox`, and no traceback."""
+"""Ends a benchmark with bad input by an error of one line, like `sandbox`, without traceback."""
 
 from __future__ import annotations
 
@@ -8,11 +8,11 @@ from collections.abc import Callable
 from models.errors import InputError
 
 BAD_INPUT = 2
-"""Exit status, as that of `sandbox`."""
+"""Exit status after bad input, the same as that of `sandbox`."""
 
 
 def run(main: Callable[[], None]) -> None:
-    """Runs a benchmark; a file or a value that cannot be used ends it with one line."""
+    """Runs a benchmark. An `InputError` ends the program with one line on stderr."""
     try:
         main()
     except InputError as error:

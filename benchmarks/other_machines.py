@@ -3,10 +3,11 @@
     python -m benchmarks.other_machines /tmp/rec --record 8    # on one machine
     python -m benchmarks.other_machines /tmp/rec               # on the other
 
-The first records trials of the simulated user: every task by touch and in the air over both Leaps,
-N seeds each. The second replays every recording of the folder and prints a table. Poses are kept
-in recordings at a limited resolution, so that even a replay that is equal to the bit stands up to
-0.02 mm and 0.01 degrees from them; what is not more than that is not told apart from zero.
+The first command records trials of the simulated user: N seeds of each of the papers' tasks by
+touch and in the air over both versions of the Leap. The second command replays every recording of
+the folder and prints a table. Recordings contain poses with a limited resolution, so that even an
+exact replay differs from them by up to 0.02 mm and 0.01 degrees. Differences up to this size count
+as zero.
 
 Other values of libm on the same machine: GLIBC_TUNABLES=glibc.cpu.hwcaps=-AVX2,-FMA,-FMA4
 """
@@ -42,7 +43,7 @@ COLUMNS = (
 
 
 def record(folder: Path, seeds: int) -> None:
-    """Records trials of the simulated user; those that lie there already stay as they are."""
+    """Records trials of the simulated user. Existing recordings are not changed."""
     from benchmarks.judged import FIRST
     from sandbox.trial.driver import play_trial
     from sandbox.trial.trial_options import TrialOptions, trial_settings
@@ -57,7 +58,8 @@ def record(folder: Path, seeds: int) -> None:
 
 
 def row(name: str, found: list[Verification]) -> str:
-    """A row of the table: counts, and the largest differences of replays that are not exact."""
+    """Returns a row of the table: counts, and the largest differences of replays that are not
+    exact."""
     agreements = [v.agreement for v in found if v.agreement is not None]
     largest = [
         max((getattr(a, field) for a in agreements), default=0.0)
@@ -74,7 +76,7 @@ def row(name: str, found: list[Verification]) -> str:
 
 
 def kind(recording: Recording) -> str:
-    """What recordings are grouped by: task, device and encoder."""
+    """Returns the group of a recording: task, device and encoder."""
     made = recorded_settings(recording.header)
     return ", ".join((made.task, made.device.name, made.pipeline.encoder))
 
@@ -95,10 +97,10 @@ def main() -> None:
     files = sorted(options.folder.glob("*.jsonl"))
     if not files:
         raise InputError(
-            "no recordings here",
+            "the folder has no recordings",
             where=str(options.folder),
             expected="files *.jsonl",
-            remedy="`python -m benchmarks.other_machines FOLDER --record 3` records some",
+            remedy="Record some: `python -m benchmarks.other_machines FOLDER --record 3`",
         )
     for file in track(files, "replaying"):
         recording = load_recording(file)

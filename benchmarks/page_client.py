@@ -1,6 +1,6 @@
-"""A client of the page's protocol on a plain socket, in one thread and a process of its own.
+"""A client of the page's protocol on a plain socket, with one thread in a separate process.
 
-It adds as little as Python can to the times that it measures: no browser, no library's threads.
+It adds as little as possible to the measured times: it has no browser and no other threads.
 """
 
 from __future__ import annotations
@@ -27,10 +27,10 @@ SCREEN = {"px_per_in": PX_PER_IN, "width_px": 1024, "height_px": 768, "calibrate
 
 
 class Line:
-    """A socket to the server, with the handshake made and hello said.
+    """A connection to the server, after the handshake and the message `hello`.
 
     Args:
-        url: The page's link.
+        url: Link of the page.
     """
 
     def __init__(self, url: str) -> None:
@@ -52,7 +52,8 @@ class Line:
         self._flush()
 
     def heard(self, until: float) -> list[tuple[Opcode, bytes]]:
-        """The next messages; empty if none arrives before a time of `perf_counter`."""
+        """Returns the next messages. It is empty if none arrives until the time `until` (s) of
+        `perf_counter`."""
         wait = max(0.0, until - time.perf_counter())
         if not select.select([self._socket], [], [], wait)[0]:
             return []
@@ -61,7 +62,7 @@ class Line:
         return [(e.opcode, bytes(e.data)) for e in events if isinstance(e, Frame)]
 
     def close(self) -> None:
-        """Hangs up."""
+        """Closes the connection."""
         self._socket.close()
 
     def _flush(self) -> None:
@@ -71,10 +72,17 @@ class Line:
 
 
 def measure(url: str, seconds: float, rate: float, core: int | None, out: Any) -> None:
-    """Two fingers move at a steady rate, beats in between; both round trips in ms into `out`.
+    """Sends touches of two moving fingers at a steady rate, with beats in between.
 
-    A beat is sent half a period after a touch, when no control step that a touch asked for is
-    being made, so that it says what the way there and back takes by itself.
+    A beat is sent half a period after a touch, when no control step for a touch is running. Its
+    round trip is therefore the time of the connection alone.
+
+    Args:
+        url: Link of the page.
+        seconds: Duration (s) of the measurement.
+        rate: Number of touch messages a second.
+        core: Processor core of this process; None: any.
+        out: Queue for the result: round trips (ms) of the touches, and of the beats.
     """
     if core is not None:
         os.sched_setaffinity(0, {core})

@@ -1,19 +1,19 @@
-"""Measures how long a touch takes to come back as a frame, over a real socket with physics running.
+"""Measures the time from a touch to its frame, over a real socket with running physics.
 
     python -m benchmarks.page_round_trip [--seconds 20] [--rate 60] [--pin] [--solid hand]
 
-A plain client in a process of its own sends touch messages at a steady rate, two fingers that move.
+A plain client in a separate process sends touch messages of two moving fingers at a steady rate.
 The rows:
 
-    touch to its frame    from sending a touch to having the first frame that contains what it did:
-                          there, reconstruction, eight steps of physics, the frame, and back
+    touch to its frame    from sending a touch to receiving the first frame with its effect: the way
+                          there, reconstruction, eight steps of physics, the frame, and the way back
     there and back        a beat and its echo on the same socket, between two touches, while the
-                          session runs: all of the way, without the control step
-    received to step      of the first row, what a touch waits in the program for its control step
-    control step          of the first row, that step: reconstruction and physics
+                          session runs: the whole way, without the control step
+    received to step      part of the first row: the touch waits in the program for its control step
+    control step          part of the first row: that step with reconstruction and physics
 
-No browser, no display; what a page adds is its own drawing. `--pin` gives the server the first core
-and the client the second.
+There is no browser and no display. A page adds the time of its drawing. `--pin` binds the server to
+the first core and the client to the last one.
 """
 
 from __future__ import annotations
@@ -40,7 +40,7 @@ from tasks.task import Task
 
 
 def served(server: PageServer, solid: str) -> tuple[Trial, LiveRun]:
-    """A session whose touches come from the server's page; not yet started."""
+    """Returns a session with the touches of the server's page. It has not started yet."""
     size = 1024 / PX_PER_IN, 768 / PX_PER_IN
     settings = Settings().changed(solid=solid, size_in=size)
     timing = Timing(server.latency)

@@ -1,12 +1,13 @@
-"""Measures the time of a physics step: hand alone, with held boxes, and with boxes around it.
+"""Measures the time of a physics step: hand alone, with a held box, and with boxes around it.
 
-The peer is the bare hand in the same run: what a task adds is the ratio to it. Scenes take turns,
-so that a machine that gets busier does so for all of them, and every time is a median. Processor
-time is what the steps themselves used; wall time also waits for others on the same cores.
+The reference is the hand alone in the same run: times are also given as ratios to it. Scenes take
+turns, so that a changing load of the machine affects all of them, and every time is a median.
+Processor time is the time of the steps themselves. Wall time also includes waiting for other
+programs on the same cores.
 
-The last scene is that of the simulation notes (a box pinched, boxes around, nv 66), which were
-measured on another machine with another table and other boxes: 34 us a step on one core. It runs
-on one and on two threads (`mujoco.rollout`), beside the notes' figures.
+The last scene is that of the simulation notes (a pinched box with boxes around it, nv 66). Their
+34 us a step on one core were measured on another machine with another table and other boxes. The
+scene runs on one and on two threads (`mujoco.rollout`), beside the figures of the notes.
 
     python -m benchmarks.physics
 """
@@ -34,25 +35,25 @@ OTHERS = (
     Box("heavy", (0.03, 0.03, 0.03), 0.5, (-0.15, -0.04, 0.03), 1.0),
 )
 LIFT = 0.05
-"""m."""
+"""Height (m) by which the hand lifts the box."""
 STEPS = 500
-"""Physics steps in one round of one scene."""
+"""Number of physics steps in one round of one scene."""
 COPIES = 4
-"""Of the scene that is run on one and two threads."""
+"""Number of copies of the scene that runs on one and two threads."""
 NOTES = {1: 29_700, 2: 56_000}
-"""steps/s on one and on two threads, from the simulation notes (section 4, a quiet machine)."""
+"""Number of threads -> steps a second, from the simulation notes (section 4, a quiet machine)."""
 
 
 class Bench:
     """One scene in a steady state.
 
     Args:
-        name: In the table.
-        boxes: Number of boxes in the scene.
-        held: The hand has lifted the first box between thumb and index; otherwise it is a ghost
-            high above the table.
-        servo: The hand's kind of servo.
-        timestep: s.
+        name: Name in the table.
+        boxes: Boxes in the scene.
+        held: The hand has lifted the first box between thumb and index finger. Otherwise the hand
+            is a ghost high above the table.
+        servo: Kind of the hand's servos.
+        timestep: Timestep (s).
     """
 
     def __init__(
@@ -91,11 +92,11 @@ class Bench:
 
 
 class Threads:
-    """Many copies of one scene stepped side by side.
+    """Copies of one scene that are stepped in parallel.
 
     Args:
-        bench: The scene, in the state from which all start.
-        threads: How many at once.
+        bench: The scene, in the state from which all copies start.
+        threads: Number of threads.
     """
 
     def __init__(self, bench: Bench, threads: int) -> None:

@@ -1,4 +1,4 @@
-"""A box between two fingertips: the contact that everything else is made of."""
+"""Poses of a hand that holds a box between two fingertips."""
 
 from __future__ import annotations
 
@@ -11,19 +11,21 @@ from models.objects import Box
 from models.skeleton import ADULT
 
 GUESS_COVARIANCE = np.diag([0.025**2] * 3 + [0.25**2] * 45)
-"""m2 and rad2, of a guess that knows little."""
+"""Covariance (m2, rad2) of the first guess of the pose, which is very uncertain."""
 
 COMFORTABLE_AXIS = np.deg2rad(52.0)
-"""rad from the hand's x axis to the line from thumb to index fingertip, in the palm's plane."""
+"""Angle (rad) from the hand's x axis to the line from thumb to index fingertip, in the palm's
+plane."""
 
 
 def pinch_poses(box: Box, squeeze: float = 0.003, opening: float = 0.005) -> tuple[Array, Array]:
-    """Two poses (48,) of a right hand whose thumb and index are on opposite faces of a box.
+    """Returns two poses (48,) of a right hand with thumb and index finger at opposite faces of a
+    box.
 
     Args:
-        box: Where it is at the start.
-        squeeze: m, how far inside the faces the second pose's fingertips end.
-        opening: m, how far outside the faces the first pose's are.
+        box: The box in its first position.
+        squeeze: Depth (m) of the fingertips inside the faces in the second pose.
+        opening: Distance (m) of the fingertips from the faces in the first pose.
     """
     kinematics = Kinematics(ADULT)
     correction = FingertipCorrection(kinematics.skeleton, GUESS_COVARIANCE)

@@ -1,12 +1,13 @@
-"""Single looks at the finger sets that people use most: pinches and neighbouring fingers.
+"""Measures the labels of single layouts for the sets of fingers that people use most.
 
     python -m benchmarks.pinches
-    python -m benchmarks.pinches --layouts 1000 --people 6      # a quick look
+    python -m benchmarks.pinches --layouts 1000 --people 6      # a quick run
 
-Thumb and index finger are drawn by what real pinches are like (326 of 19 people on an iPad):
-openings of 45 to 85 mm, directions of the index finger as seen from the thumb of 16 to 72 degrees.
-Layouts of the other sets are those of pinned simulated people. A look is the answer to the contacts
-alone, without any history; the second column is the answer when the very set is declared.
+These are pinches and neighbouring fingers. Layouts of thumb and index finger are drawn from the
+range of real pinches (326 pinches of 19 people on an iPad): distances of 45 to 85 mm, and
+directions of 16 to 72 degrees from thumb to index finger. Layouts of the other sets are those of
+pinned simulated people. Labels are inferred from one layout alone, without its history. For the
+second column the touching set is declared.
 """
 
 from __future__ import annotations
@@ -26,10 +27,10 @@ from models.arithmetic import Array
 from training.population.pinned import JUDGED, NEXT, pinned_people
 
 OPENING = (0.045, 0.085)
-"""m between thumb and index finger."""
+"""Range of the distance (m) between thumb and index finger."""
 
 DIRECTION = (16.0, 72.0)
-"""Degrees, of the index finger as seen from the thumb, counterclockwise from the right."""
+"""Range of the direction (degrees) from thumb to index finger, counterclockwise from the right."""
 
 SETS = {
     "thumb + middle": (0, 2),
@@ -38,11 +39,11 @@ SETS = {
     "thumb + index + middle": (0, 1, 2),
     "index + middle + ring": (1, 2, 3),
 }
-"""Fingers by the name of their set."""
+"""Name of a set -> its fingers."""
 
 
 def pinches(rng: np.random.Generator, count: int) -> Array:
-    """Layouts (count, 2, 2) m of thumb and index finger, y down."""
+    """Draws layouts (count, 2, 2) m of thumb and index finger, with y towards the person."""
     opening = rng.uniform(*OPENING, count)
     direction = np.deg2rad(rng.uniform(*DIRECTION, count))
     layouts = np.zeros((count, 2, 2))
@@ -54,8 +55,8 @@ def pinches(rng: np.random.Generator, count: int) -> Array:
 def layouts_of(
     rng: np.random.Generator, people: tuple[Capture, ...], fingers: tuple[int, ...], count: int
 ) -> Array:
-    """Layouts (count, k, 2) m of people, in which these fingers alone touch; people are drawn
-    evenly."""
+    """Draws layouts (count, k, 2) m of people in which exactly these k fingers touch. All people
+    are equally likely."""
     own = []
     for person in people:
         alone = person.down[:, fingers].all(axis=1) & (person.down.sum(axis=1) == len(fingers))
@@ -68,7 +69,7 @@ def layouts_of(
 def right(
     evidence: NetworkEvidence, layouts: Array, fingers: tuple[int, ...]
 ) -> tuple[float, float]:
-    """Percent of layouts that are named right, and the same if the very set is declared."""
+    """Returns the percentage of layouts with correct labels, without and with the set declared."""
     truth = true_row(np.array(fingers))
     odds = odds_of_sets({fingers: 1.0}, USUAL_SETS)[len(fingers)]
     assert odds is not None
@@ -82,15 +83,15 @@ def main() -> None:
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
-    parser.add_argument("--layouts", type=int, default=10000, help="layouts of every set")
-    parser.add_argument("--people", type=int, default=36, help="people of each generator")
+    parser.add_argument("--layouts", type=int, default=10000, help="number of layouts of every set")
+    parser.add_argument("--people", type=int, default=36, help="number of people of each generator")
     parser.add_argument(
-        "--group", choices=(JUDGED, NEXT), default=JUDGED, help="pinned people to judge on"
+        "--group", choices=(JUDGED, NEXT), default=JUDGED, help="pinned people of the test"
     )
     options = parser.parse_args()
     population = builtin_population_model()
     counts = {"first": options.people, "second": options.people}
-    with Console(stderr=True).status("drawing people to judge on"):
+    with Console(stderr=True).status("drawing people of the test"):
         people = pinned_people(options.group, counts)
     rng = np.random.default_rng(0)
     cases: dict[str, tuple[Array, tuple[int, ...]]] = {

@@ -1,21 +1,21 @@
 """Plants faults in copies of the program, one at a time, and counts what `sandbox regress` finds.
 
-A fault is a few lines of the source that are replaced. The unchanged program makes a baseline; each
-copy plays the same trials with `sandbox regress --baseline`, task after task. A fault is found, and
-the rest is not played, as soon as a p value of a task times the number of all tests of a run with
-the defaults is small enough: Holm's procedure then calls it whatever the other tasks show. Where no
-task alone is enough, the trials of those that were played are compared as one run.
+A fault replaces a few lines of the source. The unchanged program makes a baseline. Each copy plays
+the same trials with `sandbox regress --baseline`, task after task. A fault is found, and the other
+tasks are not played, as soon as a p value of a task times the number of all tests of a default run
+is small enough: Holm's procedure would then report it for any results of the other tasks. If no
+task alone is enough, the trials of all tasks are compared as one run.
 
-Neutral changes must not be found: they move the bits of a trial and nothing else. One that leaves
-the first trials of every task equal to the bit changes nothing, and is not played on. All seeds of
-the others are played once, and half of them are drawn and compared, twenty times.
+Neutral changes must not be found: they only change the last bits of a trial. If a neutral change
+leaves the first trials of every task equal to the bit, its other trials are not played. Otherwise
+all seeds are played once, and half of them are drawn and compared, twenty times.
 
     python -m benchmarks.planted_faults --out out/faults.jsonl
     python -m benchmarks.planted_faults --out out/faults.jsonl --table
     python -m benchmarks.planted_faults --out out/neutral.jsonl --neutral
 
-What follows `--` is passed to every `sandbox regress`, such as `-- --seeds 0:30 --workers 1`. The
-file has a line for every change; those that it has are not run again.
+Words after `--` are options of every `sandbox regress`, such as `-- --seeds 0:30 --workers 1`. The
+file has a line for every change. Changes in the file are not run again.
 """
 
 from __future__ import annotations
@@ -55,10 +55,10 @@ class Change:
     """A change of the program.
 
     Attributes:
-        name: What it is, in words.
-        edits: Pairs of texts: the first stands in one file of the packages, once, and is replaced
-            by the second.
-        neutral: True if it makes no task harder or easier.
+        name: Short description.
+        edits: Pairs of texts. The first text occurs once in one file of the packages, and is
+            replaced by the second.
+        neutral: True if the change makes no task harder or easier.
     """
 
     name: str
@@ -229,7 +229,7 @@ FAULTS = (
         ),
     ),
 )
-"""Each changes what a trial measures: most make tasks harder, some easier."""
+"""Changes that affect the results of trials. Most make tasks harder, some easier."""
 
 _TINY = "* (1.0 + 1e-9)"
 NEUTRAL = (
@@ -320,14 +320,14 @@ NEUTRAL = (
         True,
     ),
 )
-"""None makes a task harder or easier; most change the bits of every trial."""
+"""Changes that make no task harder or easier. Most change the last bits of every trial."""
 
 
 def copied(change: Change | None, folder: Path) -> None:
     """Writes a copy of the packages with a change.
 
     Raises:
-        SystemExit: A text of the change does not stand in exactly one place.
+        SystemExit: A text of the change does not occur exactly once.
     """
     for name in PACKAGES:
         shutil.copytree(
@@ -348,14 +348,18 @@ def copied(change: Change | None, folder: Path) -> None:
 
 
 class RefusedError(Exception):
-    """A copy of the program refuses to play: `sandbox regress` ends with status 2."""
+    """`sandbox regress` of a copy refuses its input: it ends with status 2."""
 
 
 def regress(folder: Path, *words: str) -> tuple[int, str]:
-    """Runs `sandbox regress` of a copy; exit status and what it printed.
+    """Runs `sandbox regress` of a copy.
+
+    Returns:
+        Exit status (0 or 1) and standard output.
 
     Raises:
-        RefusedError: The copy refuses its input, with the line that it prints.
+        RefusedError: The copy refuses its input. The text is the last line that it prints.
+        SystemExit: The run ends with another status.
     """
     environment = {**os.environ, "PYTHONPATH": str(folder), "OMP_NUM_THREADS": "1"}
     run = subprocess.run(
@@ -375,7 +379,7 @@ def regress(folder: Path, *words: str) -> tuple[int, str]:
 
 @contextmanager
 def copy_of(change: Change | None) -> Iterator[Path]:
-    """A folder with a copy of the program, which is removed afterwards."""
+    """Yields a temporary folder with a copy of the program."""
     with tempfile.TemporaryDirectory() as name:
         copied(change, Path(name))
         yield Path(name)
@@ -398,17 +402,17 @@ ORDER = (
     "carry-together",
     "gather",
 )
-"""Tasks, those with short trials first."""
+"""Tasks in the order of play. Tasks with short trials come first."""
 DRAWS = 20
-"""Draws of half the seeds for a neutral change."""
+"""Number of draws of half the seeds for a neutral change."""
 LOOK = 2
-"""Seeds of every task that show whether a change does anything."""
+"""Number of seeds of every task that are played first, to test whether a change has an effect."""
 
 
 def played(
     folder: Path, baseline: Path, tasks: Sequence[str], words: Sequence[str]
 ) -> Iterator[dict[str, Any]]:
-    """Reports of `sandbox regress` of a copy, task after task."""
+    """Yields the reports of `sandbox regress` of a copy, task after task."""
     out = folder / "report.json"
     for task in tasks:
         regress(folder, "--tasks", task, "--baseline", str(baseline), "--json", str(out), *words)
@@ -416,7 +420,7 @@ def played(
 
 
 def compared(baseline: Path, tasks: Sequence[str], trials: Sequence[Trial]) -> Report:
-    """Trials of several runs, compared with the baseline as those of one."""
+    """Compares trials of several runs with the baseline, as if they were of one run."""
     seeds = tuple(dict.fromkeys(trial["seed"] for trial in trials))
     arms = tuple(dict.fromkeys(arm_of(trial["task"]) for trial in trials))
     return make_report(
@@ -425,7 +429,8 @@ def compared(baseline: Path, tasks: Sequence[str], trials: Sequence[Trial]) -> R
 
 
 def decided(report: dict[str, Any], tests: int) -> str:
-    """What a run of one task calls beyond chance among so many tests; empty if nothing."""
+    """Returns the first change of a report that is beyond chance among `tests` tests, as text. It
+    is empty if there is none."""
     measures = {name: task["baseline"]["measures"] for name, task in report["tasks"].items()}
     own = len(measures) * len(DECIDING)
     for name, changes in measures.items():
@@ -443,7 +448,8 @@ def decided(report: dict[str, Any], tests: int) -> str:
 def measured(
     change: Change, baseline: Path, tasks: Sequence[str], words: Sequence[str]
 ) -> dict[str, Any]:
-    """Compares a changed program with the baseline, until a task decides."""
+    """Compares a changed program with the baseline until a task decides. Returns the line of the
+    file."""
     began = perf_counter()
     before = load_baseline(baseline).tasks
     everything = RegressionPlan(find_tasks(["all"]), (0,), arms=ARMS["both"])
@@ -458,7 +464,7 @@ def measured(
                 if found:
                     break
         except RefusedError as refused:
-            # The gate fails with one line, so that nobody takes it for a pass.
+            # A refused run fails with one line, so that it is not counted as passed.
             found = f"refused: {refused}"
     moved = []
     if not found:
@@ -487,7 +493,8 @@ def measured(
 def drawn(
     change: Change, baseline: Path, tasks: Sequence[str], words: Sequence[str]
 ) -> dict[str, Any]:
-    """False alarms of a neutral change among draws of half the seeds."""
+    """Counts the false alarms of a neutral change in draws of half the seeds. Returns the line of
+    the file."""
     began = perf_counter()
     before = load_baseline(baseline).tasks
     seeds = sorted(next(iter(before.values())).trials)
@@ -519,7 +526,7 @@ def drawn(
 
 
 def table(rows: Sequence[dict[str, Any]], console: Console) -> None:
-    """Prints what was found, what was missed, and the false alarms."""
+    """Prints found and missed faults, and false alarms."""
     faults = [row for row in rows if not row["neutral"]]
     if faults:
         shown = Table("change", "found", "tasks", "trials", "s", title="planted faults")
@@ -540,7 +547,7 @@ def table(rows: Sequence[dict[str, Any]], console: Console) -> None:
 
 
 def main() -> None:
-    """Runs the bench."""
+    """Plays the changes that are not in the file, and prints the tables."""
     argv, words = sys.argv[1:], []
     if "--" in argv:
         words, argv = argv[argv.index("--") + 1 :], argv[: argv.index("--")]
@@ -548,10 +555,10 @@ def main() -> None:
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
     parser.add_argument("--out", type=Path, required=True)
-    parser.add_argument("--neutral", action="store_true", help="neutral changes in place of faults")
-    parser.add_argument("--only", default="", help="changes with this text in their name")
-    parser.add_argument("--tasks", nargs="*", default=ORDER, help="in the order of play")
-    parser.add_argument("--table", action="store_true", help="only print what the file has")
+    parser.add_argument("--neutral", action="store_true", help="play neutral changes, not faults")
+    parser.add_argument("--only", default="", help="changes whose name contains this text")
+    parser.add_argument("--tasks", nargs="*", default=ORDER, help="tasks in the order of play")
+    parser.add_argument("--table", action="store_true", help="only print the contents of the file")
     args = parser.parse_args(argv)
     rows = (
         [json.loads(line) for line in args.out.read_text().splitlines()]

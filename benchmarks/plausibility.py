@@ -1,11 +1,10 @@
-"""What checking that a file is plausible costs: the share of its reader's time.
+"""Measures the share of a reader's time that the checks of plausibility take.
 
     python -m benchmarks.plausibility            # needs the extra `test`
 
-Each file is read in turns with `models.plausible` and with functions in its place that check
-nothing and take the file as it is, and the shortest time of each kind counts. Packets of a capture
-are decoded as it plays. Files have a minute of
-one hand, or of two fingers with sizes.
+Each file is read in turns with `models.plausible` and with functions that check nothing in its
+place. The shortest time of each kind counts. Packets of a capture are decoded while it plays. Files
+have a minute of one hand, or of two fingers with sizes.
 """
 
 from __future__ import annotations
@@ -53,7 +52,7 @@ SECONDS = 60
 
 
 def _any_contact(reader: Any, touch: TouchLine) -> Contact:
-    """The contact of a touch on the surface, whatever its size."""
+    """Returns the contact of a touch on the surface, without a check of its size."""
     metre = reader._metre
     x, y = metre * touch.x, metre * touch.y
     if not (0.0 <= x <= reader._size[0] and 0.0 <= y <= reader._size[1]):
@@ -105,12 +104,12 @@ UNCHECKED: dict[str, Any] = {
     "encoders.captures.conversion.hand_files.find_jumps": _no_jumps,
     "encoders.captures.conversion.hand_files._side_doubt": lambda *_: "",
 }
-"""Name of what asks `models.plausible` -> what does not."""
+"""Name of a function that uses `models.plausible` -> a function without checks."""
 
 
 @contextmanager
 def unchecked() -> Iterator[None]:
-    """Readers take every file as it is."""
+    """Replaces the checks of all readers by functions that check nothing."""
     with ExitStack() as stack:
         for name, other in UNCHECKED.items():
             stack.enter_context(patch(name, other))
@@ -118,7 +117,7 @@ def unchecked() -> Iterator[None]:
 
 
 def touches(count: int) -> list[dict[str, Any]]:
-    """Lines of two fingers with sizes."""
+    """Returns the lines of a recording of two fingers with sizes, with `count` frames."""
     frames = [
         TouchFrame(
             n / 60,
@@ -133,7 +132,8 @@ def touches(count: int) -> list[dict[str, Any]]:
 
 
 def files(folder: Path, seconds: int) -> dict[str, Callable[[], object]]:
-    """Files of all formats: name of the format -> its reading."""
+    """Writes files of all formats with `seconds` s. Returns name of the format -> function that
+    reads it."""
     leap = take(3, "v3").frames
     pictures = film([held_up(2.0 * (i % 60)) for i in range(20 * seconds)], CAMERA)
     lines: dict[str, list[Any]] = {
@@ -173,7 +173,7 @@ def files(folder: Path, seconds: int) -> dict[str, Callable[[], object]]:
 
 
 def spent(read: Callable[[], object]) -> float:
-    """s, of the processor, for a reading."""
+    """Returns the processor time (s) of a function."""
     gc.collect()
     begun = process_time()
     read()
@@ -181,7 +181,13 @@ def spent(read: Callable[[], object]) -> float:
 
 
 def cost(read: Callable[[], object], pairs: int) -> tuple[float, float]:
-    """s, shortest time of a reading with the checks, and how much longer that is than without."""
+    """Returns the shortest time (s) of reading with the checks, and its difference (s) from the
+    shortest time without.
+
+    Args:
+        read: Reads the file.
+        pairs: Number of readings of each kind.
+    """
     whole, without = [], []
     for pair in range(pairs):
         if pair % 2:
@@ -198,9 +204,9 @@ def cost(read: Callable[[], object], pairs: int) -> tuple[float, float]:
 def main() -> None:
     """Prints a line for each format."""
     parser = argparse.ArgumentParser(description=__doc__.split("\n\n")[0])
-    parser.add_argument("--seconds", type=int, default=SECONDS, help="length of the files")
-    parser.add_argument("--pairs", type=int, default=30, help="readings of each kind")
-    parser.add_argument("--only", default="", help="formats whose name has this text")
+    parser.add_argument("--seconds", type=int, default=SECONDS, help="length of the files (s)")
+    parser.add_argument("--pairs", type=int, default=30, help="number of readings of each kind")
+    parser.add_argument("--only", default="", help="formats whose name contains this text")
     options = parser.parse_args()
     print(describe_machine())
     print("| file | reading, ms | of it checks, ms | share, % |\n| --- | --- | --- | --- |")

@@ -1,21 +1,21 @@
-"""Kills regression runs at random moments, resumes them, and compares with a run nobody killed.
+"""Kills regression runs at random times, resumes them, and compares with an undisturbed run.
 
-Kinds: a worker is killed; SIGTERM to the main process, and to all of its process group, as some
-schedulers send it; SIGKILL of the main process; with the extra `ray` also these signals to a run on
-Ray, and a lost node of a Ray cluster on this machine. Every
-run has quick trials in two processes; one of three fails. Prints for every kind:
+The kinds of kills are: SIGKILL of a worker; SIGTERM to the main process, or to all of its process
+group, as some schedulers send it; SIGKILL of the main process. With the extra `ray` these signals
+are also sent to a run on Ray, and a Ray cluster on this machine loses a node. Every run has quick
+trials in two processes, of which one in three fails. Prints for every kind:
 
 - how many runs were killed before they had ended;
-- in how many of these every seed was in the resumed report once, and the report was that of a run
-  that nobody killed, apart from how it was run;
-- in how many the file of trials began, after all, with what was in it when the run was killed;
-- how many trials had ended by then, and how many crashed.
+- in how many of these the resumed report has every seed once and is equal to that of an undisturbed
+  run, apart from executor, workers and duration;
+- in how many of these the file of trials still begins with its content at the kill;
+- how many trials had ended at the kill, and how many had crashed.
 
-Every kill is kept in a file. Started again with the same file, it goes on with the kills that are
-not in it.
+Every kill is saved in a file. A later run with the same file only adds the kills that are not in
+it.
 
     python -m benchmarks.regress_kills --kills 20
-    python -m benchmarks.regress_kills --kills 0 out/regress_kills.jsonl    # shows what is kept
+    python -m benchmarks.regress_kills --kills 0 out/regress_kills.jsonl    # prints the saved kills
 """
 
 from __future__ import annotations
@@ -62,9 +62,9 @@ class Quick(BoxToGoal):
         return Measure(self.seed % 3 > 0, 0.25 if self.seed % 3 == 0 else 1.0, "this seed fails")
 """
 LONGEST = 300.0
-"""s after which a run is given up."""
+"""Time (s) after which a run is ended."""
 HOW = ("executor", "workers", "wall_s")
-"""Keys of the report that say how it was run."""
+"""Keys of the report that may differ from those of an undisturbed run."""
 
 
 @dataclass
@@ -72,10 +72,10 @@ class Kind:
     """A way to kill a run.
 
     Attributes:
-        name: For the table.
-        kill: Kills the run, or a part of it.
-        status: Exit status of a run that was killed in time.
-        executor: Where trials run.
+        name: Name in the table.
+        kill: Kills the run or a part of it.
+        status: Exit status of a run that was killed before it had ended.
+        executor: Executor of the run.
     """
 
     name: str
@@ -89,8 +89,8 @@ class Kill(NamedTuple):
 
     Attributes:
         kind: Name of a kind.
-        seeds: Trials of the run.
-        number: Which of the kind's kills; its moment depends on it.
+        seeds: Number of trials of the run.
+        number: Number of the kill within its kind. The time of the kill depends on it.
     """
 
     kind: str
@@ -100,14 +100,14 @@ class Kill(NamedTuple):
 
 @dataclass(frozen=True)
 class Outcome:
-    """What became of a run that was killed and resumed.
+    """Result of a run that was killed and resumed.
 
     Attributes:
         in_time: It was killed before it had ended.
-        same: Every seed is in its report once, and the report is that of a run nobody killed.
-        kept: The file of trials begins with what was in it when the run was killed.
-        ended: Trials that had ended by then.
-        crashed: Trials that had crashed by then.
+        same: Its report has every seed once, and is equal to that of an undisturbed run.
+        kept: The file of trials begins with its content at the kill.
+        ended: Number of trials that had ended at the kill.
+        crashed: Number of trials that had crashed at the kill.
     """
 
     in_time: bool
@@ -154,7 +154,7 @@ class Run:
 
 
 def kill_worker(run: Run) -> None:
-    """SIGKILL of the process that ran a trial last."""
+    """Sends SIGKILL to the process that ran a trial last."""
     text = (run.folder / "worker.pid").read_text()
     while not text:
         text = (run.folder / "worker.pid").read_text()
@@ -162,7 +162,7 @@ def kill_worker(run: Run) -> None:
 
 
 def main_process(number: int) -> Callable[[Run], None]:
-    """A signal to the main process."""
+    """Returns a function that sends a signal to the main process."""
 
     def kill(run: Run) -> None:
         assert run.process is not None
@@ -172,7 +172,7 @@ def main_process(number: int) -> Callable[[Run], None]:
 
 
 def whole_group(number: int) -> Callable[[Run], None]:
-    """A signal to all processes of the run."""
+    """Returns a function that sends a signal to all processes of the run."""
 
     def kill(run: Run) -> None:
         assert run.process is not None
@@ -182,13 +182,13 @@ def whole_group(number: int) -> Callable[[Run], None]:
 
 
 def lose_node(run: Run) -> None:
-    """SIGKILL of a node with its workers."""
+    """Kills a node of the Ray cluster with its workers."""
     cluster, node = run.nodes
     cluster.remove_node(node, allow_graceful=False)
 
 
 def kinds() -> list[Kind]:
-    """All that this machine can try."""
+    """Returns all kinds of kills that are possible on this machine."""
     found = [
         Kind("a worker is killed", kill_worker, 1),
         Kind("SIGTERM", main_process(signal.SIGTERM), 143),
@@ -207,7 +207,8 @@ def kinds() -> list[Kind]:
 
 @contextmanager
 def two_nodes() -> Iterator[tuple[Any, Any, str]]:
-    """A Ray cluster of two nodes on this machine: (cluster, the one to lose, address)."""
+    """Starts a Ray cluster of two nodes on this machine. Yields the cluster, the node to kill, and
+    the address."""
     from ray.cluster_utils import Cluster
 
     cluster = Cluster(initialize_head=True, head_node_args={"num_cpus": 1})
@@ -218,7 +219,7 @@ def two_nodes() -> Iterator[tuple[Any, Any, str]]:
 
 
 def kill_once(kind: Kind, run: Run, seeds: int, chance: random.Random) -> Outcome:
-    """Starts a run, kills it at some moment and resumes it until it has every trial."""
+    """Starts a run, kills it at a random time, and resumes it until it has every trial."""
     run.start()
     wanted, began = 1 + chance.randrange(seeds * 3 // 4), time.monotonic()
     assert run.process is not None
@@ -234,7 +235,7 @@ def kill_once(kind: Kind, run: Run, seeds: int, chance: random.Random) -> Outcom
     records = [json.loads(line) for line in before.splitlines()]
     trials = [record["trial"] for record in records if "trial" in record]
     crashed = sum(trial["status"] == "crashed" for trial in trials)
-    # A run that ended before has status 0.
+    # A run that ended before the kill has status 0.
     assert status in (0, kind.status), (run.folder / "log.txt").read_text()
     in_time = status == kind.status
     run.start("--resume")
@@ -254,7 +255,7 @@ _REFERENCE: dict[int, dict[str, Any]] = {}
 
 
 def reference(seeds: int) -> dict[str, Any]:
-    """The report of a run that nobody killed."""
+    """Returns the report of an undisturbed run."""
     if seeds not in _REFERENCE:
         with TemporaryDirectory() as folder:
             run = Run(Path(folder), seeds, "serial")
@@ -265,7 +266,7 @@ def reference(seeds: int) -> dict[str, Any]:
 
 
 def one_turn(turn: Kill) -> Outcome:
-    """A run in a folder of its own."""
+    """Kills and resumes a run in a temporary folder."""
     kind = next(kind for kind in kinds() if kind.name == turn.kind)
     seeds, chance = turn.seeds, random.Random(f"{kind.name} {turn.number}")
     with TemporaryDirectory() as folder:
@@ -282,17 +283,17 @@ def main() -> None:
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
     parser.add_argument(
-        "file", type=Path, nargs="?", default=Path("out/regress_kills.jsonl"), help="keeps kills"
+        "file", type=Path, nargs="?", default=Path("out/regress_kills.jsonl"), help="file of kills"
     )
-    parser.add_argument("--kills", type=int, default=20, help="of each kind")
-    parser.add_argument("--seeds", type=int, default=40, help="trials of each run")
-    parser.add_argument("--only", default="", help="kinds whose name contains this")
+    parser.add_argument("--kills", type=int, default=20, help="number of kills of each kind")
+    parser.add_argument("--seeds", type=int, default=40, help="number of trials of each run")
+    parser.add_argument("--only", default="", help="kinds whose name contains this text")
     options = parser.parse_args()
     console = Console()
     console = Console(width=max(console.width, 140))
     kept = KeptTrials(Kill, Outcome, [options.file])
     tried = [kind.name for kind in kinds() if options.only in kind.name]
-    # Kinds take turns, so that what is kept when it is stopped is balanced.
+    # Kinds take turns, so that an interrupted run has equally many kills of each kind.
     turns = [Kill(kind, options.seeds, number) for number in range(options.kills) for kind in tried]
     with suppress(KeyboardInterrupt):
         kept.play(one_turn, turns, 1)
@@ -302,7 +303,7 @@ def main() -> None:
 
 
 def table(done: Mapping[Kill, Outcome], seeds: int) -> Table:
-    """Counts of the runs of so many seeds, a row for each kind."""
+    """Makes the table of the runs with `seeds` seeds, with a row for each kind."""
     shown = Table(title=f"runs of {seeds} seeds")
     names = ("runs", "every seed once, same report", "nothing written is lost")
     for name in ("kind", *names, "ended before (median)", "crashed in all"):

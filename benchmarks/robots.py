@@ -1,19 +1,24 @@
-"""Measures robots' hands in the place of ours: tips, processor time, and success of trials.
+"""Measures robot hands in the place of ours: fingertips, processor time, and success of trials.
 
     python -m benchmarks.robots --seeds 25
     python -m benchmarks.robots --judged 600 --only trials
     python -m benchmarks.robots --fit FILE.xml th_tip,ff_tip,mf_tip --fit OTHER.urdf th,ff,mf ends
 
-Everything is simulated. *Tips*: every frame of the first takes of the simulated subject, in order,
-retargeted as in a session, with the fingers that touch named; a tip is out of reach if it is more
-than 5 mm off. *Trials*: the simulated user with three fingers, seeds of training from --first on,
-or with --judged the first judged seeds. Finished trials are kept in a file of JSON lines and not
-run again. *The other hand*: the same model fitted to a person's left hand, which it is not. Prints
-Markdown. *Fit*: models of other people are fitted, and compared with themselves in a scene at 1,000
-random angles: the greatest distance of a fingertip, and how far coupled joints are from the model's
-couplings; refused models have their error instead. Fingers that a hand lacks are left out of
-*tips*. The Inspire Hand needs `pip install --no-deps robosuite==1.5.2` besides the extra, and
-Allegro and LEAP need mujoco_menagerie.
+Everything is simulated. The tables are Markdown.
+
+- *Tips*: frames of the simulated subject, in order, are retargeted as in a session, with the
+  touching fingers known. A tip counts as out of reach if its error is more than 5 mm. Fingers that
+  a hand lacks are left out.
+- *Sides*: the mapping is fitted to the correct side of a person's hand and to the other side.
+- *Trials*: the simulated user plays with three fingers, on training seeds from `--first` on, or
+  with `--judged` on the first test seeds. Finished trials are saved in a file of JSON lines and not
+  played again.
+- *Fit*: models of other people are fitted, and compared with their own model in a scene at 1,000
+  random angles: the largest distance of a fingertip, and the largest error of coupled joints.
+  Refused models have their error in the table.
+
+The Inspire Hand needs `pip install --no-deps robosuite==1.5.2` besides the extra, and Allegro and
+LEAP need mujoco_menagerie.
 """
 
 from __future__ import annotations
@@ -47,7 +52,8 @@ TASKS = ("box-to-goal", "wrench-slide", "stack")
 
 
 def tips(robot: str, frames: int) -> dict[str, Any]:
-    """m, distances of fingertips from their places in a movement, and s of a frame."""
+    """Returns the errors (m) of fingertips of a robot hand in a movement, "touching" and "in the
+    air", and the processor time (s) of a "frame"."""
     capture = builtin_capture()
     hand = RobotHand("right", find_robot(robot))
     retargeter = hand.retargeter()
@@ -107,7 +113,11 @@ def other_hand_rows(robots: Sequence[str]) -> Iterator[str]:
 
 
 def fit_rows(models: Sequence[Sequence[str]]) -> Iterator[str]:
-    """Lines of the table of other people's models: FILE TIPS, and `ends`, `left` or `right`."""
+    """Yields the table of other people's models.
+
+    Args:
+        models: Words of each model: FILE, TIPS, and perhaps `ends`, `left` or `right`.
+    """
     yield (
         "| model | side | joints | coupled | fingertips, mm | couplings, rad | "
         "off a person's, mm | not followed |"
@@ -134,10 +144,10 @@ def fit_rows(models: Sequence[Sequence[str]]) -> Iterator[str]:
 
 
 class Trials:
-    """Finished trials, kept in a file of JSON lines.
+    """Finished trials in a file of JSON lines.
 
     Args:
-        file: The file; a torn last line is left out.
+        file: The file. An incomplete last line is removed.
     """
 
     def __init__(self, file: Path) -> None:
@@ -148,7 +158,7 @@ class Trials:
             file.write_bytes(b"".join(line + b"\n" for line in lines[:-1]))
 
     def run(self, robot: str, task: str, seed: int) -> dict[str, Any]:
-        """What came of a trial, which is run unless it was."""
+        """Returns the result of a trial. The trial is played if the file does not have it."""
         job = (robot, task, seed)
         if job not in self._done:
             begun = process_time()
@@ -170,7 +180,13 @@ class Trials:
 def trial_rows(
     trials: Trials, robots: Sequence[str], seeds: Mapping[str, Sequence[int]]
 ) -> Iterator[str]:
-    """Lines of the table of trials; `seeds` has the tasks."""
+    """Yields the table of trials.
+
+    Args:
+        trials: Finished trials.
+        robots: Names of robot hands.
+        seeds: Task -> seeds.
+    """
     yield (
         "| hand | task | held | 95 % interval, % | median time, s | unreached, % | "
         "processor s a trial | failed seeds |"
@@ -192,11 +208,11 @@ def trial_rows(
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
-    parser.add_argument("--seeds", type=int, default=25, help="trials a hand and task")
+    parser.add_argument("--seeds", type=int, default=25, help="number of trials per hand and task")
     parser.add_argument("--first", type=int, default=5000, help="the first seed")
-    parser.add_argument("--frames", type=int, default=6000, help="frames of the subject")
-    parser.add_argument("--judged", type=int, default=0, help="the first N judged seeds instead")
-    parser.add_argument("--only", choices=["tips", "sides", "trials"], help="one of the tables")
+    parser.add_argument("--frames", type=int, default=6000, help="number of frames of the subject")
+    parser.add_argument("--judged", type=int, default=0, help="use the first N test seeds instead")
+    parser.add_argument("--only", choices=["tips", "sides", "trials"], help="print this table only")
     parser.add_argument("--out", type=Path, default=Path("out/robots.jsonl"))
     parser.add_argument("--tasks", nargs="+", choices=TASKS, default=list(TASKS))
     parser.add_argument("--robots", nargs="+", choices=ROBOTS, default=list(ROBOTS))
@@ -205,7 +221,7 @@ def main() -> None:
         nargs="+",
         action="append",
         metavar="WORD",
-        help="FILE TIPS, and ends, left or right; models of other people, alone",
+        help="FILE TIPS, and perhaps ends, left or right; only print the table of this model",
     )
     options = parser.parse_args()
     if options.fit:

@@ -1,15 +1,20 @@
-"""Names of strangers: people and generators that took no part in the training.
+"""Measures labels of fingers for people and generators that are not in the training data.
 
-    python -m benchmarks.strangers --people 6      # a quick look at the names that ship
-    python -m benchmarks.strangers                 # all people to judge on
+    python -m benchmarks.strangers --people 6      # a quick run with the default labels
+    python -m benchmarks.strangers                 # all people of the test
     python -m training people --group train --out people.npz
     python -m benchmarks.strangers --population people.npz      # and both generators held out
 
-Three questions. Both frozen subjects by names that were trained on people of the other sources
-alone (held-out generator). Pinned people, at first, after one touch with five fingers, and with
-their sets of fingers declared: every set that occurs in more than 5 % of their takes, and the very
-set that touches. And how true the probabilities are. The belief is called at every frame and begins
-anew with every take; nothing is carried from take to take.
+The rows of the table are:
+
+- both frozen subjects, with labels that were trained on people of the other sources alone (held-out
+  generator);
+- pinned people, without further information, after one touch with five fingers, and with their sets
+  of fingers declared: the list of sets that occur in more than 5 % of their takes, or the set that
+  touches.
+
+The last columns compare the claimed probabilities with the share of correct labels. The labeller
+sees every frame and restarts with every take, so that no take depends on another.
 """
 
 from __future__ import annotations
@@ -43,10 +48,10 @@ from training.population.population import PEOPLE
 from training.subjects import subject
 
 DAY_SEED = 19
-"""Seed of the judged days."""
+"""Seed of the test days."""
 
 SURE = 0.99
-"""Probability from which on an answer counts as sure."""
+"""Probability from which on labels count as sure."""
 
 _BARS = Console(stderr=True)
 
@@ -54,17 +59,17 @@ Maker = Callable[[OwnLayouts | None], BeliefLabels]
 Fingers = tuple[int, ...]
 
 OFTEN = 0.05
-"""Share of a person's takes above which a set of fingers is in the person's list."""
+"""Share of a person's takes above which a set of fingers is in the person's declared list."""
 
 
 @dataclass
 class Frames:
-    """Answers at frames of one person or day.
+    """Labels of the frames of one person or day.
 
     Attributes:
-        fingers: Number of contacts.
-        right: True where all of them are named right.
-        claimed: Probability that the labeller gave.
+        fingers: Number of contacts of each frame.
+        right: True where all of its labels are correct.
+        claimed: Probability of the labels that the labeller returned.
     """
 
     fingers: list[int] = field(default_factory=list)
@@ -78,13 +83,13 @@ def answers(
     known: OwnLayouts | None = None,
     declared: Callable[[Fingers], LogOdds] | None = None,
 ) -> Frames:
-    """Names all frames of a capture, each take from the beginning.
+    """Labels all frames of a capture. The labeller restarts with every take.
 
     Args:
         capture: Takes of one person.
         make: Makes the labeller.
-        known: Layouts of the person that are known.
-        declared: Log factors of the fingers in use, by the fingers that touch.
+        known: Known layouts of the person.
+        declared: Returns the log factors of the sets of fingers, from the fingers that touch.
     """
     frames, labeller, take = Frames(), make(known), None
     rng = np.random.default_rng(0)
@@ -106,8 +111,8 @@ def answers(
 
 
 def row(table: Table, name: str, people: Sequence[Frames]) -> None:
-    """Adds percent right by number of fingers and in all, with an interval over people, and how
-    true the probabilities are."""
+    """Adds a row to the table: percentage of frames with correct labels, by number of fingers and
+    in all, with a bootstrap interval over people, and the error of the probabilities."""
     fingers = np.concatenate([p.fingers for p in people])
     right = np.concatenate([p.right for p in people])
     claimed = np.concatenate([p.claimed for p in people])
@@ -134,7 +139,7 @@ def row(table: Table, name: str, people: Sequence[Frames]) -> None:
 
 
 def sets_in_use(person: Capture) -> list[Fingers]:
-    """Sets of fingers that occur in more than 5 % of a person's takes."""
+    """Returns the sets of fingers that occur in more than 5 % of a person's takes."""
     takes = np.unique(person.trial)
     in_takes: Counter[Fingers] = Counter()
     for take in takes:
@@ -145,38 +150,38 @@ def sets_in_use(person: Capture) -> list[Fingers]:
 
 @cache
 def odds_of_one(fingers: Fingers) -> LogOdds:
-    """Log factors if a single set of fingers is in use."""
+    """Returns the log factors if only one set of fingers is used."""
     return odds_of_sets({fingers: 1.0}, USUAL_SETS)
 
 
 def with_list(person: Capture) -> Frames:
-    """Answers about a person who has declared a list of sets, without likelihoods."""
+    """Labels the frames of a person who has declared a list of equally likely sets."""
     odds = odds_of_sets(dict.fromkeys(sets_in_use(person), 1.0), USUAL_SETS)
     return answers(person, builtin_population_belief, declared=lambda _: odds)
 
 
 def with_very_set(person: Capture) -> Frames:
-    """Answers about a person whose touching set of fingers is declared at every moment."""
+    """Labels the frames of a person whose touching set of fingers is declared at every frame."""
     return answers(person, builtin_population_belief, declared=odds_of_one)
 
 
 def after_five(person: Capture) -> OwnLayouts:
-    """One layout of five fingers of a person: the first of the capture."""
+    """Returns one layout of five fingers of a person, the first of the capture."""
     return OwnLayouts(person.xy[np.flatnonzero(person.down.all(axis=1))[:1]])
 
 
 def of(belief: PopulationBelief) -> Maker:
-    """Labellers with a trained belief."""
+    """Returns a function that makes labellers with a trained belief."""
     return lambda known: BeliefLabels(belief, known, learns=True)
 
 
 def tracked(captures: Iterable[Capture], what: str, total: int) -> Iterable[Capture]:
-    """The captures, with a progress bar."""
+    """Returns the captures, with a progress bar."""
     return track(captures, what, total, console=_BARS)
 
 
 def trained_without(held: str, train: Population) -> PopulationBelief:
-    """Names trained on people of the other sources."""
+    """Trains a belief on people of all sources but one."""
     others = train.of(without=held)
     with Progress(console=_BARS, transient=True) as bars:
         bar = bars.add_task(f"training without the {held} generator", total=1.0)
@@ -186,12 +191,12 @@ def trained_without(held: str, train: Population) -> PopulationBelief:
 
 
 def held_out(table: Table, train: Population, count: int) -> None:
-    """Adds the rows of both frozen subjects.
+    """Adds the rows of both frozen subjects to the table.
 
     Args:
         table: The table.
-        train: People to train on, of all sources.
-        count: Number of judged days of each subject.
+        train: People of the training data, of all sources.
+        count: Number of test days of each subject.
     """
     for held in ("first", "second"):
         belief, one = trained_without(held, train), subject(held)
@@ -206,12 +211,16 @@ def main() -> None:
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
     parser.add_argument(
-        "--population", type=Path, help="people to train on, for generators held out"
+        "--population", type=Path, help="training data for the rows with held-out generators"
     )
-    parser.add_argument("--days", type=int, default=12, help="judged days of each frozen subject")
-    parser.add_argument("--people", type=int, default=None, help="people of each generator")
     parser.add_argument(
-        "--group", choices=(JUDGED, NEXT), default=JUDGED, help="pinned people to judge on"
+        "--days", type=int, default=12, help="number of test days of each frozen subject"
+    )
+    parser.add_argument(
+        "--people", type=int, default=None, help="number of people of each generator"
+    )
+    parser.add_argument(
+        "--group", choices=(JUDGED, NEXT), default=JUDGED, help="pinned people of the test"
     )
     options = parser.parse_args()
     table = Table(
@@ -230,7 +239,7 @@ def main() -> None:
         held_out(table, load_population(options.population).of(group="train"), options.days)
     count = options.people
     groups = {g: count if count is not None else n for g, n in PEOPLE["judge"].items() if n}
-    with _BARS.status("drawing people to judge on"):
+    with _BARS.status("drawing people of the test"):
         judged = pinned_people(options.group, groups)
     seen = [p for p in judged if p.down.all(axis=1).any()]
     row(table, f"{len(seen)} pinned people", [answers(p, builtin_population_belief) for p in seen])

@@ -46,8 +46,8 @@ CASES = (
     ("at real time, processor time", time.thread_time, True),
     ("without pauses, processor time", time.thread_time, False),
 )
-"""What is told, with which clock, and whether the loop pauses until a control period is due. By the
-clock, what goes on beside it on a busy machine counts too."""
+"""Name of each case, its clock, and whether the loop pauses until a control period is due. Times of
+`perf_counter` also include other work of a busy machine."""
 
 
 def main() -> None:
@@ -55,7 +55,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
-    parser.add_argument("--seconds", type=float, default=10.0, help="of touches, each time")
+    parser.add_argument("--seconds", type=float, default=10.0, help="duration of touches per case")
     seconds = parser.parse_args().seconds
     print(describe_machine())
     with tempfile.TemporaryDirectory() as folder, undisturbed():
@@ -68,7 +68,11 @@ def main() -> None:
 
 
 class Timed:
-    """A recorder that times what the session's loop waits for."""
+    """A recorder that measures the time for which the session's loop waits.
+
+    Attributes:
+        now: Time (s) since it was last set to 0.
+    """
 
     def __init__(self, recorder: Any, clock: Callable[[], float]) -> None:
         self.now = 0.0
@@ -86,8 +90,9 @@ class Timed:
 
 
 def logging(folder: Path, seconds: float) -> None:
-    """Time in the loop of a trial at real time, a touch frame in every control period; bytes."""
-    # Nobody succeeds: `random` touches all the time, and the trial lasts as long as is wanted.
+    """Measures the time of logging per touch frame, with one frame in every control period, and the
+    bytes of recordings and tables."""
+    # `random` touches all the time and never succeeds, so that the trial lasts `seconds`.
     settings = Settings(task="box-to-goal", seed=3)
     user = UserConfiguration(kind="random")
     costs: list[list[float]] = []
@@ -143,12 +148,12 @@ def logging(folder: Path, seconds: float) -> None:
 
 
 def _user_of(user: UserConfiguration, seed: int) -> DeviceMaker:
-    """Opens the simulated user's device."""
+    """Returns a function that opens the simulated user's device."""
     return lambda task, surface: SimulatedDevice(task, user, surface, seed)
 
 
 def difference(folder: Path, rounds: int = 5) -> None:
-    """Processor time of the loop with and without logging, on the very same touches."""
+    """Measures the processor time of the loop with and without logging, on the same touches."""
     record = max(folder.glob("trial*.jsonl"), key=lambda path: path.stat().st_size)
     recording = load_recording(record)
     settings = settings_of(recording)
@@ -181,7 +186,7 @@ def difference(folder: Path, rounds: int = 5) -> None:
 
 
 def replaying(folder: Path) -> None:
-    """Measures how fast trials are replayed and compared; loading and building is part of it."""
+    """Measures how fast trials are replayed and compared, including loading and building."""
     user = UserConfiguration()
     for task in ("box-to-goal", "stack", "wrench-turn"):
         record = folder / f"{task}.jsonl"
@@ -192,13 +197,13 @@ def replaying(folder: Path) -> None:
             look(session)
         trial_recorder.end(session)
         trial_recorder.close()
-        told = []
+        times = []
         for _ in range(3):
             began, worked = time.perf_counter(), time.process_time()
             again, found = replay(load_recording(record))
-            told.append((time.perf_counter() - began, time.process_time() - worked))
+            times.append((time.perf_counter() - began, time.process_time() - worked))
             assert found.exact and found.complete
-        took, worked = np.median(told, axis=0)
+        took, worked = np.median(times, axis=0)
         print(
             f"{task}: {again.time:.1f} s of trial compared, {found.compared} states, in "
             f"{took:.2f} s by the clock and {worked:.2f} s of processor time: "
@@ -208,14 +213,14 @@ def replaying(folder: Path) -> None:
 
 
 def look(session: Session) -> None:
-    """A control period of a simulated user's session."""
+    """Advances a simulated user's session by one control period."""
     snapshot = session.advance()
     device: Any = session.rigs[0].device
     device.show(snapshot)
 
 
 def journal(folder: Path) -> None:
-    """Time of a record."""
+    """Measures the time of a journal record, with and without waiting for the disk."""
     book = Journal(folder / "session.jsonl")
     for durable in (False, True):
         costs = []
@@ -230,10 +235,10 @@ def journal(folder: Path) -> None:
 
 
 class Waiting(HeadlessPlayer):
-    """A player that notes how long it waits from the end of a trial until the next may begin.
+    """A player that measures the time from the end of a trial until the next may begin.
 
     Attributes:
-        waited: That time, by the clock and of the processor, s.
+        waited: This time (s) for each trial, as wall time and processor time.
     """
 
     waited: ClassVar[list[tuple[float, float]]] = []
@@ -249,7 +254,7 @@ class Waiting(HeadlessPlayer):
 
 
 def between(folder: Path, trials: int = 12) -> None:
-    """Time between two trials of a session, beyond what a page shows."""
+    """Measures the time between two trials of a session, without the time of a page."""
     study = StudyFolder(folder / "between", load_design(DESIGN), SIMULATED)
     person, controls = study.add(**simulated_person(study.design, 1)), Controls()
 
@@ -271,14 +276,14 @@ def between(folder: Path, trials: int = 12) -> None:
 
 
 def opening(folder: Path) -> None:
-    """Time of opening a finished study of 24 people, with all tables of all of them."""
+    """Measures the time of opening a finished study of 24 people and making all its tables."""
     design = load_design(DESIGN)
     study = fill(folder, design)
     began = time.perf_counter()
     design = load_design(DESIGN)
     loaded = time.perf_counter()
     study = StudyFolder(folder, design, SIMULATED)
-    # Nothing changes when nothing is new; the worst case is that all of it has to be written.
+    # Tables that exist are not written again. The worst case is that all have to be written.
     for name in ("trials.csv", "participants.csv", "answers.csv", "codebook.csv"):
         (study.path / "tables" / name).unlink(missing_ok=True)
     found = make_tables(study)
@@ -290,7 +295,7 @@ def opening(folder: Path) -> None:
 
 
 def fill(folder: Path, design: Design) -> StudyFolder:
-    """A finished study: all its records, without its recordings."""
+    """Makes a finished study with all its records, without recordings."""
     study = StudyFolder(folder, design, SIMULATED)
     result = {
         "task": "box-to-goal",

@@ -1,13 +1,14 @@
 """Kills sessions of a study at random moments, resumes them, and compares with an undisturbed one.
 
-Every session is a simulated participant's: consent, questions, trials and a questionnaire after
-each level. The moments are uniform over the time that such a session takes, from the first folder
-that is made to the last table. Prints how many sessions were killed, and in how many of these
+Every session is of a simulated participant: consent, questions, trials and a questionnaire after
+each level. The times of the kills are uniform over the duration of such a session, from its first
+folder to its last table. Prints how many sessions were killed, and in how many of these
 
 - every trial and every answer that was on the disk at the kill is in the record at the end;
-- the tables of the study that was resumed are equal to those of the session that ran through, but
-  for times, pseudonyms and numbers of attempts;
-- the checks of `sandbox replay STUDY --verify` find nothing, but for the states, which take longer.
+- the tables of the resumed study are equal to those of an undisturbed session, except for times,
+  pseudonyms and numbers of attempts;
+- the checks of `sandbox replay STUDY --verify` find no problem. States are not compared, since that
+  takes longer.
 
     python -m benchmarks.study_kills --kills 200
 """
@@ -30,15 +31,15 @@ from tests.support.study_driver import results, resume, run, verify
 from tests.support.study_files import DESIGN, TRIALS, in_child, killed_after
 
 LONGEST = 600.0
-"""s after which a session that nobody kills is given up."""
+"""Time (s) after which an undisturbed session is ended."""
 
 
 def main() -> None:
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
-    parser.add_argument("--kills", type=int, default=200, help="sessions that are killed")
-    parser.add_argument("--seed", type=int, default=1, help="of the moments")
+    parser.add_argument("--kills", type=int, default=200, help="number of sessions to kill")
+    parser.add_argument("--seed", type=int, default=1, help="seed of the times of the kills")
     options = parser.parse_args()
     rng, found, trials = np.random.default_rng(options.seed), Counter[str](), []
     with TemporaryDirectory() as folder:
@@ -52,7 +53,7 @@ def main() -> None:
                 trials.append(done["trials"])
                 print(f"{found['killed']}: after {moment:.2f} s, {done}", flush=True)
     print(describe_machine())
-    print(f"a session that nobody kills takes {lasted:.2f} s; it has {TRIALS} trials")
+    print(f"an undisturbed session takes {lasted:.2f} s; it has {TRIALS} trials")
     print(f"killed {found['killed']}, with {np.bincount(trials)} of 0, 1, ... finished trials")
     print(f"nothing finished is lost: {found['kept']}")
     print(f"tables equal: {found['same']}")
@@ -60,7 +61,7 @@ def main() -> None:
 
 
 def whole(out: Path) -> tuple[dict[str, Any], float]:
-    """The tables of a session that nobody kills, and the s that it takes."""
+    """Runs an undisturbed session. Returns its tables and its duration (s)."""
     began = time.monotonic()
     killed, said = killed_after(in_child(lambda say: run(out, DESIGN)), LONGEST)
     assert not killed, said
@@ -68,7 +69,8 @@ def whole(out: Path) -> tuple[dict[str, Any], float]:
 
 
 def killed_once(out: Path, moment: float, undisturbed: dict[str, Any]) -> dict[str, int] | None:
-    """What became of a session that is killed and resumed; None if it had ended before."""
+    """Kills a session after `moment` s and resumes it. Returns the counts of its result, or None if
+    the session had ended before."""
     killed, _ = killed_after(in_child(lambda say: run(out, DESIGN)), moment)
     if not killed:
         return None
@@ -83,7 +85,7 @@ def killed_once(out: Path, moment: float, undisturbed: dict[str, Any]) -> dict[s
 
 
 def finished(out: Path) -> set[tuple[str, ...]]:
-    """What the record of a session has of trials and answers that were finished."""
+    """Returns the finished trials and answers in the record of a session."""
     return {
         (record["kind"], record["step"], str(record.get("item")), str(record.get("result")))
         for path in out.glob(f"*/*/S001/{JOURNAL}")

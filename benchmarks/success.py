@@ -1,8 +1,8 @@
-"""Measures how often the simulated user succeeds, with each encoder and without each part.
+"""Measures the success rate of the simulated user, with each encoder and without each part.
 
-Every row is the same judged seeds with one thing changed. Resumable: finished trials are kept in a
-file of JSON lines and not run again; what was broken off counts up to the first seed that is
-missing. Trials with PCA-IK run last, side by side in one process.
+Every row has the same test seeds and one change. Finished trials are saved in a file of JSON lines
+and not played again. An interrupted row counts up to its first missing seed. Trials with PCA-IK run
+last, concurrently in one process.
 
     python -m benchmarks.success --tasks all --seeds 600 --rows shipped
     python -m benchmarks.success --tasks all --seeds 100 --rows encoders
@@ -12,9 +12,9 @@ missing. Trials with PCA-IK run last, side by side in one process.
     python -m benchmarks.success --pinned benchmarks/pinned.json --seeds 200 --out out/after.jsonl \
         --against out/before.jsonl
 
-Seeds come from the frozen configuration, or with `--pinned` from a file: the same seeds before and
-after a change that alters the configuration. `--against` compares with the trials of an earlier
-run: exact McNemar tests for losses on the seeds that both have, and Holm over all lines.
+Seeds come from the frozen configuration, or with `--pinned` from a file, so that they stay the same
+after a change of the configuration. `--against` compares with the trials of an earlier run by exact
+McNemar tests for losses on the seeds that both have, with Holm over all lines.
 """
 
 from __future__ import annotations
@@ -51,8 +51,8 @@ ENCODERS: dict[str, dict[str, Any]] = {
     "bare": {"bare": True},
     "paper": {"encoder": "paper"},
 }
-"""Row -> options of `sandbox run` that differ from its defaults. `paper` is bare as well; both keep
-our rules of arrival."""
+"""Row -> options of `sandbox run` that differ from its defaults. `paper` includes `bare`. Both
+still have our rules of arrival."""
 
 CONTROLS: dict[str, dict[str, Any]] = {
     "user does nothing": {"user": "idle"},
@@ -89,18 +89,18 @@ SOLID: dict[str, dict[str, Any]] = {
     "whole hand, user does nothing": {"solid": "hand", "user": "idle"},
     "whole hand, user touches at random": {"solid": "hand", "user": "random"},
 }
-"""As shipped, with palm and all links solid; with the user's fingers known, as a bound; and control
-arms. A hand that is solid all over has judged seeds of its own."""
+"""Rows with palm and all links solid: the default; the user's fingers known, as an upper bound; and
+control arms. These rows have their own test seeds."""
 
 GROUPS = {"encoders": ENCODERS, "controls": CONTROLS, "parts": PARTS, "solid": SOLID}
 ROWS = PARTS | ENCODERS | CONTROLS | SOLID
 
 Job = tuple[str, str, int, int]
-"""Task, row, fingers, seed."""
+"""Task, row, number of fingers, seed."""
 
 
 def trial(job: Job) -> dict[str, Any]:
-    """Runs one trial: (task, row, fingers, seed)."""
+    """Plays one trial, and returns its line of the file."""
     from sandbox.trial.driver import play_trial
     from sandbox.trial.trial_options import TrialOptions, trial_settings
 
@@ -118,16 +118,16 @@ def trial(job: Job) -> dict[str, Any]:
 
 
 def wilson(successes: int, n: int) -> tuple[float, float]:
-    """95 % Wilson interval of a rate, in percent."""
+    """Returns the 95 % Wilson interval of a rate, in percent."""
     interval = binomtest(successes, n).proportion_ci(0.95, method="wilson")
     return 100 * interval.low, 100 * interval.high
 
 
 def load(*paths: Path) -> dict[Job, dict[str, Any]]:
-    """Finished trials of some files by job; a torn last line is left out.
+    """Reads the finished trials of files, by job. An incomplete last line is left out.
 
     Raises:
-        InputError: A file is broken, or holds something else.
+        InputError: A file cannot be read, or has other contents.
     """
     done = {}
     for path in paths:
@@ -140,7 +140,7 @@ def load(*paths: Path) -> dict[Job, dict[str, Any]]:
 
 
 def cell(found: list[dict[str, Any]]) -> str:
-    """Successes of trials, their Wilson interval and the median time of those that succeeded."""
+    """Returns successes, their Wilson interval, and the median time of successful trials."""
     if not found:
         return ""
     won = [r["time_s"] for r in found if r["success"]]
@@ -152,8 +152,13 @@ def cell(found: list[dict[str, Any]]) -> str:
 def table(
     done: dict[Job, dict[str, Any]], fingers: list[int], seeds: dict[tuple[str, str], list[int]]
 ) -> Iterator[str]:
-    """The result as a Markdown table: a column for each task and finger count, a row for each row;
-    with the seeds of each task and row."""
+    """Yields a Markdown table with a column for each task and number of fingers.
+
+    Args:
+        done: Trials by job.
+        fingers: Numbers of fingers.
+        seeds: (Task, row) -> seeds.
+    """
     tasks, rows = (list(dict.fromkeys(keys)) for keys in zip(*seeds, strict=True))
     columns = [(task, f) for task in tasks for f in fingers]
     names = [task if len(fingers) == 1 else f"{task}, {f} fingers" for task, f in columns]
@@ -168,8 +173,8 @@ def table(
 def counted(
     done: dict[Job, dict[str, Any]], task: str, row: str, fingers: int, seeds: list[int]
 ) -> list[dict[str, Any]]:
-    """Trials up to the first seed that is missing: side by side, quick trials end before slow
-    ones."""
+    """Returns the trials up to the first missing seed. Later trials do not count, since of parallel
+    trials the quick ones end first."""
     jobs = [(task, row, fingers, seed) for seed in seeds]
     return [done[job] for job in takewhile(done.__contains__, jobs)]
 
@@ -177,8 +182,8 @@ def counted(
 def failures(
     done: dict[Job, dict[str, Any]], fingers: list[int], seeds: dict[tuple[str, str], list[int]]
 ) -> Iterator[str]:
-    """Why trials of the table failed, as a Markdown table; a line for each reason, with its
-    number of trials."""
+    """Yields a Markdown table of the reasons for which trials failed, with the number of trials of
+    each."""
     yield "| task | row | fingers | failed | why |"
     yield "| --- | --- | --- | --- | --- |"
     for (task, row), chosen in seeds.items():
@@ -190,13 +195,13 @@ def failures(
 
 
 def against(done: dict[Job, dict[str, Any]], before: dict[Job, dict[str, Any]]) -> Iterator[str]:
-    """Successes against those of an earlier run on the same seeds, as a Markdown table.
+    """Yields a Markdown table that compares successes with an earlier run on the same seeds.
 
     P values are of exact McNemar tests for losses, after Holm over all lines.
 
     Args:
         done: Trials by job.
-        before: Those of the earlier run.
+        before: Trials of the earlier run by job.
     """
     pairs: dict[tuple[str, str, int], list[tuple[bool, bool]]] = {}
     hashes: Counter[tuple[str, str, int]] = Counter()
@@ -218,19 +223,18 @@ def against(done: dict[Job, dict[str, Any]], before: dict[Job, dict[str, Any]]) 
 
 
 def seeds_of(row: str, task: str, n: int, left_out: int) -> list[int]:
-    """The next n judged seeds of a task after those that are left out, by what is solid in a
-    row."""
+    """Returns n test seeds of a task after the first `left_out`, for the solidity of a row."""
     return judged_seeds(left_out + n, task, "hand" if row in SOLID else "fingertips")[left_out:]
 
 
 def pinned_seeds(path: Path) -> dict[tuple[str, str], list[int]]:
-    """Seeds of a file, by task and row.
+    """Reads seeds of a file, by task and row.
 
     Args:
-        path: JSON: row of the table -> task -> seeds.
+        path: JSON file: row of the table -> task -> seeds.
 
     Raises:
-        InputError: The file holds something else.
+        InputError: The file cannot be read, or has other contents.
     """
     try:
         rows = json.loads(path.read_text(encoding="utf-8"))
@@ -241,34 +245,35 @@ def pinned_seeds(path: Path) -> dict[tuple[str, str], list[int]]:
         }
     except (OSError, ValueError, TypeError, AttributeError) as error:
         raise InputError(
-            f"no pinned seeds could be read ({error})",
+            "the file of pinned seeds cannot be read",
             where=str(path),
-            remedy='the file is {"row": {"task": [seed, ...]}}',
+            got=str(error),
+            expected='{"row": {"task": [seed, ...]}}',
         ) from None
 
 
 def chosen_rows(text: str) -> list[str]:
-    """Rows by name, or by the name of their group; separated by ;."""
+    """Returns the rows of a text: `all`, or names of rows and groups with `;` between them."""
     names = ROWS if text == "all" else [r for t in text.split(";") for r in GROUPS.get(t, [t])]
     return list(names)
 
 
 def main() -> None:
-    """Runs what is missing, then prints successes, and why the others failed."""
+    """Plays the missing trials, then prints successes and the reasons of failures."""
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
-    parser.add_argument("--tasks", nargs="+", default=["all"], help="all, or names")
-    parser.add_argument("--seeds", type=int, default=600, help="the first N judged seeds")
+    parser.add_argument("--tasks", nargs="+", default=["all"], help="all, or names of tasks")
+    parser.add_argument("--seeds", type=int, default=600, help="number of test seeds")
     parser.add_argument(
-        "--leave-out", type=int, default=0, metavar="M", help="those that follow the first M"
+        "--leave-out", type=int, default=0, metavar="M", help="start after the first M test seeds"
     )
     parser.add_argument(
-        "--rows", default="shipped", help="all, encoders, controls, parts, solid, or names; by ;"
+        "--rows",
+        default="shipped",
+        help="all, encoders, controls, parts, solid, or names of rows, with ; between them",
     )
-    parser.add_argument(
-        "--pinned", type=Path, help="file of pinned seeds; has the tasks and rows, too"
-    )
+    parser.add_argument("--pinned", type=Path, help="file of pinned seeds with tasks and rows")
     parser.add_argument("--fingers", type=int, nargs="+", default=[3])
     parser.add_argument("--workers", type=int, default=os.cpu_count() or 1)
     parser.add_argument("--out", type=Path, default=Path("out/success.jsonl"))
@@ -278,7 +283,7 @@ def main() -> None:
     parser.add_argument(
         "--against", type=Path, metavar="FILE", help="compare with the trials of an earlier run"
     )
-    parser.add_argument("--table", action="store_true", help="only print what is there")
+    parser.add_argument("--table", action="store_true", help="only print finished trials")
     args = parser.parse_args()
     for path in (*args.kept, *filter(None, [args.against])):
         if not path.is_file():
@@ -301,7 +306,7 @@ def main() -> None:
         }
     args.out.parent.mkdir(parents=True, exist_ok=True)
     done = load(args.out, *args.kept)
-    # Seed by seed, so that what is cut short has all tasks and rows to the same extent.
+    # Seed by seed, so that an interrupted run has equally many seeds of all tasks and rows.
     jobs = [
         (t, r, f, seeds[t, r][i])
         for i in range(args.seeds)
@@ -310,7 +315,7 @@ def main() -> None:
         if i < len(seeds[t, r])
     ]
     missing = [] if args.table else [j for j in jobs if j not in done]
-    # One thread a process: the machine's cores are the processes' already.
+    # One thread in each process, since the processes use all cores already.
     os.environ["OMP_NUM_THREADS"] = "1"
     if missing:
         with (

@@ -1,10 +1,11 @@
-"""The paper's Table 1 on the simulated subject: how far reconstructions are from the captured hand.
+"""Measures the errors of the paper's Table 1 on simulated subjects.
 
     python -m benchmarks.table1 --seeds 10 11 12 13 --days 1 2 3
 
-Every seed is another subject; it is trained on day 0 and tested on later days. True labels, no
-correction, no filter. What is printed is measured on simulated captures whose configuration was
-tuned on seeds 0 to 2 (docs/encoding.md), and the paper's numbers stand beside it, not behind it.
+Every seed is another subject. Encoders are trained on day 0 and tested on later days, with true
+labels and without correction and filter. The errors are those of reconstructions on simulated
+captures, whose configuration was tuned on seeds 0 to 2 (docs/encoding.md). The paper's numbers are
+printed beside them for comparison only.
 """
 
 from __future__ import annotations
@@ -28,14 +29,17 @@ from models.rotations import geodesic_angle
 Predict = Callable[[Array], Array]
 
 PAPER = {"linear": (3.98, 9.08), "quadratic": (2.55, 8.57), "cubic": (3.17, 9.94)}
-"""Mean distance (cm) and angle (degrees), Table 1 of Chung, Kim, Han and Pollard (2015)."""
+"""Method -> mean distance (cm) and angle (degrees), Table 1 of Chung, Kim, Han and Pollard
+(2015)."""
 
 PAPER_VARIANCE = {3: 68, 6: 87, 9: 94, 12: 97}
-"""Principal components -> percent of the training data's variance, section 3 there."""
+"""Number of principal components -> percent of the training data's variance, section 3 of the
+paper."""
 
 
 def errors(predict: Predict, capture: Capture) -> tuple[float, float, float]:
-    """Mean wrist distance (cm), geodesic angle and |component| of the ball joints (degrees)."""
+    """Returns the mean errors of predictions: distance of the wrist (cm), geodesic angle of the
+    ball joints (degrees), and absolute component of their rotation vectors (degrees)."""
     guess, truth = predict(capture.u), capture.relative
     distance = np.linalg.norm((guess - truth)[:, ROOT_POSITION], axis=1)
     angle = geodesic_angle(joint_vectors(guess), joint_vectors(truth))
@@ -45,7 +49,8 @@ def errors(predict: Predict, capture: Capture) -> tuple[float, float, float]:
 
 
 def methods(capture: Capture) -> dict[str, Predict]:
-    """Compared methods, trained on a capture: the paper's least squares, and a validated ridge."""
+    """Trains the compared methods on a capture: the paper's least squares, and ridge regression
+    with a cross-validated penalty."""
     U, Q = capture.u, capture.relative
     mean = Q.mean(axis=0)
     return {
@@ -58,13 +63,15 @@ def methods(capture: Capture) -> dict[str, Predict]:
 
 
 def variance_shares(poses: Array) -> list[float]:
-    """Percent of the variance of vectors (T, n) in their first 3, 6, 9 and 12 components."""
+    """Returns the percentages of the variance of vectors (T, n) in their first 3, 6, 9 and 12
+    principal components."""
     values = np.linalg.eigvalsh(np.cov(poses.T))[::-1]
     return [float(100 * values[:k].sum() / values.sum()) for k in PAPER_VARIANCE]
 
 
 def measure(seeds: list[int], days: list[int]) -> tuple[dict[str, Array], Array, Array]:
-    """Errors (seeds, days, 3) by method, and variance shares (seeds, 4) of poses and joints."""
+    """Measures errors (seeds, days, 3) by method, and percentages of variance (seeds, 4) of poses
+    and of joints."""
     found: dict[str, list[list[tuple[float, float, float]]]] = {}
     whole, joints = [], []
     for seed in track(seeds, "subjects", console=Console(stderr=True)):

@@ -1,13 +1,13 @@
-"""Measures a whole regression trial against real time, and where its time goes.
+"""Measures the time of a whole regression trial, and of its parts.
 
     python -m benchmarks.whole_run [--solid hand]
 
-A trial is what `sandbox regress` runs for one seed, from its settings to its result: making the
-scene, the simulated user, the default encoder, reconstruction, physics, score and hash. Each number
-is a median over trials. Processor time is what the trial itself used; wall time also waits for
-others on the same cores. In the table of parts every part's own time is counted, without those it
-calls, and physics is the peer: the rest of the program is to cost less than a few times the
-simulation.
+A trial is the work of `sandbox regress` for one seed, from its settings to its result: making the
+scene, simulated user, default encoder, reconstruction, physics, score and hash. Each number is a
+median over trials. Processor time is the time of the trial itself. Wall time also includes waiting
+for other programs on the same cores. In the table of parts, the time of a part does not include the
+parts that it calls. Physics is the reference: the rest of the program should take less than a few
+times as long.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ from sandbox.trial.assembly import device_makers
 Solid = Literal["fingertips", "hand"]
 
 GOAL = 20.0
-"""Times real time that a whole trial is to be on one core."""
+"""Goal: how many times faster than real time a whole trial should be on one core."""
 
 PARTS = (
     "physics",
@@ -53,12 +53,16 @@ _LOOKS = 2000
 
 
 class Clock:
-    """Processor time of nested parts, each without the others inside it."""
+    """Measures the processor time of nested parts, each without the parts inside it.
+
+    Attributes:
+        spent: Part -> time (s).
+    """
 
     def __init__(self) -> None:
         self.spent = dict.fromkeys(PARTS, 0.0)
         self._stack = ["rest"]
-        # Looking at the clock takes time of its own, which is nobody's.
+        # Reading the clock takes time itself, which is subtracted from all parts.
         begin = time.process_time()
         for _ in range(_LOOKS):
             time.process_time()
@@ -66,12 +70,12 @@ class Clock:
         self._since = time.process_time()
 
     def enter(self, part: str) -> None:
-        """A part begins."""
+        """Begins a part."""
         self._stop()
         self._stack.append(part)
 
     def leave(self) -> None:
-        """It ends."""
+        """Ends the part that began last."""
         self._stop()
         self._stack.pop()
 
@@ -83,7 +87,12 @@ class Clock:
 
 @contextmanager
 def timed(clock: Clock, places: Sequence[tuple[Any, str, str]]) -> Iterator[None]:
-    """Replaces methods (owner, name, part) by themselves with a stopwatch."""
+    """Measures the time of methods in the context.
+
+    Args:
+        clock: The clock.
+        places: Owner of a method, its name, and the part to which its time counts.
+    """
     methods = [getattr(owner, name) for owner, name, _ in places]
 
     def measured(method: Callable[..., Any], part: str) -> Callable[..., Any]:
@@ -106,7 +115,8 @@ def timed(clock: Clock, places: Sequence[tuple[Any, str, str]]) -> Iterator[None
 
 
 def whole_trial(seed: int, fingers: int, solid: Solid) -> tuple[float, float, float]:
-    """Simulated s, processor s and wall s of a trial, from settings to result."""
+    """Returns simulated time, processor time and wall time (s) of a trial, from settings to
+    result."""
     from sandbox.session.session import Session
     from sandbox.trial.driver import play_trial
     from sandbox.trial.trial_options import TrialOptions, trial_settings
@@ -129,7 +139,7 @@ def whole_trial(seed: int, fingers: int, solid: Solid) -> tuple[float, float, fl
 
 
 def parts_of_trial(seed: int, fingers: int, solid: Solid) -> dict[str, float]:
-    """Processor s of every part in one control step, on average over a trial."""
+    """Returns the mean processor time (s) of every part in one control step of a trial."""
     from sandbox.trial.assembly import build
     from sandbox.trial.driver import DivergenceRecorder, Trial
     from sandbox.trial.trial_options import TrialOptions, trial_settings
@@ -176,13 +186,13 @@ def main() -> None:
     parser.add_argument("--seeds", type=int, default=8, help="trials of each")
     parser.add_argument("--solid", choices=get_args(Solid), default="fingertips")
     args = parser.parse_args()
-    # As every executor of regression runs does.
+    # One thread, as in every executor of regression runs.
     with threadpool_limits(1):
         tables(args.fingers, range(args.seeds), args.solid)
 
 
 def tables(fingers: Sequence[int], seeds: Sequence[int], solid: Solid) -> None:
-    """Measures and prints."""
+    """Measures the trials and prints the tables."""
     from benchmarks.machine import describe_machine
 
     print(describe_machine())
