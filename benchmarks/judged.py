@@ -50,7 +50,7 @@ CLEARING = (
 
 
 def configuration() -> dict[str, Any]:
-    """Settings, models and versions of tasks that decide how a run goes, as they are now."""
+    """Returns the current settings, digests of models and versions of tasks that affect trials."""
     settings = Settings()
     return {
         "settings": encoded(settings),
