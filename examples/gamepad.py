@@ -1,4 +1,4 @@
-"""A gamepad of Linux whose two sticks are two fingers: a device with an option of its own.
+"""A Linux gamepad whose two sticks are two fingers: a device with its own option.
 
 sandbox play box-to-goal --device examples/gamepad.py:GAMEPAD --dead-zone 0.2
 """

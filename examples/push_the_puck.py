@@ -1,4 +1,4 @@
-"""A lab's own task with a simulated user of its own: one finger pushes a puck to its goal.
+"""A lab's own task with its own simulated user: one finger pushes a puck to its goal.
 
 sandbox run examples/push_the_puck.py --seed 3 --film puck.webp
 sandbox regress --tasks examples/push_the_puck.py --seeds 0:20

@@ -102,7 +102,7 @@ def _type(kind: Any) -> str:
             return f"Record<{_type(kind.key_type)}, {_type(kind.value_type)}>"
         case inspect.StructType():
             return str(kind.cls.__name__)
-    raise TypeError(f"the page's types do not know {kind}")
+    raise TypeError(f"there is no type of the page for {kind}")
 
 
 if __name__ == "__main__":

@@ -2,7 +2,7 @@
 
 On the table one hand grasps and carries, and the other hand moves the lift slider. The user takes
 the boxes in the order of the goals on the screen. After every release the user looks at all boxes
-again, and stacks a fallen box anew.
+again, and stacks fallen boxes again.
 
 In front of an upright screen the user knows common facts: a released box falls, a box has to be
 lifted over obstacles, and a box on a table can only be gripped from its sides. The user does not

@@ -31,14 +31,15 @@ LARGEST = 1_000_000
 
 TEXT = """# An example: three encoders by two tasks
 
-**Simulated. Nobody took part**: this shows how a study goes and what its report says, and nothing
-about people. The design is [examples/study/design.toml](../examples/study/design.toml), the whole
-report [examples/study/report.html](../examples/study/report.html) (save it, and open it in a
-browser). `python -m tools.docs.example_study FOLDER` wrote this page and all numbers in it.
+**Simulated. No person took part.** The page shows the course of a study and its report. Its results
+say nothing about people. The design is
+[examples/study/design.toml](../examples/study/design.toml), the whole report
+[examples/study/report.html](../examples/study/report.html) (save it, and open it in a browser).
+`python -m tools.docs.example_study FOLDER` wrote this page and all numbers in it.
 
-The level `paper` is the whole method of the paper: its encoder is a quadratic, too, and it differs
-from the level `quadratic` in labels, correction and smoothing. So its results are about these
-three, and not about the encoder.
+The level `paper` is the whole method of the paper. Its encoder is a quadratic, too, and it differs
+from the level `quadratic` in labels, correction and smoothing. Differences between these two levels
+are therefore effects of these three parts, not of the encoder.
 
 ```console
 $ sandbox study check {design}
@@ -53,12 +54,12 @@ $ sandbox study report out/three-encoders-simulated
 ```
 
 The design plans {planned} participants. For this page {people} simulated ones were played, and
-nobody else. They differ in skill (reaction, speed, noise, aim), in the number of fingers, in the
+no people. They differ in skill (reaction, speed, noise, aim), in the number of fingers, in the
 length of the hand, and in which hand is the better one: `sandbox/study/run/simulated_study.py`.
-**Their answers to questionnaires are by chance**, and so are the differences between encoders in
-them. The encoders learned from simulated people, too.
+**Their answers to questionnaires are random**, and so are the differences between encoders in these
+answers. The encoders learned from simulated people, too.
 
-## What the report says
+## Contents of the report
 
 {facts}
 
@@ -77,25 +78,25 @@ def main(folder: Path, docs: Path = Path("docs")) -> None:
         page = make_report(folder, Path(work) / "report")
         if page.stat().st_size < LARGEST:
             shutil.copyfile(page, PAGE)
-    told, counted = head(found), make_tables(StudyFolder.at(folder))
-    plan = said("study", "plan", DESIGN, "--power").splitlines()
+    shown, counted = head(found), make_tables(StudyFolder.at(folder))
+    plan = output_of("study", "plan", DESIGN, "--power").splitlines()
     text = TEXT.format(
         design=DESIGN,
-        check=said("study", "check", DESIGN).strip(),
+        check=output_of("study", "check", DESIGN).strip(),
         plan="\n".join(line for line in plan if line[:1].isalpha()),
         simulated="out/{}: {participants} simulated participants, {trials} trials that count, "
         "{excluded} excluded".format(folder.name, **counted),
         planned=load_design(Path(DESIGN), try_out=False).participants,
         people=counted["participants"],
-        facts="\n".join(f"- {name}: {value}, {more}" for name, value, more in told["facts"]),
-        findings="\n".join(f"- {finding}" for finding in told["findings"]),
+        facts="\n".join(f"- {name}: {value}, {more}" for name, value, more in shown["facts"]),
+        findings="\n".join(f"- {finding}" for finding in shown["findings"]),
         sections="\n\n".join(shown_sections(found, docs)),
     )
     (docs / "example-study.md").write_text(text.rstrip() + "\n", encoding="utf-8")
 
 
-def said(*command: str) -> str:
-    """The text that a command prints."""
+def output_of(*command: str) -> str:
+    """Runs a command, and returns the text that it prints."""
     out = io.StringIO()
     with redirect_stdout(out):
         assert sandbox(list(command)) == 0

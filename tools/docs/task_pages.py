@@ -103,15 +103,15 @@ def described(kind: type[Task]) -> Described:
 
 def page_of(kind: type[Task], tables: list[MeasuredTable]) -> str:
     """The page of one task, in MyST Markdown."""
-    told = described(kind)
-    parts = [f"**{name}.** {text[:1].upper()}{text[1:]}" for name, text in told.parts.items()]
+    docstring = described(kind)
+    parts = [f"**{name}.** {text[:1].upper()}{text[1:]}" for name, text in docstring.parts.items()]
     blocks = [
         f"# {kind.name}",
-        told.first,
+        docstring.first,
         *_film(kind.name),
         _facts(kind),
         "## What has to be done",
-        *([told.more] if told.more else []),
+        *([docstring.more] if docstring.more else []),
         *parts,
         "## Spaces",
         _spaces(kind),

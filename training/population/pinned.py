@@ -1,10 +1,10 @@
-"""People to judge on who remain the same when models are trained again.
+"""People of the test who remain the same when models are trained again.
 
-People to judge on are drawn with the digest of the shipped file of the labeller, so that nobody can
-choose them. After new training, the digest would draw other people, and old and new models could
-not be compared. Therefore the digest of the labeller of commit 3f5c89ca is fixed here, with two
-groups of people: those on whom this labeller was judged, and the next people, who are not used
-before new models are final.
+People of the test are drawn with the digest of the shipped file of the labeller, so that they
+cannot be chosen by hand. After new training, the digest would draw other people, and old and new
+models could not be compared. Therefore the digest of the labeller of commit 3f5c89ca is fixed here,
+with two groups of people: those on whom this labeller was judged, and the next people, who are not
+used before new models are final.
 """
 
 from __future__ import annotations

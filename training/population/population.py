@@ -120,8 +120,8 @@ def simulate_population(
     """Simulates people; equal arguments give equal people.
 
     Args:
-        salt: Text from which all seeds are derived. For people to judge on, it is the digest of the
-            models that are judged, so that nobody can choose these people.
+        salt: Text from which all seeds are derived. For people of the test, it is the digest of the
+            tested models, so that these people cannot be chosen by hand.
         groups: Number of people by group and source; by default `PEOPLE`.
         progress: Called with the share done, 0 to 1.
         first: Number of the first person by source; by default 0. People with other numbers are

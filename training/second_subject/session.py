@@ -66,8 +66,8 @@ def simulate(
     Args:
         configuration: Settings of second subjects.
         seed: Seed of the subject: its preferences, habits and all its actions.
-        day: 0 plays the training script, every later day is free play. Markers are placed anew
-            every day.
+        day: 0 plays the training script, every later day is free play. Marker positions are drawn
+            again for every day.
         progress: Called with the share done, 0 to 1.
         hand: The subject's hand.
         lean: (13,) constant part of the subject's manner, in the order of `grips.MANNERS` and in
