@@ -88,9 +88,9 @@ def test_its_option_moves_its_fingers_and_is_in_the_header(sticks: Sticks, tmp_p
     [
         (["--device", GAMEPAD, "--dead-zone", "x"], ["--dead-zone: not a number", "'x'"]),
         (["--dead-zone", "1"], ["no such option", "--dead-zone"]),
-        (["--leap-at", "0,0,0"], ["option of another device", "--leap-at", "--device leap"]),
-        (["--device", "tuio", "--grab"], ["option of another device", "--device evdev"]),
-        (["--device", "web", "--port", "3"], ["option of another device", "--device tuio"]),
+        (["--leap-at", "0,0,0"], ["belongs to another device", "--leap-at", "--device leap"]),
+        (["--device", "tuio", "--grab"], ["belongs to another device", "--device evdev"]),
+        (["--device", "web", "--port", "3"], ["belongs to another device", "--device tuio"]),
         (["--device", "tuio", "--fingers", "3"], ["for simulated users only", "--fingers"]),
     ],
     ids=lambda words: " ".join(words[-2:]),

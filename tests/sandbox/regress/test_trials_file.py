@@ -182,7 +182,7 @@ def test_a_stopped_run_that_is_resumed_gives_the_report_of_one_that_was_not(
         assert seeds(out) == [0, 1] and table(out)["complete"] is False
         capsys.readouterr()
         assert regress(*words, "--json", out, "--resume") == 0
-    assert "2 trials ended before" in capsys.readouterr().out
+    assert "2 trials of the earlier run" in capsys.readouterr().out
     assert seeds(out) == [0, 1, 2, 3]
     assert json.dumps(table(out)).replace("stopping", "quick") == json.dumps(table(whole))
 

@@ -223,7 +223,7 @@ def test_a_simulated_recording_brings_its_truth_along(tmp_path: Path) -> None:
     spoiled = json.loads(path.read_text())
     del spoiled["frames"][5]["truth"]["angles"]
     path.write_text(json.dumps(spoiled))
-    with pytest.raises(RecordingError, match="truth is damaged"):
+    with pytest.raises(RecordingError, match="truth of this recording is damaged"):
         take_with_truth(read_leap(path), str(path))
 
 
