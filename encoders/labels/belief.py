@@ -357,7 +357,6 @@ FAINT = 0.2
 """Factor on log probabilities for the share `ODD` of people; chosen together with it."""
 
 _ASSUMED = {
-    "odd": [*ODD.values(), FAINT],
     "usual": [[*fingers, odds] for fingers, odds in USUAL_SETS.items()],
     "lone": list(LONE_FINGER),
     "fresh": FRESH,
@@ -365,7 +364,9 @@ _ASSUMED = {
     "least": LEAST,
     "own": [_CERTAIN, MOST, NEW, *FAR, *astuple(SHAPE)],
 }
-"""The constants that affect labels in addition to the file, for digests."""
+"""The constants that affect labels in addition to the file, for digests. `ODD` and `FAINT` are not
+among them: they change the claimed probabilities, and labels only where sets of fingers are
+declared."""
 
 
 @dataclass(frozen=True)
