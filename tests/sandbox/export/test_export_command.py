@@ -214,7 +214,7 @@ def test_a_recording_that_is_cut_before_its_first_pose_says_so_and_names_itself(
     cut.write_bytes(b"".join(lines[:first]) + lines[first][:60])
     assert main(["export", str(cut), "--to", str(tmp_path / "cut.csv")]) != 0
     said = capsys.readouterr().err
-    assert "cut.jsonl: it breaks off before the first pose" in said and "cut.csv" not in said
+    assert "cut.jsonl: the recording ends before the first pose" in said and "cut.csv" not in said
 
 
 def test_a_compressed_recording_is_the_same_to_the_bit(
