@@ -200,7 +200,8 @@ def normalised_touches(U: Array, turn: Array) -> tuple[Array, Array]:
     x, y = np.moveaxis((places - middle[:, None]) * touching, -1, 0)
     c, s = arithmetic.cos(turn)[:, None], arithmetic.sin(turn)[:, None]
     turned = np.stack([c * x + s * y, c * y - s * x], axis=-1)
-    return np.hstack([turned.reshape(len(U), -1), down]), middle * METRES_PER_INCH
+    flat = turned.reshape(len(U), 2 * len(FINGERS))
+    return np.hstack([flat, down]), middle * METRES_PER_INCH
 
 
 def _to_normalised(Q: Array, turn: Array, middle: Array) -> Array:

@@ -52,15 +52,6 @@ def test_layout_and_flags_can_be_read_back(contacts: dict[int, tuple[float, floa
             np.testing.assert_array_equal(xy[label], [-1, -1])
 
 
-@given(contacts=hands)
-def test_no_contact_is_left_of_the_origin_and_one_is_at_it(
-    contacts: dict[int, tuple[float, float]],
-) -> None:
-    xy = contact_vector(contacts)[:10].reshape(5, 2)[sorted(contacts)]
-    assert (xy[:, 0] >= 0).all()
-    assert (xy == 0).all(axis=1).any()
-
-
 @given(contacts=hands, order=st.randoms())
 def test_the_order_in_which_contacts_are_told_does_not_matter(
     contacts: dict[int, tuple[float, float]], order: Random

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import sys
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any, Self
@@ -19,12 +18,9 @@ from encoders.regression.encoder_registry import (
     ENCODERS,
     builtin_name,
     find_encoder,
-    is_external,
-    origin,
     source_digest,
 )
 from encoders.regression.model_registry import cache_folder, find_model, pca_ik_model
-from encoders.regression.pca_ik import PcaIkEncoder
 from encoders.regression.trained import builtin_capture, load_model
 from encoders.regression.training import save_model, train_encoder
 from encoders.store import save_capture
@@ -82,14 +78,6 @@ def test_the_example_plays_a_trial_that_replays(
     assert result["encoder_from"] == {"file": str(EXAMPLE), "member": "KernelRidge"}
     assert main(["replay", str(record), "--view", "none"]) == 0
     assert "exact" in capsys.readouterr().out
-
-
-def test_the_example_runs_over_seeds(tmp_path: Path) -> None:
-    out = tmp_path / "report.json"
-    line = ["regress", "--tasks", QUICK, "--seeds", "0:2", "--encoder", NAME, "--json", str(out)]
-    assert main([*line, "--executor", "serial"]) == 0
-    report = json.loads(out.read_text())
-    assert report["configuration"]["settings"]["pipeline"]["encoder"] == NAME
 
 
 def test_the_example_is_evaluated(capture: Capture, tmp_path: Path) -> None:
@@ -153,31 +141,28 @@ def test_the_digest_of_pca_ik_is_the_same_on_every_machine() -> None:
 
 
 @pytest.mark.parametrize(
-    ("changes", "says"),
+    "changes",
     [
-        ({"weights": None}, "cannot be restored.*weights"),
-        ({"weights": np.zeros((3, 48))}, "not as it was stored"),
-        ({"header": header_of('{"schema": 2, "meta": {}, "kind": "outside"}')}, "damaged"),
-        (
-            {
-                "header": header_of(
-                    '{"schema": 2, "meta": {}, "kind": "outside", "configuration": {},'
-                    ' "from": {"file": "/nowhere/lab.py", "member": "Lab"}}'
-                )
-            },
-            "not on this machine.*Put lab.py back",
-        ),
+        {"weights": None},
+        {"weights": np.zeros((3, 48))},
+        {"header": header_of('{"schema": 2, "meta": {}, "kind": "outside"}')},
+        {
+            "header": header_of(
+                '{"schema": 2, "meta": {}, "kind": "outside", "configuration": {},'
+                ' "from": {"file": "/nowhere/lab.py", "member": "Lab"}}'
+            )
+        },
     ],
 )
 def test_a_damaged_model_of_a_custom_encoder_is_refused_with_a_one_line_error(
-    capture: Capture, tmp_path: Path, changes: dict[str, Any], says: str
+    capture: Capture, tmp_path: Path, changes: dict[str, Any]
 ) -> None:
     path = tmp_path / "k.npz"
     save_model(train_encoder(capture, "k", find_encoder(NAME)), path)
     rewritten(path, **changes)
-    with pytest.raises(EncoderError, match=says) as error:
+    with pytest.raises(EncoderError, match=r"k\.npz") as error:
         load_model(path)
-    assert "k.npz" in str(error.value) and "\n" not in str(error.value)
+    assert "\n" not in str(error.value)
 
 
 def test_a_model_that_took_long_to_train_is_cached(
@@ -208,98 +193,53 @@ def write(path: Path, body: str) -> str:
 
 
 @pytest.mark.parametrize(
-    ("body", "says"),
+    "body",
     [
-        ("1/0", "ZeroDivisionError.*lab.py:4"),
-        ("def", "SyntaxError"),
-        ("import nobody_has_this", "No module named"),
-        ("", "exactly one encoder .*no encoder"),
-        ("class A(Mean): pass\nclass B(Mean): pass", "exactly one encoder .*A, B"),
-        ("class A(Encoder):\n def fit(self, U, Q): return self", "lacks a method.*no predict"),
-        ("class A(Mean):\n def __init__(self, size): pass", "without arguments.*size"),
+        "1/0",
+        "def",
+        "B = 5",
+        "A = 5",
+        "class A:\n def fit(self, U, Q): return self",
+        "class A(Encoder):\n def fit(self, U, Q): return self",
+        "class A(Mean):\n def __init__(self, size): pass",
+        "class A(Mean):\n def __init__(self): 1/0",
     ],
 )
 def test_a_file_without_a_valid_encoder_is_refused_with_a_one_line_error(
-    tmp_path: Path, body: str, says: str
-) -> None:
-    with pytest.raises(EncoderError, match=says) as error:
-        find_encoder(write(tmp_path / "lab.py", body))
-    assert "\n" not in str(error.value)
-
-
-@pytest.mark.parametrize(
-    ("body", "helps"),
-    [
-        ("A = 5", True),
-        ("class A(Encoder):\n def fit(self, U, Q): return self", True),
-        ("1/0", False),
-        ("import nobody_has_this", False),
-        ("class A(Mean):\n def __init__(self): 1/0", False),
-    ],
-)
-def test_an_error_names_the_page_on_encoders_only_where_the_page_helps(
-    tmp_path: Path, body: str, helps: bool
+    tmp_path: Path, body: str
 ) -> None:
     with pytest.raises(EncoderError) as error:
         find_encoder(write(tmp_path / "lab.py", body) + ":A")
-    assert ("docs/write-an-encoder.md" in str(error.value)) == helps
-
-
-@pytest.mark.parametrize(
-    ("body", "says"),
-    [
-        ("A = 5", "not an encoder.*got '5'.*inherits from"),
-        ("class A:\n def fit(self, U, Q): return self", "not an encoder"),
-        ("B = 5", "nothing of this name.*Define the encoder as a class at the top"),
-    ],
-)
-def test_an_unknown_encoder_name_is_refused_with_a_one_line_error(
-    tmp_path: Path, body: str, says: str
-) -> None:
-    with pytest.raises(EncoderError, match=says) as error:
-        find_encoder(write(tmp_path / "lab.py", body) + ":A")
     assert "\n" not in str(error.value)
 
 
 @pytest.mark.parametrize(
-    ("method", "says"),
+    "method",
     [
-        ("fit(self, U, Q): super().fit(U, Q)", "did not return the encoder.*return self"),
-        ("fit(self, U, Q): 1/0", "cannot learn.*ZeroDivisionError.*lab.py:5"),
-        ("predict(self, U): 1/0", "cannot predict.*ZeroDivisionError"),
-        ("predict(self, U): return np.zeros((len(U), 48))", r"another shape.*\(15,\)"),
-        ("predict(self, U): return np.zeros((*U.shape[:-1], 47))", "another shape.*47"),
-        ("predict(self, U): return np.full((*U.shape[:-1], 48), np.nan)", "not finite"),
-        ("configuration(self): return {'a': 1}", "own options.*no arguments"),
-        ("configuration(self): return {'a': Mean}", "cannot be stored.*serializable"),
-        ("arrays(self): return [1]", "does not store plain arrays"),
-        ("arrays(self): return {'a': np.array([None])}", "does not store plain arrays"),
-        (
-            "arrays(self): return {'covariance': np.zeros(3)}",
-            "reserved or invalid name.*covariance",
-        ),
-        ("arrays(self): return {'../a': np.zeros(3)}", "reserved or invalid name"),
-        (
-            "arrays(self): return {'a': np.random.rand(3)}",
-            "differs from the original.*other arrays",
-        ),
-        ("restore(self, arrays, U, Q): 1/0", "cannot be restored.*ZeroDivisionError"),
+        "fit(self, U, Q): super().fit(U, Q)",
+        "fit(self, U, Q): 1/0",
+        "predict(self, U): 1/0",
+        "predict(self, U): return np.zeros((len(U), 48))",
+        "predict(self, U): return np.zeros((*U.shape[:-1], 47))",
+        "predict(self, U): return np.full((*U.shape[:-1], 48), np.nan)",
+        "predict(self, U): return np.zeros((len(U), 48)) if U.ndim == 2 else 1 / 0",
+        "predict(self, U): U *= 2.54; return super().predict(U)",
+        "configuration(self): return {'a': 1}",
+        "configuration(self): return {'a': Mean}",
+        "arrays(self): return [1]",
+        "arrays(self): return {'a': np.array([None])}",
+        "arrays(self): return {'covariance': np.zeros(3)}",
+        "arrays(self): return {'../a': np.zeros(3)}",
+        "arrays(self): return {'a': np.random.rand(3)}",
+        "restore(self, arrays, U, Q): 1/0",
     ],
 )
 def test_an_encoder_that_breaks_the_contract_is_refused_with_a_one_line_error(
-    capture: Capture, tmp_path: Path, method: str, says: str
+    capture: Capture, tmp_path: Path, method: str
 ) -> None:
     kind = find_encoder(write(tmp_path / "lab.py", f"class A(Mean):\n def {method}"))
-    with pytest.raises(EncoderError, match=says) as error:
+    with pytest.raises(EncoderError) as error:
         train_encoder(capture, "a", kind)
-    assert "\n" not in str(error.value)
-
-
-def test_a_configuration_that_is_no_json_is_told_in_one_line(tmp_path: Path) -> None:
-    body = "class A(Mean):\n def configuration(self): return {'a': np.float32(0.5)}"
-    file = write(tmp_path / "lab.py", body)
-    with pytest.raises(EncoderError, match=r"A: .*not made of JSON values.*float32") as error:
-        find_model(f"{file}:A", print)
     assert "\n" not in str(error.value)
 
 
@@ -313,17 +253,7 @@ def test_a_pose_that_is_not_finite_in_the_midst_of_a_trial_is_told_in_one_line(
   return super().predict(U) * (np.nan if self.asked > 20 else 1.0)"""
     file = write(tmp_path / "lab.py", body)
     assert main(["run", "box-to-goal", "--encoder", f"{file}:A"]) == 2
-    told = capsys.readouterr().err.strip().splitlines()[-1]
-    assert told.startswith("sandbox: A.predict: the encoder predicts a pose that is not finite")
-    assert "for the contact vector [" in told
-
-
-def test_poses_that_storing_changes_are_refused(capture: Capture, tmp_path: Path) -> None:
-    body = """class A(Mean):
- def arrays(self): return {"scale": np.ones(1)}
- def restore(self, arrays, U, Q): return self.fit(U, Q + 0.1)"""
-    with pytest.raises(EncoderError, match=r"differs from the original.*0\.1 m or rad"):
-        train_encoder(capture, "a", find_encoder(write(tmp_path / "lab.py", body)))
+    assert "not finite" in capsys.readouterr().err.strip().splitlines()[-1]
 
 
 class Centred(Mean):
@@ -345,15 +275,6 @@ class Centred(Mean):
         return self
 
 
-class InPlace(Mean):
-    """Changes what it is asked about."""
-
-    def predict(self, U: ArrayLike) -> Array:
-        assert isinstance(U, np.ndarray)
-        U *= 2.54
-        return super().predict(U)
-
-
 def test_an_encoder_that_learns_in_place_changes_no_capture_and_no_training_frame(
     capture: Capture, tmp_path: Path
 ) -> None:
@@ -370,73 +291,7 @@ def test_an_encoder_that_learns_in_place_changes_no_capture_and_no_training_fram
     np.testing.assert_array_equal(capture.relative, Q)
 
 
-def test_an_encoder_that_changes_its_input_is_refused(capture: Capture) -> None:
-    with pytest.raises(EncoderError, match=r"InPlace.predict: .*changes its input"):
-        train_encoder(capture, "in place", InPlace)
-
-
-def test_the_error_of_a_prediction_names_the_shape_of_its_input(
-    capture: Capture, tmp_path: Path
-) -> None:
-    body = """class A(Mean):
- def predict(self, U): return np.zeros((len(U), 48)) if U.ndim == 2 else 1 / 0"""
-    with pytest.raises(EncoderError, match=r"cannot predict from U of shape \(15,\)"):
-        train_encoder(capture, "a", find_encoder(write(tmp_path / "lab.py", body)))
-
-
-@pytest.mark.parametrize(
-    "line",
-    [
-        ["run", QUICK, "--encoder", "{}:B"],
-        ["play", QUICK, "--device", "simulated", "--view", "none", "--encoder", "{}:B"],
-        ["regress", "--tasks", QUICK, "--executor", "serial", "--encoder", "{}:B"],
-        ["evaluate", "--encoders", "{}:B"],
-        ["train", "--encoder", "{}:B", "--out", "m.npz"],
-    ],
-    ids=lambda line: line[0],
-)
-def test_every_command_reports_a_wrong_name_in_one_line(
-    line: list[str],
-    tmp_path: Path,
-    capsys: pytest.CaptureFixture[str],
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    monkeypatch.chdir(tmp_path)
-    path = write(tmp_path / "lab.py", "class A(Mean): pass")
-    assert main([word.format(path) for word in line]) == 2
-    told = capsys.readouterr().err
-    assert "nothing of this name" in told and told.count("\n") == 1
-
-
-@pytest.mark.parametrize("option", (["--degree", "2"], ["--ridge", "1"]))
-def test_a_custom_encoder_is_not_affected_by_options_of_built_in_encoders(
-    option: list[str], capsys: pytest.CaptureFixture[str]
-) -> None:
-    assert main(["train", "--encoder", NAME, "--out", "m.npz", *option]) == 2
-    assert "does not apply" in capsys.readouterr().err
-
-
-def test_without_scikit_learn_the_example_says_what_to_install(
-    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
-) -> None:
-    monkeypatch.setitem(sys.modules, "sklearn", None)
-    path = tmp_path / "kernel_ridge.py"
-    path.write_text(EXAMPLE.read_text())
-    with pytest.raises(EncoderError, match="pip install scikit-learn") as error:
-        find_encoder(str(path))
-    assert "\n" not in str(error.value)
-
-
 # Names
-
-
-def test_names_and_places_are_told_apart() -> None:
-    assert not any(is_external(name) for name in (*ENCODERS, "mine.npz", "population", "nobody"))
-    assert is_external(NAME) and is_external("my_lab.encoders:Mine")
-    assert all(origin(name) == {} for name in ENCODERS)
-    assert find_encoder("tests.encoders.test_own_encoder:Mean").__name__ == "Mean"
-    with pytest.raises(EncoderError, match=r"linear, .* FILE\.py:CLASS"):
-        find_encoder("nobody")
 
 
 def test_the_source_digest_is_that_of_the_file(tmp_path: Path) -> None:
@@ -453,14 +308,6 @@ def test_a_class_within_a_function_cannot_be_stored(capture: Capture, tmp_path: 
     model = train_encoder(capture, "inner", Inner)
     with pytest.raises(EncoderError, match=r"Inner.*loaded again"):
         save_model(model, tmp_path / "m.npz")
-
-
-def test_built_in_classes_are_recognised_and_subclasses_are_not() -> None:
-    class Heir(PcaIkEncoder):
-        pass
-
-    assert builtin_name(PcaIkEncoder()) == "pca-ik" and builtin_name(Heir()) is None
-    assert builtin_name(ENCODERS["linear"]()) == "polynomial"
 
 
 def test_a_recording_whose_encoder_has_changed_or_is_gone_is_refused(tmp_path: Path) -> None:
@@ -518,34 +365,3 @@ def test_an_installed_package_s_encoder_is_run_recorded_and_replayed(
     without = sandbox_with(None, "replay", record, "--view", "none")
     assert without.returncode == 2
     assert "pip install 'tiny-lab==0.3'" in without.stderr and without.stderr.count("\n") == 1
-
-
-@pytest.mark.parametrize(
-    ("name", "says"),
-    [
-        ("tiny-lab-missing", "No module named 'tiny_lab_nowhere'"),
-        ("tiny-lab-five", "not an encoder"),
-        ("nothing", "tiny-lab-five, tiny-lab-mean, tiny-lab-missing"),
-    ],
-)
-def test_an_unusable_installed_encoder_is_refused_with_a_one_line_error(
-    installed: Path, name: str, says: str
-) -> None:
-    refused = sandbox_with(installed, "run", QUICK, "--encoder", name)
-    assert refused.returncode == 2
-    assert says in refused.stderr and refused.stderr.count("\n") == 1
-
-
-def test_a_user_without_a_home_is_told_where_to_keep_models(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    def home() -> Path:
-        raise RuntimeError("Could not determine home directory.")
-
-    monkeypatch.setattr(Path, "home", home)
-    monkeypatch.delenv("XDG_CACHE_HOME", raising=False)
-    with pytest.raises(EncoderError, match="no home folder is known") as error:
-        cache_folder()
-    assert "XDG_CACHE_HOME" in str(error.value)
-    monkeypatch.setenv("XDG_CACHE_HOME", "/kept")
-    assert cache_folder() == Path("/kept/hand-sandbox/encoders")

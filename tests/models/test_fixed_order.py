@@ -174,25 +174,3 @@ def test_tables_add_floats_in_the_same_way_on_every_python(path: Path) -> None:
         if what.startswith("sum,") and not marked(tree, lines, node)
     ]
     assert not wrong, f"{wrong}. Use models.arithmetic.total, or say after `{MARK}` why"
-
-
-@pytest.mark.parametrize(
-    "line",
-    ["sum(numbers)", "sum(a * b for a, b in pairs)", "sum(far.values())", "sum([x, y], 0.0)"],
-)
-def test_a_sum_of_floats_is_noticed(line: str) -> None:
-    assert [what.partition(",")[0] for _, what in refused(ast.parse(line))] == ["sum"]
-
-
-@pytest.mark.parametrize(
-    "line",
-    [
-        "sum(1 for _ in x)",
-        "sum(place is not None for place in touches)",
-        "sum(1 << finger for finger in solid)",
-        "sum(map(len, parts))",
-        "points.sum(axis=0)",
-    ],
-)
-def test_a_sum_of_whole_numbers_is_not_refused(line: str) -> None:
-    assert not list(refused(ast.parse(line)))

@@ -67,51 +67,32 @@ def test_values_that_fit_are_read() -> None:
 
 
 @pytest.mark.parametrize(
-    ("text", "said"),
+    ("text", "where"),
     [
-        ("", "s.json: the sheet is damaged: it is not JSON"),
-        ("[]", "got '[]', expected an object"),
+        ("", "s.json"),
+        ("[]", "s.json"),
+        ('{"marks": [{"id": 1.0}]}', "s.json, marks[0].id"),
+        ('{"marks": [{"id": true}]}', "s.json, marks[0].id"),
+        ('{"marks": [{"id": 1}]}', "s.json, marks[0]"),
+        ('{"marks": [{"di": 1}]}', "s.json, marks[0]"),
+        ('{"marks": [{"id": 1, "place": [1]}]}', "s.json, marks[0].place"),
+        ('{"marks": [], "share": 2}', "s.json, share"),
+        ('{"marks": [], "share": 0.5}', "s.json"),
+        ('{"marks": [], "share": NaN}', "s.json"),
+        ('{"marks": [], "share": 1e999}', "s.json, share"),
+        ('{"marks": [],\n\n "share": 1,}', "s.json, line 3"),
         (
-            '{"marks": [{"id": 1.0}]}',
-            "s.json, marks[0].id: the sheet is damaged (got 1.0, expected a whole number)",
+            '{"marks": [], "rows": {"b": {"1": [true, 1], "2": [1, 1]}}}',
+            "s.json, rows['b']['2'][0]",
         ),
-        ('{"marks": [{"id": true}]}', "got 'true'"),
-        (
-            '{"marks": [{"id": 1}]}',
-            "s.json, marks[0]: the sheet is damaged: place is missing (expected marks)",
-        ),
-        ('{"marks": [{"di": 1}]}', "di is not known here"),
-        ('{"marks": [{"id": 1, "place": [1, 2], "name": 3}]}', "expected a text or null"),
-        ('{"marks": [{"id": 1, "place": [1]}]}', "expected a list of length 2"),
-        (
-            '{"marks": [], "share": 2}',
-            "s.json, share: the sheet is damaged (got 2, expected a number at most 1.0)",
-        ),
-        ('{"marks": [], "share": 0.5}', "a half is not allowed"),
-        ('{"marks": [], "share": NaN}', "it is not JSON, invalid character (got 'NaN}'"),
-        ('{"marks": [], "share": 1e999}', "s.json, share: the sheet is damaged: the number is too"),
-        ('{"marks": [],\n\n "share": 1,}', "s.json, line 3: the sheet is damaged: it is not JSON"),
-        (
-            '{"marks": [], "rows": {"a": {"1": [true, 1]}, "b": {"1": [true, 1], "2": [1, 1]}}}',
-            "s.json, rows['b']['2'][0]: the sheet is damaged (got 1, expected true or false)",
-        ),
-        (
-            '{"marks": [], "rows": {"a": {"1": [true, 1]}, "b": {"x": [true, 1]}}}',
-            "s.json, rows['b']['x']: the sheet is damaged (got 'x', expected a whole number)",
-        ),
-        (
-            '{"marks": [], "rows": {"a": {"1": [true, 1]}, "b\\n": {"2": [true]}}}',
-            "s.json, rows['b\\n']['2']: the sheet is damaged (got '[True]', expected a list of",
-        ),
-        ("[" * 100_000, "nested too deep"),
-        ('{"more": ' + "[" * 100_000, "nested too deep"),
+        ('{"marks": [], "rows": {"b\\n": {"x": [true, 1]}}}', "s.json, rows['b\\n']['x']"),
+        ('{"more": ' + "[" * 100_000, "s.json"),
     ],
 )
-def test_values_that_do_not_fit_are_reported_with_their_place(text: str, said: str) -> None:
+def test_values_that_do_not_fit_are_reported_with_their_place(text: str, where: str) -> None:
     with pytest.raises(EncoderError) as caught:
         read(text)
-    assert said in str(caught.value)
-    assert "Make it anew" in str(caught.value)
+    assert str(caught.value).startswith(f"{where}:") and "Make it anew" in str(caught.value)
 
 
 def clear(error: InputError, where: str) -> bool:

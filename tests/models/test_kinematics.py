@@ -95,11 +95,6 @@ def test_left_jacobian_is_the_derivative_of_the_exponential(w: Array, d: Array) 
     np.testing.assert_allclose(change, skew(J @ d) @ exp(w), atol=1e-6)
 
 
-@given(a=vectors, b=vectors)
-def test_skew_is_the_cross_product(a: Array, b: Array) -> None:
-    np.testing.assert_allclose(skew(a) @ b, np.cross(a, b), atol=1e-12)
-
-
 @given(a=turns, b=turns, c=turns)
 def test_the_angle_between_rotations_is_a_distance(a: Array, b: Array, c: Array) -> None:
     assert geodesic_angle(a, a) < 1e-7

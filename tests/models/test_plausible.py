@@ -7,6 +7,7 @@ import math
 from itertools import pairwise
 from typing import NamedTuple
 
+import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -19,7 +20,6 @@ from models.plausible import (
     IN_PICTURE,
     PALM,
     REACH,
-    SPEED,
     STEP,
     UNITS,
     Bounds,
@@ -64,7 +64,7 @@ def test_every_unit_is_found_by_a_finger_and_a_rate(length: str, time: str) -> N
 def test_the_declared_unit_is_taken_where_it_fits_although_another_does_too() -> None:
     # 5 in cm or in are both within the bounds of a reach.
     assert find_units({REACH: [5.0]}, {"length": "cm"}, where="x") == {"length": "cm"}
-    with pytest.raises(InputError, match=r"several are possible.*cm or in"):
+    with pytest.raises(InputError, match="cm or in"):
         find_units({REACH: [5.0]}, {"length": "mm"}, where="x")
 
 
@@ -74,31 +74,11 @@ def test_a_size_that_no_unit_explains_is_refused(factor: float) -> None:
         find_units({FINGER: [98.0 * factor]}, LEAP, where="x", error=MotionError)
 
 
-def test_times_that_stand_still_are_refused() -> None:
-    with pytest.raises(InputError, match="between two frames is zero"):
-        find_units({STEP: [0.0, 0.0]}, LEAP, where="x")
-
-
-def test_numbers_of_frames_are_no_times_in_ms_and_a_rate_of_1000_is_one_of_its_own_unit() -> None:
-    with pytest.raises(InputError, match="between two frames"):
-        find_units({STEP: [1.0, 1.0]}, LEAP, where="x")
-    seen = {STEP: [0.001], FINGER: [98.0]}
-    seconds = {"length": "m", "time": "s"}
-    assert find_units(seen, seconds, where="x") == {"length": "mm", "time": "s"}
-
-
-@pytest.mark.parametrize("times", [[3, 2, 1, 0], [5, 0, 6, 0, 7, 0], [4, 4, 4]])
-def test_times_that_do_not_go_on_are_no_steps(times: list[float]) -> None:
-    assert max(steps_of(times)) <= 0.0
-
-
-def test_few_times_that_run_backwards_do_no_harm() -> None:
-    assert steps_of([0, 1, 2, 1, 2, 3, 4]) == [1, 1, 1, 1, 1]
-    assert steps_of([5.0]) == steps_of([]) == []
-
-
-def test_a_single_wrong_value_does_no_harm() -> None:
-    assert find_units({STEP: [10_000, 10_000, 9e9]}, LEAP, where="x") == LEAP
+@given(st.lists(st.integers(0, 10**9), min_size=3, unique=True).map(sorted))
+def test_steps_are_those_of_times_that_go_on(times: list[int]) -> None:
+    assert steps_of(times) == np.diff(times).tolist()
+    assert max(steps_of(times[::-1])) <= 0.0
+    assert steps_of(times[:1]) == []
 
 
 def test_a_given_unit_is_not_doubted_and_is_reported() -> None:
@@ -107,13 +87,6 @@ def test_a_given_unit_is_not_doubted_and_is_reported() -> None:
     units = find_units({FINGER: [98.0], STEP: [10.0]}, LEAP, given, where="x", report=report)
     assert units == {"length": "cm", "time": "ms"}
     assert "lengths are read in cm, as --unit says" in report.line()
-
-
-def test_a_speed_decides_where_sizes_do_not() -> None:
-    # 20 m/s at most: 0.3 m in a step of 0.5 s, and not in one of 0.5 ms.
-    seen = {DISTANCE: [0.3], SPEED: [600.0]}
-    with pytest.raises(InputError, match=r"hand's speed|several"):
-        find_units(seen, {"length": "m", "time": "s"}, where="x")
 
 
 @pytest.mark.parametrize("text", ["ft", "mm,cm", "mm,ft"])
@@ -177,13 +150,6 @@ def test_a_size_that_no_finger_or_hand_has_is_unknown_and_counted(
     assert report.left_out.total() == (not known)
 
 
-@pytest.mark.parametrize("size", [0.0, -1.0])
-def test_a_size_that_is_not_measured_is_unknown_and_not_counted(size: float) -> None:
-    report = ReaderReport()
-    assert ContactSizes(report).known(size, (size, 0.008)) == (None, None)
-    assert not report.left_out
-
-
 @pytest.mark.parametrize(
     ("position", "shown"),
     [
@@ -232,32 +198,30 @@ def jumping(path: list[tuple[float, float, float] | None], step: float = 0.01) -
     return [n for n, places in enumerate(frames) if jumps.find(step * n, places)]
 
 
-@pytest.mark.parametrize("at", [1, 10, 29])
-def test_a_jump_of_a_metre_and_back_costs_its_frame_alone(at: int) -> None:
-    path = [*PATH[:at], (1.0, 0.0, 0.2), *PATH[at + 1 :]]
-    assert jumping([*path]) == [at]
+THROW = [(min(0.2 * n, 1.0), 0.0, 0.2) for n in range(10)]
+AWAY = [(x + 1.0, y, z) for x, y, z in PATH]
+ASIDE = [(x + 0.05, y, z) for x, y, z in PATH]
 
 
-def test_a_hand_that_stays_where_it_jumped_to_is_there_from_the_next_frame_on() -> None:
-    assert jumping([*PATH[:10], *((x + 1.0, y, z) for x, y, z in PATH[10:])]) == [10]
-
-
-def test_a_hand_that_jumps_again_and_again_is_left_out_each_time() -> None:
-    path = [(x + (n % 3 == 2), y, z) for n, (x, y, z) in enumerate(PATH)]
-    assert jumping([*path]) == list(range(2, 30, 3))
-
-
-def test_a_hand_that_comes_in_again_elsewhere_does_not_jump() -> None:
-    assert jumping([*PATH[:10], None, *((x + 1.0, y, z) for x, y, z in PATH[10:])]) == []
-    jumps = HandJumps()
-    assert not jumps.find(0.0, {1: (0.0, 0.0, 0.2)})
-    assert not jumps.find(0.01, {2: (1.0, 0.0, 0.2)})
-
-
-def test_a_throw_and_a_correction_of_a_few_centimetres_are_no_jumps() -> None:
-    throw = [(min(0.2 * n, 1.0), 0.0, 0.2) for n in range(10)]
-    assert jumping([*throw]) == []
-    assert jumping([*PATH[:10], *((x + 0.05, y, z) for x, y, z in PATH[10:])]) == []
+@pytest.mark.parametrize(
+    ("path", "jumps"),
+    [
+        pytest.param([*PATH[:10], *AWAY[10:]], [10], id="and stays there"),
+        *(([*PATH[:at], AWAY[at], *PATH[at + 1 :]], [at]) for at in (1, 10, 29)),
+        pytest.param(
+            [(x + (n % 3 == 2), y, z) for n, (x, y, z) in enumerate(PATH)],
+            list(range(2, 30, 3)),
+            id="again and again",
+        ),
+        pytest.param([*PATH[:10], None, *AWAY[10:]], [], id="comes in again elsewhere"),
+        pytest.param(THROW, [], id="a throw"),
+        pytest.param([*PATH[:10], *ASIDE[10:]], [], id="a correction of 5 cm"),
+    ],
+)
+def test_a_jump_costs_its_frame_alone(
+    path: list[tuple[float, float, float] | None], jumps: list[int]
+) -> None:
+    assert jumping(path) == jumps
 
 
 def test_one_hand_s_jump_does_not_cost_the_other() -> None:
@@ -288,30 +252,6 @@ def test_bent_fingers_show_the_side_of_a_hand_and_straight_ones_do_not() -> None
     assert bent_side(FINGERS[1:3]) == "right"
     assert bent_side(STRAIGHT) == ""
     assert bent_side([[(0.0, 0.0, 0.0)] * 4] * 4) == ""
-
-
-def test_a_side_is_doubted_where_most_frames_with_bent_fingers_contradict_it() -> None:
-    doubt = SideDoubt()
-    for n in range(40):
-        doubt.look("right", LEFT if n % 4 else FINGERS)
-        doubt.look(None, LEFT)
-        doubt.look("left", LEFT)
-        doubt.look("left", STRAIGHT)
-    assert not doubt.sentence
-    doubt = SideDoubt()
-    for _ in range(10):
-        doubt.look("right", LEFT)
-    assert "the right hand is a left hand" in doubt.sentence
-    # A name that was wrong for a moment is no doubt for ever.
-    for _ in range(3):
-        doubt.look("right", FINGERS)
-    assert not doubt.sentence
-
-
-def test_every_frame_is_looked_at_first_and_few_later() -> None:
-    doubt = SideDoubt()
-    looked = [doubt.due() for _ in range(6000)]
-    assert all(looked[:32]) and 0.05 < sum(looked) / len(looked) < 0.1
 
 
 def test_hands_at_one_place_are_one_and_clasped_hands_are_two() -> None:

@@ -168,17 +168,6 @@ def test_what_is_solid_changes_bits_of_the_hands_own_bones_and_nothing_else(
     np.testing.assert_array_equal(before["geom_contype"][others], after["geom_contype"][others])
 
 
-@given(fingers=st.lists(st.frozensets(st.integers(0, 4)), max_size=5))
-def test_what_was_solid_before_does_not_matter(fingers: list[frozenset[int]]) -> None:
-    scene = Scene(SceneSpec((Hand(),)))
-    for chosen in fingers:
-        scene.set_solid(0, chosen)
-    scene.set_solid(0, frozenset({2}))
-    fresh = Scene(SceneSpec((Hand(),)))
-    fresh.set_solid(0, frozenset({2}))
-    np.testing.assert_array_equal(scene.model.geom_contype, fresh.model.geom_contype)
-
-
 def test_no_hand_meets_the_table_or_itself() -> None:
     scene, data = table_with()
     tangle = np.concatenate([[0.0, 0.0, 0.01], np.zeros(3), ADULT.lower])

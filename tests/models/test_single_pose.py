@@ -79,15 +79,6 @@ def test_several_poses_are_found_to_the_bit_as_each_alone(
             np.testing.assert_array_equal(alone, all_of_them[i])
 
 
-def test_what_one_pose_gave_stays_when_it_is_asked_again() -> None:
-    rng, one = np.random.default_rng(0), SinglePose(ADULT)
-    first = one.tips_and_jacobian(random_pose(rng))
-    kept = [part.copy() for part in first]
-    one.tips_and_jacobian(random_pose(rng))
-    for part, copy in zip(first, kept, strict=True):
-        np.testing.assert_array_equal(part, copy)
-
-
 @given(w=vectors, turn=angles)
 def test_a_turn_about_the_normal_is_a_product_of_rotations(w: Array, turn: float) -> None:
     whole = exp([0.0, 0.0, turn]) @ exp(w)

@@ -74,18 +74,6 @@ def test_shares_sum_to_one_exactly_and_unused_places_name_the_palm() -> None:
     assert not skin.bones[skin.weights == 0].any()
 
 
-def test_no_finger_pulls_the_skin_of_a_finger_beyond_its_neighbour() -> None:
-    _, _, shares = flesh()
-    owner = np.array([b.finger for b in ADULT.bones])
-    by_finger = np.stack([shares[:, 1:][:, owner == f].sum(axis=1) for f in range(5)], axis=1)
-    tips = Kinematics(ADULT).tips(np.zeros(POSE_SIZE))
-    rest, _, _ = flesh()
-    for finger, tip in enumerate(tips):
-        near = np.linalg.norm(rest - tip, axis=1) < 0.015
-        near &= np.argmin(np.linalg.norm(rest[:, None] - tips, axis=2), axis=1) == finger
-        assert near.sum() > 50 and np.all(by_finger[near, finger] > 0.99)
-
-
 def test_the_pads_are_where_the_simulated_fingers_touch() -> None:
     rest, _, _ = flesh()
     places, turns = frames(ADULT, np.zeros(POSE_SIZE))

@@ -11,7 +11,6 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from models.arithmetic import Array
-from models.errors import InputError
 from models.frames import FINGERS, Contact, TouchFrame
 from models.hand import CONTACT_HAND, Hand
 from models.kinematics import Kinematics
@@ -22,7 +21,7 @@ from models.skeleton import ADULT
 from models.surface import Surface
 from sandbox.devices.device import Device
 from sandbox.trial.assembly import UPRIGHT_END, build
-from sandbox.trial.settings import HandSettings, Settings
+from sandbox.trial.settings import Settings
 from tasks.box_to_goal import BoxToGoal
 from tasks.simulated_user.stacker import in_picture, roll
 from tasks.simulated_user.view import FrontView
@@ -99,12 +98,6 @@ def test_the_hand_waits_in_front_of_its_place_and_not_above_it() -> None:
     assert np.linalg.norm((tips.mean(axis=0) - middle)[[0, 2]]) < 0.01
 
 
-def test_nobody_sits_at_the_side_of_an_upright_surface() -> None:
-    settings = Settings(task="stack-vertical", hands=(HandSettings(turn=90),))
-    with pytest.raises(InputError, match="from its lower edge"):
-        build(settings, (lambda task, surface: _Still(),))
-
-
 @given(points, points)
 def test_who_looks_from_the_front_sees_right_as_right_and_up_as_up(
     point: Array, other: Array
@@ -159,15 +152,6 @@ def test_before_an_upright_surface_only_the_balls_of_fingertips_are_solid() -> N
         tip = data.xpos[body] + data.xmat[body].reshape(3, 3)[:, 1] * bone.length
         place = data.geom_xpos[scene.model.geom(last_links[f].tip_geom).id]
         assert np.linalg.norm(place - tip) < 1e-3, f
-
-
-def test_what_is_solid_of_a_hand_changes_nothing_of_its_mass() -> None:
-    whole, ends = (
-        Scene(SceneSpec((Hand(solid_end=end),), (BOX,))).model for end in (None, UPRIGHT_END)
-    )
-    assert np.array_equal(whole.body_mass, ends.body_mass)
-    assert np.array_equal(whole.body_inertia, ends.body_inertia)
-    assert np.array_equal(whole.body_ipos, ends.body_ipos)
 
 
 @pytest.mark.parametrize("end", [None, UPRIGHT_END])

@@ -13,27 +13,23 @@ import pytest
 
 from models.arithmetic import Array
 from models.errors import InputError
-from models.objects import TRAY_GRIP, TRAY_HANDLE, Box
+from models.objects import TRAY_GRIP, TRAY_HANDLE
 from models.rotations import exp, matrix_to_quaternion
 from models.surface import Surface, enclosing
 from sandbox.cli.main import main
 from sandbox.devices.hand_input import HandInput
-from sandbox.devices.simulated.simulated import SimulatedDevice
 from sandbox.recording.recording import Recording, load_recording
-from sandbox.regress.run_plan import RegressionPlan
 from sandbox.session.session import Session
 from sandbox.trial.assembly import build, device_makers
 from sandbox.trial.driver import play_trial
 from sandbox.trial.replay import replay
 from sandbox.trial.result import TrialResult
 from sandbox.trial.settings import HandSettings, Settings, decoded, encoded
-from sandbox.trial.trial_options import TrialOptions, trial_settings, with_second_names
+from sandbox.trial.trial_options import TrialOptions, trial_settings
 from tasks.carry_together import BORDER, SEAM, SLOPE_TOLERANCE, CarryTogether
-from tasks.guarded import draw_task
 from tasks.sensing import Sensing
 from tasks.simulated_user.carrier import Carrier
 from tasks.simulated_user.user import IdleUser
-from tasks.user import UserConfiguration
 
 TASK = "carry-together"
 RIGHT_AND_LEFT = (HandSettings("right"), HandSettings("left"))
@@ -74,16 +70,16 @@ def test_settings_of_two_hands_are_read_back_as_they_were_and_damaged_ones_are_r
     two = Settings().changed(hands=hands, shared=True)
     values = json.loads(json.dumps(encoded(two)))
     assert decoded(values) == two
-    for wrong, what in (
-        ({"second": {"hand": "left"}}, "no such setting .*second"),
-        ({"hands": [{"side": "left"}]}, "settings.hands: a setting is missing .*size"),
-        ({"hands": [{**values["hands"][0], "colour": "blue"}]}, "no such setting .*colour"),
-        ({"hands": [*values["hands"], values["hands"][0]]}, "one or two hands"),
-        ({"hands": []}, "one or two hands"),
-        ({"hands": 2}, "Expected `array`"),
-        ({"seed": "one"}, "Expected `int`"),
+    for wrong in (
+        {"second": {"hand": "left"}},
+        {"hands": [{"side": "left"}]},
+        {"hands": [{**values["hands"][0], "colour": "blue"}]},
+        {"hands": [*values["hands"], values["hands"][0]]},
+        {"hands": []},
+        {"hands": 2},
+        {"seed": "one"},
     ):
-        with pytest.raises(InputError, match=what):
+        with pytest.raises(InputError):
             decoded({**values, **wrong})
 
 
@@ -219,17 +215,6 @@ def test_a_tray_s_clearance_is_that_of_its_boxes() -> None:
     assert larger.position[2] - larger.handle[2] == pytest.approx(tray.position[2] - TRAY_HANDLE[2])
 
 
-@pytest.mark.parametrize("vary", ["size=0.9,mass=0.7,start=10", "latency=60,noise=1"])
-def test_varied_trials_run(vary: str) -> None:
-    chosen = trial_settings(TrialOptions(task=TASK, seed=1, vary=vary))
-    session = build(chosen, device_makers(chosen))
-    for _ in range(80):
-        snapshot = session.advance()
-        for rig in session.rigs:
-            rig.device.show(snapshot)
-    assert not session.diverged and len(snapshot.hands) == 2
-
-
 def test_the_rectangle_that_encloses_one_surface_is_that_surface() -> None:
     assert enclosing([BOTH]) is BOTH and enclosing([BOTH, BOTH]) is BOTH
     apart = [BOTH.centred_at((x, 0.1, 0.0)) for x in (0.3, -0.1)]
@@ -238,38 +223,20 @@ def test_the_rectangle_that_encloses_one_surface_is_that_surface() -> None:
     np.testing.assert_allclose(around.to_world(around.size / 2), (0.1, 0.1, 0.0), atol=1e-12)
 
 
-def test_an_option_given_twice_applies_to_the_second_hand() -> None:
-    words = "box-to-goal --device a --hand=left --device=b --hand right"
-    second = "box-to-goal --device a --hand=left --second-device=b --second-hand right"
-    assert with_second_names(words.split()) == second.split()
-    with pytest.raises(InputError, match="two hands"):
-        with_second_names(["--device", "a", "--device", "b", "--device", "c"])
-
-
 def test_invalid_options_for_a_second_hand_are_refused() -> None:
-    for options, what in (
-        ({"second_hand": "left"}, "only one hand"),
-        ({"task": TASK, "one_surface": True}, "too small"),
-        ({"task": TASK, "one_surface": True, "device": "mouse"}, "only one hand"),
-        ({"task": TASK, "one_surface": True, "device": "tuio", "second_device": "tuio"}, "one dev"),
-        ({"task": TASK, "second_hand_size": 7.0}, "the hand size is out of range"),
+    for options in (
+        {"second_hand": "left"},
+        {"task": TASK, "one_surface": True},
+        {"task": TASK, "one_surface": True, "device": "mouse"},
+        {"task": TASK, "one_surface": True, "device": "tuio", "second_device": "tuio"},
+        {"task": TASK, "second_hand_size": 7.0},
     ):
-        with pytest.raises(InputError, match=what):
+        with pytest.raises(InputError):
             chosen = trial_settings(TrialOptions(**options))
             build(chosen, device_makers(chosen))
-    with pytest.raises(InputError, match="needs two hands"):
-        build(Settings(task=TASK), device_makers(Settings()))
-    two = Settings(hands=RIGHT_AND_LEFT)
-    with pytest.raises(InputError, match="needs its own device"):
-        build(two, device_makers(Settings()))
-
-
-def test_two_people_with_a_screen_each_share_a_task_for_one_hand() -> None:
-    chosen = trial_settings(TrialOptions(seed=4, second_device="simulated", second_turn=180))
-    session = build(chosen, device_makers(chosen))
-    first, second = (rig.reconstructor.surface for rig in session.rigs)
-    assert first is second and session.scene.spec.hands[0].name != session.scene.spec.hands[1].name
-    assert session.task == draw_task(type(session.task), 4, first)
+    for settings in (Settings(task=TASK), Settings(hands=RIGHT_AND_LEFT)):
+        with pytest.raises(InputError):
+            build(settings, device_makers(Settings()))
 
 
 def test_two_people_with_a_right_hand_each_carry_it_from_the_command_line(tmp_path: Path) -> None:
@@ -280,17 +247,3 @@ def test_two_people_with_a_right_hand_each_carry_it_from_the_command_line(tmp_pa
     settings = result["settings"]
     assert result["success"] and settings["second_device"]["name"] == "simulated"
     assert settings["hands"][1]["side"] == "right"
-
-
-def test_a_task_for_two_hands_without_a_tray_needs_users_of_its_own() -> None:
-    task = CarryTogether.draw(0, BOTH)
-    box = Box("tray", (0.02, 0.02, 0.02), 0.1, task.objects[0].position)
-    with pytest.raises(InputError, match="own simulated user"):
-        SimulatedDevice(replace(task, objects=(box,)), UserConfiguration(), BOTH, 0)  # type: ignore[arg-type]
-
-
-def test_a_regression_run_of_all_tasks_has_the_configuration_of_one_of_them() -> None:
-    first, second = (RegressionPlan(tasks, (0,)) for tasks in (("box-to-goal", TASK), (TASK,)))
-    assert first.configuration() == second.configuration()
-    asked = RegressionPlan((TASK,), (0,), {"second_hand": "right"})
-    assert asked.configuration()["settings"]["hands"][1]["side"] == "right"

@@ -6,7 +6,7 @@ import itertools
 import json
 import sys
 from collections.abc import Callable
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any, NoReturn, cast
 
@@ -18,7 +18,6 @@ from hypothesis import strategies as st
 from models.errors import InputError, RecordingError
 from models.mechanisms.mechanism import Mechanism
 from models.objects import Box, Wrench
-from models.plugins import files_of
 from models.scene import PaintedRing
 from models.surface import Surface
 from sandbox.cli.main import main
@@ -44,9 +43,6 @@ pytest_plugins = ["sandbox.regression"]
 
 MUG = ROOT / "examples" / "push_the_mug.py"
 PUCK = str(ROOT / "examples" / "push_the_puck.py")
-PUCK_USER = (
-    Path(PUCK).read_text().split("class OneFinger")[1].split("class PushThePuck")[0].splitlines()
-)
 SURFACE = Surface().centred_at((0.0, 0.0, 0.015))
 
 
@@ -104,43 +100,6 @@ def test_two_places_on_an_upright_surface_are_refused() -> None:
         two_places(np.random.default_rng(1), Surface().placed_upright(0.006, -0.015))
 
 
-LIFTED = """
-from models.objects import Box, Cylinder
-from tasks.custom_task import CustomTask, judge, two_places
-from tasks.task import Goal
-
-class Lift(CustomTask):
-    name = "test-lift"
-    lift_range = 0.1
-    @classmethod
-    def place(cls, rng, surface):
-        start, end = two_places(rng, surface)
-        thing = THING
-        return [thing], [Goal("it", (end[0], end[1], 0.02), 0.0)]
-    def measure(self, sensing):
-        return judge(0.5, (True, "never"))
-"""
-
-
-@pytest.mark.parametrize(
-    ("thing", "refused"),
-    [
-        ('Box("it", (0.02, 0.02, 0.02), 0.1, (start[0], start[1], 0.02))', False),
-        ('Cylinder("it", 0.02, 0.02, 0.1, (start[0], start[1], 0.02))', True),
-    ],
-)
-def test_the_simulated_user_lifts_boxes_and_refuses_other_things_before_the_trial(
-    thing: str, refused: bool, tmp_path: Path
-) -> None:
-    file = tmp_path / "lift.py"
-    file.write_text(LIFTED.replace("THING", thing))
-    if refused:
-        with pytest.raises(InputError, match="can only lift boxes"):
-            run_trial(f"{file}:Lift", seed=1)
-    else:
-        assert run_trial(f"{file}:Lift", seed=1).score.reason == "never"
-
-
 def broken(**parts: Any) -> type[Slide]:
     return type("Broken", (Slide,), {"name": "test-broken", **parts})
 
@@ -158,139 +117,49 @@ TYPED_WRONG: Any = replace
 
 
 @pytest.mark.parametrize(
-    ("place", "says"),
+    "place",
     [
-        (fails, "ZeroDivisionError: a lab's own bug .*test_custom_task.py:"),
-        (lambda cls, rng, surface: ([], []), "different names"),
-        (lambda cls, rng, surface: ([BOX, BOX], []), "different names"),
-        (
-            lambda cls, rng, surface: ([BOX], [Goal("that", (0, 0, 0), 0)]),
-            "names an object that the task does not have .*got 'that', expected it",
+        fails,
+        lambda cls, rng, surface: 5,
+        lambda cls, rng, surface: ([], []),
+        lambda cls, rng, surface: ([BOX, BOX], []),
+        lambda cls, rng, surface: ([BOX], [Goal("that", (0, 0, 0), 0)]),
+        lambda cls, rng, surface: ([BOX], [Goal("it", (x, 0, 0.02), 0) for x in (0.05, -0.05)]),
+        lambda cls, rng, surface: ([BOX], [Goal("it", (0, 0.2, 0.02), 0)]),
+        lambda cls, rng, surface: ([BOX], [Goal("it", (0, 0, np.nan), 0)]),
+        lambda cls, rng, surface: ([BOX], [TYPED_WRONG(GOAL, position=(0.05, 0))]),
+        lambda cls, rng, surface: ([BOX], [TYPED_WRONG(GOAL, object=5)]),
+        lambda cls, rng, surface: ([BOX], [None]),
+        lambda cls, rng, surface: ([BOX], GOAL),
+        lambda cls, rng, surface: ([GOAL], [BOX]),
+        lambda cls, rng, surface: ([BOX, replace(BOX, name="other")], []),
+        lambda cls, rng, surface: ([replace(BOX, name="world")], []),
+        lambda cls, rng, surface: ([replace(BOX, name="left_palm")], []),
+        lambda cls, rng, surface: ([replace(BOX, position=(0.0, 0.0, 0.01))], []),
+        lambda cls, rng, surface: ([replace(BOX, position=(0.3, 0.0, 0.02))], []),
+        lambda cls, rng, surface: ([replace(BOX, half_size=(0.02, 0.0, 0.02))], []),
+        lambda cls, rng, surface: (
+            [replace(BOX, half_size=(20.0,) * 3, position=(0, 0, 20.0))],
+            [],
         ),
-        (
-            lambda cls, rng, surface: ([BOX, replace(BOX, name="other")], []),
-            "it and other overlap at the start .*mm deep",
-        ),
-        (
-            lambda cls, rng, surface: ([replace(BOX, position=(0.0, 0.0, 0.01))], []),
-            "table and it overlap .*10.0 mm deep",
-        ),
-        (
-            lambda cls, rng, surface: ([replace(BOX, position=(0.3, 0.0, 0.02))], []),
-            "the object it is off the touch surface .*399 mm right.*197 x 148 mm",
-        ),
-        (
-            lambda cls, rng, surface: ([BOX], [Goal("it", (0, 0.2, 0.02), 0)]),
-            "the goal of it is off the touch surface",
-        ),
-        (
-            lambda cls, rng, surface: ([replace(BOX, mass=0.1 + 0.01 * next(COUNTER))], []),
-            "two draws of one seed differ .*another it.*`rng`",
-        ),
-        (
-            lambda cls, rng, surface: ([BOX], [Goal("it", (0, 0, np.nan), 0)]),
-            "the goal of it has no valid position .*expected 3 finite numbers",
-        ),
-        (
-            lambda cls, rng, surface: ([BOX], [Goal("it", (0.05, 0), 0)]),  # type: ignore[arg-type]
-            r"the goal of it has no valid position .*got '\(0.05, 0\), yaw 0', expected 3 finite",
-        ),
-        (
-            lambda cls, rng, surface: ([BOX], [Goal("it", (x, 0, 0.02), 0) for x in (0.05, -0.05)]),
-            "an object has two goals",
-        ),
-        (
-            lambda cls, rng, surface: (
-                [Box("it", (0.0, 0.0, 0.02), (0.04, 0.04, 0.04), 0.1)],  # type: ignore[arg-type]
-                [],
-            ),
-            "the task cannot be drawn .*TypeError",
-        ),
-        (
-            lambda cls, rng, surface: ([replace(BOX, half_size=(0.02, 0.0, 0.02))], []),
-            "half_size of it is wrong .*3 numbers above 0",
-        ),
-        (
-            lambda cls, rng, surface: ([replace(BOX, mass=np.nan)], []),
-            "the mass of it is not finite .*got nan",
-        ),
-        (
-            lambda cls, rng, surface: ([replace(BOX, friction=-1.0)], []),
-            "the friction of it is wrong .*expected a number, 0 or more",
-        ),
-        (
-            lambda cls, rng, surface: ([replace(BOX, position="here")], []),  # type: ignore[arg-type]
-            "the object it has no valid position .*here",
-        ),
-        (
-            lambda cls, rng, surface: ([replace(BOX, name="world")], []),
-            "an object cannot have this name",
-        ),
-        (
-            lambda cls, rng, surface: ([replace(BOX, name="right")], []),
-            "cannot have the name of a part of a hand",
-        ),
-        (
-            lambda cls, rng, surface: ([replace(BOX, name="left_palm")], []),
-            "cannot have the name of a part of a hand",
-        ),
-        (
-            lambda cls, rng, surface: (
-                [replace(BOX, half_size=(20.0, 20.0, 20.0), position=(0.0, 0.0, 20.0))],
-                [],
-            ),
-            "it is 69.3 m wide .*sizes are in m",
-        ),
-        (
-            lambda cls, rng, surface: (
-                [replace(BOX, half_size=(0.02 + 0.001 * next(COUNTER), 0.02, 0.02))],
-                [],
-            ),
-            "two draws of one seed differ .*another it",
-        ),
-        (lambda cls, rng, surface: 5, "TypeError"),
-        (
-            lambda cls, rng, surface: (Mechanism("desk", DESK), []),
-            "`place` did not return a list of objects .*'Mechanism'.*return desk.parts",
-        ),
-        (
-            lambda cls, rng, surface: ([BOX, Mechanism("desk", DESK)], []),
-            r"desk: a mechanism is not an object itself, its parts are.*return \*desk.parts",
-        ),
-        (
-            lambda cls, rng, surface: ([BOX], Goal("it", (0, 0, 0.02), 0)),
-            r"`place` did not return a list of goals .*'Goal', expected a list of goals\)$",
-        ),
-        (lambda cls, rng, surface: two_places(rng, surface, (9.0, 9.5)), "too small"),
-        (
-            lambda cls, rng, surface: ([Goal("it", (0, 0, 0.02), 0)], [BOX]),
-            r"this is no object \(got .Goal.*returns the objects, and then the goals",
-        ),
-        (lambda cls, rng, surface: ([BOX], [None]), "this is no goal .*'None'"),
-        (
-            lambda cls, rng, surface: ([BOX], [TYPED_WRONG(GOAL, object=5)]),
-            "the task cannot be drawn .*TypeError",
-        ),
-        (lambda cls, rng, surface: ([TYPED_WRONG(BOX, name=5)], []), "cannot have this name .*5"),
-        (
-            lambda cls, rng, surface: ([TYPED_WRONG(BOX, mass="0.1")], []),
-            "the task cannot be drawn .*str",
-        ),
-        (lambda cls, rng, surface: ([TYPED_WRONG(BOX, rgb="red")], []), "rgb of it .*3 numbers"),
-        (
-            lambda cls, rng, surface: ([Wrench("it", 0.1, (0.0, 0.0, 0.012), bolt=-1.0)], []),
-            "the bolt of it is wrong .*0 or more",
-        ),
-        (
-            lambda cls, rng, surface: ([Wrench("it", 0.1, (0, 0, 0.02), size=float("nan"))], []),
-            "the size of it is wrong .*above 0",
-        ),
+        lambda cls, rng, surface: ([replace(BOX, mass=np.nan)], []),
+        lambda cls, rng, surface: ([replace(BOX, friction=-1.0)], []),
+        lambda cls, rng, surface: ([replace(BOX, mass=0.1 + 0.01 * next(COUNTER))], []),
+        lambda cls, rng, surface: ([TYPED_WRONG(BOX, position="here")], []),
+        lambda cls, rng, surface: ([TYPED_WRONG(BOX, name=5)], []),
+        lambda cls, rng, surface: ([TYPED_WRONG(BOX, mass="0.1")], []),
+        lambda cls, rng, surface: ([TYPED_WRONG(BOX, rgb="red")], []),
+        lambda cls, rng, surface: ([Wrench("it", 0.1, (0.0, 0.0, 0.012), bolt=-1.0)], []),
+        lambda cls, rng, surface: ([Wrench("it", 0.1, (0, 0, 0.02), size=float("nan"))], []),
+        lambda cls, rng, surface: (Mechanism("desk", DESK), []),
+        lambda cls, rng, surface: ([BOX, Mechanism("desk", DESK)], []),
+        lambda cls, rng, surface: two_places(rng, surface, (9.0, 9.5)),
     ],
 )
 def test_what_is_wrong_with_a_trial_is_one_line_for_its_author(
-    place: Callable[[type[Slide], np.random.Generator, Surface], object], says: str
+    place: Callable[[type[Slide], np.random.Generator, Surface], object],
 ) -> None:
-    with pytest.raises(InputError, match=says) as error:
+    with pytest.raises(InputError) as error:
         check_task(broken(place=classmethod(place)), [0])
     assert "\n" not in str(error.value)
 
@@ -327,18 +196,12 @@ def test_a_mechanism_may_reach_into_the_table_where_it_is_pressed_or_described_s
     assert draw_task(task, 0, SURFACE).objects == placed.parts
 
 
-@pytest.mark.parametrize(
-    ("places", "deep"), [((0.004, -0.03), "30.0 mm"), ((-0.02, -0.01), "30.0 mm")]
-)
-def test_a_mechanism_that_is_placed_into_the_table_is_refused(
-    places: tuple[float, ...], deep: str
-) -> None:
+@pytest.mark.parametrize("places", [(0.004, -0.03), (-0.02, -0.01)])
+def test_a_mechanism_that_is_placed_into_the_table_is_refused(places: tuple[float, ...]) -> None:
     placed = chest(*places)
     task = broken(place=classmethod(lambda *_: (placed.parts, [])))
-    says = f"test-broken, seed 0: chest is sunk into the table .*'{deep} deep', .*Place it higher"
-    with pytest.raises(InputError, match=says) as refused:
+    with pytest.raises(InputError, match=r"30\.0 mm deep"):
         draw_task(task, 0, SURFACE)
-    assert "\n" not in str(refused.value)
 
 
 def test_objects_that_just_touch_do_not_overlap() -> None:
@@ -351,53 +214,26 @@ def test_objects_that_just_touch_do_not_overlap() -> None:
 
 
 @pytest.mark.parametrize(
-    ("place", "says"),
+    "place",
     [
-        (fails, "ZeroDivisionError: a lab's own bug .*test_custom_task.py:"),
-        (lambda cls, rng, surface: ([], []), "different names"),
-        (lambda cls, rng, surface: ([BOX], [Goal("that", (0, 0, 0), 0)]), "does not have"),
-        (lambda cls, rng, surface: ([BOX], [Goal("it", (0, 0, np.nan), 0)]), "no valid position"),
-        (lambda cls, rng, surface: ([BOX], [None]), "this is no goal .*'None'"),
-        (lambda cls, rng, surface: ([replace(BOX, mass=np.nan)], []), "mass of it is not"),
-        (lambda cls, rng, surface: ([replace(BOX, mass=0.0)], []), "cannot be built.*mass"),
-        (
-            lambda cls, rng, surface: ([replace(BOX, half_size=(0.02, 0.0, 0.02))], []),
-            "cannot be built.*size",
-        ),
-        (
-            lambda cls, rng, surface: ([replace(BOX, half_size=(0.02, np.nan, 0.02))], []),
-            "cannot be built .*nan size",
-        ),
-        (lambda cls, rng, surface: ([replace(BOX, friction=np.inf)], []), "that is not finite"),
-        (lambda cls, rng, surface: ([replace(BOX, name="right_palm")], []), "cannot be built"),
+        fails,
+        lambda cls, rng, surface: ([], []),
+        lambda cls, rng, surface: ([BOX], [Goal("that", (0, 0, 0), 0)]),
+        lambda cls, rng, surface: ([BOX], [Goal("it", (0, 0, np.nan), 0)]),
+        lambda cls, rng, surface: ([replace(BOX, mass=0.0)], []),
+        lambda cls, rng, surface: ([replace(BOX, half_size=(0.02, np.nan, 0.02))], []),
+        lambda cls, rng, surface: ([replace(BOX, friction=np.inf)], []),
+        lambda cls, rng, surface: ([replace(BOX, name="right_palm")], []),
     ],
 )
 def test_a_trial_that_cannot_be_played_is_refused_in_one_line_when_it_is_built(
     place: Callable[[type[Slide], np.random.Generator, Surface], object],
-    says: str,
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     monkeypatch.setitem(TASKS, "test-broken", broken(place=classmethod(place)))
-    with pytest.raises(InputError, match=says) as error:
+    with pytest.raises(InputError, match="test-broken, seed 0") as error:
         build(Settings(task="test-broken"), (lambda task, surface: Script(),))
-    assert "test-broken, seed 0" in str(error.value) and "\n" not in str(error.value)
-
-
-def test_a_session_does_not_check_what_the_author_of_a_task_checks(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    drawn = []
-
-    def place(cls: type[Slide], *_: Any) -> tuple[list[Box], list[Goal]]:
-        drawn.append(1)
-        return [BOX, replace(BOX, name="other", mass=0.1 + 0.01 * len(drawn))], []
-
-    task = broken(place=classmethod(place))
-    monkeypatch.setitem(TASKS, "test-broken", task)
-    build(Settings(task="test-broken"), (lambda task, surface: Script(),))
-    assert len(drawn) == 1
-    with pytest.raises(InputError, match="two draws of one seed differ"):
-        check_task(task)
+    assert "\n" not in str(error.value)
 
 
 def test_a_measure_that_moves_something_is_found_by_its_author() -> None:
@@ -420,20 +256,17 @@ def test_every_task_of_the_examples_keeps_to_the_rules(file: str) -> None:
 
 
 @pytest.mark.parametrize(
-    ("measure", "says"),
+    "measure",
     [
-        (
-            lambda self, sensing: None,
-            "test-broken: `measure` did not return a Measure .*got 'None'",
-        ),
-        (lambda self, sensing: sys.exit(0), "`measure` ends the program .*test_custom_task.py:"),
-        (lambda self, sensing: 1 / 0, "`measure` of this task fails .*ZeroDivision.*test_custom_"),
-        (lambda self, sensing: sensing.object("mug"), "got 'mug', expected it"),
-        (lambda self, sensing: sensing.touching("it", "mug"), "got 'mug', expected it, .*table"),
+        lambda self, sensing: None,
+        lambda self, sensing: sys.exit(0),
+        lambda self, sensing: 1 / 0,
+        lambda self, sensing: sensing.object("mug"),
+        lambda self, sensing: sensing.touching("it", "mug"),
     ],
 )
 def test_a_task_whose_measure_returns_no_measure_is_refused_before_the_trial(
-    measure: Callable[[Slide, Sensing], object], says: str, monkeypatch: pytest.MonkeyPatch
+    measure: Callable[[Slide, Sensing], object], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setitem(TASKS, "test-broken", broken(measure=measure))
     closed = []
@@ -442,25 +275,9 @@ def test_a_task_whose_measure_returns_no_measure_is_refused_before_the_trial(
         def close(self) -> None:
             closed.append(self)
 
-    with pytest.raises(InputError, match=says) as error:
+    with pytest.raises(InputError) as error:
         build(Settings(task="test-broken"), (lambda task, surface: Closes(),))
     assert "\n" not in str(error.value) and len(closed) == 1
-
-
-def test_a_measure_that_later_returns_nothing_ends_the_trial_with_a_one_line_error(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    seen = []
-
-    def measure(self: Slide, sensing: Sensing) -> Measure | None:
-        seen.append(1)
-        return judge(0.5, (True, "never")) if len(seen) < 4 else None
-
-    monkeypatch.setitem(TASKS, "test-broken", broken(measure=measure))
-    session = build(Settings(task="test-broken"), (lambda task, surface: Script(),))
-    with pytest.raises(InputError, match="did not return a Measure"):
-        for _ in range(9):
-            session.advance()
 
 
 def test_a_user_whose_touch_returns_nothing_is_told_in_one_line(
@@ -476,9 +293,7 @@ class A(Slide):
     user = Nobody
 """
     assert main(["run", str(write(tmp_path / "lab.py", body))]) == 2
-    told = capsys.readouterr().err.strip()
-    assert "Nobody: `touch` of the simulated user did not return a TouchFrame" in told
-    assert "\n" not in told
+    assert capsys.readouterr().err.count("\n") == 1
 
 
 @pytest.mark.parametrize(
@@ -487,7 +302,6 @@ class A(Slide):
         ({"with_room": lambda self, factor: None}, {"room": 0.5}),
         ({"with_room": lambda self, factor: 1 / 0}, {"room": 0.5}),
         ({"shifted": lambda self: None}, {"start": 0.01}),
-        ({"place": classmethod(lambda *_: ([Rigid("it", (0.0, 0.0, 0.02))], []))}, {"size": 0.5}),
     ],
 )
 def test_what_fails_in_a_task_that_is_varied_is_told_in_one_line(
@@ -499,79 +313,38 @@ def test_what_fails_in_a_task_that_is_varied_is_told_in_one_line(
     assert "\n" not in str(error.value)
 
 
-@dataclass(frozen=True)
-class Rigid:
-    """An object of a lab's own, whose size cannot be changed after all."""
-
-    name: str
-    position: tuple[float, float, float]
-    mass: float = 0.1
-    yaw: float = 0.0
-
-    def body(self) -> Any:
-        return replace(BOX, position=self.position).body()
-
-    def clearance(self, points: Any, position: Any, rotation: Any) -> Any:
-        return BOX.clearance(points, position, rotation)
-
-    def scaled(self, size: float) -> None:
-        return None
-
-
 def write(path: Path, body: str) -> Path:
     path.write_text("from tests.tasks.test_custom_task import Slide\n" + body)
     return path
 
 
 @pytest.mark.parametrize(
-    ("body", "says"),
+    "body",
     [
-        ("1/0", "ZeroDivisionError.*lab.py:2"),
-        ("def", "SyntaxError"),
-        ("import nobody_has_this", "No module named"),
-        ("", "exactly one task .*no task"),
-        ("class A(Slide): name = 'a'\nclass B(Slide): name = 'b'", "exactly one task .*A, B"),
-        ("class A(Slide): name = 'box-to-goal'", "another task has this name"),
-        ("class A(Slide): name = 'Too Nice'", "name is missing or invalid"),
-        ("class A(Slide): name = 'a'; hold_time = 'long'", "hold_time is missing or invalid"),
-        ("class A(Slide): name = 'a'; table_friction = float('inf')", "table_friction is missing"),
-        ("class A(Slide): name = 'a'; time_limit = 0", "time_limit must be above 0"),
-        ("class A(Slide): name = 'a'; hold_time = 500", "at most its time_limit"),
-        ("class A(Slide): name = 'a'; hands = '2'", "hands are wrong .*expected 1 or 2"),
-        ("class A(Slide): name = 'a'; hands = 0", "hands are wrong"),
-        ("class A(Slide): name = 'a'; touch_height = -0.01", "touch_height is missing or invalid"),
-        ("class A(Slide): name = 'a'; plane = 'ceiling'", "plane is missing or invalid"),
-        ("class A(Slide): name = 'a'; user = 'me'", "cannot be called .*'me'.*a class"),
-        (
-            "from tasks.custom_task import CustomTask\nclass A(CustomTask): name = 'a'",
-            "abstract .*measure",
-        ),
+        "1/0",
+        "def",
+        "",
+        "class A(Slide): name = 'a'\nclass B(Slide): name = 'b'",
+        "class A(Slide): name = 'box-to-goal'",
+        "class A(Slide): name = 'Too Nice'",
+        "class A(Slide): name = 'a'; hold_time = 'long'",
+        "class A(Slide): name = 'a'; table_friction = float('inf')",
+        "class A(Slide): name = 'a'; time_limit = 0",
+        "class A(Slide): name = 'a'; hold_time = 500",
+        "class A(Slide): name = 'a'; hands = '2'",
+        "class A(Slide): name = 'a'; hands = 0",
+        "class A(Slide): name = 'a'; touch_height = -0.01",
+        "class A(Slide): name = 'a'; plane = 'ceiling'",
+        "class A(Slide): name = 'a'; user = 'me'",
+        "from tasks.custom_task import CustomTask\nclass A(CustomTask): name = 'a'",
+        "def make():\n    class Local(Slide): name = 'a'\n    return Local",
     ],
 )
 def test_a_file_without_a_valid_task_is_refused_with_a_one_line_error(
-    tmp_path: Path, body: str, says: str
+    tmp_path: Path, body: str
 ) -> None:
-    with pytest.raises(InputError, match=says) as error:
+    with pytest.raises(InputError) as error:
         find_task(str(write(tmp_path / "lab.py", body)))
-    assert "\n" not in str(error.value)
-
-
-@pytest.mark.parametrize(
-    ("member", "says"),
-    [
-        ("", r"exactly one task .*no task.*Define the task as a class at the top of the file"),
-        (":Local", r"nothing of this name \(got 'Local'\)\. Define the task as a class at the top"),
-        (":Outer.Inner", r"inside a class or a function.*Name it there: Inner = Outer\.Inner"),
-        (":make.<locals>.Local", r"inside a class or a function.*Move it there"),
-    ],
-)
-def test_a_class_inside_a_function_or_another_class_is_refused_with_what_to_do(
-    tmp_path: Path, member: str, says: str
-) -> None:
-    body = "def make():\n    class Local(Slide): name = 'a'\n    return Local\n"
-    file = write(tmp_path / "lab.py", f"{body}class Outer:\n    Inner = make()\n")
-    with pytest.raises(InputError, match=says) as error:
-        find_task(f"{file}{member}")
     assert "\n" not in str(error.value)
 
 
@@ -593,97 +366,15 @@ def test_a_file_can_import_modules_from_its_own_folder(tmp_path: Path) -> None:
     assert sys.path == path
 
 
-def test_folders_without_an_init_file_do_not_mix_either(tmp_path: Path) -> None:
-    for folder, size in (("one", 0.01), ("two", 0.02)):
-        (tmp_path / folder / "sizes_of_a_lab").mkdir(parents=True)
-        (tmp_path / folder / "sizes_of_a_lab" / "held.py").write_text(f"HOLD = {size}\n")
-        write(
-            tmp_path / folder / "lab.py",
-            "from sizes_of_a_lab.held import HOLD\n"
-            f"class A(Slide):\n    name = 'lab-{folder}'\n    hold_time = HOLD\n",
-        )
-    for folder, size in (("one", 0.01), ("two", 0.02)):
-        file = tmp_path / folder / "lab.py"
-        assert find_task(str(file)).hold_time == size
-        assert files_of(file) == [file, file.parent / "sizes_of_a_lab" / "held.py"]
-
-
-def test_a_description_beside_a_task_is_found_from_any_folder(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    (tmp_path / "desk.xml").write_text(DESK)
-    path = write(
-        tmp_path / "lab.py",
-        "from pathlib import Path\nfrom models import Mechanism\n"
-        "DESK = Path(__file__).parent / 'desk.xml'\nclass A(Slide):\n    name = 'lab-desk'\n"
-        "    place = classmethod(lambda *_: (Mechanism('desk', DESK, (0, 0, 0.02)).parts, []))\n",
-    )
-    monkeypatch.chdir("/")
-    task = draw_task(find_task(str(path)), 0, SURFACE)
-    assert [thing.name for thing in task.objects] == ["desk"]
-
-
-def test_an_error_in_a_file_beside_a_task_names_its_line(tmp_path: Path) -> None:
-    (tmp_path / "broken_of_a_lab.py").write_text("x = 1\ny = x / 0\n")
-    path = write(tmp_path / "lab.py", "import broken_of_a_lab\n")
-    with pytest.raises(InputError, match=r"ZeroDivisionError.*broken_of_a_lab.py:2"):
-        find_task(str(path))
-
-
 def test_tasks_are_found_by_module_and_class_as_well(tmp_path: Path) -> None:
     path = write(tmp_path / "lab.py", "class A(Slide): name = 'a'\nclass B(Slide): name = 'b'")
     assert find_task(f"{path}:B").name == "b"
     assert origin(f"{path}:B") == {"file": str(path), "member": "B", "task_version": 1}
     assert find_task("tests.support.regress_tasks:Quick").name == "quick"
     assert all(origin(name) == {} for name in TASKS)
-    with pytest.raises(InputError, match=r"nothing of this name.*A, B"):
-        find_task(f"{path}:C")
-    with pytest.raises(InputError, match=r"no such file.*It was looked for in ") as caught:
-        find_task(str(tmp_path / "other.py"))
-    assert str(caught.value).endswith(str(tmp_path))
-    with pytest.raises(InputError, match=r"Did you mean lab\.py\?"):
-        find_task(str(tmp_path / "labs.py"))
-    with pytest.raises(InputError, match="and there is no such folder"):
-        find_task(str(tmp_path / "folder" / "lab.py"))
-    with pytest.raises(InputError, match=r"this task cannot be loaded.*too long"):
-        find_task(f"{'long' * 100}.py")
-
-
-@pytest.mark.parametrize(
-    ("name", "hint"),
-    [
-        ("box_to_gaol", "Did you mean box-to-goal?"),
-        ("lab_task", "Did you mean lab_task.py?"),
-        ("zzz", "A task of your own is named by its file: FILE.py or FILE.py:CLASS"),
-    ],
-)
-def test_a_name_that_no_task_has_gets_the_nearest_name_or_file(
-    name: str, hint: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    (tmp_path / "lab_task.py").touch()
-    monkeypatch.chdir(tmp_path)
-    with pytest.raises(InputError) as caught:
-        find_task(name)
-    assert hint in str(caught.value) and "FILE.py:CLASS" in str(caught.value)
-    assert ("Did you mean" in str(caught.value)) == ("Did you mean" in hint)
-
-
-def test_a_task_without_our_base_class_gets_defaults_for_missing_members(tmp_path: Path) -> None:
-    body = """
-class Minimal:
-    name, version, plane = "minimal", 1, "table"
-    time_limit, hold_time, table_friction, touch_height, lift_range = 1.0, 0.5, 0.3, 0.015, 0.0
-    seed, objects, goals = 0, (), ()
-
-    @classmethod
-    def draw(cls, seed, surface):
-        return cls()
-
-    def measure(self, sensing):
-        return None
-"""
-    task = find_task(str(write(tmp_path / "lab.py", body)))
-    assert task.hands == 1 and task.user is None
+    for wrong in (f"{path}:C", tmp_path / "other.py", tmp_path / "no" / "lab.py", "long" * 100):
+        with pytest.raises(InputError):
+            find_task(str(wrong))
 
 
 def test_the_example_is_done_by_the_simulated_user(
@@ -736,15 +427,6 @@ def test_a_recording_of_another_version_of_its_task_is_refused(tmp_path: Path) -
         settings_of(load_recording(path))
 
 
-def test_a_recording_whose_task_is_gone_says_what_to_install(tmp_path: Path) -> None:
-    path = tmp_path / "run.jsonl"
-    recorded(
-        path, "my-lab-gone", entry_point="gone_lab.tasks:Gone", package="gone-lab", version="1.2"
-    )
-    with pytest.raises(RecordingError, match=r"pip install 'gone-lab==1\.2'"):
-        settings_of(load_recording(path))
-
-
 @pytest.mark.parametrize("turn", [0, 180])
 @pytest.mark.parametrize("file", ["open_the_drawer.py", "push_the_mug.py", "push_the_puck.py"])
 def test_tasks_of_the_examples_are_played_with_the_left_hand_at_any_side(
@@ -753,11 +435,6 @@ def test_tasks_of_the_examples_are_played_with_the_left_hand_at_any_side(
     """A user with nothing but the two methods of the contract broke here."""
     result = run_trial(str(ROOT / "examples" / file), seed=3, hand="left", turn=turn)
     assert result.success or turn  # A drawer does not turn with the person.
-
-
-def test_a_place_without_its_decorator_is_told_where_it_is_written() -> None:
-    with pytest.raises(InputError, match=r"`place` is not a class method.*Write @classmethod"):
-        draw_task(broken(place=lambda cls, rng, surface: ([BOX], [])), 0, SURFACE)
 
 
 def measuring(*values: Any) -> Measure:
@@ -780,38 +457,33 @@ def test_progress_of_any_task_is_from_0_to_1(progress: float) -> None:
 
 
 @pytest.mark.parametrize(
-    ("painted", "says"),
+    "painted",
     [
-        (PaintedRing("ring", (0.0, 0.0), 0.04), "is not a sequence of rings"),
-        ((PaintedRing("ring", (np.nan, 0.0), 0.04),), "the middle of ring is wrong"),
-        ((PaintedRing("ring", (0.0, 0.0), -0.04),), "the radius of ring is wrong"),
-        (property(lambda self: 1 / 0), "test-broken, seed 0: .*ZeroDivisionError.*test_custom"),
-        (
-            property(lambda self: (PaintedRing("ring", (0.001 * next(COUNTER), 0.0), 0.04),)),
-            "two draws of one seed differ .*another ring ring",
-        ),
+        PaintedRing("ring", (0.0, 0.0), 0.04),
+        (PaintedRing("ring", (np.nan, 0.0), 0.04),),
+        (PaintedRing("ring", (0.0, 0.0), -0.04),),
+        property(lambda self: 1 / 0),
+        property(lambda self: (PaintedRing("ring", (0.001 * next(COUNTER), 0.0), 0.04),)),
     ],
 )
-def test_a_ring_that_cannot_be_painted_is_refused(painted: Any, says: str) -> None:
-    with pytest.raises(InputError, match=says):
+def test_a_ring_that_cannot_be_painted_is_refused(painted: Any) -> None:
+    with pytest.raises(InputError):
         check_task(broken(painted=painted), [0])
 
 
 @pytest.mark.parametrize(
-    ("values", "says"),
+    "values",
     [
-        ((False, np.nan, ""), "`progress` of the returned Measure is not a finite number"),
-        ((False, np.inf, ""), "not a finite number"),
-        ((False, None, ""), "not a finite number"),
-        ((False, 0.0, None), "`reason` of the returned Measure is not text"),
-        ((np.array([True, False]), 0.0, ""), "neither true nor false"),
-        ((False, 0.0, "", False, 5), "`first` of the returned Measure is not a Measure"),
-        ((False, 0.0, "", False, Measure(False, np.nan, "")), "not a finite number"),
+        (False, np.nan, ""),
+        (False, np.inf, ""),
+        (False, None, ""),
+        (False, 0.0, None),
+        (np.array([True, False]), 0.0, ""),
+        (False, 0.0, "", False, 5),
+        (False, 0.0, "", False, Measure(False, np.nan, "")),
     ],
 )
-def test_a_measure_that_no_file_could_keep_is_refused_in_one_line(
-    values: tuple[Any, ...], says: str
-) -> None:
-    with pytest.raises(InputError, match=says) as error:
+def test_a_measure_that_no_file_could_keep_is_refused_in_one_line(values: tuple[Any, ...]) -> None:
+    with pytest.raises(InputError) as error:
         measuring(*values)
     assert "\n" not in str(error.value)

@@ -56,18 +56,6 @@ def test_a_run_that_is_resumed_plays_only_what_is_missing_after_a_torn_line(
     assert len(file.read_text().splitlines()) == 3
 
 
-def test_files_of_several_runs_are_one_table_and_the_first_takes_what_is_played(
-    tmp_path: Path,
-) -> None:
-    one, other = tmp_path / "one.jsonl", tmp_path / "other.jsonl"
-    opened(one).play(trial, JOBS[:1], 1)
-    opened(other).play(trial, JOBS[1:2], 1)
-    both = opened(one, other, tmp_path / "none.jsonl")
-    both.play(trial, JOBS, 1)
-    assert both.done == {job: trial(job) for job in JOBS}
-    assert set(opened(one).done) == {JOBS[0], JOBS[2]}
-
-
 def test_what_a_trial_raises_ends_the_run_and_keeps_those_before(tmp_path: Path) -> None:
     file = tmp_path / "trials.jsonl"
     opened(file).play(trial, JOBS[:1], 1)

@@ -1,6 +1,6 @@
 """A sight is computed at the first look, and once."""
 
-from dataclasses import fields, replace
+from dataclasses import fields
 
 import numpy as np
 import pytest
@@ -34,9 +34,3 @@ def test_a_late_sight_shows_the_same_and_is_computed_once() -> None:
         assert getattr(late, field.name) is getattr(late, field.name)
         assert field.name == "time" or getattr(late, field.name) is getattr(computed[0], field.name)
     assert len(computed) == 1
-
-
-def test_a_changed_sight_keeps_the_rest() -> None:
-    tips = {1: np.ones(3)}
-    changed = replace(LateSight.of(1.5, sight), tips=tips)
-    assert changed.tips is tips and changed.solid and changed.time == 1.5

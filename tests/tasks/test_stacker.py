@@ -17,7 +17,7 @@ from sandbox.trial.driver import play_trial
 from sandbox.trial.result import TrialResult
 from sandbox.trial.trial_options import TrialOptions, trial_settings
 from tasks.simulated_user.grasp import Surroundings, roomiest_grasp
-from tasks.simulated_user.user import IdleLiftUser, RandomLiftUser, Slider
+from tasks.simulated_user.user import RandomLiftUser, Slider
 from tasks.simulated_user.user_hand import Hand
 from tasks.stack import Stack
 from tasks.user import SeenObject, UserConfiguration
@@ -46,13 +46,6 @@ def test_the_simulated_user_stacks_three_boxes() -> None:
 @pytest.mark.parametrize("person", [{"hand": "left"}, {"turn": 180}, {"hand_size": 0.9}])
 def test_left_handed_people_at_other_sides_stack_too(person: dict[str, Any]) -> None:
     assert trial(task="stack", seed=0, **person).success
-
-
-def test_touching_nothing_stacks_nothing() -> None:
-    user = IdleLiftUser(USER, TABLET, 3, Stack.lift_range)
-    for now in np.arange(100) * 0.016:
-        frame = user.touch(float(now))
-        assert not frame.contacts and not frame.lift
 
 
 def test_random_touches_come_with_a_slider_that_goes_anywhere() -> None:

@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
 
 from benchmarks.judged import configuration, freeze, frozen_seeds, judged_seeds
-from benchmarks.success import Job, against, failures, table, trial, wilson
+from benchmarks.success import trial, wilson
 from models.arithmetic import Array
 from models.errors import InputError
 from models.frames import Contact, TouchFrame
@@ -23,35 +22,6 @@ def test_the_wilson_interval_is_the_published_one() -> None:
     # Newcombe (1998), Statistics in Medicine 17, table I: 81 of 263 and 0 of 20, method 3.
     assert np.allclose(np.array(wilson(81, 263)) / 100, (0.2553, 0.3662), atol=5e-5)
     assert np.allclose(np.array(wilson(0, 20)) / 100, (0.0, 0.1611), atol=5e-5)
-
-
-def test_every_trial_of_the_table_that_failed_has_its_reason_counted_once() -> None:
-    why = ["", "a pin fell", "a pin fell", "out of time", "", "a pin fell"]
-    done = {
-        ("slalom", "shipped", 3, seed): {"success": not each, "reason": each, "time_s": 5.0}
-        for seed, each in enumerate(why)
-        if seed != 4
-    }
-    # Trials after the first seed that is missing count in neither table.
-    seeds = {("slalom", "shipped"): list(range(6))}
-    assert "| shipped | 1/4 = " in list(table(done, [3], seeds))[-1]
-    assert list(failures(done, [3], seeds))[2:] == [
-        "| slalom | shipped | 3 | 2 | a pin fell |",
-        "| slalom | shipped | 3 | 1 | out of time |",
-    ]
-
-
-def test_losses_against_an_earlier_run_are_tested_on_the_seeds_that_both_have() -> None:
-    def trials(wins: list[bool]) -> dict[Job, dict[str, Any]]:
-        return {
-            ("stack", "shipped", 3, seed): {"success": won, "state_hash": f"{seed}"}
-            for seed, won in enumerate(wins)
-        }
-
-    before, now = trials([True] * 8 + [False, True]), trials([False] * 7 + [True, True])
-    [line] = list(against(now, before))[2:]
-    # Seven losses or eight among eight pairs that differ: (8 + 1) / 2^8.
-    assert line == "| stack | shipped | 3 | 9 | 8 | 2 | 7, 1 | 0.0352 | 9 |"
 
 
 def test_judged_seeds_follow_from_the_frozen_configuration_alone() -> None:

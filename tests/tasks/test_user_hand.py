@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
 from itertools import combinations
 from typing import Any
 
@@ -177,23 +176,3 @@ def test_a_hand_at_the_border_of_the_screen_stops_as_a_whole() -> None:
             assert min(np.hypot(*(a - b)) for a, b in combinations(hand, 2)) >= NARROWEST
             assert np.all((hand >= 0.001 - 1e-9) & (hand <= size - 0.001 + 1e-9))
     assert at_border > 20
-
-
-@pytest.mark.parametrize("seed", [8_001, 8_002, 8_003])
-def test_smaller_hands_touch_with_fingers_nearer_to_each_other(seed: int) -> None:
-    def apart(size: float) -> float:
-        """Distance of index and middle finger while the hand is open: it is less once it closes."""
-        (device,) = played("wrench-slide", seed, 5, hand_size=size)
-        hands = [hand for hand in device.hands() if len(hand) == 5]
-        return float(np.percentile([np.hypot(*(hand[1] - hand[2])) for hand in hands], 95))
-
-    small, middling = apart(0.8), apart(1.0)
-    assert small == pytest.approx(0.8 * middling, abs=0.002)
-
-
-def test_a_hand_of_another_size_is_the_same_hand_otherwise() -> None:
-    plain = UserConfiguration()
-    one = Hand.draw(plain, 3)
-    assert replace(one, configuration=replace(plain, fingers=5)) == Hand.draw(
-        replace(plain, fingers=5), 3
-    )

@@ -6,13 +6,11 @@ from pathlib import Path
 from typing import Any
 from xml.etree.ElementTree import tostring
 
-import mujoco
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from models.arithmetic import Array
 from models.objects import BOLT_LIFT, JAW, Wrench, bolt_place
 from models.rotations import exp
 from sandbox.devices.simulated.air_user.holds import hold_of, pinch_motion
@@ -26,7 +24,6 @@ from tasks.task import Goal
 from tasks.user import SeenObject, UserConfiguration
 from tasks.variation import RANGES, Variation, vary
 from tasks.wrench import GRIP, GRIP_BORDER, WrenchSlide, WrenchTask, WrenchTurn
-from tests.support.simulation import run
 from tests.tasks.test_wrench import TABLET, Trial
 
 both = pytest.mark.parametrize("kind", [WrenchTurn, WrenchSlide])
@@ -98,40 +95,6 @@ def test_a_wrench_of_any_size_is_at_its_goal_where_its_goal_is_drawn(
     np.testing.assert_allclose(now, trial.goal.position, atol=2e-5)
 
 
-@both
-@pytest.mark.parametrize("size", [0.5, 1.0, 2.0])
-def test_a_wrench_of_any_size_that_nobody_touches_stays_where_it_is(
-    kind: type[WrenchTask], size: float
-) -> None:
-    trial = Trial(kind, size=size)
-    began = trial.task.objects[0]
-    run(trial.scene, trial.data, 2.0)
-    now = trial.sensing.object("wrench")
-    np.testing.assert_allclose(now.position, began.position, atol=2e-4)
-    assert abs(now.yaw - began.yaw) < 1e-4
-    assert now.on_table == (kind is WrenchSlide)
-    assert not now.held
-
-
-@pytest.mark.parametrize("size", [0.5, 2.0])
-def test_from_above_a_larger_wrench_and_its_bolt_are_an_enlarged_picture(size: float) -> None:
-    def parts(k: float) -> tuple[Array, Array, Array]:
-        trial = Trial(WrenchTurn, size=k)
-        mujoco.mj_forward(trial.scene.model, trial.data)
-        model, data = trial.scene.model, trial.data
-        of = [model.body(name).id for name in ("wrench", "wrench_head", "wrench_bolt")]
-        geoms = np.flatnonzero(np.isin(model.geom_bodyid, of))
-        places = data.geom_xpos[geoms, :2] - data.body("wrench_head").xpos[:2]
-        return places, model.geom_size[geoms], model.geom_type[geoms]
-
-    (places, edges, kinds), (larger, longer, _) = parts(1.0), parts(size)
-    assert len(kinds) == 9
-    np.testing.assert_allclose(larger, size * places, atol=1e-9)
-    # A cylinder's radius is its first number, and its second is a height.
-    across = np.where(kinds[:, None] == mujoco.mjtGeom.mjGEOM_BOX, [True, True], [True, False])
-    np.testing.assert_allclose(longer[:, :2][across], size * edges[:, :2][across], atol=1e-9)
-
-
 @given(yaw=yaws, turn=st.floats(-1.5, 1.5), n=st.integers(2, 5), bolt=bolts, k=st.floats(0.6, 2.5))
 def test_fingers_come_down_beside_the_handle_that_is_there_and_close_on_it(
     yaw: float, turn: float, n: int, bolt: float, k: float
@@ -148,19 +111,6 @@ def test_fingers_come_down_beside_the_handle_that_is_there_and_close_on_it(
         assert np.all(np.sign(local[1:, 1]) == -np.sign(local[0, 1]))
         outside = np.abs(local[:, 1]) - shape.handle_width / 2
         assert np.all(outside > 0.0155 if gap > 0 else (outside > 0.0) & (outside < 0.0055))
-
-
-@given(yaw=yaws, turn=st.floats(-1.5, 1.5), n=st.integers(2, 5), bolt=bolts, k=sizes)
-def test_the_simulated_user_can_grasp_a_wrench_of_any_allowed_size(
-    yaw: float, turn: float, n: int, bolt: float, k: float
-) -> None:
-    wrench = seen(yaw, k, bolt)
-    grasp = handling_of(wrench.shape).grasp(
-        wrench, turn, Hand.draw(UserConfiguration(fingers=n), 0)
-    )
-    shape: Any = wrench.shape
-    assert shape.handle[0] < grasp.grip < shape.handle[1]
-    assert 2 <= grasp.fingers <= n and grasp.width == shape.handle_width
 
 
 @given(seed=seeds, k=st.floats(1.0, 2.5), share=st.floats(0.0, 1.0))

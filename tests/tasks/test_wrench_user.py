@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from models.objects import HANDLE, JAW, Wrench, bolt_place
+from models.objects import HANDLE, JAW, Wrench
 from models.person import Person
 from models.rotations import exp
 from models.surface import Surface
@@ -91,21 +91,6 @@ def test_two_fingers_close_so_that_the_handle_begins_to_turn_the_right_way(
         for p, f in ((thumb, along), (index, -along))
     )
     assert way * moment > 0.01
-
-
-@given(yaw=yaws, goal=yaws)
-def test_the_missing_movement_brings_the_wrench_to_its_goal(yaw: float, goal: float) -> None:
-    at = Goal("wrench", (0.05, 0.03, 0.012), goal)
-    free = seen(yaw)
-    off, turn = wrench_handling(free).missing(free, at)
-    np.testing.assert_allclose(free.position[:2] + off, at.position[:2])
-    assert np.cos(yaw + turn - goal) == pytest.approx(1.0)
-    bolted = seen(yaw, 0.05)
-    handling = wrench_handling(bolted)
-    off, turn = handling.missing(bolted, at)
-    assert not off.any(), "a bolt cannot be moved"
-    assert np.cos(yaw + turn - goal) == pytest.approx(1.0)
-    np.testing.assert_allclose(handling.pivot(bolted), bolt_place(bolted.position[:2], yaw))
 
 
 @given(

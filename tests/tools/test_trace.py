@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.support.processes import printed, python
+from tests.support.processes import printed
 from tools.trace.__main__ import ROOT
 from tools.trace.paths import PATHS
 from tools.trace.tracer import PACKAGES, Tracer
@@ -110,24 +110,6 @@ def test_a_function_has_the_line_of_its_definition(tree: Path) -> None:
             assert definition in lines[int(number) - 1]
 
 
-def test_what_runs_while_the_tracer_does_not_count_is_only_imported(tree: Path) -> None:
-    with Tracer(tree, ["traced", "foreign"]) as tracer:
-        tracer.counting = False
-        importlib.import_module("foreign").function()
-    trace = tracer.trace()
-    assert trace.imported == ["foreign/__init__.py", "traced/__init__.py", "traced/empty.py"]
-    assert not (trace.functions or trace.classes or trace.calls)
-
-
-def test_calls_of_regular_expressions_are_among_all_calls(tree: Path) -> None:
-    with Tracer(tree, ["traced"]) as tracer:
-        pattern = importlib.import_module("re").compile("one of a kind|never compiled before")
-        importlib.import_module("traced.sizes").doubled([])
-    trace = tracer.trace()
-    assert pattern.match("one of a kind")
-    assert 0 < trace.re_calls < trace.calls
-
-
 TRACED = """
 import sys
 from pathlib import Path
@@ -159,10 +141,3 @@ def test_each_path_names_files_of_this_project_that_it_imported(path: str, tmp_p
     began_with_the_command = next(iter(trace["functions"])) == "sandbox/cli/main.py"
     assert began_with_the_command == (path != "touch")
     assert path != "touch" or "sandbox/cli/main.py" not in trace["functions"]
-
-
-def test_a_folder_that_does_not_exist_is_refused_before_anything_runs(tmp_path: Path) -> None:
-    out = tmp_path / "absent" / "trace.json"
-    run = python("-m", "tools.trace", "regress", "--json", out)
-    assert run.returncode == 2
-    assert str(out) in run.stderr

@@ -5,7 +5,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from models.errors import CaptureError
 from training.population import (
     Population,
     load_population,
@@ -47,13 +46,6 @@ def test_people_to_train_on_show_every_set_of_fingers(people: Population) -> Non
         assert len(sets) >= 24
 
 
-def test_posed_fingertips_are_in_reach_of_each_other(people: Population) -> None:
-    for person in people.people:
-        if person.meta["source"] == "posed":
-            apart = np.linalg.norm(person.xy[:, 0] - person.xy[:, 1], axis=1)
-            assert np.nanmax(apart) < 0.15
-
-
 def test_equal_salts_draw_equal_people_and_other_salts_others(people: Population) -> None:
     few = {"train": {"second": 2}}
     same, other = simulate_population("a", few), simulate_population("another", few)
@@ -67,21 +59,6 @@ def test_a_stored_population_is_the_same_population(people: Population, tmp_path
     back = load_population(tmp_path / "people.npz")
     assert back.digest == people.digest
     assert [p.meta for p in back.people] == [p.meta for p in people.people]
-
-
-def test_a_file_cut_short_is_one_clear_error(people: Population, tmp_path: Path) -> None:
-    path = tmp_path / "people.npz"
-    save_population(people, path)
-    path.write_bytes(path.read_bytes()[:-1000])
-    with pytest.raises(CaptureError, match="python -m training people"):
-        load_population(path)
-
-
-def test_a_population_of_another_version_is_refused(people: Population, tmp_path: Path) -> None:
-    path = tmp_path / "people.npz"
-    save_population(Population(people.people, {**people.meta, "version": 0}), path)
-    with pytest.raises(CaptureError, match="another version"):
-        load_population(path)
 
 
 def test_people_put_down_neighbouring_fingers_about_as_far_apart_as_real_ones(

@@ -91,15 +91,6 @@ def test_equal_people_give_equal_models_and_a_file_keeps_all_of_them(tmp_path: P
     np.testing.assert_array_equal(back.personal_covariance, trained().personal_covariance)
 
 
-def test_the_personal_part_of_the_errors_is_a_part() -> None:
-    model = builtin("population")
-    personal = model.personal_covariance
-    assert personal is not None
-    np.testing.assert_allclose(personal, personal.T, atol=1e-9)
-    assert np.linalg.eigvalsh(personal).min() > -1e-7
-    assert 0.05 < np.trace(personal) / np.trace(model.residual_covariance) < 0.8
-
-
 def test_strangers_of_both_generators_get_better_poses_than_from_one_persons_encoder() -> None:
     errors: dict[str, list[list[float]]] = {name: [] for name in ("population", "quadratic")}
     for person in simulate_population("strangers", {"judge": {"first": 4, "second": 4}}).people:

@@ -53,11 +53,6 @@ def test_intervals_are_over_people() -> None:
     assert apart["wrist_cm"] == 1.5 and apart["wrist_cm_interval"][0] < 1.3
 
 
-def test_names_that_were_not_asked_for_are_not_judged() -> None:
-    found = summary([result([False] * 10, [np.nan] * 10)])
-    assert "labels_percent" not in found and found["people"] == 1
-
-
 def test_a_stranger_is_judged_by_the_estimate_of_the_model() -> None:
     one = simulate_population("strangers", {"judge": {"second": 3}}).people[0]
     capture = at_trained_size(one, one.meta["size"])

@@ -45,15 +45,12 @@ def test_a_generator_is_held_out(capsys: pytest.CaptureFixture[str], tmp_path: P
 
 
 @pytest.mark.parametrize(
-    ("line", "told"),
+    "line",
     (
-        (["--people", "0"], "no people to judge"),
-        (["--rest", "99"], "out of range"),
-        (
-            ["--population", "kept.json", "--json", "kept.json"],
-            "would replace a file from which it is made",
-        ),
-        (["--hold-out", "second", "--population", "none.npz"], "no such file"),
+        ["--people", "0"],
+        ["--rest", "99"],
+        ["--population", "kept.json", "--json", "kept.json"],
+        ["--hold-out", "second", "--population", "none.npz"],
     ),
 )
 def test_what_cannot_be_judged_costs_one_line(
@@ -61,8 +58,7 @@ def test_what_cannot_be_judged_costs_one_line(
     monkeypatch: pytest.MonkeyPatch,
     capsys: pytest.CaptureFixture[str],
     line: list[str],
-    told: str,
 ) -> None:
     monkeypatch.chdir(tmp_path)
     assert main(["strangers", *line]) == 2
-    assert told in capsys.readouterr().err
+    assert capsys.readouterr().err.count("\n") == 1

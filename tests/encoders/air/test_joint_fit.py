@@ -70,18 +70,6 @@ def test_tips_of_a_hand_of_another_size_are_where_the_person_s_are(size: float) 
     assert np.median(errors) < 0.003
 
 
-def test_joints_that_tremble_cost_little() -> None:
-    rng = np.random.default_rng(5)
-    off = []
-    for _ in range(50):
-        q = any_pose(rng)
-        q[JOINTS] *= 0.7
-        found = fitted(points(q) + rng.normal(0.0, 0.001, (20, 3)))
-        off.append(np.degrees((found.pose - q)[JOINTS][OF_FINGERS]))
-        assert found.error < 0.002
-    assert np.sqrt(np.mean(np.square(off))) < 4.0
-
-
 def test_no_joint_leaves_its_range_wherever_its_points_are() -> None:
     rng = np.random.default_rng(6)
     for _ in range(20):

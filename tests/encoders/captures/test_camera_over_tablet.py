@@ -8,7 +8,6 @@ from functools import cache
 import numpy as np
 import pytest
 
-from encoders.air.camera import Camera
 from encoders.captures.conversion import ConversionReport, ConversionRules, TouchLog
 from encoders.captures.overhead.capture_from_camera import (
     NamedTouches,
@@ -17,7 +16,6 @@ from encoders.captures.overhead.capture_from_camera import (
 )
 from encoders.captures.overhead.names import Belief, NamingRules, chosen, names_of
 from encoders.captures.overhead.simulated_camera import (
-    FROZEN_OVERHEAD,
     SIZE,
     OverheadPictures,
     simulate_overhead,
@@ -118,15 +116,6 @@ def test_a_mirrored_picture_is_told() -> None:
         )
 
 
-def test_pictures_without_the_hand_are_told() -> None:
-    person, pictures = session()
-    empty = [replace(f, hands=()) for f in pictures.frames]
-    with pytest.raises(CaptureError, match="hardly seen"):
-        name_touches(
-            log_of(person), empty, taken(pictures), "right", ConversionRules(), ConversionReport()
-        )
-
-
 def test_corners_tell_the_camera_and_its_field_of_view() -> None:
     person, pictures = session()
     plane = plane_of_corners(pictures.corners, person.surface.size)
@@ -136,13 +125,6 @@ def test_corners_tell_the_camera_and_its_field_of_view() -> None:
     place = place_of_camera(plane.matrix, SIZE, camera)
     corner = person.surface.centred_at((0.0, 0.0, 0.0)).corner
     assert np.abs(place.at - (np.array(camera.at) - corner)).max() < 0.002
-
-
-def test_a_surface_that_is_seen_straight_does_not_tell_the_field_of_view() -> None:
-    person, _ = session()
-    above = replace(FROZEN_OVERHEAD, camera=Camera(60.0, (0.0, 0.0, 0.5), 90.0, 180.0))
-    corners = simulate_overhead(person, 1, above).corners
-    assert field_of_view(plane_of_corners(corners, person.surface.size).matrix, SIZE) is None
 
 
 def test_corners_in_the_wrong_order_are_refused() -> None:
@@ -226,10 +208,3 @@ def test_what_was_seen_before_and_after_counts_alike_in_the_end() -> None:
         assert share.sum() == pytest.approx(1.0)
     backward = names_of(looks[::-1], [0.2] * 12, rules)
     assert all(np.allclose(found[c], backward[c], atol=1e-9) for c in found)
-
-
-def test_a_hand_that_is_not_seen_says_nothing() -> None:
-    rules = NamingRules()
-    unseen = np.full(5, np.nan)
-    share = names_of([{1: unseen}] * 5, [0.1] * 5, rules)[1]
-    assert np.allclose(share, 0.2)

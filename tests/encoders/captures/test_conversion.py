@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -11,7 +10,6 @@ from numpy.typing import NDArray
 
 from encoders.captures.conversion import ConversionReport, JointTrack, TouchLog
 from encoders.captures.conversion.touch_log import valid_contacts
-from encoders.store import load_capture, save_capture
 from models.arithmetic import Array
 from models.errors import CaptureError
 from tests.support.hand_recording import (
@@ -69,14 +67,6 @@ def test_any_offset_is_found(truth: Truth, joints: JointTrack, ahead: float) -> 
     assert abs(report.notes["offset_s"] - ahead) < 0.5 / RATE
 
 
-def test_a_part_of_the_touches_is_enough_to_find_it(truth: Truth, joints: JointTrack) -> None:
-    log = touch_log(truth, AHEAD)
-    rows = (log.frame > 300) & (log.frame < 800)
-    part = TouchLog(log.time, log.frame[rows], log.ids[rows], log.xy[rows])
-    _, report = converted(part, joints, "tap", 0.0)
-    assert abs(report.notes["offset_s"] - AHEAD) < 1 / RATE
-
-
 def test_taps_in_one_rhythm_are_refused_for_they_fit_many_offsets(joints: JointTrack) -> None:
     q = np.tile(joints.q[0], (1200, 1))
     time = np.arange(1200) / RATE
@@ -95,14 +85,6 @@ def test_touches_of_another_session_are_refused_by_their_taps(joints: JointTrack
         converted(other, joints, "tap")
 
 
-def test_a_hand_that_never_taps_cannot_be_synchronised_by_taps(
-    truth: Truth, joints: JointTrack
-) -> None:
-    still = JointTrack(truth.time, np.tile(truth.q[0], (len(truth.q), 1)), truth.skeleton)
-    with pytest.raises(CaptureError, match="no tap"):
-        converted(touch_log(truth), still, "tap")
-
-
 def test_a_wrong_offset_is_noticed(truth: Truth, joints: JointTrack) -> None:
     with pytest.raises(CaptureError, match=r"no touch is near|no contact|no frame"):
         converted(touch_log(truth), joints, "clock", 100.0)
@@ -119,18 +101,6 @@ def test_the_order_of_contacts_and_their_ids_do_not_matter(
     second, _ = converted(other, joints)
     np.testing.assert_array_equal(second.down, first.down)
     np.testing.assert_array_equal(second.xy, first.xy)
-
-
-def test_a_capture_keeps_its_report_when_it_is_saved(
-    truth: Truth, joints: JointTrack, tmp_path: Path
-) -> None:
-    capture, report = converted(touch_log(truth, AHEAD), joints)
-    save_capture(capture, tmp_path / "c.npz")
-    read = load_capture(tmp_path / "c.npz")
-    np.testing.assert_array_equal(read.q, capture.q)
-    np.testing.assert_array_equal(read.ids, capture.ids)
-    assert read.meta["conversion"] == report.as_json()
-    assert read.meta["rate_hz"] == RATE
 
 
 def test_takes_end_at_pauses_and_before_they_grow_too_long(
@@ -298,23 +268,6 @@ def test_a_contact_between_two_fingers_is_refused(truth: Truth, joints: JointTra
     assert not np.isin(rows_of(truth, capture), frames[3:-3]).any()
 
 
-def test_a_touch_that_leaves_its_finger_for_a_moment_takes_these_frames_with_it(
-    truth: Truth, joints: JointTrack
-) -> None:
-    log = touch_log(truth, AHEAD)
-    both = np.flatnonzero(truth.down[:, 1] & (truth.down.sum(axis=1) > 2))
-    run = max(np.split(both, np.flatnonzero(np.diff(both) > 1) + 1), key=len)
-    moved = run[len(run) // 2 : len(run) // 2 + 8]
-    xy, at = log.xy.copy(), truth.xy[:, 1]
-    for frame in moved:
-        rows = np.flatnonzero(log.frame == frame)
-        nearest = rows[np.linalg.norm(log.xy[rows] - at[frame], axis=1).argmin()]
-        xy[nearest] += [0.0, -0.03]
-    capture, report = converted(TouchLog(log.time, log.frame, log.ids, xy), joints)
-    np.testing.assert_array_equal(capture.down, truth.down[rows_of(truth, capture)])
-    assert report.frames["with a finger away from its touch"] >= 3, report
-
-
 def test_two_contacts_of_one_finger_leave_the_nearer(truth: Truth, joints: JointTrack) -> None:
     frames = np.flatnonzero(truth.down[:, 1])
     frames = max(np.split(frames, np.flatnonzero(np.diff(frames) > 1) + 1), key=len)
@@ -324,15 +277,3 @@ def test_two_contacts_of_one_finger_leave_the_nearer(truth: Truth, joints: Joint
     clean, _ = converted(log, joints)
     assert report.contacts == {"their finger had a nearer contact": 1}
     np.testing.assert_array_equal(capture.xy, clean.xy)
-
-
-def test_frames_in_a_gap_of_the_poses_are_dropped_and_counted(
-    truth: Truth, joints: JointTrack
-) -> None:
-    keep = np.ones(len(truth.time), bool)
-    keep[400:460] = False
-    gap = JointTrack(truth.time[keep], truth.q[keep], truth.skeleton)
-    capture, report = converted(touch_log(truth, AHEAD), gap)
-    missing = (truth.down[400:460].sum(axis=1) > 1).sum()
-    assert report.frames.get("without a pose", 0) == missing
-    assert not np.isin(rows_of(truth, capture), np.arange(400, 460)).any()

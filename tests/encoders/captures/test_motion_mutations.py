@@ -24,7 +24,6 @@ from models.motion.vicon_v import VWriter
 from models.plausible import JUMPED, POINT_JUMPED
 from models.pose import mirrored
 from models.reader_report import ReaderReport
-from sandbox.cli.main import main
 from tests.support.hand_recording import (
     RATE,
     Truth,
@@ -187,21 +186,6 @@ def test_a_mirrored_hand_is_doubted_and_refused_and_is_the_other_one_of_a_mirror
     assert "file" not in converted(path, "left").notes
 
 
-def test_the_command_prints_hands_that_jump_and_sides_that_are_doubted(
-    truth: Truth, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    (tmp_path / "map.toml").write_text(
-        "[surface]\ntop_left = [0, 0, 0]\ntop_right = [1, 0, 0]\nbottom_left = [0, 0, 1]\n"
-    )
-    path = write(tmp_path, "bvh", moved(truth, slice(50, 51), (0.0, 0.0, 1.0)))
-    mapping = f"--mapping {tmp_path}/map.toml --out {tmp_path}/c.npz"
-    assert main(f"capture --joints {path} {mapping}".split()) == 0
-    assert JUMPED in " ".join(capsys.readouterr().out.split())
-    path.write_text(mirrored_bvh(write(tmp_path, "bvh", truth).read_text()))
-    assert main(f"capture --joints {path} {mapping}".split()) == 2
-    assert "the right hand is a left hand" in capsys.readouterr().err
-
-
 REAL = ("fingers.bvh", "hand-markers.tsv.gz")
 
 
@@ -209,24 +193,6 @@ REAL = ("fingers.bvh", "hand-markers.tsv.gz")
 def test_real_recordings_give_no_report(shared_data: Path, name: str) -> None:
     for left in (False, True) if name.endswith("bvh") else (False,):
         assert not read_points(shared_data / "formats" / name, Mapping(), left).report
-
-
-@each
-@given(data=st.data(), way=directions)
-def test_a_frame_of_a_real_recording_that_is_moved_by_a_metre_is_reported(
-    shared_data: Path, tmp_path: Path, data: st.DataObject, way: tuple[float, float, float]
-) -> None:
-    lines = (shared_data / "formats" / "fingers.bvh").read_text().splitlines()
-    first = next(n for n, line in enumerate(lines) if line.startswith("Frame Time")) + 1
-    at = data.draw(st.integers(first, len(lines) - 1))
-    words = lines[at].split()
-    shift = 100 * np.array(way) / np.linalg.norm(way)
-    lines[at] = " ".join(
-        [*(str(float(w) + s) for w, s in zip(words, shift, strict=False)), *words[3:]]
-    )
-    path = tmp_path / "fingers.bvh"
-    path.write_text("\n".join(lines) + "\n")
-    assert read_points(path, Mapping()).report.left_out == {JUMPED: 1}
 
 
 def test_a_real_hand_in_a_mirror_is_doubted_or_refused(shared_data: Path, tmp_path: Path) -> None:

@@ -15,8 +15,8 @@ from encoders.capture import Capture
 from encoders.captures.conversion import ConversionReport, ConversionRules, TouchLog
 from encoders.captures.paired.capture_from_hands import capture_from_hands
 from encoders.captures.paired.guide import SETS, Guide
-from encoders.captures.paired.hand_track import _smooth, skeleton_of
-from encoders.captures.paired.open_hand import OPEN_FRAMES, open_hand
+from encoders.captures.paired.hand_track import skeleton_of
+from encoders.captures.paired.open_hand import open_hand
 from encoders.captures.paired.registration import register
 from encoders.captures.paired.simulated_pair import FROZEN_PAIRED, PairedSession, simulate_paired
 from encoders.correction import tip_targets
@@ -145,35 +145,6 @@ def test_with_one_clock_taps_that_match_only_seconds_later_do_not_count() -> Non
         converted(session(), shift=2.0)
 
 
-def test_frames_with_a_touch_that_no_fingertip_makes_are_left_out() -> None:
-    s = session()
-    begin, end = s.touches[0].time + 12.0, s.touches[0].time + 14.0
-    stray = Contact(4_000_000, 0.19, 0.005)
-    touches = tuple(
-        replace(f, contacts=(*f.contacts, stray)) if begin <= f.time < end else f for f in s.touches
-    )
-    capture, notes = converted(replace(s, touches=touches))
-    plain, _ = plainly("v3", "right")
-    moments = log_of(s).time[[begin <= f.time < end for f in s.touches]]
-    inside = [
-        (c.time > moments[0] + 0.05) & (c.time < moments[-1] - 0.05) for c in (capture, plain)
-    ]
-    assert inside[1].sum() > 20 and not inside[0].any()
-    assert notes["kept_frames"] == len(capture)
-
-
-def test_poses_lose_their_trembling_and_keep_their_way_on_either_side_of_a_gap() -> None:
-    rng = np.random.default_rng(2)
-    time = np.r_[np.arange(0.0, 1.0, 0.01), np.arange(5.0, 6.0, 0.01)]
-    way = np.outer(0.1 * time + (time > 3.0), np.ones(48))
-    off = _smooth(time, way + 0.001 * rng.standard_normal(way.shape)) - way
-    assert off.std() < 0.0006
-    # The filter looks both ways: what moves evenly is neither late nor early, but at the ends.
-    inside = np.abs((time % 5.0) - 0.5) < 0.4
-    assert np.abs(_smooth(time, way) - way)[inside].max() < 1e-9
-    assert np.abs(_smooth(time, way) - way).max() < 0.0025
-
-
 def test_recordings_that_never_overlap_are_refused() -> None:
     with pytest.raises(CaptureError, match="do not overlap"):
         converted(session(), shift=500.0)
@@ -192,48 +163,12 @@ def test_a_recording_that_begins_with_a_playing_hand_is_not_calibrated() -> None
         open_hand(frames, "right")
 
 
-def test_a_hand_that_comes_late_is_measured_when_it_is_open() -> None:
-    frames = session().leap.frames
-    at_once = open_hand(frames, "right")
-    empty = replace(frames[0], hands=())
-    late = open_hand([*[empty] * 500, *frames], "right")
-    assert late.frames > OPEN_FRAMES / 2
-    assert late.standard == pytest.approx(at_once.standard, abs=0.001)
-
-
-def test_the_guide_waits_until_the_right_hand_could_be_measured() -> None:
-    frames = session().leap.frames
-    guide = Guide("right")
-    for frame in frames[: 2 * OPEN_FRAMES]:
-        guide.hand(replace(frame, hands=tuple(replace(h, side="left") for h in frame.hands)))
-    assert guide.share == 0.0
-    empty = replace(frames[0], hands=())
-    for frame in [*[empty] * 500, *frames[: OPEN_FRAMES + 25]]:
-        guide.hand(frame)
-    assert "Tap" in guide.step.text
-
-
-def test_a_tap_that_rests_and_lifts_finger_by_finger_is_one() -> None:
-    guide = guided(0.2)
-    before = guide.step.share
-    for now, fingers in ((0.0, 5), (0.3, 4), (0.31, 3), (0.5, 1), (0.52, 0)):
-        guide.touch(frame_of(now, fingers), now)
-    assert before == 0.0 and guide.step.share == pytest.approx(1 / 3)
-
-
-def test_clock_drift_is_estimated_despite_jitter() -> None:
-    rng = np.random.default_rng(0)
-    device = np.arange(0.0, 300.0, 0.01)
-    clock = host_clock(device, 5.0 + 1.0001 * device + rng.exponential(0.004, len(device)), "x")
-    assert clock.drift == pytest.approx(1e-4, abs=2e-6)
-    assert np.ptp(clock.host(device) - (5.0 + 1.0001 * device)) < 1e-3
-
-
 def test_a_machine_that_was_busy_for_a_while_does_not_set_the_clock() -> None:
     rng = np.random.default_rng(0)
     device = np.arange(0.0, 300.0, 0.01)
     arrived = 5.0 + 1.0001 * device + rng.exponential(0.004, len(device))
     plain = host_clock(device, arrived, "x")
+    assert plain.drift == pytest.approx(1e-4, abs=2e-6)
     # In the last half minute, every third frame waits for a third of a second.
     late = (device > 270.0) & (np.arange(len(device)) % 3 == 0)
     busy = host_clock(device, arrived + 0.3 * late, "x")
@@ -293,16 +228,6 @@ def test_the_guide_asks_for_every_set_and_ends() -> None:
     assert guide.share == 1.0
 
 
-def test_fingers_of_the_wrong_number_do_not_count() -> None:
-    guide = guided(0.2)
-    for i in range(3):
-        guide.touch(frame_of(float(i), 5), float(i))
-    share = guide.share
-    for i in range(20):
-        guide.touch(frame_of(3.0 + 0.05 * i, 2), 3.0 + 0.05 * i)
-    assert guide.share == share
-
-
 def frame_of(time: float, fingers: int) -> TouchFrame:
     return TouchFrame(time, tuple(Contact(i, 0.02 * i, 0.05) for i in range(fingers)))
 
@@ -334,25 +259,18 @@ def test_a_folder_becomes_a_capture_that_says_it_is_simulated(
 
 
 @pytest.mark.parametrize(
-    ("options", "expected"),
+    "options",
     [
-        (["--recorded", "{day}", "--side", "left"], "the other hand"),
-        (
-            ["--touches", "{day}/touches.jsonl", "--hands", "{day}/hands.jsonl", "--side", "left"],
-            "not in the recording",
-        ),
-        (["--recorded", "{empty}"], "not a folder of"),
-        (["--recorded", "{late}"], "does not begin with an open right hand"),
-        (["--hands", "{day}/hands.jsonl"], "no touches"),
-        (["--recorded", "{day}", "--joints", "x.bvh"], "one recording of the hand"),
+        ["--recorded", "{day}", "--side", "left"],
+        ["--touches", "{day}/touches.jsonl", "--hands", "{day}/hands.jsonl", "--side", "left"],
+        ["--recorded", "{empty}"],
+        ["--recorded", "{late}"],
+        ["--hands", "{day}/hands.jsonl"],
+        ["--recorded", "{day}", "--joints", "x.bvh"],
     ],
 )
 def test_recordings_that_do_not_match_give_a_one_line_error(
-    folder: Path,
-    tmp_path: Path,
-    capsys: pytest.CaptureFixture[str],
-    options: list[str],
-    expected: str,
+    folder: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str], options: list[str]
 ) -> None:
     late = tmp_path / "late"
     late.mkdir()
@@ -363,8 +281,7 @@ def test_recordings_that_do_not_match_give_a_one_line_error(
     places = {"day": folder, "empty": tmp_path, "late": late}
     asked = [o.format(**places) for o in options]
     status, _, err = said(capsys, *asked, "--out", tmp_path / "c.npz")
-    assert status == 2
-    assert expected in err and err.count("\n") == 1 and "Traceback" not in err
+    assert status == 2 and err.count("\n") == 1
 
 
 def test_a_full_disk_is_reported_at_once_and_earlier_data_are_kept(tmp_path: Path) -> None:

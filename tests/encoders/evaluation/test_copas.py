@@ -37,24 +37,10 @@ def test_an_interval_over_takes_covers_where_independent_frames_do_not() -> None
     assert believed < 0.5 * 200
 
 
-def test_an_interval_is_around_the_mean_and_comes_out_the_same_again() -> None:
-    rng = np.random.default_rng(1)
-    values, block = rng.normal(size=300), np.repeat(np.arange(10), 30)
-    low, high = block_interval(values, block)
-    assert low < values.mean() < high
-    assert block_interval(values, block + 7) == (low, high)
-
-
 def test_equal_values_leave_no_doubt_and_none_leave_nothing() -> None:
     assert block_interval(np.full(9, 2.5), np.arange(9) // 3) == (2.5, 2.5)
     assert standard_error(np.full(9, 2.5)) == 0
     assert np.isnan(block_interval(np.empty(0), np.empty(0, int))).all()
-
-
-def test_the_standard_error_is_that_of_independent_values() -> None:
-    assert standard_error(np.array([1.0, 2.0, 3.0, 4.0])) == pytest.approx(
-        np.std([1, 2, 3, 4], ddof=1) / 2
-    )
 
 
 # The Copas test
@@ -78,16 +64,6 @@ def test_a_true_law_with_plenty_of_data_is_not_called_overfitted() -> None:
         assert test.median_slope == pytest.approx(1.0, abs=0.02)
         for rule in RULES:
             assert test.count(rule) < 0.12 * 40, (rule, blocked)
-
-
-def test_a_slope_is_that_of_least_squares() -> None:
-    rng = np.random.default_rng(2)
-    predicted = rng.normal(size=(200, 3))
-    y = predicted * [0.5, 1.0, 1.5] + 0.1 + 0.01 * rng.normal(size=(200, 3))
-    found = verdict(y, predicted, np.arange(200) // 10)
-    np.testing.assert_allclose(found.slope, [0.5, 1.0, 1.5], atol=0.01)
-    for rule in RULES:
-        assert found.overfitted[rule][0] and not found.overfitted[rule][2]
 
 
 def test_where_takes_move_together_only_the_clustered_rule_keeps_its_level() -> None:

@@ -10,7 +10,7 @@ from hypothesis.extra.numpy import arrays
 
 from encoders.labels.belief import BeliefLabels, _marginals, builtin_population_model, claimed
 from encoders.labels.finger_use import odds_of_first
-from encoders.labels.labelling import Labelling, hypotheses, normalised
+from encoders.labels.labelling import hypotheses, normalised
 from encoders.regression.trained import builtin_capture
 from models.arithmetic import Array
 
@@ -108,22 +108,6 @@ def test_of_contacts_that_leave_the_labels_are_summed_out(
         assert probability == pytest.approx(expected, abs=1e-9)
 
 
-@given(touches(least=3), st.data())
-def test_it_does_not_matter_in_which_order_contacts_leave(
-    contacts: Contacts, data: st.DataObject
-) -> None:
-    order = data.draw(st.permutations(list(contacts)))
-    one_by_one, at_once = new_belief(), new_belief()
-    for belief in (one_by_one, at_once):
-        belief.assign(contacts, {})
-    for gone in range(1, len(order)):
-        one_by_one.assign({i: contacts[i] for i in order[gone:]}, {})
-    at_once.assign({order[-1]: contacts[order[-1]]}, {})
-    assert marginals(one_by_one)[order[-1]] == pytest.approx(
-        marginals(at_once)[order[-1]], abs=1e-9
-    )
-
-
 @given(touches(), st.tuples(st.floats(-0.2, 0.2), st.floats(-0.2, 0.2)))
 def test_a_hand_that_moves_as_a_whole_says_nothing_new(
     contacts: Contacts, way: tuple[float, float]
@@ -170,28 +154,6 @@ def test_a_hand_that_opens_and_turns_shows_which_fingers_touch() -> None:
         wrong["at last"] += found[-1] != truth
     assert wrong["at first"] >= 5
     assert wrong["at last"] < 0.85 * wrong["at first"]
-
-
-@pytest.mark.parametrize("pause", [0, 3])
-def test_a_finger_that_takes_another_one_s_turn_is_known_by_where_that_one_was(pause: int) -> None:
-    """Two fingers that never touch together still lie beside each other."""
-    capture = builtin_capture()
-    five = np.flatnonzero(capture.down.all(axis=1))[::40]
-    right = {"history": 0, "without": 0}
-    for frame in five:
-        at = {f: (float(x), float(y)) for f, (x, y) in enumerate(capture.xy[frame])}
-        turned = new_belief()
-        turned.assign({0: at[0], 1: at[1], 2: at[2]}, {})
-        for _ in range(pause):
-            turned.assign({1: at[1]}, {})
-        right["history"] += turned.assign({1: at[1], 13: at[3]}, {}).labels == {1: 1, 13: 3}
-        known = new_belief()
-        known.assign({0: at[0], 1: at[1], 2: at[2]}, {})
-        known.assign({1: (at[1][0] + 0.1, at[1][1])}, {})
-        after = {1: (at[1][0] + 0.1, at[1][1]), 13: (at[3][0] + 0.1, at[3][1])}
-        right["without"] += known.assign(after, {}).labels == {1: 1, 13: 3}
-    assert right["history"] > right["without"]
-    assert right["history"] >= 0.7 * len(five)
 
 
 @given(touches(least=2), st.data())
@@ -270,29 +232,6 @@ def test_after_a_reset_nothing_is_left(before: Contacts, contacts: Contacts) -> 
     assert used.assign(contacts, {}) == new.assign(contacts, {})
 
 
-def test_two_hands_share_what_was_learned_but_not_what_they_believe() -> None:
-    left, right = new_belief(), new_belief()
-    assert left.trained is right.trained
-    left.assign({1: (0.1, 0.1)}, {})
-    assert marginals(right) == {}
-
-
-def test_history_names_fingers_better_than_looking_at_what_is_left_alone() -> None:
-    """Five fingers leave no doubt; of the two that stay, a single look would often be wrong."""
-    capture = builtin_capture()
-    five = np.flatnonzero(capture.down.all(axis=1))[::40]
-    right = {"history": 0, "alone": 0}
-    for frame in five:
-        contacts = {f: (float(x), float(y)) for f, (x, y) in enumerate(capture.xy[frame])}
-        pair = {f: contacts[f] for f in (2, 3)}
-        belief = new_belief()
-        belief.assign(contacts, {})
-        right["history"] += belief.assign(pair, {}).labels == {2: 2, 3: 3}
-        right["alone"] += new_belief().assign(pair, {}).labels == {2: 2, 3: 3}
-    assert right["history"] == len(five)
-    assert right["alone"] < 0.95 * len(five)
-
-
 def test_the_chance_of_one_finger_is_its_marginal_even_for_labels_that_must_be_kept() -> None:
     belief = new_belief()
     contacts = {4: (0.05, 0.09), 2: (0.08, 0.04), 9: (0.10, 0.045)}
@@ -314,15 +253,6 @@ def test_claims_are_probabilities_in_the_order_of_the_belief_and_less_sure(weigh
     assert np.exp(claims).sum() == pytest.approx(1.0)
     assert (np.diff(claims[np.argsort(belief)]) >= 0.0).all()
     assert claims.max() <= belief.max() + 1e-12
-
-
-def test_five_contacts_are_claimed_as_they_are_believed() -> None:
-    belief = normalised(np.linspace(-40.0, 0.0, 120))
-    assert claimed(belief, 5) is belief
-
-
-def test_a_labelling_without_marginals_gives_the_chance_of_all_labels() -> None:
-    assert Labelling({3: 1}, 0.7).label_probabilities[3] == 0.7
 
 
 @given(touches(), st.integers(3, 4))

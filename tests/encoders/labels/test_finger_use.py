@@ -76,28 +76,20 @@ def test_with_all_sets_in_their_usual_proportion_nothing_changes(contacts: Conta
     assert labelling.probability == pytest.approx(free.probability)
 
 
-def test_the_very_fingers_that_touch_are_named_when_they_are_declared() -> None:
-    # Middle and ring finger, 2 cm apart: without their names they are index and middle finger.
-    contacts = {1: (0.05, 0.05), 2: (0.071, 0.053)}
-    belief = new_belief()
-    belief.odds = odds_of_sets({(2, 3): 1.0}, USUAL_SETS)
-    assert belief.assign(contacts, {}).labels == {1: 2, 2: 3}
-
-
 @pytest.mark.parametrize(
-    ("text", "meant"),
+    "text",
     [
-        ("thumb+indx", "index"),
-        ("thumb+thumb", "twice in a set"),
-        ("thumb+index,index+thumb", "twice"),
-        ("thumb:often", "number"),
-        ("thumb:0", "above 0"),
-        ("thumb:nan", "above 0"),
-        ("thumb,", "finger"),
+        "thumb+indx",
+        "thumb+thumb",
+        "thumb+index,index+thumb",
+        "thumb:often",
+        "thumb:0",
+        "thumb:nan",
+        "thumb,",
     ],
 )
-def test_a_wrong_set_is_refused_where_it_is_written(text: str, meant: str) -> None:
-    with pytest.raises(InputError, match=meant) as error:
+def test_a_wrong_set_is_refused_where_it_is_written(text: str) -> None:
+    with pytest.raises(InputError) as error:
         PipelineSettings(finger_sets=text)
     assert error.value.where == "finger_sets"
 

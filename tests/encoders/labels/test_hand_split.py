@@ -11,12 +11,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from encoders.labels.hand_split import HandSplitter, SplitSettings, all_shares
+from encoders.labels.hand_split import HandSplitter, all_shares
 from models.frames import Contact, TouchFrame
 from models.scene import CONTROL_PERIOD
 from sandbox.devices.device import Device
 from sandbox.devices.wrappers.shared import SharedDevice, SplitByPlace
-from tests.support.hand_pairs import measure
 
 HOMES = np.array([(0.30, 0.10), (0.10, 0.10)])
 """m, of a right and a left hand on 40 by 20 cm."""
@@ -122,18 +121,6 @@ def test_six_fingers_of_one_place_are_two_hands_and_an_eleventh_is_nobodys() -> 
     assert hands.count(0) == hands.count(1) == 5 and hands.count(None) == 1
 
 
-def test_a_contact_waits_for_others_of_its_hand_and_is_reported_then() -> None:
-    splitter = HandSplitter(HOMES)
-    given_at = []
-    for step in range(8):
-        parts = splitter.step(frame(step, {1: (0.3, 0.1)}))
-        given_at += [step * CONTROL_PERIOD] * len(parts[0].contacts)
-    assert given_at[0] == pytest.approx(SplitSettings().settle)
-    assert (
-        HandSplitter(HOMES, SplitSettings(settle=0.0)).step(frame(0, {1: (0.3, 0.1)}))[0].contacts
-    )
-
-
 def test_what_is_cancelled_is_told_to_its_hand_alone() -> None:
     splitter = HandSplitter(HOMES)
     held(splitter, {1: (0.3, 0.1), 2: (0.1, 0.1)})
@@ -168,11 +155,6 @@ def test_a_finger_that_rests_gets_its_hand_though_the_device_is_silent() -> None
             for each in part.poll(step * CONTROL_PERIOD):
                 found[hand] |= {c.id for c in each.contacts}
     assert found == [{1}, {2}]
-
-
-def test_hands_22_cm_apart_get_19_of_20_contacts_right() -> None:
-    count, _ = measure(6, seed=3)[0.22]
-    assert count.all > 20 and count.right / count.all >= 0.95
 
 
 @pytest.mark.parametrize("room", [[5, 5], [2, 3], [0, 1], [5, 0], [0, 0]])

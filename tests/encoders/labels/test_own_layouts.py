@@ -32,12 +32,6 @@ def test_a_part_of_a_known_layout_is_named_by_it(fingers: tuple[int, ...]) -> No
     assert evidence.shape == (len(hypotheses(len(fingers))),)
 
 
-def test_a_layout_far_from_all_known_ones_says_nothing() -> None:
-    own = OwnLayouts(HAND[None])
-    far = 1e-3 * np.array([[0, 0], [10, 200]])
-    assert np.abs(own.log_evidence(far)).max() < 1e-6
-
-
 def test_the_same_posture_is_kept_once_and_the_oldest_makes_room() -> None:
     own = OwnLayouts().with_new(HAND)
     assert own.with_new(HAND + 0.05) is own
@@ -63,12 +57,6 @@ def test_the_same_posture_is_kept_once_and_the_oldest_makes_room() -> None:
 def test_layouts_that_no_hand_has_are_refused(layouts: Array) -> None:
     with pytest.raises(EncoderError):
         OwnLayouts(layouts)
-
-
-def test_a_layout_of_the_other_hand_is_not_kept() -> None:
-    own = OwnLayouts(HAND[None])
-    assert own.with_new(HAND * [-1.2, 1.2]) is own
-    assert len(own.with_new(HAND * 1.2)) == 2
 
 
 def some_layouts(count: int, rng: np.random.Generator) -> Layouts:

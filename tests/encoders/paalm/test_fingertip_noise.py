@@ -2,18 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from encoders.evaluation.paalm_errors import judge_recording
 from encoders.paalm import PaalmOptions
 from encoders.paalm.joint_angles import STEADY, FingertipNoise
-from encoders.paalm.simulated.air import simulate_air
-from encoders.paalm.simulated.forward import FROZEN_LEAP, leap_take
-from tests.support.leap_hands import SHORT, calibrated, take
+from tests.support.leap_hands import calibrated, take
 
 DT = 1.0 / 60.0
 FIXED = PaalmOptions(longest=PaalmOptions().smoothing)
@@ -70,22 +65,3 @@ def test_a_device_as_quiet_as_it_should_be_is_followed_as_with_a_fixed_constant(
         np.testing.assert_array_equal(
             free.step(frame).hands["right"].table, fixed.step(frame).hands["right"].table
         )
-
-
-def test_of_a_noisy_device_a_third_of_the_jitter_goes_and_hardly_any_accuracy() -> None:
-    # 2 mm from frame to frame; a real Leap of 2013 had 0.05.
-    noisy = replace(FROZEN_LEAP, tip=0.002, length=0.001, direction=1.0)
-    free: list[dict[str, float]] = []
-    fixed: list[dict[str, float]] = []
-    for person in range(7, 13):
-        hand = simulate_air(person, "right", replace(SHORT, open_seconds=3.0))
-        one = leap_take(hand, person, "v1", False, noisy)
-        for found, options in ((free, PaalmOptions()), (fixed, FIXED)):
-            found.append(judge_recording("", one, options, names=False).figures)
-    jitter, pip = (
-        np.mean([f[k] for f in free]) / np.mean([f[k] for f in fixed])
-        for k in ("jitter_deg", "pip_deg")
-    )
-    # Of 18 persons 0.62; of these six 0.66.
-    assert jitter < 0.7
-    assert pip < 1.05

@@ -11,15 +11,13 @@ import pytest
 from encoders.evaluation.paalm_errors import plausibility
 from encoders.paalm import Paalm, PaalmOptions
 from encoders.paalm.average import average_calibration
-from encoders.paalm.calibration import longest_calibration
 from encoders.paalm.chain import FINGER_LIMITS, FingerChain
 from encoders.paalm.coupling import TWO_THIRDS
 from encoders.paalm.identity import HandSides
 from encoders.paalm.palm import palm_of
-from encoders.paalm.rig import average_knuckle, bone_lengths, with_palm_shift
-from encoders.paalm.seen_palm import FIRST_SHIFT, OVERREACH, LearnedPalm, slip
-from models.errors import EncoderError
-from models.frames import FINGERS, HandFrame, TrackedHand
+from encoders.paalm.rig import average_knuckle, bone_lengths
+from encoders.paalm.seen_palm import FIRST_SHIFT, LearnedPalm, slip
+from models.frames import TrackedHand
 from models.rotations import exp
 from sandbox.devices.leap.leap_file import read_leap
 from tests.support.leap_hands import real_take, take
@@ -87,28 +85,6 @@ def test_a_palm_whose_fingers_are_behind_it_is_turned_round() -> None:
         )
 
 
-def test_names_that_were_swapped_are_put_in_order() -> None:
-    one = take(0, drop_outs=False)
-    still = [one.frames[20]] * 60
-    paalm = Paalm()
-    paalm.calibrate([f for f, o in zip(one.frames, one.open, strict=True) if o], "right", 100)
-    truth = one.fingers[20]
-    swapped = {i: {2: 3, 3: 2}.get(n, n) for i, n in truth.items()}
-    (hand,) = still[0].hands
-    paalm.step(still[0])
-    tracker = paalm._hands["right"]._identity
-    for i, name in swapped.items():
-        tracker._ids[name] = i
-        tracker._tips[name] = palm_of(hand, "right").place(
-            next(f.tip for f in hand.fingers if f.id == i)
-        )
-        tracker._places[name] = tuple(tracker._tips[name].tolist())
-    for step, frame in enumerate(still):
-        out = paalm.step(replace(frame, time=frame.time + 0.01 * step))
-    said = {i: FINGERS.index(f) for f, i in out.hands["right"].ids.items() if i is not None}
-    assert said == truth
-
-
 @pytest.mark.parametrize("forward", [-0.02, 0.0, 0.03])
 def test_the_slip_of_a_palm_is_what_all_fingers_miss(forward: float) -> None:
     fingers = []
@@ -119,15 +95,6 @@ def test_the_slip_of_a_palm_is_what_all_fingers_miss(forward: float) -> None:
         fingers.append((chain, (float(x), float(y - forward), float(z))))
     assert slip(fingers) == pytest.approx(forward, abs=0.001)
     assert slip([]) == 0.0
-
-
-def test_no_finger_has_to_be_longer_than_it_is() -> None:
-    chain = FingerChain(bone_lengths()[1], TWO_THIRDS, FINGER_LIMITS)
-    near, far = (chain, (0.0, chain.longest - 0.01, 0.0)), (chain, (0.0, chain.longest, 0.0))
-    assert slip([near, near, far]) == pytest.approx(0.01, abs=1e-4)
-    # The far one would end 10 mm beyond its reach.
-    assert slip([near, near, far], OVERREACH) == pytest.approx(OVERREACH, abs=1e-4)
-    assert slip([far, far, near], OVERREACH) == pytest.approx(0.0, abs=1e-4)
 
 
 def test_an_unmeasured_hand_learns_where_its_palm_is_seen_and_how_long_its_fingers_are() -> None:
@@ -169,25 +136,3 @@ def test_a_palm_is_learned_from_fingers_that_point_back_to_their_knuckles() -> N
         assert max(abs(a - b) for a, b in zip(before, learned.shift, strict=True)) < 3e-4
     np.testing.assert_allclose(learned.shift, truth, atol=0.001)
     np.testing.assert_allclose(learned.standard, 0.0705, atol=0.001)
-
-
-def test_a_standard_is_the_longest_length_and_the_tips_are_where_they_were_seen() -> None:
-    one = take(0, drop_outs=False)
-    rng = np.random.default_rng(4)
-    samples = []
-    for frame in one.frames[:220]:
-        (hand,) = frame.hands
-        shown = [
-            replace(f, length=f.length * min(rng.uniform(0.4, 1.6), 1.0)) for f in hand.fingers
-        ]
-        samples.append((frame.time, replace(hand, fingers=tuple(shown))))
-    whole = longest_calibration([(f.time, f.hands[0]) for f in one.frames[:220]], "right", 20)
-    found = longest_calibration(samples, "right", 20)
-    np.testing.assert_allclose(found.standard, whole.standard, rtol=0.07)
-    np.testing.assert_allclose(found.tips, whole.tips, atol=0.003)
-    shifted = with_palm_shift(found, PaalmOptions())
-    assert shifted.palm_shift is not None and np.linalg.norm(shifted.palm_shift) < 0.03
-    with pytest.raises(EncoderError, match="too few"):
-        longest_calibration(samples[:10], "right", 20)
-    with pytest.raises(EncoderError, match="too few"):
-        longest_calibration([(f.time, None) for f in [HandFrame(0.0)] * 30], "right", 20)

@@ -11,7 +11,6 @@ from hypothesis import strategies as st
 
 from encoders.paalm import Paalm, PaalmOptions
 from encoders.paalm.average import average_calibration
-from encoders.paalm.calibration import coupling_of_joints
 from encoders.paalm.coupling import OFFSET_STEP, ORION, SLOPE_STEP, LearnedCoupling
 from encoders.paalm.palm import vector_of
 from encoders.paalm.simulated.air import FROZEN_AIR, simulate_air
@@ -93,18 +92,3 @@ def test_a_hand_that_is_new_to_the_session_is_learned_anew() -> None:
         paalm.reset()
         runs.append(np.array([paalm.step(f).hands["right"].table for f in take.frames]))
     np.testing.assert_array_equal(runs[0], runs[1])
-
-
-def test_a_recordings_line_is_that_of_its_joints() -> None:
-    rng = np.random.default_rng(1)
-    hands = [bent(p, 0.7 * p + 2.0) for p in rng.uniform(0.0, 100.0, 300)]
-    joints = np.array([[f.joints for f in hand.fingers] for hand in hands])
-    found = coupling_of_joints(joints)
-    assert found is not None
-    assert (found.slope, found.offset) == (
-        pytest.approx(0.7, abs=1e-6),
-        pytest.approx(2.0, abs=1e-4),
-    )
-    assert coupling_of_joints(joints[:0]) is None
-    still = np.array([[f.joints for f in bent(50.0, 30.0).fingers]] * 20)
-    assert coupling_of_joints(still) is None

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from encoders.paalm import EQUAL, TWO_THIRDS, Coupling
-from encoders.paalm.angles import NAMES, angles_of_joints, by_name, joints_of_angles
+from encoders.paalm.angles import angles_of_joints, joints_of_angles
 from encoders.paalm.chain import FINGER_LIMITS, FingerChain
 from models.errors import EncoderError
 
@@ -34,14 +34,6 @@ def test_angles_of_joints_are_the_angles_that_placed_them(
 ) -> None:
     joints = joints_of_angles(rows, np.zeros((5, 3)), np.tile(LENGTHS, (5, 1)))
     np.testing.assert_allclose(angles_of_joints(joints), rows, atol=1e-9)
-
-
-def test_every_angle_has_a_name_of_its_own() -> None:
-    table = np.arange(20.0).reshape(5, 4)
-    named = by_name(table)
-    assert len(named) == 20 == len({n for row in NAMES for n in row})
-    assert named["index_pip_flexion"] == table[1, 2]
-    assert named["thumb_cmc_spread"] == table[0, 1]
 
 
 @given(

@@ -10,16 +10,16 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from encoders.paalm import Paalm
-from encoders.paalm.angles import FRAMES, angles_of_joints
+from encoders.paalm.angles import angles_of_joints
 from encoders.paalm.hand_pose import PALM_CENTRE, hand_pose
 from encoders.paalm.hand_reconstructor import HandReconstructor
-from encoders.paalm.palm import Palm, palm_of
+from encoders.paalm.palm import palm_of
 from encoders.reconstruction.hand_motion import Phase
 from models.errors import EncoderError
 from models.frames import HandFrame, TrackedHand
 from models.kinematics import Kinematics
-from models.pose import JOINTS, ROOT_POSITION, ROOT_ROTATION, mirrored, violations, within_limits
-from models.rotations import exp, log
+from models.pose import mirrored, violations
+from models.rotations import exp
 from models.skeleton import ADULT
 from tests.support.leap_hands import calibrated, take
 
@@ -66,38 +66,6 @@ def test_the_hands_joints_show_the_angles_it_was_given(
     # both large, and spread is measured from each knuckle's own splay.
     np.testing.assert_allclose(shown[:, 2:], np.array(rows)[:, 2:], atol=1e-6)
     np.testing.assert_allclose(shown[1:, 0], np.array(rows)[1:, 0], atol=6.0)
-
-
-@given(
-    st.lists(st.floats(-180, 180), min_size=20, max_size=20),
-    st.lists(st.floats(-3.0, 3.0), min_size=3, max_size=3),
-)
-def test_a_pose_is_what_one_turn_after_the_other_gives(
-    angles: list[float], turn: list[float]
-) -> None:
-    rows = np.array(angles).reshape(5, 4)
-    palm = Palm((0.01, 0.02, 0.2), *(tuple(c) for c in exp(turn).T.tolist()))
-    q = np.zeros(48)
-    q[ROOT_ROTATION] = log(exp(turn))
-    q[ROOT_POSITION] = np.subtract(palm.origin, 0.9 * exp(turn) @ PALM_CENTRE)
-    turns, column, last = [], 0, -1
-    for bone in ADULT.bones:
-        column, first, last = (
-            (column + 1, False, last) if bone.finger == last else (1, True, bone.finger)
-        )
-        bend = np.deg2rad(rows[last, 0 if first else column])
-        turned = exp((-bend, 0.0, 0.0))
-        if first:
-            turned = FRAMES[last] @ turned @ exp((0.0, 0.0, np.deg2rad(rows[last, 1])))
-        turns.append(bone.rest.T @ turned)
-    q[JOINTS] = log(np.array(turns)).ravel()
-    found, meant = hand_pose(rows, palm, size=0.9), within_limits(q, ADULT)
-    # Half a turn has two rotation vectors; both are right.
-    same = np.linalg.norm(q[3:].reshape(-1, 3), axis=1) < np.pi - 1e-6
-    np.testing.assert_allclose(found[:3], meant[:3], atol=1e-12)
-    np.testing.assert_allclose(
-        found[3:].reshape(-1, 3)[same], meant[3:].reshape(-1, 3)[same], atol=1e-7
-    )
 
 
 def test_within_the_joints_ranges_every_angle_is_exact() -> None:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterable
-from dataclasses import replace
 from functools import cache
 from pathlib import Path
 
@@ -15,10 +14,8 @@ from hypothesis import strategies as st
 
 from encoders.input_vector import contact_vector
 from encoders.person.natural_layout import YawMonitor, YawRange, YawWarningSettings
-from encoders.regression.trained import builtin, builtin_capture
-from models.errors import CaptureError
+from encoders.regression.trained import builtin_capture
 from models.frames import Contact, TouchFrame
-from models.person import Person, PersonFrame
 from models.skeleton import ADULT
 from models.surface import METRES_PER_INCH, Surface
 from sandbox.cli import run
@@ -95,24 +92,6 @@ def test_the_range_holds_the_turns_of_the_training_and_is_not_the_whole_circle()
     beyond = np.array([trained_range().beyond(t) for t in turns])
     assert np.mean(beyond > 0) < 0.02
     assert np.mean(beyond > YawWarningSettings().outside) < 0.005
-
-
-@given(turn=st.floats(-3.14, 3.14))
-def test_the_excess_of_a_yaw_is_its_distance_to_the_nearer_end_of_the_range(turn: float) -> None:
-    beyond = trained_range().beyond(turn)
-    ends = np.array([trained_range().low, trained_range().high])
-    ways = np.abs((ends - turn + np.pi) % (2 * np.pi) - np.pi)
-    inside = trained_range().low <= turn <= trained_range().high
-    assert beyond == pytest.approx(0.0 if inside else ways.min(), abs=1e-9)
-    assert 0.0 <= beyond <= np.pi
-
-
-def test_a_capture_with_few_frames_of_five_fingers_says_nothing_about_turns() -> None:
-    U = builtin_capture().u
-    with pytest.raises(CaptureError, match="five"):
-        YawRange.of(U[U[:, 10:].sum(axis=1) < 5])
-    few = replace(builtin("quadratic"), training_u=U[U[:, 10:].sum(axis=1) < 5])
-    assert few.training_u.shape[0] > 0
 
 
 def watched(turns: list[float], watch: YawMonitor | None = None, dt: float = 0.1) -> list[str]:
@@ -207,29 +186,6 @@ def test_a_person_at_the_far_side_of_the_screen_is_warned_unless_the_seat_is_set
     assert far[-1] and len(set(far) - {""}) == 1
     assert not any(notices_of(Settings(hands=(HandSettings(turn=180),)), np.pi))
     assert not any(notices_of(Settings(), 0.0))
-
-
-def test_a_left_hand_is_judged_in_its_mirror() -> None:
-    surface = Settings().surface.rectangle
-    frame = PersonFrame(Person("left"), surface)
-
-    class Left(Resting):
-        def __init__(self, surface: Surface, turn: float) -> None:
-            super().__init__(surface, turn)
-            self.contacts = tuple(
-                replace(c, x=float(x), y=float(y))
-                for c, (x, y) in zip(
-                    self.contacts, frame.outwards([(c.x, c.y) for c in self.contacts]), strict=True
-                )
-            )
-
-    def last(turn: float) -> str:
-        session = build(
-            Settings(hands=(HandSettings("left"),)), (lambda task, surface: Left(surface, turn),)
-        )
-        return [about_turning(session.advance()) for _ in range(150)][-1]
-
-    assert last(np.pi) and not last(0.0)
 
 
 def test_the_warning_changes_no_state_of_the_simulation() -> None:

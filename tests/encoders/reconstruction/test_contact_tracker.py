@@ -152,14 +152,6 @@ def test_a_lost_finger_is_carried_by_the_others(lost: int, x: float, y: float) -
     assert not tracker.tracks[lost].active
 
 
-def test_what_carries_a_lost_finger_is_the_others_mean_motion() -> None:
-    tracker = after(
-        frame(0.0, THUMB, INDEX, MIDDLE),
-        frame(DT, (0.03, 0.10), (0.04, 0.07), None),
-    )
-    np.testing.assert_allclose(tracker.tracks[2].place, np.add(MIDDLE, (0.005, 0.01)), atol=1e-12)
-
-
 @given(
     away=st.floats(0.0, 0.02),
     angle=st.floats(0.0, 6.3),
@@ -198,16 +190,6 @@ def test_a_new_id_between_two_lost_fingers_inherits_the_nearer_one() -> None:
         frame(2 * DT, THUMB, None, None, (0.054, 0.043)),
     )
     assert {i: t.active for i, t in tracker.tracks.items()} == {0: True, 1: False, 2: True}
-
-
-def test_an_inherited_finger_keeps_its_old_id_free_for_another() -> None:
-    tracker = after(
-        frame(0.0, THUMB, INDEX),
-        frame(DT, THUMB, None),
-        frame(2 * DT, THUMB, None, INDEX),
-        frame(3 * DT, THUMB, LITTLE, INDEX),
-    )
-    assert {i: t.device_id for i, t in tracker.tracks.items()} == {0: 0, 1: 2, 2: 1}
 
 
 def lifetime(cancelled: bool) -> float:
@@ -253,14 +235,6 @@ def test_while_a_finger_touches_the_others_go_one_by_one() -> None:
     assert list(tracker.tracks) == [0]
 
 
-def test_without_grace_a_finger_is_gone_at_once() -> None:
-    none = replace(SHARP, grace=0.0, cancelled_grace=0.0)
-    tracker = after(frame(0.0, THUMB, INDEX), frame(DT, THUMB, None), settings=none)
-    assert list(tracker.tracks) == [0]
-    tracker.step(frame(2 * DT, THUMB, None, INDEX))
-    assert list(tracker.tracks) == [0, 2]
-
-
 PALM = Contact(9, 0.06, 0.12, SETTINGS.blob + 0.001)
 FAR = Contact(9, THUMB[0] + SETTINGS.span + 0.001, THUMB[1])
 SIXTH = Contact(9, 0.06, 0.08)
@@ -300,13 +274,6 @@ def test_a_palm_does_not_replace_a_lost_finger() -> None:
     assert tracker.ignored == (palm,)
 
 
-def test_contacts_of_usual_size_within_a_hands_width_are_accepted() -> None:
-    edge = Contact(1, THUMB[0] + SETTINGS.span - 0.001, THUMB[1], SETTINGS.blob - 0.001)
-    tracker = after(TouchFrame(0.0, (Contact(0, *THUMB), edge)))
-    assert len(tracker.tracks) == 2
-    assert tracker.counts == {}
-
-
 def test_a_sixth_contact_takes_the_place_of_the_finger_lost_longest() -> None:
     tracker = after(
         frame(0.0, *HAND),
@@ -325,14 +292,6 @@ def test_smoothing_is_the_same_in_one_step_and_in_two_halves(dt: float, x: float
     twice = after(start, frame(dt / 2, *there), frame(dt, *there), settings=SETTINGS)
     for a, b in zip(once.tracks.values(), twice.tracks.values(), strict=True):
         np.testing.assert_allclose(a.place, b.place, atol=1e-12)
-
-
-def test_smoothing_is_a_first_order_low_pass() -> None:
-    tracker = after(
-        frame(0.0, THUMB), frame(SETTINGS.low_pass, *moved([THUMB], 0.01, 0.0)), settings=SETTINGS
-    )
-    share = (tracker.tracks[0].place[0] - THUMB[0]) / 0.01
-    assert share == pytest.approx(1.0 - np.exp(-1.0))
 
 
 def test_labels_of_a_device_that_knows_its_fingers_are_used() -> None:

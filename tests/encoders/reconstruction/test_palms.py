@@ -30,7 +30,6 @@ DT = 0.016
 FINGERS = ((0.10, 0.14), (0.12, 0.09), (0.14, 0.08), (0.16, 0.09), (0.18, 0.11))
 """Touches of thumb to little finger."""
 HEEL = (0.16, 0.22)
-SMALL = (0.009, 0.010)
 PLACES = st.tuples(st.floats(0.0, 0.3), st.floats(0.0, 0.2))
 
 
@@ -70,13 +69,6 @@ def test_a_fingertip_is_known_within_the_time_that_names_take(size: float, seed:
     assert Kind.PALM not in kinds
     if size < 0.009:
         assert kinds[-1] is Kind.FINGER
-
-
-def test_sizes_that_seem_to_grow_by_noise_keep_few_fingertips_unsure() -> None:
-    random = np.random.default_rng(1)
-    sizes = random.uniform(0.009, 0.012, (1000, 1)) * random.normal(1.0, 0.05, (1000, 8))
-    known = sum(judged(row.tolist())[-1] is Kind.FINGER for row in sizes)
-    assert known >= 950
 
 
 @given(st.floats(0.040, 0.5), st.integers(0, 2**31))
@@ -138,15 +130,6 @@ def test_odds_of_a_place_depend_on_where_it_is_beside_the_others_alone(
     moved = [(x + by[0], y + by[1]) for x, y in lone]
     here = place[0] + by[0], place[1] + by[1]
     assert place_odds(here, moved) == pytest.approx(place_odds(place, lone), abs=1e-6)
-
-
-def test_a_heel_is_likelier_a_palm_than_any_finger_is() -> None:
-    at_heel = place_odds(HEEL, FINGERS[:3])
-    fingers = [
-        place_odds(FINGERS[i], [p for j, p in enumerate(FINGERS[:4]) if j != i]) for i in range(4)
-    ]
-    assert at_heel > 1.0 > max(fingers)
-    assert place_odds(HEEL, []) == 0.0
 
 
 def frames(*contacts: tuple[Contact, float], until: float) -> list[TouchFrame]:
@@ -219,18 +202,6 @@ def test_while_five_fingers_are_down_nothing_else_becomes_one(
         tracker.step(TouchFrame(DT * step, five + more))
     assert {t.device_id for t in tracker.tracks.values()} == {0, 1, 2, 3, 4}
     assert [c.id for c in tracker.ignored] == [9]
-
-
-def test_a_wide_thumb_of_a_grip_gets_its_name() -> None:
-    hand = reconstructor()
-    rng = np.random.default_rng(3)
-    for frame in frames(*((touch(i), 0.0) for i in range(4)), until=1.2):
-        width, height = (0.024 * rng.normal(1.0, 0.15, 2)).tolist()
-        thumb = replace(frame.contacts[0], extent=(width, height))
-        found = hand.step(replace(frame, contacts=(thumb, *frame.contacts[1:])))
-        assert all(c.state == "active" for c in found.contacts)
-    assert found.phase is Phase.DOWN
-    assert {c.label for c in found.contacts} == {0, 1, 2, 3}
 
 
 @given(st.lists(st.sampled_from([None, 0.01, 0.034, 0.05]), min_size=5, max_size=5))

@@ -9,9 +9,7 @@ from hypothesis import strategies as st
 
 from encoders.reconstruction.hand_motion import PoseFilter, rigid_motion
 from models.arithmetic import Array
-from models.kinematics import Kinematics
 from models.rotations import exp, geodesic_angle, unwrap_near
-from models.skeleton import ADULT
 from tests.encoders.regression.turning import turned_places, turned_pose
 from tests.support.simulation import legal_poses, pose_at
 
@@ -69,22 +67,6 @@ def test_many_small_steps_are_one_large_step(a: Array, b: Array, dt: float, part
     np.testing.assert_allclose(last, whole, atol=1e-9)
 
 
-def test_halving_the_step_hardly_changes_a_smooth_motion() -> None:
-    def followed(dt: float) -> np.ndarray:
-        times = np.arange(0.0, 1.0 + dt / 2, dt)
-        share = np.sin(3.0 * times) ** 2
-        pose_filter = started(A)
-        for s in share:
-            last = pose_filter.step(A + s * (B - A), STILL, dt)
-        return last
-
-    gap = np.abs(followed(0.016) - followed(0.008)).max()
-    finer = np.abs(followed(0.008) - followed(0.004)).max()
-    assert finer < 0.05
-    # First order in the step: half the step, half the error.
-    assert finer < 0.6 * gap
-
-
 @given(a=legal_poses, b=legal_poses, dt=steps)
 def test_every_step_ends_between_where_it_was_and_where_it_is_going(
     a: Array, b: Array, dt: float
@@ -93,14 +75,6 @@ def test_every_step_ends_between_where_it_was_and_where_it_is_going(
     smoothed = started(a).step(b, STILL, dt)
     share = 1.0 - np.exp(-dt / TAU)
     np.testing.assert_allclose(smoothed, a + share * (b - a), atol=1e-12)
-
-
-def test_after_its_time_constant_a_change_of_posture_is_by_63_percent_done() -> None:
-    pose_filter = started(A)
-    for _ in range(100):
-        last = pose_filter.step(B, STILL, TAU / 100)
-    share = (last - A) / (B - A)
-    np.testing.assert_allclose(share, 1.0 - np.exp(-1.0), atol=1e-9)
 
 
 @given(a=legal_poses, b=legal_poses, dt=steps)
@@ -226,24 +200,3 @@ def test_a_hand_that_turns_with_its_touches_has_no_lag(
         np.testing.assert_allclose(exp(smoothed[3:6]), exp(q[3:6]), atol=1e-9)
         np.testing.assert_allclose(smoothed[6:], q[6:], atol=1e-9)
         xy = later
-
-
-@given(a=legal_poses, b=legal_poses, turn=st.floats(-0.5, 0.5), about=points)
-def test_fingertips_settle_alike_whether_or_not_the_hand_turns(
-    a: Array, b: Array, turn: float, about: Array
-) -> None:
-    """Hands of one direction: averages of rotation vectors depend on the frame a little."""
-    b[3:6] = a[3:6]
-    still, turning, kinematics = started(a), started(a), Kinematics(ADULT)
-    smoothed = turning.step(turned_pose(b, turn, about), STILL, DT, turn, about.tolist())
-    wanted = turned_pose(still.step(b, STILL, DT), turn, about)
-    np.testing.assert_allclose(kinematics.tips(smoothed), kinematics.tips(wanted), atol=1e-9)
-
-
-@given(a=legal_poses, b=legal_poses, dt=steps, about=points)
-def test_without_a_turn_the_point_of_it_does_not_matter(
-    a: Array, b: Array, dt: float, about: Array
-) -> None:
-    np.testing.assert_array_equal(
-        started(a).step(b, STILL, dt, 0.0, about.tolist()), started(a).step(b, STILL, dt)
-    )

@@ -14,8 +14,6 @@ from scipy.optimize import least_squares
 from encoders.capture import Capture
 from encoders.correction import PAD_HEIGHT
 from encoders.regression.bone_fit import (
-    DISTRUSTS,
-    blocked_variance,
     fitted_skeleton,
     perturbed_skeleton,
     tip_misses,
@@ -25,9 +23,8 @@ from encoders.regression.polynomial import PolynomialEncoder
 from encoders.regression.trained import PersonCorrection, builtin_capture
 from encoders.regression.training import blocked_predictions
 from encoders.validation import robust_covariance
-from models.errors import EncoderError
 from models.kinematics import Kinematics
-from models.pose import JOINTS, absolute_pose, joint_vectors, violations, within_limits
+from models.pose import absolute_pose, joint_vectors, violations, within_limits
 from models.rotations import geodesic_angle
 from models.skeleton import ADULT, Skeleton
 from tests.support.simulation import HIGHEST, LOWEST
@@ -178,25 +175,6 @@ def test_the_corrected_pose_is_the_likeliest_one(seed: int, frame: int) -> None:
     assert cost(reached) - least < 1e-2 * (cost(np.zeros_like(reached)) - least)
 
 
-@settings(max_examples=25)
-@given(seed=seeds)
-def test_the_truth_is_as_far_away_as_the_covariance_says(seed: int) -> None:
-    """Estimates of many noisy predictions have the smaller errors that Bayes promises."""
-    rng = np.random.default_rng(seed)
-    q, _, covariance = near_a_table(seed, 1)
-    covariance *= 0.04
-    q = np.repeat(q, 200, axis=0)
-    q[:, 2] += PAD_HEIGHT - TABLE.tips(q)[:, 1, 2]
-    guess = q + rng.multivariate_normal(np.zeros(48), covariance, 200)
-    xy = touched(q, [1]) + rng.normal(0, 1e-4, (200, 5, 2))
-    corrected = PersonCorrection(ADULT, covariance, np.full(3, 1e-8)).correct(guess, xy)
-    J = TABLE.tips_and_jacobian(q[0])[1][1]
-    gain = covariance @ J.T @ np.linalg.inv(J @ covariance @ J.T + 1e-8 * np.eye(3))
-    left = np.trace((np.eye(48) - gain @ J) @ covariance)
-    found = np.mean(np.sum((corrected - q) ** 2, axis=1))
-    assert found == pytest.approx(left, rel=0.2)
-
-
 @given(seed=seeds, down=fingers, shift=st.tuples(st.floats(-0.3, 0.3), st.floats(-0.3, 0.3)))
 def test_a_hand_elsewhere_on_the_surface_is_corrected_alike(
     seed: int, down: list[int], shift: tuple[float, float]
@@ -274,66 +252,3 @@ def test_bones_wrong_by_six_percent_are_fitted_and_joints_are_no_worse_than_befo
     before = np.where(held[:, None], first_guess(), takes().q)
     assert joint_angle(corrected) < joint_angle(before)
     assert wrist_distance(corrected) < wrist_distance(before)
-
-
-def test_for_people_whose_bones_nobody_knows_touches_are_trusted_less(held: np.ndarray) -> None:
-    seen = takes().select(~held)
-    known, unknown = (
-        train_correction(seen, predicted_poses()[~held], error_covariance(), ADULT, fit)
-        for fit in (True, False)
-    )
-    assert (unknown.tip_variance > 4 * known.tip_variance).all()
-    assert unknown.skeleton is ADULT
-
-
-def test_for_people_whose_bones_nobody_knows_joints_are_hardly_worse_than_before(
-    held: np.ndarray,
-) -> None:
-    seen = takes().select(~held)
-    unknown = train_correction(seen, predicted_poses()[~held], error_covariance(), ADULT, fit=False)
-    own = PersonCorrection(ADULT, error_covariance(), blocked_variance(seen, ADULT))
-    cautious: list[float] = []
-    trusting: list[float] = []
-    for seed in range(100, 108):
-        bones = perturbed_skeleton(ADULT, np.random.default_rng(seed), 0.06, 0.004)
-        for correction, found in ((unknown, cautious), (own, trusting)):
-            other = replace(correction, skeleton=bones)
-            found.append(joint_angle(other.correct(first_guess(), takes().xy)))
-    assert np.mean(cautious) < joint_angle(first_guess()) + np.deg2rad(1.0)
-    assert np.mean(cautious) < np.mean(trusting)
-
-
-def test_training_is_the_same_every_time_and_scales_the_variance_by_its_distrust(
-    held: np.ndarray,
-) -> None:
-    seen = takes().select(~held)
-    once, again = (
-        train_correction(seen, predicted_poses()[~held], error_covariance(), ADULT)
-        for _ in range(2)
-    )
-    assert once.distrust == again.distrust and once.distrust in DISTRUSTS
-    np.testing.assert_array_equal(once.tip_variance, again.tip_variance)
-    np.testing.assert_array_equal(once.tip_variance, once.distrust * blocked_variance(seen, ADULT))
-
-
-def test_the_two_directions_along_the_surface_share_one_variance() -> None:
-    x, y, z = blocked_variance(takes(), ADULT)
-    assert x == y > 0 and z > 0
-    misses = tip_misses(TABLE, takes())
-    np.testing.assert_allclose(
-        blocked_variance(takes(), ADULT, fit=False)[[0, 2]],
-        [np.mean(misses[:, :2] ** 2), np.mean(misses[:, 2] ** 2)],
-    )
-
-
-def test_one_take_alone_is_refused() -> None:
-    alone = takes().trial == takes().trial[0]
-    with pytest.raises(EncoderError, match="2 trials"):
-        train_correction(takes().select(alone), predicted_poses()[alone], error_covariance(), ADULT)
-
-
-def test_a_joint_that_its_prediction_puts_out_of_range_comes_back() -> None:
-    guess = first_guess()[:3].copy()
-    guess[:, JOINTS] = ADULT.upper + 0.5
-    some = PersonCorrection(ADULT, error_covariance(), np.full(3, 1.0))
-    assert (violations(some.correct(guess, takes().xy[:3]), ADULT) == 0).all()

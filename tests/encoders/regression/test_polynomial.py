@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from numpy.typing import ArrayLike
 from scipy.linalg import lstsq
 
 from encoders.captures.subject.gestures import SETS
@@ -70,31 +69,15 @@ def test_a_polynomial_of_the_same_degree_is_recovered_exactly(degree: int) -> No
     np.testing.assert_allclose(encoder.predict(unseen), encoder.terms(unseen) @ law, atol=1e-9)
 
 
-def test_a_quadratic_law_of_contact_vectors_is_predicted_exactly_on_layouts_never_seen() -> None:
-    U, unseen = layouts(30), layouts(10, seed=1)
-    law = np.random.default_rng(2).normal(size=(136, 48))
-    encoder = QuadraticEncoder().fit(U, np.zeros((len(U), 48)))
-    encoder.fit(U, encoder.terms(U) @ law)
-    np.testing.assert_allclose(encoder.predict(unseen), encoder.terms(unseen) @ law, atol=1e-7)
-
-
-def test_of_136_quadratic_terms_121_are_independent() -> None:
+@pytest.mark.parametrize(
+    ("encoder", "rank"), ((LinearEncoder, 16), (QuadraticEncoder, 121), (CubicEncoder, 591))
+)
+def test_of_136_quadratic_terms_121_are_independent(
+    encoder: type[LinearEncoder | QuadraticEncoder | CubicEncoder], rank: int
+) -> None:
     """s s = s for 5 flags, and x s = x + 1 - s for 10 coordinates: 15 terms too many."""
-    U = layouts(30)
-    assert QuadraticEncoder().fit(U, U).rank_ == 121
-    assert LinearEncoder().fit(U, U).rank_ == 16
-
-
-def test_of_816_cubic_terms_591_are_independent() -> None:
     U = layouts(80)
-    assert CubicEncoder().fit(U, U[:, :1]).rank_ == 591
-
-
-def test_without_a_set_of_fingers_the_quadratic_still_knows_all_it_can() -> None:
-    U = layouts(30)
-    four = U[:, 10:].sum(axis=1) == 4
-    only = four & (U[:, 10] == 0)
-    assert QuadraticEncoder().fit(U[~only], U[~only]).rank_ == 121
+    assert encoder().fit(U, U[:, :1]).rank_ == rank
 
 
 @settings(max_examples=15)
@@ -113,43 +96,12 @@ def test_where_lifted_fingers_are_put_does_not_change_a_least_squares_prediction
     np.testing.assert_allclose(moved, usual, atol=1e-7)
 
 
-def test_with_a_ridge_the_place_of_lifted_fingers_does_matter() -> None:
-    U, unseen = layouts(30), layouts(5, seed=1)
-    Q = np.random.default_rng(3).normal(size=(len(U), 4)) + U[:, :4] ** 2
-    usual = QuadraticEncoder(0.1).fit(U, Q).predict(unseen)
-    far = QuadraticEncoder(0.1).fit(with_lifted_at(U, (-5, 5)), Q)
-    assert np.abs(far.predict(with_lifted_at(unseen, (-5, 5))) - usual).max() > 1e-3
-
-
-@pytest.mark.parametrize("encoder", ENCODERS)
-@pytest.mark.parametrize(("width", "outputs"), ((3, 12), (15, 60), (24, 48)))
-def test_any_number_of_inputs_and_outputs_will_do(
-    encoder: type[PolynomialEncoder], width: int, outputs: int
-) -> None:
-    rng = np.random.default_rng(4)
-    U, Q = rng.normal(size=(60, width)), rng.normal(size=(60, outputs))
-    fitted = encoder().fit(U, Q)
-    assert fitted.predict(U).shape == (60, outputs)
-    assert fitted.predict(U[0]).shape == (outputs,)
-    np.testing.assert_allclose(fitted.predict(U)[7], fitted.predict(U[7]), atol=1e-9)
-
-
 def test_least_squares_leaves_nothing_that_its_terms_could_explain() -> None:
     U = layouts(20)
     Q = np.random.default_rng(5).normal(size=(len(U), 3))
     encoder = QuadraticEncoder().fit(U, Q)
     left = Q - encoder.predict(U)
     np.testing.assert_allclose(encoder.terms(U).T @ left / len(U), 0, atol=1e-8)
-
-
-def test_a_greater_ridge_gives_smaller_coefficients() -> None:
-    rng = np.random.default_rng(6)
-    U = layouts(10)
-    Q = rng.normal(size=(len(U), 2))
-    spread = [np.var(QuadraticEncoder(r).fit(U, Q).predict(U)) for r in (0, 1e-3, 1e-1, 10.0)]
-    assert spread == sorted(spread, reverse=True)
-    endless = QuadraticEncoder(1e9).fit(U, Q).predict(U)
-    np.testing.assert_allclose(endless, np.broadcast_to(Q.mean(axis=0), Q.shape), atol=1e-6)
 
 
 def test_a_ridge_path_equals_separate_fits() -> None:
@@ -203,13 +155,8 @@ def test_sets_of_fingers_that_the_training_lacks_are_named() -> None:
     assert encoder.missing_sets_ == ("thumb+ring", "index+middle+ring+little")
     assert QuadraticEncoder().fit(U, U[:, :1]).missing_sets_ == ()
     loaded = QuadraticEncoder().load(encoder.coef_, 15, U[~lacking])
+    np.testing.assert_array_equal(loaded.predict(U), encoder.predict(U))
     assert loaded.missing_sets_ == encoder.missing_sets_
-
-
-def test_an_encoder_that_cannot_tell_what_it_was_trained_on_names_no_set() -> None:
-    fitted = LinearEncoder().fit(np.random.default_rng(0).normal(size=(30, 15)), np.zeros((30, 1)))
-    for encoder in (fitted, LinearEncoder().load(np.zeros((16, 1)), 15), LinearEncoder()):
-        assert encoder.missing_sets_ == ()
 
 
 @pytest.mark.parametrize("encoder", ENCODERS)
@@ -230,50 +177,15 @@ def test_inputs_that_never_vary_are_found_and_do_no_harm(
 
 def test_blocks_that_do_not_fit_together_are_refused() -> None:
     one, other = np.zeros((3, 4)), np.zeros((3, 5))
-    with pytest.raises(EncoderError, match="numbers of columns"):
+    with pytest.raises(EncoderError):
         LinearEncoder().fit_blocks([(one, one), (other, one)])
-    with pytest.raises(EncoderError, match="nothing to learn"):
+    with pytest.raises(EncoderError):
         LinearEncoder().fit_blocks([])
 
 
-def test_coefficients_taken_over_predict_alike() -> None:
-    U = layouts(5)
-    fitted = QuadraticEncoder().fit(U, U @ np.ones((15, 2)))
-    loaded = QuadraticEncoder().load(fitted.coef_, 15)
-    np.testing.assert_array_equal(loaded.predict(U), fitted.predict(U))
-    with pytest.raises(EncoderError, match="816"):
-        CubicEncoder().load(fitted.coef_, 15)
-
-
 @pytest.mark.parametrize(
-    ("U", "Q"),
-    (
-        ([[1.0, np.nan]], [[0.0]]),
-        ([[1.0, 2.0]], [[np.inf]]),
-        ([[1.0], [2.0]], [[0.0]]),
-        ([1.0, 2.0], [[0.0], [0.0]]),
-        (np.empty((0, 2)), np.empty((0, 1))),
-    ),
+    ("degree", "ridge"), ((2, -1.0), (2, np.nan), (2, np.inf), (0, 0.0), (4, 0.0))
 )
-def test_data_that_cannot_be_learned_from_are_refused(U: ArrayLike, Q: ArrayLike) -> None:
+def test_an_invalid_degree_or_ridge_is_refused(degree: int, ridge: float) -> None:
     with pytest.raises(EncoderError):
-        QuadraticEncoder().fit(U, Q)
-
-
-@pytest.mark.parametrize("ridge", (-1.0, np.nan, np.inf))
-def test_an_invalid_ridge_is_refused(ridge: float) -> None:
-    with pytest.raises(EncoderError, match="ridge"):
-        QuadraticEncoder(ridge).fit([[1.0]], [[1.0]])
-
-
-@pytest.mark.parametrize("degree", (0, 4))
-def test_other_degrees_are_refused(degree: int) -> None:
-    with pytest.raises(EncoderError, match="1, 2 or 3"):
-        PolynomialEncoder(degree).fit([[1.0]], [[1.0]])
-
-
-def test_an_encoder_reports_finger_sets_that_it_never_learned() -> None:
-    with pytest.raises(EncoderError, match="learned nothing"):
-        QuadraticEncoder().predict(np.zeros(15))
-    with pytest.raises(EncoderError, match="inputs"):
-        LinearEncoder().fit([[1.0, 2.0]], [[1.0]]).predict([1.0])
+        PolynomialEncoder(degree, ridge).fit([[1.0]], [[1.0]])

@@ -2,17 +2,13 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 import pytest
 
 from encoders.input_vector import contact_vectors
 from encoders.regression.polynomial import (
     SETS,
-    LinearEncoder,
     PolynomialEncoder,
-    QuadraticEncoder,
     collapse,
 )
 from models.errors import EncoderError
@@ -46,12 +42,6 @@ def test_every_term_is_a_monomial_of_free_coordinates_or_nothing(degree: int) ->
             np.testing.assert_allclose(expanded, encoder.terms(u), rtol=1e-14)
 
 
-def test_a_finger_set_leaves_as_many_quadratic_monomials_as_its_coordinates_make() -> None:
-    sets = [(0, 1), (0, 1, 2), (0, 1, 2, 3), (0, 1, 2, 3, 4)]
-    assert [collapse(s, 2).factors.shape[1] for s in sets] == [15, 28, 45, 66]
-    assert [collapse(s, 2, 0).factors.shape[1] for s in sets] == [6, 15, 28, 45]
-
-
 @DEGREES
 @pytest.mark.parametrize("outputs", (1, 12, 48, 60))
 def test_a_prepared_encoder_gives_the_poses_of_the_plain_one(degree: int, outputs: int) -> None:
@@ -72,24 +62,6 @@ def test_a_pose_is_not_overwritten_by_the_next() -> None:
     kept = first.copy()
     assert not np.array_equal(pose(U[1]), kept)
     np.testing.assert_array_equal(first, kept)
-
-
-def test_arrays_of_other_kinds_give_the_same_pose() -> None:
-    encoder = encoder_of(2, 5)
-    pose = encoder.for_contacts()
-    u = np.array([0, 0, -1, -1, 3, 1, -1, -1, -1, -1, 1, 0, 1, 0, 0], float)
-    expected = encoder.predict(u)
-    strided = np.repeat(u, 2)[::2]
-    others: tuple[Any, ...] = (
-        u.astype(int),
-        u.astype(np.float32),
-        u.tolist(),
-        strided,
-        u.astype(">f8"),
-    )
-    for same in others:
-        np.testing.assert_allclose(pose(same), expected, rtol=1e-12)
-        np.testing.assert_allclose(pose.predict([same])[0], expected, rtol=1e-12)
 
 
 def test_the_common_origin_of_contacts_does_not_matter() -> None:
@@ -119,10 +91,3 @@ def test_the_common_origin_of_contacts_does_not_matter() -> None:
 def test_an_invalid_contact_vector_is_refused(u: np.ndarray) -> None:
     with pytest.raises(EncoderError, match="no contact vectors"):
         encoder_of(2, 3).for_contacts()(u)
-
-
-def test_only_encoders_of_contact_vectors_can_be_prepared_for_them() -> None:
-    with pytest.raises(EncoderError, match="does not take contact vectors"):
-        LinearEncoder().fit(np.eye(3), np.eye(3)).for_contacts()
-    with pytest.raises(EncoderError, match="learned nothing"):
-        QuadraticEncoder().for_contacts()

@@ -188,17 +188,6 @@ def test_bones_of_a_real_hand_keep_their_lengths_in_every_frame(shared_data: Pat
     assert 0.03 < np.linalg.norm(places[0, 1] - places[0, 0]) < 0.05
 
 
-def test_real_fingers_end_where_the_file_puts_their_end_sites(shared_data: Path) -> None:
-    motion = read_bvh(shared_data / "formats" / "fingers.bvh")
-    has_end = ~np.isnan(motion.ends).any(axis=1)
-    parents = set(motion.parents)
-    assert [j not in parents for j in range(len(motion.names))] == has_end.tolist()
-    placed = motion.place()
-    reach = np.linalg.norm(placed.ends - placed.positions, axis=2)[:, has_end]
-    sizes = np.linalg.norm(motion.ends[has_end], axis=1)
-    np.testing.assert_allclose(reach, np.tile(sizes, (69, 1)), atol=1e-12)
-
-
 def test_a_real_body_keeps_its_bones_and_its_feet_above_the_floor(shared_data: Path) -> None:
     folder = shared_data / "formats"
     motion = read_amc(folder / "backflip.amc", read_asf(folder / "backflip.asf"))
@@ -234,60 +223,40 @@ def test_real_markers_lie_on_one_hand(shared_data: Path) -> None:
     (
         ("bvh", "HIERARCHY", "HIERARCH"),
         ("bvh", "Frames: 2", "Frames: 3"),
-        ("bvh", "Frames: 2", "Frames: 0"),
         ("bvh", "Frames: 2", "Frames: two"),
         ("bvh", "Frame Time: 0.02", "Frame Time: 0"),
-        ("bvh", "Frame Time: 0.02", ""),
-        ("bvh", "50 60", "50"),
-        ("bvh", "50 60", "50 60 70"),
         ("bvh", "50 60", "50 nan"),
-        ("bvh", "50 60", "50 inf"),
         ("bvh", "50 60", "50 sixty"),
         ("bvh", "CHANNELS 3", "CHANNELS 4"),
         ("bvh", "Yrotation Xrotation Z", "Yrotation Xrotation W"),
         ("bvh", "OFFSET 0 -40 0", "OFFSET 0 -40"),
-        ("bvh", "OFFSET 0 -40 0", ""),
         ("bvh", "JOINT knee", "JOINT hips"),
-        ("bvh", "JOINT knee", "ROOT knee"),
         ("bvh", "}\nMOTION", "MOTION"),
-        ("bvh", "MOTION", ""),
         ("bvh", "End Site\n    {", "End Site"),
         ("bvh", "ROOT hips\n{", "ROOT hips\n{\n{"),
-        ("bvh", "ROOT hips\n{", "}\nROOT hips\n{"),
         ("asf", ":bonedata", ":bones"),
         ("asf", "length 0.5", "length 0"),
-        ("asf", "length 0.5", "length half"),
         ("asf", "direction 0 -2 0", "direction 0 0 0"),
-        ("asf", "direction 0 -2 0", "direction 0 -2"),
         ("asf", "direction 0 -2 0", ""),
         ("asf", "dof rx rz", "dof rx rx"),
-        ("asf", "dof rx rz", "dof rx bend"),
         ("asf", "30 XYZ", "30 XYY"),
         ("asf", "name shin", "name thigh"),
         ("asf", "thigh shin", "thigh foot"),
-        ("asf", "thigh shin", ""),
         ("asf", "thigh shin", "thigh shin thigh"),
-        ("asf", "-40 XYZ\n  end", "-40 XYZ"),
         ("asf", "orientation 0 0 90", ""),
         ("amc", "thigh 40 50", "thigh 40"),
         ("amc", "thigh 40 50", "thigh 40 nan"),
-        ("amc", "thigh 40 50", ""),
         ("amc", "thigh 40 50", "thigh 40 50\nthigh 40 50"),
         ("amc", "thigh -5 5", ""),
         ("amc", "thigh 40 50", "foot 40 50"),
         ("amc", "\n2\n", "\n3\n"),
         ("amc", "\n2\n", "\n²\n"),
-        ("amc", "\n1\n", "\n"),
         ("tsv", "NO_OF_FRAMES\t3", "NO_OF_FRAMES\t4"),
-        ("tsv", "NO_OF_FRAMES\t3", "NO_OF_FRAMES\tmany"),
-        ("tsv", "NO_OF_FRAMES\t3\n", ""),
         ("tsv", "FREQUENCY\t50", "FREQUENCY\t0"),
         ("tsv", "NO_OF_MARKERS\t2", "NO_OF_MARKERS\t3"),
         ("tsv", "MARKER_NAMES\ta\tb", "MARKER_NAMES\ta\ta"),
-        ("tsv", "MARKER_NAMES\ta\tb\n", ""),
         ("tsv", "5.5\t6.5", "5.5"),
         ("tsv", "5.5\t6.5", "5.5\tinf"),
-        ("tsv", "5.5\t6.5", "5.5\tsix"),
     ),
 )
 def test_a_file_with_a_wrong_part_is_refused_and_named(
@@ -361,22 +330,12 @@ def test_what_follows_the_last_frame_of_a_bvh_is_left_out_and_counted(tmp_path: 
     assert sum(found.report.left_out.values()) == 1
 
 
-def test_a_file_with_fewer_rows_than_it_states_was_cut_short(tmp_path: Path) -> None:
-    with pytest.raises(MotionError, match="cut short"):
-        read(written(tmp_path, "bvh", BVH.replace("Frames: 2", "Frames: 3")))
-
-
 @pytest.mark.parametrize("key", (":SAMPLES-PER-SECOND 30", ":samples-per-second 30"))
 def test_an_amc_has_the_rate_that_it_states(tmp_path: Path, key: str) -> None:
     stated = as_motion(written(tmp_path, "amc", AMC.replace(":DEGREES", f"{key}\n:DEGREES")))
     assert stated.frame_time == pytest.approx(1 / 30)
     assert not stated.report.line()
     assert as_motion(written(tmp_path, "amc", AMC)).frame_time == pytest.approx(1 / 120)
-
-
-def test_an_unknown_key_of_an_amc_is_reported(tmp_path: Path) -> None:
-    found = as_motion(written(tmp_path, "amc", AMC.replace(":DEGREES", ":DEGREES\n:FRAME-RATE 30")))
-    assert ":FRAME-RATE" in found.report.line()
 
 
 @given(first=st.integers(0, 10_000))
@@ -409,17 +368,6 @@ def test_names_in_any_bytes_cost_no_data_and_are_reported(
     assert ("not UTF-8" in found.report.line()) == (encoding != "utf-8")
 
 
-@settings(suppress_health_check=[HealthCheck.function_scoped_fixture], max_examples=60)
-@given(data=st.binary(min_size=1, max_size=12).filter(lambda b: b"\0" not in b))
-def test_a_joint_may_have_any_bytes_for_a_name(tmp_path: Path, data: bytes) -> None:
-    # White space ends a word, and a brace begins the joint.
-    name = bytes(b for b in data if b > 0x20 and b not in b"{}") or b"x"
-    motion = as_motion(written_bytes(tmp_path, "bvh", BVH.encode().replace(b"knee", b"k" + name)))
-    plain = as_motion(written(tmp_path, "bvh", BVH))
-    np.testing.assert_array_equal(motion.rotations, plain.rotations)
-    np.testing.assert_array_equal(motion.ends, plain.ends)
-
-
 @pytest.mark.parametrize("kind", SOUND)
 @pytest.mark.parametrize(
     "content", (b"", b"\n \n", b"\0\1\2\3", b"\xff\xfe\xfd", b"\x1f\x8b\x08 no gzip", b"a\tb\nc")
@@ -446,14 +394,6 @@ def test_markers_with_decimal_commas_are_those_with_points(tmp_path: Path) -> No
     assert commas.names == sound.names and not commas.report
     np.testing.assert_array_equal(commas.time, sound.time)
     np.testing.assert_array_equal(commas.places, sound.places)
-
-
-def test_a_packed_file_that_was_cut_short_is_refused(tmp_path: Path) -> None:
-    packed = gzip.compress(TSV.encode())
-    path = tmp_path / "cut.tsv.gz"
-    path.write_bytes(packed[: len(packed) // 2])
-    with pytest.raises(MotionError, match="damaged"):
-        read_markers(path)
 
 
 @settings(suppress_health_check=[HealthCheck.function_scoped_fixture], max_examples=80)

@@ -7,8 +7,6 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from models.hand import Hand
-from models.scene import Scene, SceneSpec
 from models.surface import PRESETS, Surface
 from sandbox import run_trial
 from tasks.clutter.gather import APART, BORDER, COUNT, EDGE, OUTSIDE, RADIUS, RING_BORDER, Gather
@@ -68,19 +66,6 @@ def test_a_die_counts_where_its_middle_is(inside: bool) -> None:
     assert measure.reached == inside
     assert inside or measure.reason == "1 of the dice are not in the ring"
     assert inside or measure.progress == pytest.approx(11 / 12)
-
-
-def test_the_ring_is_painted_where_everybody_sees_it_and_touches_nothing() -> None:
-    trial = Trial()
-    model = trial.scene.model
-    for name in ("ring", "ring_inside"):
-        geom = model.geom(name)
-        assert geom.contype[0] == geom.conaffinity[0] == 0
-        assert model.geom_bodyid[geom.id] == 0
-        assert np.allclose(geom.pos[:2], trial.task.ring.middle)
-    assert model.geom("ring_inside").size[0] == RADIUS
-    bare = Scene(SceneSpec((Hand(),), trial.task.objects, 0.5))
-    assert bare.model.nq == model.nq and bare.model.nsensor == model.nsensor
 
 
 @pytest.mark.parametrize("factor", [0.8, 1.5])

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from pathlib import Path
 from typing import Literal
 
 import mujoco
@@ -19,12 +17,7 @@ from models.scene import Scene, SceneSpec
 from models.single_pose import SinglePose
 from models.skeleton import ADULT
 from models.surface import Surface
-from sandbox.recording.recording import load_recording
-from sandbox.session.messages import Snapshot
-from sandbox.session.session import Session
-from sandbox.trial.assembly import build, device_makers
 from sandbox.trial.driver import play_trial
-from sandbox.trial.replay import replay
 from sandbox.trial.trial_options import TrialOptions, trial_settings
 from tasks.guarded import draw_task
 from tasks.mechanisms import chords
@@ -79,13 +72,6 @@ def test_a_trial_has_a_pair_or_a_triple_on_a_row_that_fits(seed: int) -> None:
     assert np.all(apart >= chords.SIZE[0] - 1e-6) and np.all(apart <= chords.SIZE[1] + 1e-6)
     assert np.all(places > 0.01) and np.all(places < SURFACE.size - 0.01)
     assert task == draw_task(Chords, seed, SURFACE)
-
-
-def test_all_pairs_and_triples_come() -> None:
-    drawn = {
-        tuple(goal.shown for goal in draw_task(Chords, seed, SURFACE).goals) for seed in range(120)
-    }
-    assert len(drawn) == 20
 
 
 def test_keys_that_no_finger_presses_are_not_a_chord() -> None:
@@ -147,16 +133,6 @@ def test_another_finger_s_press_does_not_count() -> None:
     assert pressing(1, 1)[1].progress == pytest.approx(1 / len(trial.asked))
 
 
-@pytest.mark.parametrize("task", ["chords", "single-keys"])
-def test_two_people_may_play_at_one_row_of_keys(task: str) -> None:
-    two = TrialOptions(task=task, seed=6_002, second_device="simulated")
-    chosen = trial_settings(two)
-    session = build(chosen, device_makers(chosen))
-    for _ in range(40):
-        session.advance()
-    assert len(session.scene.spec.hands) == 2 and session.scorer.score.reason
-
-
 def played(
     seed: int, solid: Literal["fingertips", "hand"] = "fingertips", **options: object
 ) -> bool:
@@ -178,35 +154,6 @@ def test_a_left_hand_plays_as_well() -> None:
 def test_with_the_paper_s_names_the_same_user_fails_where_true_names_succeed() -> None:
     assert played(6_011, labels="device")
     assert not played(6_011, labels="paper")
-
-
-def test_who_does_nothing_presses_nothing() -> None:
-    assert not played(6_000, user="idle")
-
-
-def test_a_chord_replays_to_the_bit(tmp_path: Path) -> None:
-    path = tmp_path / "chord.jsonl"
-    chosen = trial_settings(TrialOptions(task="chords", seed=6_002, solid="hand"))
-    play_trial(chosen, record=path)
-    assert replay(load_recording(path))[1].exact
-
-
-def test_every_asked_key_is_held_by_a_finger_alone_when_the_chord_is_done() -> None:
-    held = []
-
-    def watch(session: Session) -> Sequence[Callable[[Snapshot], None]]:
-        sensing = Sensing(session.scene, session.data)
-
-        def look(snapshot: Snapshot) -> None:
-            if snapshot.score.final:
-                asked = {goal.object for goal in session.task.goals if goal.shown}
-                held.append({name: sensing.fingers(name) for name in asked})
-
-        return (look,)
-
-    chosen = trial_settings(TrialOptions(task="chords", seed=6_002))
-    assert play_trial(chosen, device_makers(chosen), watch).success
-    assert held and all(f == {("right", int(n[-1]))} for at in held for n, f in at.items())
 
 
 def test_keys_can_be_varied_in_size_and_resistance_and_not_moved() -> None:

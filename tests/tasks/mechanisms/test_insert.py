@@ -9,7 +9,6 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from models.objects import Box
 from models.rotations import exp, matrix_to_quaternion
 from models.scene import Scene, SceneSpec
 from models.surface import PRESETS, Surface
@@ -19,7 +18,6 @@ from tasks.mechanisms.insert import (
     BORDER,
     CLEARANCE,
     DEPTH,
-    FRICTION,
     HELD,
     LENGTH,
     SKEW,
@@ -85,19 +83,6 @@ def test_every_trial_has_a_peg_before_the_mouth_and_room_for_the_hand(
     assert np.all(on >= BORDER - 1e-9) and np.all(on <= surface.size - BORDER + 1e-9)
 
 
-@given(seed=seeds)
-def test_the_same_seed_is_the_same_trial_and_the_peg_starts_clear_of_the_socket(seed: int) -> None:
-    task, again = Insert.draw(seed, TABLET), Insert.draw(seed, TABLET)
-    assert task.objects[0] == again.objects[0] and task.goals == again.goals
-    lying, walls = task.objects
-    assert isinstance(lying, Box)
-    turn = exp(lying.yaw * np.array([0.0, 0.0, 1.0]))
-    edge = [(x, y, 0.0) for x in np.linspace(-1, 1, 21) for y in (-1.0, 1.0)]
-    points = np.array(edge) * lying.half_size @ turn.T + lying.position
-    there = exp(walls.yaw * np.array([0.0, 0.0, 1.0]))
-    assert walls.clearance(points, np.array(walls.position), there).min() > 0.002
-
-
 def test_a_peg_at_the_bottom_of_its_socket_is_there() -> None:
     trial = Trial()
     trial.put()
@@ -145,17 +130,6 @@ def test_room_is_the_clearance_and_nothing_else(factor: float) -> None:
     ]
     assert rooms[1] - rooms[0] == pytest.approx((factor - 1.0) * CLEARANCE / 2)
     assert rooms[0] == pytest.approx((WIDTH + CLEARANCE) / 2)
-
-
-def test_friction_of_wood_counts_in_the_whole_scene() -> None:
-    model = Trial().scene.model
-    solid = [
-        model.geom("peg").id,
-        *(g for g in range(model.ngeom) if model.geom(g).name.startswith("socket")),
-    ]
-    assert len(solid) == 8
-    assert np.allclose(model.geom_friction[solid, 0], FRICTION)
-    assert np.all(model.geom_priority[solid] > model.geom("table").priority[0])
 
 
 @pytest.mark.parametrize(("solid", "room"), [("fingertips", "room=1"), ("hand", "room=0.5")])
