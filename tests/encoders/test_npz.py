@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
+from numpy.typing import NDArray
 
 from encoders.npz import read_npz, write_npz
 from models.errors import CaptureError
@@ -16,7 +17,10 @@ from tests.support.npz_files import claiming_too_much, header_of, rewritten, wit
 
 HEADER = {"schema": 1, "who": "nobody"}
 RNG = np.random.default_rng(0)
-ARRAYS = {"q": RNG.normal(size=(40, 48)), "u": RNG.normal(size=(40, 15)).astype(np.float32)}
+ARRAYS: dict[str, NDArray[Any]] = {
+    "q": RNG.normal(size=(40, 48)),
+    "u": RNG.normal(size=(40, 15)).astype(np.float32),
+}
 
 
 def read(path: Path) -> tuple[dict[str, Any], dict[str, Any]]:

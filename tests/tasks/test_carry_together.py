@@ -70,7 +70,7 @@ def test_settings_of_two_hands_are_read_back_as_they_were_and_damaged_ones_are_r
     two = Settings().changed(hands=hands, shared=True)
     values = json.loads(json.dumps(encoded(two)))
     assert decoded(values) == two
-    for wrong in (
+    damages: tuple[dict[str, Any], ...] = (
         {"second": {"hand": "left"}},
         {"hands": [{"side": "left"}]},
         {"hands": [{**values["hands"][0], "colour": "blue"}]},
@@ -78,7 +78,8 @@ def test_settings_of_two_hands_are_read_back_as_they_were_and_damaged_ones_are_r
         {"hands": []},
         {"hands": 2},
         {"seed": "one"},
-    ):
+    )
+    for wrong in damages:
         with pytest.raises(InputError):
             decoded({**values, **wrong})
 

@@ -315,21 +315,20 @@ def test_files_that_are_no_models_are_refused(text: str, tmp_path: Path) -> None
 
 
 @pytest.mark.parametrize(
-    ("changes", "tips"),
+    ("change", "tips"),
     [
-        ((), TIPS[:2]),
-        ((), (*TIPS, TIPS[0])),
-        ((), (TIPS[0], TIPS[1], TIPS[1])),
+        (("", ""), TIPS[:2]),
+        (("", ""), (*TIPS, TIPS[0])),
+        (("", ""), (TIPS[0], TIPS[1], TIPS[1])),
         (('<site name="index_tip"', "<site"), TIPS),
         (('range="0 90"', 'range="90 0"'), TIPS),
         (('<body name="palm">', "<body>"), TIPS),
     ],
 )
 def test_models_that_are_no_hands_are_refused(
-    changes: tuple[str, ...], tips: tuple[str, ...], tmp_path: Path
+    change: tuple[str, str], tips: tuple[str, ...], tmp_path: Path
 ) -> None:
     path = hinge_hand(tmp_path)
-    if changes:
-        path.write_text(path.read_text().replace(*changes, 1))
+    path.write_text(path.read_text().replace(*change, 1))
     with pytest.raises(InputError):
         fit_mapping(path, tips)
