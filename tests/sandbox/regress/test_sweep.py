@@ -188,7 +188,7 @@ def test_a_value_that_one_seed_cannot_have_is_refused_before_any_other_seed_is_p
         ("box-to-goal", "room", "no room that can be varied"),
         ("box-to-goal", "resistance=2", "resistance"),
         ("dial", "start", "start of this object"),
-        ("gather", "start=5,10", "dice start anywhere"),
+        ("gather", "start=5,10", "dice already start anywhere"),
         ("stack", "size=3", "overlap"),
     ],
 )
