@@ -1,4 +1,4 @@
-"""Every device has all members of the contract, also wrapped, and also one written elsewhere."""
+"""Devices have all members of the contract, also wrapped ones and those of other people."""
 
 from __future__ import annotations
 
@@ -7,16 +7,19 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
 from models.errors import DeviceError
 from models.frames import Contact, TouchFrame
 from models.surface import Surface
-from sandbox.devices.device import AnyDevice, Device, DeviceWrapper, Place, TouchDevice
+from sandbox import run_trial
+from sandbox.cli.main import main
+from sandbox.devices.device import AnyDevice, Device, DeviceWrapper
 from sandbox.devices.mouse.mouse import MouseDevice
 from sandbox.devices.own_device import AdaptedDevice, adapted
-from sandbox.devices.registry import DeviceSettings
 from sandbox.devices.wrappers.playing import LiftKeys, MergedDevice
+from sandbox.recording.recording import load_recording
 
 
 class Bare(Device):
@@ -94,19 +97,50 @@ def test_what_an_adapted_device_comes_to_know_as_it_plays_is_heard() -> None:
     assert (device.true_labels, device.clock_origin) == ({7: 1}, 12.5)
 
 
-def test_what_is_missing_of_the_required_members_is_said() -> None:
-    with pytest.raises(DeviceError, match="without close, finished"):
-        adapted(type("Half", (), {"name": "half", "poll": lambda self, now: []})(), "test")
-
-
-def test_our_base_class_is_opened_as_it_is(tmp_path: Path) -> None:
-    file = tmp_path / "pad.py"
+@pytest.mark.parametrize(
+    ("frames", "said"),
+    [
+        ("None", "`poll` of this device fails"),
+        ("1 / 0", "ZeroDivisionError"),
+        ("sys.exit(0)", "SystemExit"),
+        ("[(0, 0.1, 0.1)]", "something else than frames"),
+        ("[TouchFrame(now, (Contact(0, float('nan'), 0.1),))]", "must be finite"),
+        ("[TouchFrame(now, (Contact(0, 3.0, 2.0),))]", "far off the surface"),
+        ("[TouchFrame(now, (Contact(2**70, 0.1, 0.1),))]", "more than 64 bits"),
+        ("[TouchFrame(now, (Contact(0.5, 0.1, 0.1),))]", "value that is not a number"),
+        ("[TouchFrame(now, (Contact('a', 0.1, 0.1),))]", "value that is not a number"),
+    ],
+)
+def test_an_error_in_the_poll_of_a_device_of_ones_own_is_one_line_with_its_place(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], frames: str, said: str
+) -> None:
+    file = tmp_path / "odd.py"
     file.write_text(
-        "from sandbox.devices.device import TouchDevice\n"
+        "import sys\nfrom models import Contact, TouchFrame\n"
+        "from sandbox import TouchDevice\n"
+        "class Odd(TouchDevice):\n"
+        f"    def poll(self, now):\n        return {frames}\n"
+    )
+    assert main(["run", "box-to-goal", "--device", f"{file}:Odd"]) != 0
+    lines = [line for line in capsys.readouterr().err.splitlines() if said in line]
+    assert len(lines) == 1 and "odd.py:Odd" in lines[0]
+
+
+def test_numbers_of_numpy_are_recorded_as_any_others(tmp_path: Path) -> None:
+    file, record = tmp_path / "pad.py", tmp_path / "run.jsonl"
+    file.write_text(
+        "import numpy as np\n"
+        "from models import Contact, TouchFrame\n"
+        "from sandbox import TouchDevice\n"
         "class Pad(TouchDevice):\n"
         "    def poll(self, now):\n"
-        "        return []\n"
+        "        self.finished = now > 0.1\n"
+        "        x, y, size = np.array([0.08, 0.06, 0.01], np.float32)\n"
+        "        one = Contact(np.int64(3), x, y, size, np.uint8(1), (size, size))\n"
+        "        gone = frozenset({np.int32(2)})\n"
+        "        return [TouchFrame(np.float32(now), (one,), np.float32(0.5), gone)]\n"
     )
-    # No adapter, only the guard.
-    (pad,) = DeviceSettings.of(f"{file}:Pad:three").open(Place(Surface())).parts
-    assert isinstance(pad, TouchDevice) and pad.argument == "three"
+    run_trial("box-to-goal", seed=1, device=f"{file}:Pad", record=record, real_time=False)
+    touches = load_recording(record).touches()
+    assert touches and {type(c.x) for frame in touches for c in frame.contacts} == {float}
+    assert touches[0].contacts[0].x == float(np.float32(0.08))

@@ -44,7 +44,6 @@ from sandbox.devices.evdev.evdev_touch import (
     Axis,
     Matrix,
     MultiTouch,
-    doubts,
     read_matrix,
     why_unusable,
 )
@@ -64,16 +63,6 @@ def opened(kernel: KernelSlots) -> EvdevDevice:
 def units(frame: TouchFrame) -> list[tuple[int, int]]:
     """Places of a frame's contacts in the units of the made-up screen, 20 per mm."""
     return sorted((round(c.x * 20_000), round(c.y * 20_000)) for c in frame.contacts)
-
-
-@given(st.lists(FINGERS, min_size=1, max_size=20))
-def test_whatever_fingers_do_is_what_comes_out(scenes: list[dict[int, tuple[int, int]]]) -> None:
-    kernel = KernelSlots()
-    device = opened(kernel)
-    for scene in scenes:
-        kernel.show(scene)
-    frames = device.poll()
-    assert [units(f) for f in frames] == [sorted(scene.values()) for scene in scenes]
 
 
 @given(st.lists(st.tuples(FINGERS, st.booleans(), st.integers(0, 9)), min_size=1, max_size=20))
@@ -176,15 +165,6 @@ def test_a_palm_is_cancelled_and_what_hovers_is_no_touch() -> None:
     assert (hovering.contacts, hovering.cancelled) == ((), frozenset())
 
 
-def test_the_size_of_a_touch_is_in_metres() -> None:
-    kernel = KernelSlots()
-    kernel.set(0, ABS_MT_TOUCH_MAJOR, 160)
-    kernel.show({1: (100, 100)})
-    (contact,) = opened(kernel).poll()[0].contacts
-    assert contact.size == pytest.approx(0.008)
-    assert contact.extent == pytest.approx((0.008, 0.008)), "round without a smaller diameter"
-
-
 def test_width_and_height_are_those_of_the_ellipse_in_units_of_its_own_axis() -> None:
     kernel = KernelSlots(diameter=Axis(0, 255, 2))
     kernel.set(0, ABS_MT_TOUCH_MAJOR, 60)
@@ -246,14 +226,6 @@ def test_libinput_s_matrix_is_read_where_udev_has_one(
         assert calibration("/dev/null", tmp_path) == matrix
 
 
-def test_a_matrix_may_shift_and_stretch() -> None:
-    kernel = KernelSlots(matrix=(1.1, 0.0, -0.05, 0.0, 1.0, 0.1))
-    kernel.show({1: (2000, 1500), 2: (0, 0)})
-    first, second = opened(kernel).poll()[0].contacts
-    assert (first.x, first.y) == pytest.approx((0.1, 0.09))
-    assert (second.x, second.y) == pytest.approx((0.0, 0.015)), "moved onto the edge"
-
-
 def test_a_position_far_beyond_the_panel_costs_itself_alone() -> None:
     kernel = KernelSlots()
     device = opened(kernel)
@@ -304,15 +276,6 @@ def test_a_node_that_cannot_work_is_refused_for_its_own_reason(
 ) -> None:
     assert reason in why_unusable(axes)
     assert bool(reason) == bool(why_unusable(axes))
-
-
-def test_a_pad_that_sees_a_box_says_so() -> None:
-    assert doubts([INPUT_PROP_DIRECT]) == ""
-    warning = doubts([0, INPUT_PROP_SEMI_MT])
-    device = opened(KernelSlots(warning=warning))
-    assert "two corners" in warning
-    assert list(device.notices) == device.report.assumed == [warning]
-    assert not opened(KernelSlots()).notices
 
 
 class FakeNodes:

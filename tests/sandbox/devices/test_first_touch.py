@@ -9,7 +9,6 @@ import pytest
 
 from models.frames import Contact, TouchFrame
 from models.surface import Surface
-from sandbox.devices.check_device import check_device
 from sandbox.devices.mouse.mouse import MouseDevice
 from sandbox.devices.tuio.tuio import TuioDevice
 from sandbox.devices.wrappers.playing import FirstTouch
@@ -39,39 +38,12 @@ def test_nothing_has_come_before_a_finger_is_down_and_then_all_of_it_is_there() 
     assert device.came(), "a hand that was lifted has been there"
 
 
-def test_a_touch_and_lift_between_two_looks_counts_as_well() -> None:
-    mouse = MouseDevice(Surface())
-    device = FirstTouch(mouse)
-    mouse.press((0.05, 0.05))
-    mouse.release()
-    assert device.came()
-    assert [len(frame.contacts) for frame in device.poll(0.0)] == [1, 0]
-
-
-def test_a_device_that_has_ended_keeps_nobody_waiting() -> None:
-    device = FirstTouch(MouseDevice(Surface()))
-    device.close()
-    assert device.came()
-
-
 def test_what_a_device_said_before_the_first_touch_is_forgotten() -> None:
     finger = (Contact(1, 0.05, 0.05),)
     said = [TouchFrame(0.0, ()), TouchFrame(0.0, finger), TouchFrame(0.0, ())]
     device = FirstTouch(Played(said))
     assert device.came()
     assert list(device.poll(0.0)) == said[1:]
-
-
-def test_a_mouse_that_is_waited_for_keeps_to_the_rules_for_devices() -> None:
-    def move(device: FirstTouch, step: int) -> None:
-        mouse = device.find(MouseDevice)
-        assert mouse is not None
-        if step == 5:
-            mouse.press((0.03, 0.03), pin=True)
-            assert device.came()
-        mouse.move((0.03 + 0.001 * step, 0.03))
-
-    check_device(lambda surface: FirstTouch(MouseDevice(surface)), move)
 
 
 @pytest.mark.parametrize(

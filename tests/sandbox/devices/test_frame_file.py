@@ -1,9 +1,11 @@
-"""Recorded frames come back as they were, and a damaged file is good up to the damage."""
+"""Recorded frames come back as they were, read once; a damaged file is good up to the damage."""
 
 from __future__ import annotations
 
 import json
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import pytest
 from hypothesis import given
@@ -18,6 +20,10 @@ from sandbox.devices.files.frame_file import (
     header_record,
     read_frame_file,
 )
+from sandbox.trial.assembly import device_makers
+from sandbox.trial.trial_options import TrialOptions, trial_settings
+from tasks.guarded import draw_task
+from tasks.registry import find_task
 
 LENGTHS = st.floats(0.0, 0.12)
 CONTACTS = st.lists(
@@ -153,12 +159,6 @@ def test_a_frame_without_a_possible_time_costs_itself_alone(tmp_path: Path, time
     assert "1 frames" in file.report.line() and "time" in file.report.line()
 
 
-def test_a_second_recording_behind_the_first_is_told(tmp_path: Path) -> None:
-    file = read_frame_file(written(tmp_path / "frames.jsonl", *GOOD, *GOOD[:3]))
-    assert len(file.frames) == 4
-    assert "3 frames whose time runs backwards" in file.report.line()
-
-
 def steady(unit: float, step: float = 1 / 60, count: int = 30, inch: float = 1.0) -> list[str]:
     """Frames of a finger that moves beside another over an iPad, in other units."""
     return [
@@ -210,10 +210,6 @@ def test_times_and_places_that_are_impossible_in_any_unit_are_refused(
     assert "frames.jsonl" in str(refusal.value)
 
 
-def test_rests_and_slow_frames_are_no_other_unit(tmp_path: Path) -> None:
-    assert not read_frame_file(written(tmp_path / "slow.jsonl", *steady(60.0))).report
-
-
 def test_a_screen_that_nobody_touches_is_silent_for_any_time(tmp_path: Path) -> None:
     lines = steady(1.0)
     lines[10:10] = ['{"time": 0.16, "contacts": []}']
@@ -241,3 +237,43 @@ def test_what_is_played_does_not_depend_on_when_it_is_asked_for(
     assert [f for now in [*sorted(moments), 2e6] for f in device.poll(now)] == at_once
     assert device.finished
     assert at_once[0].time == 0.0
+
+
+class Reads:
+    """A reader that counts how often it reads."""
+
+    def __init__(self, read: Callable[[Path], Any]) -> None:
+        self.read, self.count = read, 0
+
+    def __call__(self, path: Path) -> Any:
+        self.count += 1
+        return self.read(path)
+
+
+def opened(device: str, trials: int = 3) -> None:
+    """Makes settings of a device, and opens it for several trials."""
+    task = draw_task(find_task("box-to-goal"), 1, Surface())
+    for _ in range(trials):
+        chosen = trial_settings(TrialOptions(device=device))
+        for make in device_makers(chosen):
+            make(task, Surface()).close()
+
+
+def touches(path: Path, count: int) -> Path:
+    frames = [TouchFrame(n / 60, (Contact(1, 0.05, 0.05),)) for n in range(count)]
+    lines = [header_record(Surface(), "a pad"), *map(frame_record, frames)]
+    path.write_text("\n".join(map(json.dumps, lines)) + "\n")
+    return path
+
+
+def test_touches_are_read_once_and_again_when_the_file_has_changed(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    reads = Reads(read_frame_file)
+    monkeypatch.setattr("sandbox.devices.files.touch_files.read_frame_file", reads)
+    file = touches(tmp_path / "pad.jsonl", 3)
+    opened(str(file))
+    assert reads.count == 1
+    touches(file, 5)
+    opened(str(file))
+    assert reads.count == 2

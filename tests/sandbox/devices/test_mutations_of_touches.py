@@ -21,10 +21,12 @@ from hypothesis import strategies as st
 from models.errors import InputError
 from models.frames import Contact, TouchFrame
 from models.surface import Surface
-from sandbox.devices.device import Device
+from sandbox.cli.main import main
+from sandbox.devices.device import Device, TouchDevice
 from sandbox.devices.files.frame_file import frame_record, header_record
 from sandbox.devices.files.touch_files import open_file
-from tests.support.tuio_packets import alv, blb, bnd, bundle, cur, frm, ptr
+from sandbox.devices.own_device import GuardedDevice
+from tests.support.tuio_packets import alv, blb, blobs, bnd, bundle, cur, frame, frame20, frm, ptr
 
 EXAMPLES = 200
 SURFACE = Surface()
@@ -296,3 +298,34 @@ def taps(apart: float) -> list[Row]:
 def test_taps_have_new_ids_rightly(tmp_path: Path, apart: float) -> None:
     _, device = played(written(tmp_path / "taps.jsonl", taps(apart)))
     assert device.report is not None and not device.report.line()
+
+
+class Pad(TouchDevice):
+    """A device of one's own whose fingers are 2000 px high."""
+
+    def poll(self, now: float) -> list[TouchFrame]:
+        fingers = Contact(1, 0.1, 0.1, 0.008), Contact(2, 0.1, 0.05, 0.07, 3, (0.006, 0.4))
+        return [TouchFrame(now, fingers)]
+
+
+def test_a_device_of_one_s_own_has_no_impossible_sizes_either() -> None:
+    device = GuardedDevice(Pad(Surface()), Surface(), "pad.py")
+    ((first, second),) = (frame.contacts for frame in device.poll(0.5))
+    assert first.size == 0.008
+    assert (second.id, second.label, second.size, second.extent) == (2, 3, None, None)
+    assert device.report.line() == "left out: 1 sizes that no finger or hand has"
+
+
+def test_json_has_the_report_at_its_end(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = tmp_path / "packets.jsonl"
+    packets = [frame(1, {1: (0.5, 7.0), 2: (0.5, 0.5)}, source="x"), frame20(1, {2: (0.5, 0.5)})]
+    packets += [blobs(2, {2: (0.5, 0.5, 40.0, 30.0)}), frame(2, {2: (0.5, 0.5)})]
+    records = [{"t": n / 10, "hex": p.hex(), "from": "h:1"} for n, p in enumerate(packets)]
+    path.write_text("".join(json.dumps(record) + "\n" for record in records))
+    assert main(["touches", "show", "--device", str(path), "--json"]) == 0
+    end = json.loads(capsys.readouterr().err.splitlines()[-1])
+    assert end["left_out"] == {
+        "positions beyond the surface": 1,
+        "sizes that no finger or hand has": 1,
+    }
+    assert end["assumed"] == ["two sends every touch twice, which counts once"]

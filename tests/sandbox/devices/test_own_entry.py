@@ -2,26 +2,25 @@
 
 from __future__ import annotations
 
-import json
 import os
 import struct
 from collections.abc import Iterator
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import pytest
 
-from models.surface import Surface
-from sandbox import DeviceEntry, check_device, load_recording, run_trial
+from sandbox import check_device, load_recording, run_trial
 from sandbox.cli.main import main
-from sandbox.devices.device import NoOptions, Place, PlayedOptions
-from sandbox.devices.registry import DEVICES, named_device
 from sandbox.trial.settings import recorded_settings
 from tests.support.processes import ROOT
 
 GAMEPAD = f"{ROOT / 'examples' / 'gamepad.py'}:GAMEPAD"
+
+
 EVENT = struct.Struct("IhBB")
+
+
 BUTTON, AXIS = 1, 2
 
 
@@ -133,46 +132,3 @@ def test_options_that_share_a_name_or_are_no_frozen_dataclass_are_refused(
     assert main(["run", "box-to-goal", "--device", f"{file}:PAD"]) == 2
     (line,) = capsys.readouterr().err.splitlines()
     assert all(words in line for words in said)
-
-
-def test_a_line_in_the_registry_gives_a_device_its_name(
-    sticks: Sticks, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    entry = named_device(GAMEPAD).entry
-    assert isinstance(entry, DeviceEntry) and entry.options is not NoOptions
-    spec: Any = {}
-    exec(compile((ROOT / "examples" / "gamepad.py").read_text(), "gamepad.py", "exec"), spec)
-    monkeypatch.setitem(DEVICES, "gamepad", replace(spec["GAMEPAD"]))
-    sticks.set(BUTTON, 4, 1)
-    out, record = tmp_path / "out.json", tmp_path / "run.jsonl"
-    monkeypatch.setattr("sandbox.trial.driver.RealTime.wait", lambda clock, time: None)
-    device = ["--device", f"gamepad:{sticks.path}", "--dead-zone", "0.3"]
-    task = ["tests/support/regress_tasks.py:Quick", "--json", str(out), "--record", str(record)]
-    assert main(["run", *task, *device]) == 0
-    assert json.loads(out.read_text())["task"]
-    header = load_recording(record).header
-    assert header["settings"]["device"]["options"] == {"dead_zone": 0.3}
-
-
-def test_touches_are_shown_with_the_options_of_the_device(
-    sticks: Sticks, capsys: pytest.CaptureFixture[str]
-) -> None:
-    sticks.set(BUTTON, 4, 1)
-    device = ["--device", f"{GAMEPAD}:{sticks.path}"]
-    shown = ["touches", "show", *device, "--dead-zone", "0.3", "--frames", "1", "--json"]
-    assert main(shown) == 0
-    (frame,) = capsys.readouterr().out.splitlines()
-    assert len(json.loads(frame)["contacts"]) == 1
-    assert main(["touches", "show", *device, "--node", "js1"]) == 2
-    assert "--node" in capsys.readouterr().err
-
-
-def test_an_event_may_come_in_pieces(sticks: Sticks) -> None:
-    entry = named_device(GAMEPAD).entry
-    device: Any = entry.open(PlayedOptions(), Place(Surface(10.0, 5.0), argument=str(sticks.path)))
-    event = EVENT.pack(0, 1, BUTTON, 4)
-    sticks.write(event[:3])
-    assert not device.poll(0.0)[-1].contacts
-    sticks.write(event[3:])
-    assert len(device.poll(0.1)[-1].contacts) == 1
-    device.close()

@@ -30,13 +30,6 @@ def written(path: Path, *lines: str | bytes) -> Path:
     return path
 
 
-def test_packets_come_back_as_written(tmp_path: Path) -> None:
-    capture = read_capture(written(tmp_path / "c", *GOOD[:2], "", *GOOD[2:]))
-    assert capture.packets == tuple(CapturedPacket(3.0 + n / 8, frame(n, {})) for n in range(4))
-    assert capture.damage is None
-    assert capture.duration == 3 / 8
-
-
 DAMAGE: dict[str, str | bytes] = {
     "cut": GOOD[2][:30],
     "a list": "[4, 5]",
@@ -118,12 +111,6 @@ def test_a_file_without_a_single_packet_is_refused(tmp_path: Path, lines: tuple[
         read_capture(written(tmp_path / "touches", *lines))
 
 
-def test_a_file_that_is_not_there_or_a_folder_is_refused(tmp_path: Path) -> None:
-    for path in (tmp_path / "none", tmp_path):
-        with pytest.raises(RecordingError, match=str(path)):
-            read_capture(path)
-
-
 def played(capture: TouchCapture, moments: list[float]) -> list[TouchFrame]:
     device = CaptureDevice(capture, Surface(), stale_after=0.5)
     frames: list[TouchFrame] = []
@@ -153,10 +140,3 @@ def test_what_is_played_does_not_depend_on_when_it_is_asked_for(
     silences = sum(gap > 0.5 + 1e-9 for gap in gaps[1:])
     nearly = sum(abs(gap - 0.5) <= 1e-9 for gap in gaps[1:])
     assert silences <= sum(not f.contacts for f in all_at_once) <= silences + nearly
-
-
-def test_a_closed_capture_is_over() -> None:
-    device = CaptureDevice(TouchCapture((CapturedPacket(0.0, frame(1, {})),) * 3), Surface())
-    device.close()
-    assert device.finished
-    assert device.poll(9.0) == []

@@ -17,20 +17,6 @@ from tests.support.tuio_packets import alv, bnd, bundle, frame20, frm, message, 
 from tests.support.tuio_table import PEER, A, B, C, Table, metres
 
 
-def test_a_finger_comes_moves_rests_and_goes() -> None:
-    table = Table()
-    frames = table.feed(
-        frame20(96, {3: A}), frame20(97, {3: B}), frame20(98, {}, alive=[3]), frame20(99, {})
-    )
-    assert frames == [{3: A}, {3: B}, {3: B}, {}]
-    assert [(s.name, s.version) for s in table.tuio.sources] == [("two", "2.0")]
-
-
-def test_only_the_fingers_that_moved_are_sent_and_the_others_stay() -> None:
-    frames = Table().feed(frame20(1, {1: A, 2: B}), frame20(2, {2: C}, alive=[1, 2]))
-    assert frames == [{1: A, 2: B}, {1: A, 2: C}]
-
-
 def test_a_frame_split_over_bundles_counts_when_its_last_part_comes() -> None:
     table = Table()
     parts = [
@@ -72,39 +58,11 @@ def test_several_frames_in_one_bundle_are_several_frames() -> None:
     assert Table().feed(both) == [{1: A}, {2: B}]
 
 
-@pytest.mark.parametrize("fall", [1, 50, 150])
-def test_a_frame_that_was_overtaken_is_dropped_and_leaves_nothing_behind(fall: int) -> None:
-    table = Table()
-    frames = table.feed(
-        frame20(200, {1: A}), frame20(200 - fall, {1: B, 2: C}), frame20(201, {}, alive=[1, 2])
-    )
-    assert frames == [{1: A}, {1: A}]
-    assert table.tuio.statistics.late == 1
-
-
 def test_a_counter_that_falls_a_second_later_is_a_sender_that_began_anew() -> None:
     table = Table()
     table.feed(frame20(200, {1: A}))
     table.wait(1.1)
     assert table.feed(frame20(1, {1: B})) == [{1: B}]
-
-
-def test_frame_0_always_applies_and_does_not_count() -> None:
-    table = Table()
-    assert table.feed(frame20(50, {1: A}), frame20(0, {1: B})) == [{1: A}, {1: B}]
-    assert table.feed(frame20(49, {1: C})) == []  # 50 is still the last that counted
-
-
-def test_the_counter_is_unsigned() -> None:
-    frames = Table().feed(frame20(2**31 - 1, {1: A}), frame20(-(2**31), {1: B}))
-    assert frames == [{1: A}, {1: B}]
-
-
-def test_two_sources_at_one_address_do_not_make_each_other_late() -> None:
-    table = Table()
-    table.feed(frame20(500, {1: A}, source="left"))
-    (both,) = table.feed(frame20(450, {1: B}, source="right"))
-    assert sorted(both.values()) == [A, B]
 
 
 def test_tokens_and_symbols_are_no_touches_and_cost_none() -> None:

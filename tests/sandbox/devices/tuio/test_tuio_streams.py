@@ -250,17 +250,6 @@ def test_connections_beyond_the_limit_are_refused_and_the_others_go_on(device: T
         heard(device, 1)
 
 
-def test_a_silent_connection_goes_stale_like_any_source() -> None:
-    with (
-        TuioDevice(Surface(), port=0, transport="tcp", stale_after=0.2) as device,
-        tcp(device) as stream,
-    ):
-        stream.sendall(framed(frame(1, {1: A})))
-        down, up = heard(device, 2)
-        assert (len(down.contacts), len(up.contacts), up.cancelled) == (1, 0, frozenset())
-        assert device.sources[0].stale
-
-
 def test_a_tcp_sender_that_waits_is_called_and_called_again() -> None:
     with socket.create_server(("127.0.0.1", 0)) as waiting:
         waiting.settimeout(PATIENCE)
@@ -297,11 +286,6 @@ def test_a_websocket_sender_that_waits_is_called() -> None:
 def test_what_cannot_be_called_is_refused_at_once(text: str) -> None:
     with pytest.raises(DeviceError, match="HOST:PORT"):
         parse_target(text)
-
-
-def test_a_target_without_port_has_the_usual_one() -> None:
-    assert parse_target("tcp://table.local").port == 3333
-    assert parse_target("ws://table.local/tuio").url == "ws://table.local:8080/tuio"
 
 
 def test_a_port_that_is_taken_is_refused_and_gives_back_the_others() -> None:

@@ -142,11 +142,3 @@ def test_without_npm_an_index_must_be_asked_by_https_and_must_answer(
     monkeypatch.setenv("NPM_CONFIG_REGISTRY", index)
     with pytest.raises(DeviceError, match=said):
         engine.install(lambda line: None)
-
-
-def test_a_session_without_the_engine_says_how_to_get_it(
-    home: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    assert main(["run", "box-to-goal", "--device", "webcam"]) == 2
-    (line,) = capsys.readouterr().err.splitlines()
-    assert "sandbox devices webcam install" in line

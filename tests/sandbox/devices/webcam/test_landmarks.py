@@ -13,7 +13,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from encoders.air.camera import Camera
-from models.errors import DeviceError, FrameError, InputError, RecordingError
+from models.errors import DeviceError, FrameError, InputError
 from models.frames import LandmarkFrame
 from models.motion.sampling import Poses
 from sandbox.devices.device import Sees
@@ -80,26 +80,6 @@ def test_two_pictures_of_one_moment_are_one_in_an_export(tmp_path: Path) -> None
     assert [t for poses in shown for t in poses.time] == pytest.approx(times)
 
 
-def test_a_picture_whose_time_runs_backwards_is_left_out(tmp_path: Path) -> None:
-    frames = pictures()
-    path = written(tmp_path / "hands.jsonl", [*frames[:3], frames[0], *frames[3:]])
-    recording = read_landmarks(path)
-    assert len(recording.frames) == 5 and recording.damage is None
-    assert recording.report.line() == "left out: 1 pictures whose time ran backwards"
-
-
-def test_a_file_without_pictures_is_refused(tmp_path: Path) -> None:
-    with pytest.raises(RecordingError, match="no usable pictures"):
-        read_landmarks(written(tmp_path / "hands.jsonl", []))
-
-
-def test_another_version_is_refused(tmp_path: Path) -> None:
-    path = tmp_path / "hands.jsonl"
-    path.write_text('{"landmarks": 99}\n')
-    with pytest.raises(RecordingError, match="unknown version"):
-        read_landmarks(path)
-
-
 @pytest.mark.parametrize("suffix", [".jsonl", ".json", ""])
 def test_a_file_is_a_camera_s_by_its_content_and_no_leap_s(tmp_path: Path, suffix: str) -> None:
     path = written(tmp_path / f"hands{suffix}", pictures())
@@ -158,10 +138,3 @@ def test_a_picture_that_cannot_be_is_refused(change: Callable[[dict[str, Any]], 
     change(good)
     with pytest.raises((FrameError, DeviceError)):
         frame_of(picture_message(json.dumps(good)))
-
-
-def test_what_is_no_picture_tells_its_trouble() -> None:
-    message = picture_message('{"trouble": "in use"}')
-    assert message.trouble == "in use"
-    with pytest.raises(FrameError):
-        frame_of(message)

@@ -17,7 +17,6 @@ from sandbox.devices.webcam import webcam_choice
 from sandbox.devices.webcam.landmarks import header_record, message_of
 from sandbox.export.sources import open_source
 from sandbox.recording.recording import load_recording
-from sandbox.trial.settings import recorded_settings
 from tests.encoders.air.seen_hands import film, held_up, mirror
 
 CAMERA = Camera(70.0, (0.0, 0.45, 0.12))
@@ -46,29 +45,6 @@ def test_a_trial_by_a_file_of_landmarks_is_recorded_and_replays_to_the_bit(
     inputs = load_recording(recording).inputs[0]
     assert len(inputs) == 60
     assert all(isinstance(entry.frame, LandmarkFrame) for entry in inputs)
-
-
-def test_the_recording_keeps_the_camera_and_not_the_poses(tmp_path: Path) -> None:
-    file, recording = hand_file(tmp_path / "hand.jsonl"), tmp_path / "trial.jsonl"
-    options = ["--webcam", "tilt=5,at=0/0.5/0.2", "--hand-size", "1.1"]
-    main(["run", "box-to-goal", "--device", str(file), "--record", str(recording), *options])
-    header = load_recording(recording).header
-    hand = recorded_settings(header).hands[0]
-    assert hand.in_air is not None
-    assert hand.in_air.camera == Camera(70.0, (0.0, 0.5, 0.2), 5.0)
-    assert hand.size == 1.1
-
-
-def test_two_hands_carry_together_and_replay_to_the_bit(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    file, recording = hand_file(tmp_path / "hands.jsonl", both=True), tmp_path / "two.jsonl"
-    options = ["--device", str(file), "--device", str(file), "--record", str(recording)]
-    assert main(["run", "carry-together", *options]) == 0
-    assert main(["replay", str(recording)]) == 0
-    assert "equal to the bit" in capsys.readouterr().out
-    right, left = (load_recording(recording).inputs[hand] for hand in (0, 1))
-    assert len(right) == len(left) == 60
 
 
 def test_a_recording_of_landmarks_is_exported_as_it_is(tmp_path: Path) -> None:

@@ -1,4 +1,4 @@
-"""The headset's device behind its server, driven by a client in place of a page."""
+"""The headset's device behind its server, and trials, recordings and replays with it."""
 
 from __future__ import annotations
 
@@ -7,6 +7,8 @@ import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
+from pathlib import Path
+from typing import Literal
 from urllib.error import HTTPError
 from urllib.request import urlopen
 
@@ -14,15 +16,17 @@ import numpy as np
 import pytest
 from websockets.sync.client import ClientConnection, connect
 
-from models.errors import FrameError
 from models.frames import HandFrame
-from sandbox.devices.webxr.joints import held_hand, seen_hand
+from sandbox.cli.main import main
 from sandbox.devices.webxr.webxr import HeadsetDevice
 from sandbox.play.pages import show_session, touched_pages
+from sandbox.recording.recording import load_recording
 from sandbox.server.page_server import PageServer
-from sandbox.server.protocol import PROTOCOL, HeldController, PageHands, PageScreen, SeenJoints
+from sandbox.server.protocol import PROTOCOL
 from sandbox.server.static import HEADSET, StaticFiles
 from sandbox.trial.assembly import build, device_makers
+from sandbox.trial.driver import play_trial
+from sandbox.trial.settings import recorded_settings
 from sandbox.trial.trial_options import TrialOptions, trial_settings
 from tests.encoders.air.joint_hands import joints, points, seen
 from tests.support.processes import until
@@ -111,21 +115,6 @@ def test_a_headset_that_is_taken_off_is_away_and_back(headset: Headset) -> None:
         until(lambda: not headset.server.away)
 
 
-def test_a_hand_without_a_finger_keeps_the_others_and_one_without_a_palm_is_left_out(
-    headset: Headset,
-) -> None:
-    fingerless, without_wrist = joints(1), joints(2, "left")
-    assert isinstance(fingerless["joints"], list) and isinstance(without_wrist["joints"], list)
-    fingerless["joints"][9] = None
-    without_wrist["joints"][0] = None
-    with headset.page() as page:
-        send(page, 1, fingerless, without_wrist)
-        (hand,) = headset.frame(lambda f: bool(f.hands)).hands
-    assert sorted(f.finger for f in hand.fingers) == [0, 2, 3, 4]
-    counts = headset.device.counts
-    assert counts["hands without a palm"] == counts["hands without a finger"] == 1
-
-
 def test_what_is_no_hand_is_refused_and_the_next_one_comes(headset: Headset) -> None:
     flat: dict[str, object] = {"side": "right", "joints": [[0.0, 0.0, 0.0]] * 25}
     with headset.page() as page:
@@ -173,14 +162,6 @@ def test_a_third_hand_and_a_lost_controller_cost_no_other(headset: Headset) -> N
     }
 
 
-def test_touches_are_no_message_for_a_headset(headset: Headset) -> None:
-    with headset.page() as page:
-        page.send(json.dumps({"type": "touches", "seq": 1, "t": 0.0, "contacts": []}))
-        send(page, 2, joints())
-        headset.frame(lambda f: bool(f.hands))
-    assert headset.server.counters["another device's message"] == 1
-
-
 def test_a_controller_is_a_hand_that_pinches(headset: Headset) -> None:
     held: dict[str, object] = {
         "side": "right",
@@ -195,11 +176,6 @@ def test_a_controller_is_a_hand_that_pinches(headset: Headset) -> None:
             tips = [np.array(f.tip) for f in hand.fingers]
             gaps.append(float(np.linalg.norm(tips[0] - tips[1])))
     assert gaps[0] > 0.08 and gaps[1] < 0.016
-
-
-def test_a_controller_without_a_turn_is_refused() -> None:
-    with pytest.raises(FrameError, match="quaternion"):
-        held_hand(HeldController("right", (0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 0.0), 0.0))
 
 
 @pytest.mark.parametrize("side", ["right", "left"])
@@ -226,14 +202,25 @@ def test_the_address_shows_the_headset_s_page_and_needs_its_token(headset: Heads
     assert refused.value.code == 403
 
 
-def test_a_touch_device_takes_no_hands() -> None:
-    chosen = trial_settings(TrialOptions(device="web"))
-    session = build(chosen, device_makers(chosen))
-    ((_, device),) = touched_pages(session)
-    assert not device.receive(PageHands(1, 0.0, []), PageScreen(110.0, 800.0, 600.0, False))
+def test_a_trial_in_a_simulated_headset_is_recorded_and_replays_to_the_bit(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    file = tmp_path / "trial.jsonl"
+    assert main(["run", "box-to-goal", "--device", "webxr-simulated", "--record", str(file)]) == 0
+    assert main(["replay", str(file)]) == 0
+    assert "equal to the bit" in capsys.readouterr().out
+    recording = load_recording(file)
+    frames = [entry.frame for entry in recording.inputs[0]]
+    last = frames[-1]
+    assert all(isinstance(frame, HandFrame) for frame in frames) and isinstance(last, HandFrame)
+    joints = [f.joints for f in last.hands[0].fingers]
+    assert len(joints) == 5 and all(joints)
+    settings = recorded_settings(recording.header)
+    assert settings.hands[0].in_air is not None and settings.hands[0].in_air.joints
 
 
-def test_a_hand_whose_knuckles_are_unknown_is_none() -> None:
-    places: list[tuple[float, float, float] | None] = [(0.01 * i, 0.0, 0.0) for i in range(25)]
-    places[11] = None
-    assert seen_hand(SeenJoints("right", places)) is None
+@pytest.mark.parametrize(("task", "hand"), [("box-to-goal", "left"), ("stack", "right")])
+def test_the_simulated_person_succeeds(task: str, hand: Literal["left", "right"]) -> None:
+    chosen = trial_settings(TrialOptions(task=task, device="webxr-simulated", hand=hand))
+    result = play_trial(chosen)
+    assert result.success, result.reason

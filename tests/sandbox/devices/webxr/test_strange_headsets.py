@@ -100,21 +100,6 @@ def test_a_controller_may_lie_still(monkeypatch: pytest.MonkeyPatch) -> None:
     assert not device.report and all(frame.hands for frame in frames)
 
 
-# A hand and its controller at once: A-Frame 4650, Babylon.js 11680.
-def test_a_controller_beside_the_hand_of_its_side_is_counted(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    held = {
-        "side": "right",
-        "position": [0.1, 0.0, 0.1],
-        "quaternion": [1.0, 0.0, 0.0, 0.0],
-        "trigger": 0.0,
-    }
-    device, frames = played(lambda n, message: message.update(controllers=[held]), monkeypatch)
-    assert all(len(frame.hands) == 1 for frame in frames)
-    assert device.report.left_out == {"hands beside the one of their side": FRAMES}
-
-
 # The same hand as both sides.
 def test_a_hand_that_is_there_as_the_other_one_too_is_one_hand(
     monkeypatch: pytest.MonkeyPatch,
