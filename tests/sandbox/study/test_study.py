@@ -15,16 +15,25 @@ from hypothesis import strategies as st
 
 from models.errors import StudyError
 from sandbox.cli.main import main
-from sandbox.recording.recording import load_recording
+from sandbox.recording.recording import load_recording, packed, read_stored
 from sandbox.study.record.folder import PILOT, REAL, SIMULATED, StudyFolder
 from sandbox.study.record.journal import Journal, journal_bytes, now, parse_records, read_journal
 from sandbox.study.record.stored_sessions import session_path
+from sandbox.study.record.trial_files import pack
 from sandbox.study.run.runner import SessionOutcome
 from sandbox.study.run.simulated_study import run_simulated, simulated_person
-from sandbox.study.tables.column import csv_bytes
 from sandbox.study.tables.tables import make_tables
 from sandbox.trial.replay import replay
-from tests.support.study_files import DESIGN, TRIALS, design, open_study, pilot, quiet, rows_of
+from tests.support.study_files import (
+    DESIGN,
+    TRIALS,
+    design,
+    open_study,
+    pilot,
+    quiet,
+    recordings,
+    rows_of,
+)
 
 
 @pytest.fixture(scope="module")
@@ -153,23 +162,6 @@ def test_rules_exclude_by_what_was_measured(tmp_path: Path) -> None:
     assert len({row["excluded"] for row in rows}) == 2
 
 
-@given(
-    st.lists(
-        st.lists(st.none() | st.text() | st.integers() | st.booleans(), min_size=2, max_size=2),
-        max_size=4,
-    )
-)
-def test_tables_keep_every_cell(cells: list[list[object]]) -> None:
-    data = csv_bytes([dict(zip("ab", row, strict=True)) for row in cells], ["a", "b"])
-    read = list(csv.reader(io.StringIO(data.decode(), newline="")))
-    told = [
-        ["" if c is None else str(int(c)) if isinstance(c, bool) else str(c) for c in row]
-        for row in cells
-    ]
-    one_end = [[c.replace("\r\n", "\n").replace("\r", "\n") for c in row] for row in told]
-    assert read == [["a", "b"], *one_end]
-
-
 def test_simulated_people_differ_in_skill_and_hand_and_are_the_same_every_time() -> None:
     people = [simulated_person(design(), n) for n in range(1, 41)]
     assert people == [simulated_person(design(), n) for n in range(1, 41)]
@@ -178,3 +170,38 @@ def test_simulated_people_differ_in_skill_and_hand_and_are_the_same_every_time()
     assert min(skills) < 0.35 and max(skills) > 0.65
     assert min(sizes) < 0.95 and max(sizes) > 1.05
     assert {p["hand"] for p in people} == {"left", "right"}
+
+
+def test_a_session_that_an_older_version_left_uncompressed_is_compressed_when_it_is_opened(
+    tmp_path: Path,
+) -> None:
+    study = open_study(tmp_path)
+    run_simulated(study, 1, quiet)
+    folder = session_path(study.path, study.participants()[0].ppid)
+    small = folder / "trials/T002.jsonl.gz"
+    before, plain = small.read_bytes(), folder / "trials/T002.jsonl"
+    plain.write_bytes(read_stored(plain).data)
+    small.unlink()
+    run_simulated(study, 1, quiet)
+    assert small.read_bytes() == before and not plain.exists()
+
+
+def test_where_something_else_is_read_than_was_written_the_recording_stays_as_it_is(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    ((path, data),) = recordings(tmp_path, 1).items()
+    monkeypatch.setattr(
+        "sandbox.study.record.trial_files.packed", lambda found: packed(found.replace(b"a", b"b"))
+    )
+    with pytest.raises(StudyError, match="differs from what was written"):
+        pack(path)
+    assert path.read_bytes() == data and [path] == list(tmp_path.iterdir())
+
+
+def test_two_that_are_the_same_become_one_and_packing_twice_is_no_error(tmp_path: Path) -> None:
+    ((path, data),) = recordings(tmp_path, 1).items()
+    small = pack(path)
+    path.write_bytes(data)
+    assert pack(path) == small == pack(path)
+    assert list(tmp_path.iterdir()) == [small]
+    assert read_stored(path) == (data, True)

@@ -25,11 +25,11 @@ from sandbox.study.record.journal import read_journal
 from sandbox.study.record.session_folder import SessionFolder
 from sandbox.study.record.state import SessionState
 from sandbox.study.run.answers import Answers, Draft, question, read_answer
-from sandbox.study.run.controls import COMMANDS, Command, Controls, Terminal, parse_command
-from sandbox.study.run.forms import SimulatedForms, TerminalForms
+from sandbox.study.run.controls import Command, Controls, Terminal, parse_command
+from sandbox.study.run.forms import SimulatedForms
 from sandbox.study.run.runner import SessionOutcome
 from sandbox.study.run.simulated_study import run_simulated, simulated_person
-from tests.support.processes import PATIENCE
+from tests.support.processes import until
 from tests.support.study_files import (
     DESIGN,
     TRIALS,
@@ -39,12 +39,6 @@ from tests.support.study_files import (
     rows_of,
     simulated_runner,
 )
-
-
-def wait_until(done: Callable[[], bool]) -> None:
-    end = time.monotonic() + PATIENCE
-    while not done() and time.monotonic() < end:
-        time.sleep(0.01)
 
 
 class Typist:
@@ -174,23 +168,10 @@ def test_a_note_in_another_encoding_is_kept_and_the_keys_after_it_still_work() -
     controls = Controls()
     typed = io.TextIOWrapper(io.BytesIO("i\nn grüße\nq\n".encode("latin-1")), encoding="utf-8")
     terminal = Terminal(controls, typed)
-    wait_until(lambda: terminal.ended)
+    until(lambda: terminal.ended)
     heard = list(controls.take())
     assert [command.key for command in heard] == ["i", "n", "q"]
     assert heard[1].words == "gr\ufffd\ufffde"
-
-
-def test_without_consent_nothing_is_played(tmp_path: Path) -> None:
-    study = open_study(tmp_path)
-    person = study.add(**simulated_person(study.design, 1))
-    controls = Controls()
-    terminal = Terminal(controls, Patient("no\n"))
-    with SessionFolder(study, person) as session:
-        runner = simulated_runner(session, person, TerminalForms(terminal, quiet), controls)
-        assert runner.run() is SessionOutcome.NO_CONSENT
-        assert not session.state.attempts
-    # Whoever declines uses up neither a number nor its orders.
-    assert study.add(**simulated_person(study.design, 1)).number == person.number
 
 
 def test_a_session_in_the_terminal_asks_plays_and_hears_the_experimenter(
@@ -280,7 +261,7 @@ def test_what_is_typed_in_a_terminal_before_a_question_is_open_is_no_key_and_no_
     master, slave = os.openpty()
     terminal = Terminal(controls, os.fdopen(slave), answers=True)
     os.write(master, b"q\n")
-    wait_until(lambda: bool(said))
+    until(lambda: bool(said))
     assert "no question is open" in said[0] and not list(controls.take())
     asked = threading.Timer(0.2, lambda: os.write(master, b"/n a key\nq\n"))
     asked.start()
@@ -292,18 +273,9 @@ def test_what_is_typed_in_a_terminal_before_a_question_is_open_is_no_key_and_no_
 def test_lines_of_a_pipe_answer_the_questions_that_come() -> None:
     controls = Controls()
     terminal = Terminal(controls, io.StringIO("/n early\nq\n2\n"), answers=True)
-    wait_until(lambda: terminal.ended)
+    until(lambda: terminal.ended)
     assert [terminal.ask(), terminal.choose(("yes", "no"), quiet)] == ["q", 1]
     assert [command.key for command in controls.take()] == ["n"]
-
-
-@pytest.mark.parametrize("key", ["h", "/h"])
-def test_the_key_for_help_shows_all_keys_at_the_experimenter_s_questions_too(key: str) -> None:
-    said: list[str] = []
-    terminal = Terminal(Controls(said.append), Patient(f"{key}\n/n early\nyes\n"))
-    assert terminal.choose(("yes", "no"), quiet, experimenter=True) == 0
-    (keys,) = said
-    assert [line.split()[0] for line in keys.splitlines()] == list(COMMANDS)
 
 
 def test_after_a_long_pause_a_block_begins_again_with_its_practice_if_the_experimenter_says_so(
@@ -334,32 +306,6 @@ def test_after_a_long_pause_a_block_begins_again_with_its_practice_if_the_experi
     assert events.count("begin_again") == 1
     with SessionFolder(study, person) as session:
         assert session.state.block_under_way(session.steps) == []
-
-
-def test_check_plan_new_and_simulate_say_what_they_should(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    file = tmp_path / "my.toml"
-    assert main(["study", "new", str(file)]) == 0
-    assert main(["study", "new", str(file)]) == 2
-    # Its name and its consent are still those of the template.
-    assert main(["study", "check", str(file)]) == 2
-    assert main(["study", "plan", str(file), "--power", "--participants", "3"]) == 0
-    told = capsys.readouterr().out
-    assert (
-        "2 errors" in told
-        and "do not complete a cycle" in told
-        and "standard deviation over" in told
-    )
-    assert "a break of 30 s or longer comes after 4 and 8 trials of a session" in told
-    file.write_text(file.read_text().replace("latin", "lattin"))
-    assert main(["study", "check", str(file)]) == 2
-    assert "Did you mean latin" in capsys.readouterr().err
-    file.write_text(DESIGN)
-    command = ["study", "simulate", str(file), "--out", str(tmp_path), "--participants", "1"]
-    assert main(command) == 0
-    assert main(command) == 2
-    assert main([*command, "--resume"]) == 0
 
 
 @given(st.text(max_size=12))

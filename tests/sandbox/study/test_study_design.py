@@ -13,9 +13,8 @@ from hypothesis import strategies as st
 from models.errors import StudyError
 from sandbox.study.design.balance import balanced_latin_square
 from sandbox.study.design.conditions import combinations, run_settings
-from sandbox.study.design.design import FILLED, JOINED, LISTED, Item
-from sandbox.study.design.design_file import load_design, parse_design
-from sandbox.study.design.fields import FIELDS, NUMBER, WHOLE
+from sandbox.study.design.design import FILLED, Item
+from sandbox.study.design.design_file import parse_design
 from sandbox.study.design.power import detectable, power
 from sandbox.study.design.reading import DesignError
 from sandbox.study.design.session_plan import (
@@ -30,9 +29,6 @@ from sandbox.study.design.toml_lines import TomlLines
 from sandbox.study.record.pseudonym import ALPHABET, new_pseudonym, read_pseudonym
 from sandbox.study.run.answers import read_answer
 from sandbox.study.run.forms import SimulatedForms
-from sandbox.study.tables import column
-from sandbox.study.tables.column import names_of
-from sandbox.study.tables.rows import PARTICIPANT
 from sandbox.trial.settings import HandSettings
 from tests.support.study_files import DESIGN, design
 from tools.docs import design_fields
@@ -73,16 +69,6 @@ def test_no_two_steps_have_one_name(number: int) -> None:
     for text in (DESIGN, CROSSED):
         ids = [step.id for step in session_plan(design(text), number)]
         assert len(set(ids)) == len(ids)
-
-
-def test_shared_seeds_give_everybody_and_every_condition_the_same_starts() -> None:
-    shared = design(CROSSED.replace("[trials]", '[trials]\nseeds = "shared"'))
-    starts = {
-        (t.levels["task"], t.repetition, t.seed)
-        for n in range(1, 4)
-        for t in trials_of(session_plan(shared, n))
-    }
-    assert len(starts) == 4
 
 
 def test_a_session_has_its_parts_in_order() -> None:
@@ -131,41 +117,6 @@ def test_a_level_may_set_several_things() -> None:
     assert settings.hands == (HandSettings("left", 1.1),) and settings.pipeline.encoder == "linear"
 
 
-MISTAKES = [
-    ("repetitions = 2", "repititions = 2", "Did you mean repetitions"),
-    ('"hard", "soft"', '"hard", "sofft"', "hard, soft, none"),
-    ('encoder = "linear"', 'encoder = "linaer"', "there is no such encoder"),
-    ('"box-to-goal", ', '"box-to-gaol", ', "no such task"),
-    ("every = 5", "every = -1", "0 to 10000"),
-    ('name = "task"', 'name = "contact"', "twice"),
-    ("seed = 5", "seed = 5.5", "whole number"),
-    ('encoder = "linear"', 'labels = "history"', "population, paper, device"),
-    ('encoder = "linear"', 'without = "history"', "unknown key"),
-    ('encoder = "linear"', "smothing = false", "Did you mean smoothing?"),
-    ("seed = 5", "smoothing = false", "It stands under [settings]"),
-    ('encoder = "linear"', 'smoothing = "no"', "smoothing cannot be 'no'. Write true or false"),
-    (
-        'encoder = "linear"',
-        "timestep = 3",
-        "timestep cannot be 3. Write a number above 0 and below 1",
-    ),
-    ('encoder = "linear"', "tell_labels = true", "Did you mean labels"),
-]
-
-
-@pytest.mark.parametrize(("sound", "wrong", "told"), MISTAKES)
-def test_a_mistake_is_told_with_its_line_and_a_remedy(sound: str, wrong: str, told: str) -> None:
-    text = CROSSED.replace(sound, wrong, 1)
-    assert text != CROSSED
-    with pytest.raises(DesignError) as caught:
-        design(text)
-    mistakes = caught.value.mistakes
-    assert any(told in str(m) for m in mistakes), caught.value
-    pairs = enumerate(zip(text.splitlines(), CROSSED.splitlines(), strict=True), start=1)
-    assert next(i for i, (a, b) in pairs if a != b) in [m.line for m in mistakes]
-    assert all(m.remedy for m in mistakes)
-
-
 NAMES = [
     *(('name = "age"', f'name = "{name}"', name) for name in FILLED),
     ('name = "effort"\nat', 'name = "demographics"\nat', "questions about the person"),
@@ -189,28 +140,10 @@ def test_a_name_that_tables_cannot_tell_from_another_is_refused_and_a_begun_stud
     assert parse_design(text, Path("design.toml"), try_out=False).text == text
 
 
-def test_the_program_fills_every_column_of_participants_that_is_no_question() -> None:
-    assert {"participant_id", "ppid", "experiment", *names_of(PARTICIPANT)} == set(FILLED)
-    assert (LISTED, JOINED) == (column.LISTED, column.JOINED)
-
-
-def test_all_mistakes_are_told_at_once() -> None:
-    text = CROSSED.replace("latin", "latn").replace("repetitions = 2", "repetitions = 0")
-    with pytest.raises(DesignError) as caught:
-        design(text)
-    assert [m.line for m in caught.value.mistakes] == [8, 12, 15]
-
-
 @pytest.mark.parametrize("text", ["name = ", "\x00", "[[factors]\n", "", "factors = 3", "name = 1"])
 def test_what_is_no_design_is_refused(text: str) -> None:
     with pytest.raises(DesignError):
         parse_design(text, Path("x.toml"))
-
-
-def test_a_design_of_brackets_alone_is_a_mistake_of_one_line(tmp_path: Path) -> None:
-    (tmp_path / "deep.toml").write_text("a = " + "[" * 20_000)
-    with pytest.raises(DesignError):
-        load_design(tmp_path / "deep.toml")
 
 
 @example(n=3, tests=300, between=False)
@@ -272,31 +205,3 @@ def test_simulated_answers_reach_both_ends_of_a_scale_and_are_answers_to_it(
 
 def test_the_page_of_keys_is_what_the_reader_has() -> None:
     assert design_fields.PAGE.read_text(encoding="utf-8") == design_fields.page()
-
-
-@pytest.mark.parametrize("table", sorted(FIELDS))
-def test_a_design_with_defaults_and_bounds_as_declared_is_read_and_one_beyond_is_not(
-    table: str,
-) -> None:
-    numbers = [
-        f for f in FIELDS[table].values() if f.kind in (WHOLE, NUMBER) and f.name != "schema"
-    ]
-    if table in ("", "trials", "breaks"):
-        place = f"[{table}]\n" if table else ""
-        for field in numbers:
-            for value in (field.default, field.low, field.high):
-                _numbers_of(field.name, value, place)
-            with pytest.raises(DesignError, match=f"from {field.range}"):
-                _numbers_of(field.name, field.high + 1, place)
-    for field in FIELDS[table].values():
-        assert field.means and not field.means.endswith(".")
-        assert not field.options or field.default is not None
-
-
-def _numbers_of(name: str, value: float, place: str) -> None:
-    """Reads a design with a number at its top or in a table."""
-    plain = "name = 'n'\n"
-    factor = "[[factors]]\nname = 'contact'\norder = 'latin'\nlevels = ['hard', 'soft']\n"
-    line = f"{name} = {value}\n"
-    text = f"{plain}{factor}{place}{line}" if place else f"{plain}{line}{factor}"
-    parse_design(text, Path("design.toml"), try_out=False)

@@ -21,7 +21,6 @@ from sandbox.study.record.journal import read_journal
 from sandbox.study.record.state import SessionState
 from sandbox.study.run.answers import check_answer
 from sandbox.study.run.runner import SessionOutcome
-from sandbox.study.run.study_page import OffPagePlayer
 from sandbox.words.words import words_in
 from tests.sandbox.server.test_page_server import wait_for
 from tests.sandbox.study.study_on_page import SMALL, OnPage, on_page, study_in
@@ -429,15 +428,6 @@ def test_the_experimenter_measures_a_screen_before_the_consent_form_and_never_ov
     assert {"page_gone", "page_back"} <= {row["event"] for row in rows}
 
 
-def test_a_screen_that_nobody_measures_is_a_guess_and_the_session_goes_on(running: OnPage) -> None:
-    guessed = {**SCREEN, "calibrated": False}
-    with Page(running.server.url, name="tablet", screen=guessed, beats=True) as page:
-        page.until("sheet", kind="measure")
-        running.type("s in a hurry")
-        page.until("sheet", kind="consent")
-        running.heard("measuring the screen: skipped")
-
-
 ANYTHING = st.one_of(st.none(), st.booleans(), st.floats(), st.integers(), st.text(max_size=30))
 
 
@@ -470,20 +460,3 @@ def test_a_scale_has_its_steps_as_they_are_written_and_nothing_between(
     for wrong in (between, math.nextafter(told, math.inf), -math.inf, math.nan, 10**400):
         with pytest.raises(StudyError):
             check_answer(item, wrong)
-
-
-def test_the_page_says_that_a_trial_is_elsewhere_until_it_is_over_or_has_failed() -> None:
-    said: list[str] = []
-
-    class Sheets:
-        def wait(self, word: str = "wait") -> None:
-            said.append(word)
-
-    class Fails:
-        def play(self, request: object) -> None:
-            said.append("plays")
-            raise StudyError("the mouse is gone")
-
-    with pytest.raises(StudyError, match="mouse"):
-        OffPagePlayer(Fails(), Sheets()).play(None)  # type: ignore[arg-type]
-    assert said == ["elsewhere", "plays", "wait"]

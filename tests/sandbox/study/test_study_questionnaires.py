@@ -105,14 +105,6 @@ def test_an_answer_that_is_missing_gives_no_score_and_says_so(use: str) -> None:
         assert score(scale, {k: v for k, v in whole.items() if k not in used}).missing == len(used)
 
 
-@pytest.mark.parametrize("use", sorted(instruments()))
-def test_every_text_of_the_package_is_there_in_english_and_in_german(use: str) -> None:
-    form = form_of(use, '["en", "de"]')
-    for item in form.items:
-        for text in (item.ask, *(item.ends or ()), *item.means):
-            assert text["en"] and text["de"]
-
-
 @given(st.integers(0, 2**32))
 def test_shuffling_loses_no_item_and_keeps_what_choices_are_called(seed: int) -> None:
     form = form_of("nasa-tlx")
@@ -216,11 +208,6 @@ def test_a_file_from_elsewhere_is_refused(tmp_path: Path, name: str) -> None:
         (tmp_path / there).write_text(OWN, encoding="utf-8")
     with pytest.raises(DesignError):
         parse_design(JAPANESE + added, tmp_path / "design.toml")
-
-
-def test_an_unknown_questionnaire_is_refused_with_those_there_are() -> None:
-    with pytest.raises(DesignError, match="nasa-tlx, nasa-tlx-raw, sus, ueq-s"):
-        form_of("nasatlx")
 
 
 def test_another_text_of_a_questionnaire_is_another_design(tmp_path: Path) -> None:

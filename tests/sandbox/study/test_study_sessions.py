@@ -23,7 +23,7 @@ from sandbox.study.design.session_plan import (
 from sandbox.study.record.folder import SIMULATED, StudyFolder
 from sandbox.study.record.journal import read_journal
 from sandbox.study.record.session_folder import SessionFolder
-from sandbox.study.record.stored_sessions import has_finished, session_path
+from sandbox.study.record.stored_sessions import session_path
 from sandbox.study.record.trial_files import find_recordings
 from sandbox.study.report.data import load_study
 from sandbox.study.run.simulated_study import run_simulated, simulate
@@ -249,15 +249,3 @@ def test_the_command_begins_the_next_session_and_refuses_what_is_not_its_turn(
     assert "Leave out --hand-size" in capsys.readouterr().err
     records = read_journal(session_path(study.path, person, 2) / "session.jsonl")
     assert sum(r["kind"] == "trial_end" for r in records) == SECOND
-
-
-def test_who_came_twice_is_complete_if_people_come_only_once_from_now_on(tmp_path: Path) -> None:
-    """They were told to be incomplete."""
-    study = StudyFolder(tmp_path, design(TWICE), SIMULATED)
-    run_simulated(study, 1, quiet)
-    once = TWICE.replace("sessions = 2", "sessions = 1").replace("practice_sessions = [1]\n", "")
-    study = StudyFolder(tmp_path, design(once), SIMULATED, "people are tired")
-    make_tables(study)
-    (row,) = rows_of(study.path / "tables/participants.csv")
-    assert (row["sessions_done"], row["complete"]) == ("2", "1")
-    assert has_finished(study, study.participants()[0])

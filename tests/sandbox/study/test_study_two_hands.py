@@ -3,15 +3,13 @@
 from __future__ import annotations
 
 import csv
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import pytest
 
-from models.errors import InputError, StudyError
+from models.errors import StudyError
 from sandbox.cli.main import main
-from sandbox.cli.study.run_options import StudyRunOptions, check_second_device
 from sandbox.devices.registry import DeviceSettings
 from sandbox.recording.recording import load_recording
 from sandbox.study.design.conditions import run_settings
@@ -29,9 +27,11 @@ from sandbox.study.tables.frame_table import read_frames
 from sandbox.study.tables.tables import make_tables
 from sandbox.trial.settings import HandSettings, Settings, recorded_settings
 from tasks.user import UserConfiguration
-from tests.support.study_files import design, open_study, quiet
+from tests.support.study_files import open_study, quiet
 
 TASK = "carry-together"
+
+
 PAIRS = f"""
 name = "pairs"
 seed = 3
@@ -74,15 +74,6 @@ def test_a_simulated_trial_for_two_hands_has_tables_of_both_and_replays(
     assert float(row["palm_path_m"]) > 0.05
     assert main(["replay", str(study.path), "--verify"]) == 0
     assert main(["study", "report", str(study.path)]) == 0
-
-
-def test_the_recording_tells_both_hands_and_their_users(session: Path) -> None:
-    recording = load_recording(session / "trials" / "T001.jsonl")
-    settings = recorded_settings(recording.header)
-    assert [hand.side for hand in settings.hands] in (["right", "left"], ["left", "right"])
-    assert len({hand.size for hand in settings.hands}) == 1
-    assert settings.second_device == settings.device and settings.device.user is not None
-    assert recording.end is not None and recording.end["result"]["second_fingers"]
 
 
 def test_a_pilot_is_run_with_a_device_for_each_hand(tmp_path: Path) -> None:
@@ -142,21 +133,3 @@ def test_a_design_decides_whether_a_second_touch_device_is_needed(
             devices(trial, settings)
     else:
         assert len(devices(trial, settings)) == len(settings.hands)
-
-
-@pytest.mark.parametrize(
-    ("options", "what"),
-    [
-        ({}, "a device for only one"),
-        ({"second_device": "web"}, "only if the first hand uses a page"),
-        ({"second_device": "mouse"}, "cannot be used for both hands"),
-    ],
-)
-def test_a_session_without_a_fitting_second_device_is_refused_before_it_begins(
-    options: dict[str, Any], what: str
-) -> None:
-    asked = StudyRunOptions(Path("design.toml"), **options)
-    with pytest.raises(InputError, match=what):
-        check_second_device(asked, design(PAIRS))
-    check_second_device(replace(asked, second_device="simulated"), design(PAIRS))
-    check_second_device(replace(asked, device="simulated", second_device=None), design(PAIRS))

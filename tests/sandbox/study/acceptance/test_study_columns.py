@@ -22,6 +22,8 @@ from tests.support.study_driver import run
 from tests.support.study_files import DESIGN, design, rows_of
 
 TYPES = ("number", "integer", "logical", "factor", "text")
+
+
 SECOND = '\n[[factors]]\nname = "servo"\norder = "latin"\nlevels = ["orientation", "position"]\n'
 
 
@@ -154,38 +156,3 @@ def test_tables_are_the_same_whatever_the_order_of_folders(
     glob = Path.glob
     monkeypatch.setattr(Path, "glob", lambda path, pattern: reversed(list(glob(path, pattern))))
     assert table_files(StudyFolder.at(study)) == before
-
-
-def test_with_frames_nothing_is_replayed(study: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("sandbox.trial.replay.replay", lambda *_: pytest.fail("it is replayed"))
-    make_tables(StudyFolder.at(study))
-
-
-def test_answers_have_the_time_that_each_took(tmp_path: Path) -> None:
-    study = StudyFolder(tmp_path, design(TWO_ITEMS), SIMULATED)
-    person = study.add(**simulated_person(study.design, 1))
-    form = next(step for step in session_plan(study.design, 1) if isinstance(step, FormStep))
-    with SessionFolder(study, person) as session:
-        for item, answer in (("first", 1), ("second", 2), ("first", 3)):
-            session.write("answer", step=form.id, item=item, answer=answer)
-    make_tables(study)
-    first, second = rows_of(study.path / "tables/answers.csv")
-    assert first["answer"] == "3" and float(second["seconds"]) >= 0.0
-    # Nobody knows when the form was opened; the change of the first answer took some time.
-    assert float(first["seconds"]) >= 0.0
-
-
-TWO_ITEMS = DESIGN.replace(
-    """[[questionnaires.items]]
-name = "effort"
-""",
-    """[[questionnaires.items]]
-name = "first"
-kind = "scale"
-low = 1
-high = 5
-ask = "First?"
-[[questionnaires.items]]
-name = "second"
-""",
-)

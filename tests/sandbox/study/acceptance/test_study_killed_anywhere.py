@@ -24,9 +24,7 @@ from sandbox.study.record.session_folder import SessionFolder
 from sandbox.study.record.state import SessionState
 from tests.support.study_driver import (
     SHORT,
-    SHORT_TRIALS,
     WritePoints,
-    everything,
     in_program,
     places,
     results,
@@ -177,15 +175,6 @@ def test_a_session_that_is_open_is_refused_and_newcomers_of_many_programs_have_a
         killed_after(child, 60.0)
     numbers = [p.number for p in study.participants()]
     assert sorted(numbers) == list(range(1, 1 + 1 + 4 * 6))
-
-
-def test_a_participant_whose_session_is_complete_plays_nothing_and_changes_nothing(
-    tmp_path: Path, undisturbed: Path
-) -> None:
-    before = everything(undisturbed)
-    resume(undisturbed)
-    assert everything(undisturbed) == before
-    assert len(rows_of(undisturbed / "tables/trials.csv")) == SHORT_TRIALS
 
 
 def test_every_attempt_replays_to_the_recorded_states(undisturbed: Path) -> None:

@@ -30,12 +30,13 @@ from tests.support.study_driver import (
     results,
     resume,
     run,
-    tables,
     verify,
 )
 from tests.support.study_files import design, rows_of
 
 Rng = np.random.Generator
+
+
 MUTATIONS = 100
 """Random mutations of each kind."""
 
@@ -182,20 +183,6 @@ def test_a_record_that_was_written_anew_is_accepted_only_with_a_reason(study: Pa
     assert main([*accept, "by hand"]) == 0
     resume(study)
     assert lost(study) == []
-
-
-def test_tables_are_a_function_of_the_record(study: Path) -> None:
-    before = derived(study)
-    for name in before:
-        (study / name).unlink()
-    assert main(["study", "tables", str(study)]) == 0
-    assert derived(study) == before and verify(study) == []
-    assert tables(study) == before
-
-
-def test_a_report_makes_the_tables_that_are_not_there(study: Path, tmp_path: Path) -> None:
-    (study / "tables/trials.csv").unlink()
-    assert main(["study", "report", str(study), "--out", str(tmp_path / "report")]) == 0
 
 
 def test_a_design_that_changes_in_the_middle_needs_a_reason_and_leaves_earlier_rows(

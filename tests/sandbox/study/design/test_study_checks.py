@@ -42,9 +42,16 @@ class Planted(NamedTuple):
 
 
 SAME = [{"name": "soft", "contact": "soft"}, {"name": "gentle", "contact": "soft"}]
+
+
 SEVEN = [{"name": f"{i}", "turn": 90 * (i % 4), "impulse": i + 1} for i in range(7)]
+
+
 STACK, BOX = {"settings.task": "stack"}, {"settings.task": "box-to-goal"}
+
+
 ITEM = "questionnaires.0.items.0"
+
 
 ERRORS = {
     "E1 TOML": Planted({}, "name", "", raw=('"quick"', '"quick')),
@@ -139,6 +146,8 @@ ERRORS = {
         "is never asked",
     ),
 }
+
+
 WARNINGS = {
     "W1 cycle": Planted({"participants": 25}, "participants", "do not fill the 2 orders"),
     "W2 blocked": Planted({"factors.0.order": "blocked"}, "factors.0.order", "told from practice"),
@@ -231,13 +240,6 @@ def test_twenty_sound_designs_have_no_finding(
     assert found_in(file) == []
 
 
-def test_levels_that_set_the_same_may_differ_by_what_is_read_before_them(tmp_path: Path) -> None:
-    texts = [{"at": "contact", "level": x["name"], "text": f"Be {x['name']}."} for x in SAME]
-    some = changed(sound("en"), {"factors.0.levels": SAME, "instructions": texts})
-    (tmp_path / "design.toml").write_text(written(some, "tables")[0])
-    assert found_in(tmp_path / "design.toml") == []
-
-
 @pytest.mark.parametrize(
     ("factors", "settings", "wanted"),
     [
@@ -327,16 +329,6 @@ def test_each_remedy_for_a_level_that_was_not_practised_practises_all_levels(
         assert not any(found.where == "trials.practice" for found, _ in found_in(file))
     # Without practice, and where practice is late, levels are measured unpractised by any seed.
     assert remedies or (trials["practice"] and sessions == 1)
-
-
-def test_a_language_that_instruments_lack_is_one_line_each() -> None:
-    text = SOUND.replace("seed = 3", 'seed = 3\nlanguages = ["fi"]', 1)
-    text += '\n[[questionnaires]]\nuse = "nasa-tlx"\nat = "end"\n'
-    with pytest.raises(DesignError) as caught:
-        design(text)
-    (mistake,) = caught.value.mistakes
-    assert "nasa-tlx" in mistake.what and "missing in fi in" in mistake.what
-    assert "translate it there" in mistake.remedy
 
 
 def test_real_participants_are_refused_with_an_error_and_a_pilot_is_not(

@@ -6,16 +6,9 @@ from pathlib import Path
 
 import pytest
 
-from sandbox.cli.main import main
 from sandbox.study.design.design import Design
 from sandbox.study.design.design_file import parse_design
-from sandbox.study.design.power import (
-    detectable,
-    family_size,
-    people_needed,
-    planned_tests,
-    power,
-)
+from sandbox.study.design.power import detectable, family_size, people_needed, planned_tests, power
 from sandbox.study.record.folder import SIMULATED, StudyFolder
 from sandbox.study.report.data import load_study
 from sandbox.study.report.numbers import CONFIRMATORY, results
@@ -103,21 +96,3 @@ primary = ["time_s"]
     shared = nested.replace('["linear", "quadratic"]', '["paper", "population"]')
     (one,) = [test for test in planned_tests(plan(shared)) if test.factor.name == "encoder"]
     assert one.pairs == 1 and one.people_in(24) == 24 and one.participants_for(39) == 39
-
-
-def test_a_preregistration_has_design_orders_people_exclusions_and_tests(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    file = tmp_path / "design.toml"
-    file.write_text(PLANNED)
-    assert main(["study", "plan", str(file), "--markdown"]) == 0
-    text = capsys.readouterr().out
-    heads = [line[3:] for line in text.splitlines() if line.startswith("## ")]
-    assert heads == ["Design", "Sessions and trials", "Orders", "Exclusions", "Tests", "People"]
-    assert (
-        "| encoder | latin | paper (encoder = paper), population (encoder = population) |" in text
-    )
-    assert "- too-fast: a trial with time_s below 0.5 s." in text
-    assert "| time_s | encoder | within people | 1 |" in text and "1.13 SD" not in text
-    rows = [line for line in text.splitlines() if line.startswith(("| 1 |", "| 4 |", "| 5 |"))]
-    assert len(rows) == 2 and rows[0] != rows[1]

@@ -50,10 +50,3 @@ def test_measures_of_all_trials_are_the_frozen_ones_and_their_throughput_too(
 ) -> None:
     trials = [played_again(task, seed, tmp_path) for seed in SEEDS]
     assert throughput_of(trials) == approximately(FROZEN["throughput"][task])
-
-
-def test_trials_are_of_all_tasks_with_successes_and_failures() -> None:
-    outcomes = [trial["measures"]["success"] for trial in FROZEN["trials"]]
-    assert len(outcomes) == len(TASKS) * len(SEEDS) and 10 < outcomes.count(False) < 40
-    for name in set(NAMES) - {"waited_s", "away_s", "label_recovery_s"}:
-        assert any(trial["measures"][name] is not None for trial in FROZEN["trials"]), name

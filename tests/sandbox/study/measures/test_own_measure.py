@@ -14,7 +14,6 @@ from sandbox.study.design.design_file import load_design
 from sandbox.study.design.reading import DesignError
 from sandbox.study.measures.measures import MEASURES, REMOVED
 from sandbox.study.record.folder import SIMULATED, StudyFolder
-from sandbox.study.report.make import make_report
 from sandbox.study.run.simulated_study import run_simulated
 from sandbox.study.tables.tables import make_tables
 from tests.support.study_files import DESIGN, design, quiet, rows_of
@@ -29,8 +28,14 @@ HEIGHT = Measure("{name}", "m", "Height of the palm", "largest height of the pal
 NOTHING = Measure("nothing", "m", "Nothing", "it has no function")
 NUMBER = 3
 """
+
+
 HIGHEST = "trial.hands[0].palm[:, 2].max()"
+
+
 NAMED = '\n[analysis]\nown_measure = "palm.py:{member}"\n'
+
+
 RULE = '[[exclusions]]\nname = "low"\nmeasure = "palm_height_m"\nabove = 1e9\n'
 
 
@@ -60,12 +65,6 @@ def test_it_is_a_column_of_all_results_with_a_row_in_the_codebook(study: StudyFo
     codebook = rows_of(study.path / "tables/codebook.csv")
     (row,) = [row for row in codebook if row["column"] == "palm_height_m"]
     assert (row["unit"], row["better"], row["type"]) == ("m", "low", "number")
-
-
-def test_it_is_in_the_report_with_its_unit_and_meaning(study: StudyFolder, tmp_path: Path) -> None:
-    make_report(study.path, tmp_path)
-    assert any(row["outcome"] == "palm_height_m" for row in rows_of(tmp_path / "results.csv"))
-    assert "Height of the palm" in (tmp_path / "report.html").read_text(encoding="utf-8")
 
 
 def test_its_file_goes_with_the_study(study: StudyFolder, tmp_path: Path) -> None:
@@ -117,12 +116,6 @@ def test_one_that_is_not_valid_is_refused(
 ) -> None:
     with pytest.raises(DesignError, match=reason):
         own_design(tmp_path, name=name, member=member)
-
-
-@pytest.mark.parametrize("place", ["palm.py", "lab.measures:HEIGHT", "../palm.py:HEIGHT", "HEIGHT"])
-def test_it_is_named_by_its_file_beside_the_design(place: str) -> None:
-    with pytest.raises(DesignError, match=r"FILE\.py:NAME"):
-        design(DESIGN + NAMED.replace("palm.py:{member}", place))
 
 
 @pytest.mark.parametrize("name", REMOVED)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import csv
 from collections.abc import Callable
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -18,13 +17,8 @@ from models.objects import MechanismPart
 from models.surface import Surface
 from sandbox.devices.simulated.simulated import SimulatedDevice
 from sandbox.session.session import Session
-from sandbox.study.measures.arrays import Cells, TrialArrays
-from sandbox.study.measures.measures import (
-    MEASURES,
-    REMOVED,
-    find_measure,
-    measure_trial,
-)
+from sandbox.study.measures.arrays import TrialArrays
+from sandbox.study.measures.measures import MEASURES, measure_trial
 from sandbox.study.record.folder import StudyFolder
 from sandbox.study.record.stored_sessions import session_path
 from sandbox.study.record.trial_files import frames_of
@@ -32,17 +26,15 @@ from sandbox.study.run.simulated_study import run_simulated
 from sandbox.study.tables.contacts import ContactReader
 from sandbox.study.tables.frame_table import FrameTable, make_frames, read_frames, yaw_error
 from sandbox.study.tables.tables import make_tables
-from sandbox.study.tables.trial_table import trial_columns
 from sandbox.trial.assembly import build
 from sandbox.trial.result import TrialResult
 from sandbox.trial.settings import Settings
 from tasks.sensing import Sensing
 from tasks.task import Goal, Task
 from tasks.user import UserConfiguration
-from tests.support.study_files import design, open_study, quiet, trial_result
+from tests.support.study_files import open_study, quiet, trial_result
 
 PERIOD = 0.016
-DOCS = Path(__file__).resolve().parents[4] / "docs" / "measures.md"
 
 
 def table(palm: Array, box: Array, goal: Array, **other: Any) -> TrialArrays:
@@ -273,18 +265,6 @@ def study(tmp_path_factory: pytest.TempPathFactory) -> StudyFolder:
     return found
 
 
-def test_every_measure_is_a_column_with_unit_and_meaning_and_has_its_place_in_the_docs() -> None:
-    columns = {column.name: column for column in trial_columns(design())}
-    docs = DOCS.read_text(encoding="utf-8")
-    assert len({measure.name for measure in MEASURES}) == len(MEASURES)
-    for measure in MEASURES:
-        column = columns[measure.name]
-        assert (column.unit, column.meaning) == (measure.unit, measure.meaning)
-        assert f"`{measure.name}`" in docs, measure.name
-        assert measure.better in ("high", "low", "") and measure.title and measure.means
-    assert all(find_measure(name) and not find_measure(gone) for gone, name in REMOVED.items())
-
-
 def row_of(study: StudyFolder, trial: str) -> dict[str, str]:
     rows = csv.DictReader((study.path / "tables/trials.csv").open())
     return next(row for row in rows if row["trial"] == trial)
@@ -332,10 +312,3 @@ def test_frames_are_read_as_they_were_written_whatever_the_objects_are_called(
     assert list(trial.objects) == names and trial.t == pytest.approx([0.016, 0.032])
     for item in trial.objects.values():
         assert item.place == pytest.approx(np.array([[0.5] * 3, [0.25] * 3])) and item.goal is None
-
-
-def test_a_column_that_is_not_there_is_named_with_the_nearest_one() -> None:
-    cells = Cells({"time": ["0"], "q_x": ["1"]})
-    for ask in (cells.words, cells.numbers, cells.ids):
-        with pytest.raises(KeyError, match="there is no column q_y; did you mean q_x"):
-            ask("q_y")

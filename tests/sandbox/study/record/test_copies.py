@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import shutil
-from pathlib import Path
 
 import pytest
 
@@ -54,13 +53,6 @@ def test_verification_names_copies_and_fails_and_is_right_again_without_them(
     assert verify(copied.path, replays=False).sound
 
 
-def test_a_copy_for_others_has_nothing_of_copies(copied: StudyFolder, tmp_path: Path) -> None:
-    out = tmp_path / "shared"
-    assert main(["study", "share", str(copied.path), "--out", str(out)]) == 0
-    assert verify(out, replays=False).sound
-    assert len(list(out.glob("*/S*/session.jsonl"))) == 2
-
-
 def test_a_folder_with_a_wrong_name_is_no_data_until_it_has_its_own(
     study: StudyFolder, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -69,8 +61,3 @@ def test_a_folder_with_a_wrong_name_is_no_data_until_it_has_its_own(
     assert main(["study", "tables", str(study.path)]) == 0
     assert f"lost and found holds the data of {ppid}: rename it to that" in capsys.readouterr().out
     assert len(rows_of(study.path / "tables/participants.csv")) == 1
-
-
-def test_tables_that_are_not_there_are_not_called_right(study: StudyFolder) -> None:
-    shutil.rmtree(study.path / "tables")
-    assert "tables: not compared: there are none" in verify(study.path, replays=False).lines()

@@ -5,7 +5,6 @@ from __future__ import annotations
 import shutil
 import threading
 import time
-from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -14,6 +13,7 @@ from sandbox.study.record import mirror as module
 from sandbox.study.record.mirror import Mirror
 from sandbox.study.record.session_folder import SessionFolder
 from sandbox.study.run.simulated_study import run_simulated, simulated_person
+from tests.support.processes import until
 from tests.support.study_files import open_study, quiet
 
 
@@ -25,13 +25,6 @@ def files(study: Path, ppid: str) -> dict[str, bytes]:
         for path in paths
         if path.is_file() and path.name != ".lock"
     }
-
-
-def wait(until: Callable[[], bool]) -> None:
-    end = time.monotonic() + 20.0
-    while not until() and time.monotonic() < end:
-        time.sleep(0.01)
-    assert until()
 
 
 def test_a_mirror_has_every_file_of_a_person_after_a_session(tmp_path: Path) -> None:
@@ -66,10 +59,10 @@ def test_a_mirror_that_fails_is_told_once_and_catches_up_and_the_record_goes_on(
         SessionFolder(study, person) as session,
     ):
         session.command("note", text="the disk is full")
-        wait(lambda: bool(said))
+        until(lambda: bool(said))
         session.command("note", text="and the session goes on")
         full.clear()
-        wait(lambda: "the mirror has caught up" in said)
+        until(lambda: "the mirror has caught up" in said)
         # What is added to a file is added to its copy.
         session.command("note", text="as before")
     assert mirror.behind == 0 and "bytes behind (No space left on device)" in said[0]

@@ -14,7 +14,6 @@ from models.frames import Contact
 from models.person import Person, PersonFrame
 from models.surface import Surface
 from sandbox.recording.recording import load_recording
-from sandbox.study.design.reading import DesignError
 from sandbox.study.design.session_plan import TrialStep
 from sandbox.study.record.folder import SIMULATED, StudyFolder
 from sandbox.study.record.journal import read_journal
@@ -35,6 +34,7 @@ from tests.support.study_files import design, quiet
 
 FIVE = 1e-3 * np.array([[40, 110], [75, 68], [100, 55], [123, 62], [144, 84]])
 """Touches of a right hand of size 1, m on the surface, thumb first."""
+
 
 DESIGN = """
 name = "learning"
@@ -151,15 +151,3 @@ def test_layouts_of_an_earlier_design_are_not_told_either(tmp_path: Path) -> Non
     assert study.design.learning == "trial"
     assert share_study(study, tmp_path / "copy", Masking(), quiet).hands == 4
     assert not list((tmp_path / "copy").rglob("T0*.jsonl*"))
-
-
-def test_a_design_that_learns_with_names_that_never_learn_has_a_mistake() -> None:
-    with pytest.raises(DesignError, match="labels"):
-        design(DESIGN.replace('labels = "population"', 'labels = "paper"'))
-    level = '{ name = "LEVEL", settings = { labels = "paper", contact = "LEVEL" } }'
-    levels = f"{level.replace('LEVEL', 'hard')}, {level.replace('LEVEL', 'soft')}"
-    with pytest.raises(DesignError, match="labels"):
-        design(DESIGN.replace('"hard", "soft"', levels))
-    assert design(DESIGN.replace('labels = "population"\n', "")).learning == "session"
-    with pytest.raises(DesignError, match="learning"):
-        design(DESIGN.replace('"session"', '"for ever"'))

@@ -9,17 +9,11 @@ import pytest
 from models.errors import DifferentPlanError
 from sandbox.study.design.session_plan import trials_of
 from sandbox.study.record.folder import SIMULATED, StudyFolder
-from sandbox.study.record.journal import read_journal
 from sandbox.study.record.session_folder import SessionFolder
 from sandbox.study.report.data import load_study
 from sandbox.study.report.make import make_report
 from sandbox.study.run.forms import SimulatedForms
-from sandbox.study.run.runner import SessionOutcome
-from sandbox.study.run.simulated_study import (
-    run_simulated,
-    simulate,
-    simulated_person,
-)
+from sandbox.study.run.simulated_study import run_simulated, simulate, simulated_person
 from sandbox.study.share.shared_folder import Masking, share_study
 from sandbox.study.share.verify import verify
 from tests.support.study_files import DESIGN, design, open_study, quiet, rows_of, simulated_runner
@@ -65,16 +59,6 @@ def test_a_session_does_not_go_on_by_the_plan_of_another_design(
     assert any("participant 1 of 2: left as it is" in line for line in said)
     assert any("participant 2 of 2: complete" in line for line in said)
     assert verify(changed.path, replays=False).sound
-
-
-def test_what_is_complete_stays_as_it_is_under_another_design(tmp_path: Path) -> None:
-    study = open_study(tmp_path)
-    run_simulated(study, 1, quiet)
-    before = read_journal(next(study.path.glob("*/S001/session.jsonl")))
-    longer = design(DESIGN.replace("repetitions = 2", "repetitions = 3"))
-    changed = StudyFolder(tmp_path, longer, SIMULATED, "more trials")
-    assert run_simulated(changed, 1, quiet) is SessionOutcome.COMPLETE
-    assert read_journal(next(study.path.glob("*/S001/session.jsonl"))) == before
 
 
 def test_a_person_stays_in_their_group_under_another_design(tmp_path: Path) -> None:

@@ -11,14 +11,12 @@ import pytest
 
 from models.errors import StudyError
 from sandbox.cli.main import main
-from sandbox.study.record.folder import REAL, StudyFolder
 from sandbox.study.report.data import load_study
 from sandbox.study.report.exclusions import flow
 from sandbox.study.report.make import make_report
 from sandbox.study.report.numbers import results
 from sandbox.study.report.page import head
 from sandbox.study.tables.column import csv_bytes
-from sandbox.study.tables.tables import make_tables
 from tests.sandbox.study.report.study_reports import (
     FILES,
     LEAN,
@@ -29,7 +27,6 @@ from tests.sandbox.study.report.study_reports import (
     report,
     rows_of,
 )
-from tests.support.study_files import DESIGN, design
 
 
 @pytest.fixture(scope="module")
@@ -76,15 +73,6 @@ def test_the_title_says_whether_people_took_part(plain: Path) -> None:
         assert ("no person took part" in told["warning"].lower()) == (mode == "simulated")
     text = Page((plain / "report" / "report.html").read_text(encoding="utf-8")).text
     assert head(found)["title"] in text[:80] and head(found)["warning"] in text
-
-
-def test_the_design_s_title_is_the_heading_of_its_report(tmp_path: Path) -> None:
-    titled = design(DESIGN.replace("seed", 'title = "Soft & hard, 1 < 2"\nseed', 1))
-    study = StudyFolder(tmp_path, titled, REAL)
-    assert make_tables(study)["trials"] == 0
-    page = report(study.path)
-    assert "Soft & hard, 1 < 2" in page.text[:80] and "Participants used 0" in page.text
-    assert titled.name not in page.text[:80]
 
 
 def test_data_of_two_kinds_are_refused(tmp_path: Path) -> None:
@@ -199,3 +187,38 @@ def test_a_factor_whose_levels_have_different_time_limits_is_not_compared_by_tim
     assert by_factor["task"].why == "their time limits differ"
     assert by_factor["encoder"].estimate.is_known
     assert "their time limits differ" in report(tmp_path).text
+
+
+def test_a_rehearsal_that_a_simulated_user_played_is_never_taken_for_people(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    # As `study run --pilot --device simulated` writes it: data of a pilot.
+    rows = [{**row, "mode": "pilot"} for row in planted(tmp_path)]
+    nobody = "No person took part: a simulated user played all trials."
+    for name, source, telling in (
+        ("played", "simulated user", nobody),
+        ("some", "", "A simulated user, and no person, played 1 of"),
+        ("device", "device", ""),
+    ):
+        told = [{**row, "label_truth": source} for row in rows]
+        if name == "some":
+            counted = [row for row in told if row["counted"] == "1" and row["practice"] == "0"]
+            counted[0]["label_truth"] = "simulated user"
+            counted[1]["label_truth"] = "device"
+        folder = tmp_path / name
+        put(folder, told, tuple(told[0]))
+        data = load_study(folder)
+        assert data.rehearsed.startswith(telling) and bool(data.rehearsed) == bool(telling), name
+        assert main(["study", "report", str(folder)]) == 0
+        said = " ".join(capsys.readouterr().out.split())
+        page = (folder / "report" / "report.html").read_text(encoding="utf-8")
+        assert (data.rehearsed in said) and (data.rehearsed in page)
+
+
+def test_tables_without_records_are_named_in_the_first_line_of_their_report(tmp_path: Path) -> None:
+    planted(tmp_path)
+    alone = "There are no records in this folder"
+    assert f"planted-1, simulated {alone}" in report(tmp_path).text
+    (tmp_path / "3B5G5T/S001").mkdir(parents=True)
+    (tmp_path / "3B5G5T/S001/session.jsonl").write_text("")
+    assert alone not in report(tmp_path).text

@@ -9,7 +9,7 @@ from sandbox.study.record.folder import PILOT, StudyFolder
 from sandbox.study.record.session_folder import SessionFolder
 from sandbox.study.record.stored_sessions import session_path
 from sandbox.study.run.controls import Controls
-from sandbox.study.run.forms import Poll, SimulatedForms
+from sandbox.study.run.forms import SimulatedForms
 from sandbox.study.run.players import HeadlessPlayer
 from sandbox.study.run.run_device import person_devices, settings_fitter
 from sandbox.study.run.runner import SessionRunner
@@ -21,20 +21,6 @@ SHORT = DESIGN.replace("repetitions = 2\npractice = 1", "repetitions = 1\npracti
 BEFORE_A_CAMERA = SHORT.replace(
     "[settings]\n", f'[settings]\ndevice = "webcam"\nwebcam = "{CAMERA}"\n'
 )
-
-
-class ReadingForms(SimulatedForms):
-    """A simulated participant who keeps the consent form.
-
-    Attributes:
-        consented: What they agreed to.
-    """
-
-    consented = ""
-
-    def consent(self, text: str, poll: Poll) -> bool:
-        self.consented = text
-        return super().consent(text, poll)
 
 
 class CameraSession:
@@ -50,7 +36,6 @@ class CameraSession:
 
     def __init__(self, folder: Path, engine: Path) -> None:
         self.said: list[str] = []
-        self.forms = ReadingForms(1)
         self.study = StudyFolder(folder, design(BEFORE_A_CAMERA), PILOT)
         person = self.study.add(hand="right", hand_size=1.0, language="en")
         with (
@@ -62,7 +47,7 @@ class CameraSession:
                 session,
                 HeadlessPlayer(paced=True),
                 person_devices(mouse, person, camera=camera),
-                self.forms,
+                SimulatedForms(1),
                 Controls(),
                 self.say,
                 DeviceSettings.of("webcam"),

@@ -12,9 +12,8 @@ from sandbox.cli.main import main
 from sandbox.study.record.folder import StudyFolder
 from sandbox.study.record.journal import read_journal
 from sandbox.study.record.stored_sessions import session_path
-from sandbox.study.share.shared_folder import Masking, share_study
-from sandbox.study.share.verify import FOLDERS, Finding, Verified, verify
-from tests.support.study_files import quiet, rows_of
+from sandbox.study.share.verify import verify
+from tests.support.study_files import rows_of
 
 
 @pytest.fixture
@@ -87,17 +86,3 @@ def test_who_withdraws_is_deleted_while_another_record_is_damaged_and_in_no_tabl
     words = ["study", "note", str(damaged.path), "--participant", other, "--withdraw"]
     assert main(words) == 0
     assert len(rows_of(damaged.path / "tables/participants.csv")) == 1
-
-
-def test_a_folder_for_others_that_fails_its_verification_is_not_made(
-    study: StudyFolder, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    def fails(path: Path, replays: bool = True) -> Verified:
-        done = Verified(path)
-        done.found[FOLDERS].append(Finding("A folder", "is a copy"))
-        return done
-
-    monkeypatch.setattr("sandbox.study.share.shared_folder.verify", fails)
-    with pytest.raises(StudyError, match="A folder: is a copy"):
-        share_study(study, tmp_path / "shared", Masking(), quiet)
-    assert not (tmp_path / "shared").exists()

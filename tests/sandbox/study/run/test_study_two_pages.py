@@ -4,15 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import pytest
 
-from models.errors import InputError
 from models.frames import TouchFrame
-from sandbox.cli.study.run_options import StudyRunOptions, again, check_second_device
 from sandbox.recording.recording import load_recording
 from sandbox.study.record.journal import read_journal
 from sandbox.study.record.state import SessionState
@@ -22,7 +19,6 @@ from sandbox.trial.settings import recorded_settings
 from sandbox.words.words import words_in
 from tests.sandbox.study.study_on_page import OnPage, on_page, study_in
 from tests.support.page_client import SCREEN, Page
-from tests.support.study_files import design
 
 PAIRS = """
 name = "pairs"
@@ -39,6 +35,8 @@ levels = ["hard"]
 time_limit_s = 1.5
 shows = ["time"]
 """
+
+
 SMALLER = {**SCREEN, "width_px": 1000.0}
 
 
@@ -116,15 +114,3 @@ def test_time_stands_still_on_both_pages_until_the_one_that_was_away_is_touched(
     state = SessionState.of(read_journal(running.folder / "session.jsonl"))
     (attempt,) = state.attempts[1]
     assert attempt.end is not None and attempt.end["result"]["status"] == "timeout"
-
-
-def test_a_page_for_the_second_hand_goes_with_a_page_for_the_first_alone() -> None:
-    pages = StudyRunOptions(Path("design.toml"), device="web", second_device="web")
-    check_second_device(pages, design(PAIRS))
-    check_second_device(replace(pages, device="mouse", tablet=True), design(PAIRS))
-    assert "--second-device web" in again(pages, "3B5G5T")
-    with pytest.raises(InputError, match="only if the first hand uses a page"):
-        check_second_device(replace(pages, device="tuio"), design(PAIRS))
-    one = PAIRS.replace("carry-together", "box-to-goal")
-    with pytest.raises(InputError, match="no trial of the design"):
-        check_second_device(pages, design(one))

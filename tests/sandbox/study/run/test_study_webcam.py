@@ -19,19 +19,14 @@ from models.frames import LandmarkFrame
 from sandbox.devices.webcam.landmarks import message_of
 from sandbox.devices.webcam.webcam import CLOSED, WAITING
 from sandbox.recording.recording import load_recording
-from sandbox.study.design.conditions import consent_text
 from sandbox.study.record.folder import SIMULATED, StudyFolder
 from sandbox.study.run.runner import SessionOutcome
 from sandbox.study.run.session_camera import SessionCamera
 from sandbox.study.run.simulated_study import simulate
-from sandbox.study.share.shared_folder import Masking, share_study
 from sandbox.trial.replay import replay
-from sandbox.words.words import words_in
 from tests.encoders.air.seen_hands import SIZE, held_up, seen
 from tests.sandbox.study.run.study_before_camera import (
     BEFORE_A_CAMERA,
-    CAMERA,
-    SHORT,
     CameraSession,
 )
 from tests.support.study_files import design, quiet
@@ -91,15 +86,6 @@ def test_one_page_is_the_camera_of_all_trials_and_goes_off_at_the_end(session: O
     assert page.bye.startswith("The session is over: the camera is off.")
 
 
-def test_the_consent_form_says_that_the_camera_is_on_and_that_pictures_stay(
-    session: OnPage,
-) -> None:
-    added = words_in("en")["camera_consent"]
-    assert session.forms.consented == f"Do you agree?\n\n{added}"
-    assert "camera is on" in added and "Pictures never leave" in added
-    assert consent_text(design(SHORT), "en") == "Do you agree?"
-
-
 def test_recordings_hold_landmarks_and_no_pictures_and_replay_to_the_bit(
     session: OnPage,
 ) -> None:
@@ -113,19 +99,6 @@ def test_recordings_hold_landmarks_and_no_pictures_and_replay_to_the_bit(
         assert verdict.exact and verdict.complete
         frames = [line.frame for line in recording.inputs[0]]
         assert any(isinstance(f, LandmarkFrame) and f.hands for f in frames)
-
-
-def test_recordings_of_landmarks_tell_how_a_hand_is_made_and_are_left_out_of_shared_copies(
-    session: OnPage, tmp_path: Path
-) -> None:
-    done = share_study(session.study, tmp_path / "copy", Masking(), quiet)
-    assert done.hands == 2
-    assert not list((tmp_path / "copy").rglob("trials/*.jsonl*"))
-
-
-def test_a_camera_that_cannot_be_is_found_when_the_design_is_read() -> None:
-    with pytest.raises(StudyError, match="not a setting of the camera"):
-        design(BEFORE_A_CAMERA.replace(CAMERA, "fow=70"))
 
 
 def test_simulated_participants_have_no_camera_and_that_is_one_line(tmp_path: Path) -> None:

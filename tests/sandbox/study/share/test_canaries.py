@@ -44,7 +44,11 @@ TEXT = DESIGN.replace(
     '[[demographics]]\nname = "remarks"\nkind = "text"\nask = "Remarks?"\noptional = true\n'
     "[[questionnaires]]",
 )
+
+
 MARK = "canary"
+
+
 OWN = ("time", "clock", "hash", "ppid", "boot", "answers", "answer", "item", "calibration")
 """Fields that no record shares as they are."""
 
@@ -107,14 +111,6 @@ def test_a_note_shares_the_fields_that_are_declared_and_no_other(kind: str) -> N
     declared = shared_fields(FORMS[kind])
     found = found_in(shared_note(note, PersonMasking("NEW")))
     assert found <= {name for name, are_words in declared.items() if not are_words} - {*OWN}
-
-
-@pytest.mark.parametrize("name", [*OWN, "path", "ppids", "reason", "text", "why"])
-def test_what_leads_to_a_person_is_declared_as_shared_nowhere(name: str) -> None:
-    for kind, form in {**forms(), **FORMS}.items():
-        # The text of a consent is in the design, too.
-        if (kind, name) != ("consent", "text"):
-            assert shared_fields(form).get(name) in (None, True), kind
 
 
 def test_lines_of_a_recording_share_the_fields_that_are_declared_and_no_other() -> None:

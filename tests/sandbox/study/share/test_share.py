@@ -19,16 +19,15 @@ from sandbox.study.run.simulated_study import run_simulated
 from sandbox.study.share.groups import binned, groups
 from sandbox.study.share.masking import (
     WITHHELD,
-    PersonMasking,
-    shared_line,
-    shared_records,
     without_folders,
 )
-from sandbox.study.share.shared_folder import Masking, Shared, _rare, share_study
+from sandbox.study.share.shared_folder import Masking, Shared, share_study
 from sandbox.study.tables.tables import make_tables
 from tests.support.study_files import DESIGN, TRIALS, design, quiet, rows_of
 
 SECRET = "Anna Kowalczyk in room 412"
+
+
 TEXT = DESIGN.replace(
     "[[questionnaires]]",
     '[[demographics]]\nname = "remarks"\nkind = "text"\nask = "Remarks?"\noptional = true\n'
@@ -160,37 +159,11 @@ def test_the_size_of_a_hand_is_coarse_and_recordings_that_tell_it_are_left_out(
         share_study(study, tmp_path / "none", Masking(drop=("hand_size",)), quiet)
 
 
-@pytest.mark.parametrize(("people", "left_out"), [([1.0] * 3, 0), ([1.0] * 5 + [0.9], 1)])
-def test_a_size_that_enough_people_share_tells_nobody(people: list[float], left_out: int) -> None:
-    sizes = {str(i): size for i, size in enumerate(people)}
-    assert len(_rare(sizes)) == left_out
-
-
 @pytest.mark.parametrize(
     "path", ["/home/anna/design.py", "~/anna/design.py", "C:\\anna\\design.py", "../anna/design.py"]
 )
 def test_names_of_folders_are_gone_and_names_of_files_stay(path: str) -> None:
     assert without_folders({"a": [path, 3, "one/two"]}) == {"a": ["design.py", 3, "one/two"]}
-
-
-def test_the_file_of_a_divergence_keeps_its_name_and_loses_the_folder_of_the_person() -> None:
-    result = {
-        "dump": "studies/quick/3B5G5T/S001/trials/T001-diverged.jsonl",
-        "dump_error": "studies/quick/3B5G5T: the file cannot be written",
-        "success": False,
-    }
-    record = {"n": 0, "time": "2026-11-21T10:00:00.000+00:00", "clock": 5.0, "kind": "trial_end"}
-    masking = PersonMasking("NEW")
-    (found,) = shared_records([{**record, "result": result}], masking)
-    end = json.dumps({"kind": "end", "result": result}).encode()
-    header = json.dumps({"kind": "header", **result}).encode()
-    for masked in (
-        found["result"],
-        json.loads(shared_line(end, masking))["result"],
-        json.loads(shared_line(header, masking)),
-    ):
-        assert masked.pop("kind", "header") == "header"
-        assert masked == {"dump": "T001-diverged.jsonl", "success": False}
 
 
 @given(st.lists(st.tuples(st.integers(0, 2), st.integers(0, 2)), min_size=1, max_size=30))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import csv
 import shutil
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
@@ -17,11 +17,9 @@ from sandbox.study.record.folder import SIMULATED, StudyFolder
 from sandbox.study.record.session_folder import SessionFolder
 from sandbox.study.record.stored_sessions import sessions_of
 from sandbox.study.report.data import load_study
-from sandbox.study.share.shared_folder import Masking, share_study
-from sandbox.study.share.verify import verify
 from sandbox.study.share.withdraw import withdraw
 from sandbox.study.tables.tables import make_tables, table_files
-from tests.support.study_files import DESIGN, design, open_study, quiet, rows_of, trial_result
+from tests.support.study_files import DESIGN, design, open_study, rows_of, trial_result
 
 RULES = """
 [[exclusions]]
@@ -34,6 +32,8 @@ of = "participant"
 measure = "time_s"
 above = 4.0
 """
+
+
 TWO_SESSIONS = DESIGN.replace('name = "quick"', 'name = "quick"\nsessions = 2') + RULES
 
 
@@ -124,6 +124,8 @@ ACTIONS = (
     "finish",
     "withdraw",
 )
+
+
 Steps = st.lists(
     st.tuples(st.sampled_from(ACTIONS), st.integers(0, 3), st.sampled_from([1.5, 2.5, 4.5, 7.0])),
     min_size=1,
@@ -258,37 +260,3 @@ def test_levels_of_a_factor_that_was_renamed_in_the_middle_stay_in_all_tables(
     assert written(study.path) == followed
     factors = {factor.name: factor.levels for factor in load_study(study.path).factors}
     assert factors == {"feel": ("hard", "soft"), "contact": ("hard", "soft")}
-
-
-OLDER = DESIGN.replace('name = "age"\nkind', 'name = "years"\nkind')
-"""The same design, whose question about the person has another name."""
-
-
-def test_answers_to_a_question_about_the_person_that_was_renamed_stay(tmp_path: Path) -> None:
-    """They were in no column of `participants.csv`, and `--drop` did not know them."""
-    before = Sessions(open_study(tmp_path / "study"))
-    before.do("new", 0, 1.5)
-    before.do("finish", 0, 1.5)
-    study = StudyFolder(tmp_path / "study", design(OLDER), SIMULATED, "a better name")
-    after = Sessions(study)
-    after.do("new", 0, 1.5)
-    after.do("finish", 1, 1.5)
-    make_tables(study)
-    old, new = rows_of(study.path / "tables/participants.csv")
-    assert old["age"] and not old["years"] and new["years"] and not new["age"]
-    book = {r["column"]: r["meaning"] for r in rows_of(study.path / "tables/codebook.csv")}
-    assert book["years"] == "How old are you?"
-    assert book["age"] == "answer to a question of an earlier design, empty since then"
-    assert verify(study.path, replays=False).sound
-
-    def shared(name: str, masking: Masking) -> tuple[list[dict[str, str]], Sequence[str]]:
-        done = share_study(study, tmp_path / name, masking, quiet)
-        return rows_of(tmp_path / name / "tables/participants.csv"), done.groups.columns
-
-    (both, compared), (one, fewer) = (
-        shared("whole", Masking(bins={"age": 5.0}, recordings=False)),
-        shared("less", Masking(drop=("age",), recordings=False)),
-    )
-    assert {"age", "years"} <= {*compared} and "age" not in fewer and "years" in fewer
-    assert [row["age"] for row in both if row["age"]] == [str(int(old["age"]) // 5 * 5)]
-    assert not any(row.get("age") for row in one) and sum(bool(row["years"]) for row in one) == 1
