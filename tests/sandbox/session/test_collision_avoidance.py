@@ -2,28 +2,29 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-from typing import Any, Literal
+from collections.abc import Callable, Sequence
+from typing import Literal
 
 import mujoco
 import numpy as np
 import pytest
 
 from models.arithmetic import Array
-from models.errors import InputError
 from models.frames import Contact
 from models.hand import Hand
 from models.objects import Box
+from models.pose import JOINTS
 from models.scene import Scene, SceneSpec
 from models.single_pose import SinglePose
 from models.skeleton import ADULT
-from sandbox.recording.recording import load_recording
+from sandbox.session import collision_avoidance
 from sandbox.session.collision_avoidance import REACH, HandDistances
+from sandbox.session.messages import Snapshot
 from sandbox.session.session import Session
+from sandbox.trial.assembly import device_makers
 from sandbox.trial.driver import play_trial
-from sandbox.trial.replay import replay, settings_of
-from sandbox.trial.settings import Settings
 from sandbox.trial.trial_options import TrialOptions, trial_settings
+from tests.support.corrections import Changes
 from tests.support.scripted import box_xy, run, scripted
 from tests.support.simulation import put
 
@@ -93,20 +94,12 @@ def test_the_whole_hand_is_solid_where_only_tips_were() -> None:
         run(session, 1.0)
     assert whole.solid(0) == set(range(5))
     assert tips.solid(0) == {0, 1}
+    # Nothing is near, so that no finger is led.
+    assert np.array_equal(whole.reconstructions[0].q, tips.reconstructions[0].q)
     ghosts = [g for g in whole.scene.parts(0) if not whole.scene.model.geom_contype[g]]
     names = {whole.scene.model.geom(g).name for g in ghosts}
     # A whole last link takes the place of its end, which is the same geom twice.
     assert names <= {link.tip_geom for link in whole.scene.spec.hands[0].links}
-    for session in (whole, tips):
-        session.close()
-
-
-def test_the_correction_is_none_where_nothing_is_near() -> None:
-    whole, tips = beside_box("hand", far=0.12), beside_box("fingertips", far=0.12)
-    for session in (whole, tips):
-        run(session, 1.0)
-    assert np.array_equal(whole.reconstructions[0].q, tips.reconstructions[0].q)
-    assert whole.solid(0) > tips.solid(0)
     for session in (whole, tips):
         session.close()
 
@@ -232,20 +225,48 @@ def test_the_two_parts_of_a_last_link_are_the_whole_of_it() -> None:
     assert checked >= 20
 
 
-def test_a_trial_of_a_solid_hand_replays_to_the_bit(tmp_path: Path) -> None:
-    recording = tmp_path / "trial.jsonl"
-    chosen = trial_settings(TrialOptions(task="box-to-goal", seed=2, solid="hand"))
-    result = play_trial(chosen, record=recording)
-    assert result.success
-    loaded = load_recording(recording)
-    assert loaded.header["settings"]["physics"]["solid"] == "hand"
-    assert settings_of(loaded).physics.solid == "hand"
-    _, verification = replay(loaded)
-    assert verification.exact
-    assert verification.complete
+View = Callable[[Snapshot], None]
 
 
-@pytest.mark.parametrize("settings", [{"solid": "palm"}, {"solid": "hand", "robot": "shadow"}])
-def test_a_hand_that_cannot_be_solid_so_is_refused(settings: dict[str, Any]) -> None:
-    with pytest.raises(InputError, match="solid"):
-        Settings().changed(**settings)
+def between_books(seed: int, views: Callable[[Session], Sequence[View]]) -> bool:
+    """Plays `books`, where the encoder's pose is inside of a book; tells whether it succeeded."""
+    chosen = trial_settings(TrialOptions(task="books", seed=seed, solid="hand"))
+    return play_trial(chosen, device_makers(chosen), views).success
+
+
+def back(seed: int) -> float:
+    """rad a control step that corrections take back of the step before, in one trial."""
+    seen: list[Changes] = []
+
+    def watch(session: Session) -> list[View]:
+        seen.append(Changes(session))
+        return [*seen]
+
+    assert between_books(seed, watch)
+    assert seen[0].steps > 100
+    return seen[0].back / seen[0].steps
+
+
+@pytest.mark.parametrize("seed", [9001, 9002])
+def test_without_a_share_of_the_correction_before_a_hand_between_books_trembles_twice_as_much(
+    seed: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    steady = back(seed)
+    monkeypatch.setattr(collision_avoidance, "STEADY", 1e3)
+    assert back(seed) > 2.0 * steady
+
+
+@pytest.mark.parametrize("seed", [7001, 7002, 7003])
+def test_every_joint_of_a_hand_that_is_led_stays_in_its_range(seed: int) -> None:
+    led: list[bool] = []
+
+    def watch(session: Session) -> list[View]:
+        def look(snapshot: Snapshot) -> None:
+            led.append(session.correction(0) is not None)
+            joints = session.reconstructions[0].q[JOINTS]
+            assert np.all(joints >= ADULT.lower) and np.all(joints <= ADULT.upper)
+
+        return [look]
+
+    between_books(seed, watch)
+    assert sum(led) > 50

@@ -128,20 +128,6 @@ def test_hard_again_is_what_it_was_to_the_bit() -> None:
         np.testing.assert_array_equal(a, b)
 
 
-def test_a_soft_hand_is_never_stronger_than_its_own_limit() -> None:
-    session = scripted(lambda now: (), seed=1, impulse=0.01, contact="soft")
-    assert session.scene.model.actuator_forcerange.max() <= 0.01 * 60 + 1e-12
-
-
-def test_what_is_soft_is_part_of_the_state_hash() -> None:
-    one, other = (scripted(lambda now: (), seed=1) for _ in range(2))
-    assert one.state_hash == other.state_hash
-    other.set_contact("soft")
-    one.advance()
-    other.advance()
-    assert one.state_hash != other.state_hash
-
-
 class Switching(Script):
     """Touches a box, and has the contact mode changed now and then, as a person does."""
 
@@ -182,13 +168,6 @@ def test_a_session_with_switches_replays_to_the_bit_with_them(tmp_path: Path) ->
     assert found.exact and found.complete
     assert TrialResult.of(session).state_hash == result.state_hash
     assert session.contact == "hard"
-
-
-def test_a_soft_hand_that_is_solid_all_over_is_soft_all_over() -> None:
-    session = scripted(lambda now: (), seed=4, contact="soft", solid="hand")
-    softness = session.scene.model.geom_solref[session.scene.parts(0), 0]
-    assert len(softness) > 20
-    np.testing.assert_array_equal(softness, SOFT_SOLREF[0])
 
 
 def test_a_ghost_hand_keeps_clear_of_nothing() -> None:

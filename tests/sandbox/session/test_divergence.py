@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
@@ -11,16 +10,11 @@ import numpy as np
 import pytest
 
 from models.errors import DivergenceError
-from sandbox.cli import replay as replay_command
-from sandbox.cli import run as run_command
 from sandbox.recording.recording import load_recording
-from sandbox.regress.execute import run_job
-from sandbox.regress.run_plan import TrialJob
 from sandbox.session.session import Session
 from sandbox.trial.driver import DUMPED_STATES, play_trial
 from sandbox.trial.replay import replay
 from sandbox.trial.result import TrialResult
-from sandbox.trial.settings import Settings
 from sandbox.trial.trial_options import TrialOptions, trial_settings
 from tests.support.scripted import run, scripted
 
@@ -67,14 +61,6 @@ def test_a_dump_holds_the_last_hundred_control_states_the_broken_one_included(
     assert set(recording.track.qpos) == set(range(0, end + 1, 8))
 
 
-def test_the_recording_itself_replays_to_the_same_end_too(
-    recorded: tuple[TrialResult, Path],
-) -> None:
-    result, path = recorded
-    _, found = replay(load_recording(path))
-    assert found.exact and found.complete and found.diverged == result.diverged
-
-
 def test_without_a_recording_the_dump_goes_to_its_folder_and_overwrites_nothing(
     tmp_path: Path,
 ) -> None:
@@ -91,28 +77,6 @@ def test_a_dump_that_cannot_be_written_costs_no_result(tmp_path: Path) -> None:
     result = diverge(dump=tmp_path / "file" / "folder")
     assert result.status == "diverged"
     assert result.dump == "" and "folder" in result.dump_error
-
-
-def test_the_command_names_the_file_that_replay_opens(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    monkeypatch.chdir(tmp_path)
-    assert run_command.main([ABSURD, "--seed", "2", "--json", "out.json"]) == 0
-    said = capsys.readouterr().out
-    dump = json.loads((tmp_path / "out.json").read_text())["dump"]
-    assert f"sandbox replay {dump}" in said and (tmp_path / dump).exists()
-    assert replay_command.main([dump]) == 0
-    said = capsys.readouterr().out
-    assert "exact" in said and "diverged" in said
-
-
-def test_a_regression_trial_that_diverges_tells_where_its_dump_is(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr("tempfile.tempdir", str(tmp_path))
-    trial = run_job(TrialJob(Settings(ABSURD, 2)))
-    assert trial["status"] == "diverged" and Path(trial["dump"]).parent == tmp_path
-    assert replay(load_recording(Path(trial["dump"])))[1].exact
 
 
 @pytest.mark.parametrize(

@@ -15,11 +15,9 @@ from hypothesis import strategies as st
 
 from encoders.reconstruction.reconstructor import Reconstruction
 from models.arithmetic import Array
-from models.errors import InputError
 from models.frames import Contact, TouchFrame
 from models.hand import Hand
 from models.kinematics import Kinematics
-from models.mjcf_object import MjcfObject
 from models.objects import Box
 from models.person import HANDS, TURNS, Person, PersonFrame
 from models.pose import mirrored
@@ -27,7 +25,6 @@ from models.rotations import exp
 from models.scene import Scene, SceneSpec
 from models.skeleton import ADULT
 from models.surface import Surface
-from sandbox.devices.mouse.mouse import MouseDevice
 from sandbox.recording.recording import load_recording
 from sandbox.trial.assembly import build
 from sandbox.trial.driver import play_trial
@@ -35,18 +32,21 @@ from sandbox.trial.replay import replay
 from sandbox.trial.result import TrialResult
 from sandbox.trial.settings import HandSettings, Settings
 from sandbox.trial.trial_options import TrialOptions, trial_settings
-from tasks.simulated_user.handling import OutlineHandling
-from tasks.simulated_user.user_hand import Hand as UserHand
 from tasks.simulated_user.view import Seat
 from tasks.task import Goal
-from tasks.user import SeenObject, Sight, UserConfiguration
+from tasks.user import SeenObject, Sight
 from tests.support.scripted import Script
 from tests.support.simulation import legal_poses, put
 
 MIRROR = np.diag([-1.0, 1.0, 1.0])
+
+
 SCREEN = Surface(7.76, 5.82)
 
+
 people = st.builds(Person, st.sampled_from(HANDS), st.floats(0.6, 1.6), st.sampled_from(TURNS))
+
+
 places = st.tuples(st.floats(0.0, 1.0), st.floats(0.0, 1.0))
 
 
@@ -196,26 +196,10 @@ def test_both_hands_weigh_and_look_the_same() -> None:
     np.testing.assert_allclose(left.body_pos, right.body_pos @ MIRROR, atol=1e-9)
 
 
-def test_a_mirror_twice_gives_the_same_skeleton_to_the_bit() -> None:
-    again = ADULT.mirrored().mirrored()
-    for a, b in zip(again.bones, ADULT.bones, strict=True):
-        assert a.anchor == b.anchor
-        for name in ("rest", "lower", "upper"):
-            np.testing.assert_array_equal(getattr(a, name), getattr(b, name))
-
-
 @pytest.fixture(scope="module")
 def left_run(tmp_path_factory: pytest.TempPathFactory) -> tuple[TrialResult, Path]:
     path = tmp_path_factory.mktemp("left") / "run.jsonl"
     return trial(path, seed=5, fingers=3, hand="left"), path
-
-
-def test_the_left_handed_simulated_user_brings_the_box_to_its_goal(
-    left_run: tuple[TrialResult, Path],
-) -> None:
-    result, _ = left_run
-    assert result.success, result.reason
-    assert result.settings["hands"][0]["side"] == "left"
 
 
 def test_a_left_handed_recording_replays_to_the_same_hashes(
@@ -234,20 +218,6 @@ def test_a_left_handed_recording_as_a_device_keeps_its_hand_unless_asked_otherwi
     result, path = left_run
     assert trial(device=str(path)).state_hash == result.state_hash
     assert trial_settings(TrialOptions(device=str(path), hand="right")).hands[0].side == "right"
-
-
-def test_the_keys_of_the_mouse_put_down_a_left_hand_and_a_turned_one() -> None:
-    def touches(person: Person) -> np.ndarray:
-        mouse = MouseDevice(SCREEN, person)
-        mouse.hand(3, SCREEN.size / 2)
-        contacts = sorted(mouse.poll(0.0)[-1].contacts, key=lambda c: c.label)
-        assert [c.label for c in contacts] == [0, 1, 2]
-        return np.array([(c.x, c.y) for c in contacts]) - SCREEN.size / 2
-
-    right = touches(Person())
-    np.testing.assert_allclose(touches(Person("left")), right * [-1.0, 1.0], atol=1e-12)
-    np.testing.assert_allclose(touches(Person(turn=180)), -right, atol=1e-12)
-    np.testing.assert_allclose(touches(Person(hand_size=1.2)), right, atol=1e-12)
 
 
 @pytest.mark.parametrize("turn", [90, 180, 270])
@@ -287,33 +257,3 @@ def test_a_seated_users_sight_keeps_distances_heights_and_what_is_at_its_goal(
     frame = seat.frame(TouchFrame(0.0, (Contact(1, float(on_theirs[0]), float(on_theirs[1])),)))
     felt = screen.to_world((frame.contacts[0].x, frame.contacts[0].y))
     np.testing.assert_allclose(felt, spot, atol=1e-12)
-
-
-@given(x=st.floats(-0.1, 0.1), y=st.floats(-0.1, 0.1), yaw=st.floats(-3.0, 3.0), person=people)
-def test_the_middle_of_a_lopsided_thing_is_seen_where_it_is(
-    x: float, y: float, yaw: float, person: Person
-) -> None:
-    described = """<mujoco><worldbody><body><geom type="box" size=".03 .02 .02" pos=".01 .02 0"/>
-      </body></worldbody></mujoco>"""
-    thing = MjcfObject.on_table("it", described, 0.1, (x, y), yaw)
-    c, s = np.cos(yaw), np.sin(yaw)
-    rotation = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
-    position = np.array([x, y, 0.02])
-    seat = Seat(person, SCREEN.centred_at((0.0, 0.0, 0.02)))
-    goal = Goal("it", (x, y, 0.02), yaw)
-    sight = Sight(0.0, {}, True, {"it": SeenObject(thing, position, rotation)}, (goal,), False)
-    seen = seat.sight(sight).objects["it"]
-    hand = UserHand.draw(UserConfiguration(), 1)
-    grasp = OutlineHandling(thing).grasp(seen, 0.0, hand)
-    truth = seat.point(position + rotation @ np.array([0.01, 0.02, 0.0]))
-    np.testing.assert_allclose(grasp.middle(seen), truth[:2], atol=1e-9)
-
-
-@pytest.mark.parametrize(
-    "wrong", [("middle", 1.0, 0), ("right", 1.0, 45), ("right", 0.0, 0), ("left", float("nan"), 0)]
-)
-def test_a_person_that_cannot_be_is_one_clear_error(wrong: tuple[str, float, int]) -> None:
-    with pytest.raises(InputError, match="expected"):
-        Person(*wrong)
-    with pytest.raises(InputError, match="expected"):
-        HandSettings(*wrong)

@@ -129,13 +129,3 @@ def test_what_was_known_at_the_beginning_stays_and_the_new_comes_last() -> None:
         # Layouts have their middle at 0.
         shift = np.array(kept) - np.array(known)
         np.testing.assert_allclose(shift - shift[0], 0.0, atol=5e-5)
-
-
-def test_layouts_are_for_names_by_the_population_and_for_the_same_side() -> None:
-    other = SETTINGS.changed(labels="paper")
-    assert other.with_layouts({"right": KNOWN}) == other
-    assert SETTINGS.with_layouts({"left": KNOWN}) == SETTINGS
-    known = SETTINGS.with_layouts({"right": KNOWN}).hands[0]
-    assert known.on("right") == known
-    assert known.on("left").layouts == ()
-    assert known.opposite.layouts == ()

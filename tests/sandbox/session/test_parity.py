@@ -4,7 +4,7 @@ import mujoco
 import numpy as np
 import pytest
 
-from benchmarks.bullet import RATE, Row, lag, trajectory, use
+from benchmarks.bullet import trajectory
 from benchmarks.bullet_hand import LIGHT_MASS, hand_urdf
 from models.hand import Hand
 from models.kinematics import Kinematics
@@ -69,24 +69,3 @@ def test_the_loaded_hand_differs_by_the_armature_of_each_bone_and_nothing_else()
         added = loaded.body(bone.name).inertia - plain.body(bone.name).inertia
         assert np.allclose(added, bone.armature, rtol=1e-6)
         assert loaded.body(bone.name).mass == plain.body(bone.name).mass
-
-
-@pytest.mark.parametrize("late", [-0.02, 0.0, 0.0031, 0.0105, 0.08, 0.25])
-def test_a_movement_that_is_late_by_some_time_has_that_lag(late: float) -> None:
-    times = np.arange(12 * RATE) / RATE
-    rates, phases = np.array([1.3, 2.1, 3.7]), np.array([0.2, 1.0, 2.5])
-    smooth = np.sin(times[:, None] * rates + phases)
-    followed = np.sin((times[:, None] - late) * rates + phases)
-    assert lag(followed, smooth) == pytest.approx(1000 * late, abs=0.05)
-
-
-def test_the_lag_of_a_hand_that_goes_elsewhere_is_infinite() -> None:
-    times = np.arange(12 * RATE)[:, None] / RATE
-    assert lag(np.sin(2 * times - 1.6), np.sin(2 * times)) == np.inf
-
-
-def test_a_constant_force_uses_what_its_peak_would() -> None:
-    used = [use(np.full((100, 1, 1), f), 0.002) for f in (1.0, 2.0, 3.0)]
-    row = Row(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, *used)
-    assert row.peaks == pytest.approx([1 / 60, 2 / 60, 3 / 60])
-    assert [row.root.impulse, row.turn.impulse, row.joint.impulse] == pytest.approx(row.peaks)

@@ -25,7 +25,6 @@ from sandbox.trial.driver import View, play_trial
 from sandbox.trial.replay import replay
 from sandbox.trial.result import TrialResult
 from sandbox.trial.settings import Settings
-from tasks.sensing import Sensing
 from tasks.task import Task
 from tests.support.scripted import Script, run, scripted
 
@@ -222,30 +221,6 @@ def test_a_trial_in_which_things_come_back_replays_to_the_bit(tmp_path: Path) ->
     assert json.dumps(result.as_json())
 
 
-def test_an_object_for_which_there_is_no_room_holds_nobody_up(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    """Thousands of places were looked at in every step, a tenth of a second each time."""
-    session = idle()
-    thing, surface = session.task.objects[0], session.rigs[0].reconstructor.surface
-    at, _ = joint(session, thing.name)
-    session.data.qpos[at : at + 3] = 0.6, 0.0, 0.03
-    mujoco.mj_forward(session.scene.model, session.data)
-    x, y = np.meshgrid(np.linspace(-0.2, 0.2, 41), np.linspace(-0.2, 0.2, 41))
-    everywhere = np.column_stack([x.ravel(), y.ravel(), np.full(x.size, thing.position[2])])
-    full = everywhere, np.full(len(everywhere), 0.01)
-    respawn = Respawn(session.scene, [surface])
-    for _ in range(round(AWAY / CONTROL_PERIOD) + 2):
-        assert respawn.step(session.data, lambda: full) == []
-    looked, to_surface = [], Surface.to_surface
-    monkeypatch.setattr(
-        Surface, "to_surface", lambda self, p: looked.append(p) or to_surface(self, p)
-    )
-    assert respawn.step(session.data, lambda: full) == []
-    assert len(looked) < 100
-    assert respawn.step(session.data, lambda: (np.full((1, 3), 9.0), np.ones(1))) == [thing.name]
-
-
 @pytest.mark.parametrize("task", ["stack-three", "slalom", "books", "insert", "gather"])
 @pytest.mark.parametrize("seed", [1, 2])
 def test_what_leaves_alone_comes_back_to_its_own_start_however_near_its_neighbours_are(
@@ -355,14 +330,3 @@ def test_what_slides_without_an_end_comes_back(tmp_path: Path) -> None:
     run(session, 4.0)
     assert session.respawned == 1
     assert abs(session.data.qpos[arm]) < 0.01
-
-
-def test_a_part_is_as_fast_as_what_carries_it(tmp_path: Path) -> None:
-    """A lid on a falling box is not at rest."""
-    session = cab(tmp_path, "<freejoint/>", 'range="0 .08"')
-    base, _ = joint(session, "cab")
-    session.data.qpos[base + 2] = 0.2
-    run(session, 0.1)
-    sensing = Sensing(session.scene, session.data)
-    assert sensing.object("cab").speed > 0.9
-    assert sensing.object("cab/arm").speed == pytest.approx(sensing.object("cab").speed, rel=0.05)

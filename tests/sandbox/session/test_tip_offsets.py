@@ -16,6 +16,7 @@ from models.frames import Contact
 from models.mjcf_object import MjcfObject
 from models.objects import Box
 from models.scene import CONTROL_PERIOD
+from models.surface import Surface
 from sandbox.recording.recording import load_recording
 from sandbox.session.collision_gating import CLEARANCE, STUCK
 from sandbox.session.messages import MOVE_APART
@@ -24,7 +25,8 @@ from sandbox.session.tip_offsets import OPENED, REACH, RELEASED_FADING, Grip
 from sandbox.trial.driver import play_trial
 from sandbox.trial.replay import replay
 from sandbox.trial.settings import HandSettings, Settings
-from tests.support.one_thing import MugOnTable, OneThing
+from tasks import CustomTask, Goal, Measure, Sensing, judge
+from tasks.user import UserConfiguration
 from tests.support.scripted import Played, box_xy, pinch, run, scripted
 
 HAND = np.array([[-0.03, 0.01], [0.03, -0.01], [0.025, 0.012]])
@@ -319,16 +321,6 @@ def test_a_hand_that_is_to_pass_through_things_is_not_led() -> None:
     assert np.linalg.norm(hand.tips[:2, :2] - touches, axis=1).max() < 0.001
 
 
-def test_away_from_things_no_finger_is_led() -> None:
-    def far(now: float) -> list[Contact]:
-        return [Contact(0, 0.02, 0.13, label=0), Contact(1, 0.05, 0.11, label=1)]
-
-    session = scripted(far, seed=1, labels="device")
-    run(session, SETTLED)
-    assert session.solid(0) == {0, 1}
-    assert session._tip_offsets[0]._out is None
-
-
 CORNERS = [(0.028 * x, 0.030 * y, 0.025 * z) for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)]
 POINTS = [*CORNERS, (-0.034, 0.0, 0.0), (0.034, 0.0, 0.0)]
 MESH = f"""<mujoco>
@@ -337,35 +329,52 @@ MESH = f"""<mujoco>
 </mujoco>"""
 
 
-class RidgedBlock(OneThing):
+MUG = """<mujoco><worldbody><body>
+  <geom type="cylinder" size=".034 .040"/>
+  <geom type="capsule" size=".005" fromto="0 -.032 .016 0 -.056 .016"/>
+  <geom type="capsule" size=".005" fromto="0 -.056 .016 0 -.056 -.022"/>
+</body></worldbody></mujoco>"""
+HALF_WIDTH = 0.034
+"""m, of the mug and of the block between its ridges, from the middle to where they are held."""
+GRIP_AXIS = UserConfiguration().natural_axis
+"""rad, direction from the thumb to the index finger."""
+
+
+class Mug(CustomTask):
+    """A mug, its handle beside the line from thumb to index finger; there is no goal."""
+
+    name = "mug"
+    mjcf = MUG
+
+    @classmethod
+    def place(
+        cls, rng: np.random.Generator, surface: Surface
+    ) -> tuple[list[MjcfObject], list[Goal]]:
+        middle = surface.to_world(surface.size / 2)
+        return [MjcfObject.on_table("thing", cls.mjcf, 0.1, middle, GRIP_AXIS)], []
+
+    def measure(self, sensing: Sensing) -> Measure:
+        return judge(0.0, (True, "never"))
+
+
+class RidgedBlock(Mug):
     """A mesh: a block with a ridge on either of its held faces."""
 
     name = "ridged-block"
-
-    @classmethod
-    def _thing(
-        cls, rng: np.random.Generator, middle: Array, axis: float, fingers: int
-    ) -> MjcfObject:
-        return MjcfObject.on_table("thing", MESH, 0.1, middle, axis)
-
-    def _half_width(self) -> float:
-        return 0.034
+    mjcf = MESH
 
 
-@pytest.mark.parametrize("thing", [MugOnTable, RidgedBlock])
-def test_fingers_are_led_out_of_things_of_any_shape(thing: type[OneThing]) -> None:
+@pytest.mark.parametrize("thing", [Mug, RidgedBlock])
+def test_fingers_are_led_out_of_things_of_any_shape(thing: type[CustomTask]) -> None:
     place = f"{thing.__module__}:{thing.__name__}"
-    empty = scripted(lambda now: (), task=place, seed=0)
-    assert isinstance(empty.task, OneThing)
-    grip, surface = empty.task.grip(), empty.rigs[0].reconstructor.surface
-    empty.close()
-    places = grip.points + 0.003 * grip.outwards
-    xy = surface.to_surface(np.column_stack([places, np.zeros(len(places))])).tolist()
+    away = (HALF_WIDTH + 0.003) * np.array([np.cos(GRIP_AXIS), np.sin(GRIP_AXIS), 0.0])
 
     def touch(now: float) -> list[Contact]:
+        xy = surface.to_surface(before + np.array([-away, away])).tolist()
         return [Contact(i, x, y, label=i) for i, (x, y) in enumerate(xy)]
 
     session = scripted(touch, task=place, seed=0, labels="device")
+    surface = session.rigs[0].reconstructor.surface
     before, _ = session.scene.object_pose(session.data, "thing")
     run(session, SETTLED)
     after, _ = session.scene.object_pose(session.data, "thing")

@@ -4,11 +4,9 @@ from __future__ import annotations
 
 import pytest
 
-from sandbox.devices.simulated.simulated import SimulatedDevice
 from sandbox.devices.tuio.touch_capture import CaptureDevice, CapturedPacket, TouchCapture
-from sandbox.trial.assembly import build, device_makers
+from sandbox.trial.assembly import build
 from sandbox.trial.settings import Settings
-from sandbox.trial.trial_options import TrialOptions, trial_settings
 from tests.support.tuio_packets import alv, bundle, frm, ptr
 
 PLACES = ((0.35, 0.65), (0.42, 0.4), (0.5, 0.36), (0.58, 0.38))
@@ -37,23 +35,3 @@ def test_the_names_that_a_device_gives_are_those_of_the_hand(fingers: tuple[int,
     finally:
         session.close()
     assert named == dict(enumerate(fingers))
-
-
-@pytest.mark.parametrize("encoder", ["population", "paper"])
-def test_with_labels_of_the_device_the_simulated_user_s_touches_have_their_true_fingers(
-    encoder: str,
-) -> None:
-    chosen = trial_settings(TrialOptions(encoder=encoder, labels="device"))
-    session = build(chosen, device_makers(chosen))
-    device = session.rigs[0].device
-    assert isinstance(device, SimulatedDevice)
-    try:
-        while session.time < 3.0:
-            snapshot = session.advance()
-            device.show(snapshot)
-            contacts = snapshot.hands[0].contacts
-            labels = {c.id: c.label for c in contacts if c.label is not None}
-            assert labels.items() <= device.true_labels.items()
-    finally:
-        session.close()
-    assert len(device.true_labels) >= 3
