@@ -36,7 +36,10 @@ from tests.support.hand_recording import (
 from tests.support.tuio_packets import frame as tuio_frame
 
 AHEAD = 1.25
+
+
 WIDTH, HEIGHT = 0.3, 0.25
+
 
 CORNERS = """
 [surface]
@@ -197,17 +200,6 @@ def test_the_real_glove_becomes_a_capture(
     assert len(capture) > 100 and len(np.unique(capture.trial)) > 5
 
 
-def test_a_hard_surface_is_not_seen_where_there_is_a_pillow(
-    shared_data: Path, capsys: pytest.CaptureFixture[str], tmp_path: Path
-) -> None:
-    status, _, err = converted(
-        capsys, f"--markers {shared_data}/formats/hand-markers.tsv.gz --out {tmp_path}/c.npz"
-    )
-    assert status == 2
-    assert "no plane" in err and "corners" in err
-    assert not (tmp_path / "c.npz").exists()
-
-
 BAD = {
     "no hand": (["--touches", "shown.jsonl"], "one recording of the hand"),
     "two hands": (["--joints", "hand.bvh", "--markers", "hand.tsv"], "one recording"),
@@ -303,9 +295,6 @@ def test_markers_on_the_corners_tell_where_the_surface_is(
     )
     assert status == 0, err
     assert_as_played(tmp_path / "c.npz", truth, degrees=8.0, wrist=0.010, ahead=0.0)
-
-
-# --- the table of poses
 
 
 def test_a_table_of_poses_comes_back_to_the_bit_in_any_order_of_columns(tmp_path: Path) -> None:

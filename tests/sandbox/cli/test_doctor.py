@@ -3,36 +3,21 @@
 from __future__ import annotations
 
 import json
-import os
 import re
-import shlex
 import socket
 import tomllib
 from importlib.metadata import version
 from pathlib import Path
-from typing import Any
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 from sandbox.cli import doctor
-from sandbox.cli.common.command_line import parse
-from sandbox.cli.main import COMMANDS, main
-from sandbox.cli.overview import first_steps, overview
-from sandbox.cli.play import PlayOptions
-from sandbox.cli.run import RunOptions
+from sandbox.cli.main import main
 from sandbox.doctor.devices import port_check
 from sandbox.doctor.probes import Check, run_probe
-from sandbox.doctor.system import (
-    DEVELOPERS,
-    USES,
-    declared,
-    folder_check,
-    package_checks,
-    within,
-)
-from tasks.registry import TASKS
+from sandbox.doctor.system import DEVELOPERS, USES, declared, folder_check, package_checks, within
 from tests.support.processes import ROOT
 
 
@@ -128,20 +113,3 @@ def test_a_version_is_within_its_own_bounds_and_not_below_them(numbers: list[int
     at = min(at, len(numbers) - 1)
     above = ".".join(map(str, [*numbers[:at], numbers[at] + 1, *numbers[at + 1 :]]))
     assert within(above, f">={text}") and not within(above, f">={text},<{above}")
-
-
-@pytest.mark.parametrize("screen", ["", ":7"])
-def test_what_it_proposes_to_try_first_can_be_tried(
-    screen: str, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setitem(os.environ, "DISPLAY", screen)
-    monkeypatch.delenv("WAYLAND_DISPLAY", raising=False)
-    options = {"play": PlayOptions, "run": RunOptions, "doctor": doctor.DoctorOptions}
-    steps = first_steps()
-    assert all(step in overview(COMMANDS) for step in steps)
-    for step in steps:
-        program, command, *rest = shlex.split(step)
-        assert program == "sandbox" and command in COMMANDS
-        if command in options:
-            chosen: Any = parse(options[command], step, rest)
-            assert getattr(chosen, "task", "box-to-goal") in TASKS

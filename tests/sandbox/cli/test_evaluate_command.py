@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import sys
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -18,7 +17,6 @@ from encoders.regression.trained import TrainedModel, builtin_capture
 from encoders.regression.training import save_model, train
 from encoders.store import load_capture, save_capture
 from sandbox.cli.main import main
-from sandbox.evaluation.evaluated_data import capture_files
 
 PICTURES = ("table-1", "table-2", "by-fingers", "pca-variance", "figure-2")
 
@@ -87,13 +85,6 @@ def refused(capsys: pytest.CaptureFixture[str], *argv: str) -> str:
     assert shown.err.startswith("sandbox: ") and shown.err.count("\n") == 1
     assert shown.out == ""
     return shown.err
-
-
-def test_a_folder_and_a_list_of_captures_are_the_captures_in_them(folder: Path) -> None:
-    one, two = folder / "tests" / "one.npz", folder / "tests" / "two.npz"
-    assert capture_files(str(folder / "tests")) == [one, two]
-    assert capture_files(str(folder / "list.txt")) == [two, one]
-    assert capture_files(str(one)) == [one]
 
 
 def test_captures_of_a_list_are_judged_one_by_one_and_together(folder: Path) -> None:
@@ -187,16 +178,6 @@ def test_a_model_is_not_tested_on_the_capture_that_it_learned_from(
     assert "would be tested on its training frames" in error and "--train split" in error
 
 
-def test_nothing_is_tested_on_the_frames_it_learned_from(
-    folder: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    training = str(folder / "training.npz")
-    error = refused(
-        capsys, "--encoders", "mean", "--train", training, "--capture", training, "--no-copas"
-    )
-    assert "--train split" in error
-
-
 @pytest.mark.parametrize(
     ("argv", "words"),
     [
@@ -204,13 +185,9 @@ def test_nothing_is_tested_on_the_frames_it_learned_from(
         (("--encoders", "linear", "linear"), ("once", "linear")),
         (("--encoders", "missing.npz"), ("missing.npz", "no such file")),
         (("--days", "0"), ("--days", "1 or more")),
-        (("--day-seed", "-1"), ("--day-seed",)),
         (("--json", "nowhere/out.json"), ("--json nowhere/out.json", "folder")),
-        (("--json", "."), ("--json .", "folder")),
-        (("--train", "missing.npz", "--encoders", "mean", "--capture", "x.npz"), ("x.npz",)),
         (("--train", "split"), ("--train split", "one --capture FILE")),
         (("--capture", "empty"), ("empty", "no captures")),
-        (("--capture", "nothing.txt"), ("nothing.txt", "cannot be read")),
         (("--capture", "list.txt"), ("gone.npz", "no such file")),
         (("--capture", "junk.npz"), ("junk.npz", "not a capture")),
     ],
@@ -233,24 +210,6 @@ def test_what_cannot_be_done_is_one_clear_line(
         assert word in text
 
 
-def test_the_results_do_not_replace_the_capture_that_is_judged(
-    folder: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    source = next(iter(sorted(folder.glob("*.npz"))))
-    kept = source.read_bytes()
-    text = refused(capsys, "--encoders", "mean", "--capture", str(source), "--json", str(source))
-    assert "would replace a file from which it is made" in text and source.read_bytes() == kept
-
-
-def test_without_matplotlib_the_extra_is_named_before_anything_is_computed(
-    capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setitem(sys.modules, "matplotlib", None)
-    text = refused(capsys, "--plots", str(tmp_path / "pictures"))
-    assert "hand-sandbox[plots]" in text
-    assert not (tmp_path / "pictures").exists()
-
-
 def test_every_picture_is_drawn_twice_and_shows_something(
     pictures: tuple[Path, dict[str, Any]],
 ) -> None:
@@ -264,48 +223,6 @@ def test_every_picture_is_drawn_twice_and_shows_something(
         assert (out / f"{name}.svg").read_text().rstrip().endswith("</svg>")
 
 
-def test_hands_are_drawn_as_bones_where_there_is_no_opengl(
-    folder: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    from encoders.evaluation import evaluate_method
-    from encoders.evaluation.measure_method import Tests
-    from encoders.evaluation.methods import Training
-    from encoders.evaluation.result_values import report
-    from encoders.store import load_capture
-    from sandbox.figures import hands
-    from sandbox.views.display import GraphicsError
-
-    def none(*_args: object) -> None:
-        raise GraphicsError("no OpenGL")
-
-    monkeypatch.setattr(hands, "_rendered", none)
-    training = load_capture(folder / "training.npz")
-    tests = Tests([load_capture(folder / "tests" / "one.npz")])
-    results = {"mean": evaluate_method(Training(training).method("mean"), tests)}
-    made = hands.side_by_side(report(results, tests, training, {}), results, tests)
-    rows = len(hands.typical_frames(results, tests))
-    assert rows > 0 and len(made.axes) == 2 * rows
-    assert all(len(axis.lines) == 6 for axis in made.axes)
-
-
-def test_the_drawn_frames_are_of_median_error(folder: Path) -> None:
-    from encoders.evaluation import evaluate_method
-    from encoders.evaluation.measure_method import TRUE, Tests
-    from encoders.evaluation.methods import Training
-    from encoders.store import load_capture
-    from sandbox.figures.hands import typical_frames
-
-    training = load_capture(folder / "training.npz")
-    tests = Tests([load_capture(folder / "tests" / "two.npz")])
-    results = {"mean": evaluate_method(Training(training).method("mean"), tests)}
-    errors = results["mean"].errors[TRUE]
-    total = errors.wrist / errors.wrist.mean() + errors.angle / errors.angle.mean()
-    for frame in typical_frames(results, tests):
-        alike = tests.fingers == tests.fingers[frame]
-        below = (total[alike] < total[frame]).mean()
-        assert below <= 0.5 <= below + 1 / alike.sum() + 1e-9 or alike.sum() == 1
-
-
 @pytest.mark.full
 def test_a_simulated_day_is_evaluated_without_a_file(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
@@ -316,15 +233,3 @@ def test_a_simulated_day_is_evaluated_without_a_file(
     found = json.loads(path.read_text())
     assert found["configuration"]["days"] == [found["tests"][0]["day"]]
     assert found["simulated"] is True and "SIMULATED" in capsys.readouterr().out
-
-
-@pytest.mark.slow
-def test_own_is_another_day_of_the_same_person(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    path = tmp_path / "own.json"
-    argv = ["evaluate", "--encoders", "mean", "--days", "1", "--no-copas", "--train", "own"]
-    assert main([*argv, "--json", str(path)]) == 0
-    found = json.loads(path.read_text())
-    assert found["training"]["day"] == 0 != found["tests"][0]["day"]
-    assert found["training"]["seed"] == found["tests"][0]["seed"]

@@ -107,13 +107,6 @@ def test_playing_with_ones_own_fingers_uses_ones_own_profile(
     assert trial_settings(TrialOptions(profile="none")).hands[0].person == Person()
 
 
-def test_what_is_asked_for_on_the_command_line_goes_before_the_profile(tmp_path: Path) -> None:
-    path = tmp_path / "p.json"
-    save_profile(Profile(Person("left", 0.9, 180), (0.8, 1.0), "tuio", False), path)
-    settings = trial_settings(TrialOptions(profile=str(path), hand_size=1.05))
-    assert settings.hands[0].person == Person("left", 1.05, 180)
-
-
 def test_a_recording_of_five_fingers_in_three_spreads_gives_the_size_of_the_hand_in_it(
     tmp_path: Path,
 ) -> None:
@@ -175,15 +168,6 @@ def test_a_file_of_touches_on_a_guessed_size_measures_no_hand(
         main(["measure", *arguments])
 
 
-@pytest.mark.parametrize("guessed", [False, True])
-def test_a_file_of_touches_on_a_guessed_size_plays_as_such(guessed: bool, tmp_path: Path) -> None:
-    surface = Surface(9.0, 6.0, calibrated=not guessed)
-    touches = touches_of_spreads(tmp_path / "touches.jsonl", surface)
-    settings = trial_settings(TrialOptions(device=str(touches)))
-    assert settings.surface.size_in == (9.0, 6.0)
-    assert settings.surface.calibrated is not guessed
-
-
 @pytest.mark.parametrize(
     ("arguments", "says"),
     [
@@ -207,24 +191,6 @@ def test_what_cannot_be_calibrated_is_one_clear_error(
     monkeypatch.setenv("XDG_CONFIG_HOME", str(tmp_path))
     with pytest.raises(InputError, match=says):
         main(["measure", *arguments])
-
-
-@pytest.mark.parametrize("rest", ["nobody.json", "junk.json"])
-def test_a_rest_posture_that_cannot_be_used_is_refused_before_fingers_are_put_down(
-    rest: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    monkeypatch.chdir(tmp_path)
-    Path("junk.json").write_text("{}")
-    with pytest.raises(InputError, match=rest):
-        main(["measure", "--device", "simulated", "--rest", rest, "--out", "p.json"])
-    assert "spread" not in capsys.readouterr().out
-
-
-def test_a_recording_with_fewer_fingers_is_refused_with_what_was_found(tmp_path: Path) -> None:
-    demo = Path(__file__).parents[3] / "sandbox" / "data" / "demo.jsonl"
-    with pytest.raises(InputError, match="0 times, and at most 3 fingers"):
-        main(["measure", "--device", str(demo), "--out", str(tmp_path / "p.json")])
-    assert not (tmp_path / "p.json").exists()
 
 
 @given(
@@ -269,12 +235,3 @@ def test_a_recording_of_two_hands_or_of_one_in_the_air_is_no_rest_of_five_finger
         trial.end()
     with pytest.raises(InputError):
         main(["measure", "--device", str(recorded), "--out", str(tmp_path / "p.json")])
-
-
-def test_a_profile_that_cannot_be_kept_is_told_before_fingers_are_put_down(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    monkeypatch.setenv("XDG_CONFIG_HOME", "/proc")
-    with pytest.raises(InputError):
-        main(["measure", "--device", "simulated"])
-    assert "spread" not in capsys.readouterr().out

@@ -129,11 +129,3 @@ def test_what_cannot_be_used_is_one_line(
     errors = [text for text in capsys.readouterr().err.splitlines() if text.startswith("sandbox")]
     assert len(errors) == 1 and said in errors[0]
     assert not (tmp_path / "rest.json").exists() and source.read_bytes() == kept
-
-
-def test_a_recording_of_touches_is_refused(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    demo = Path(__file__).resolve().parents[3] / "sandbox" / "data" / "demo.jsonl"
-    assert rest("--device", str(demo), "--out", str(tmp_path / "rest.json")) == 2
-    assert "only touches, no hand" in capsys.readouterr().err

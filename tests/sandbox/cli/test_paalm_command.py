@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -12,7 +11,7 @@ import pytest
 from sandbox.cli.main import main
 from sandbox.devices.leap.leap_fake import FakeLeapd
 from sandbox.devices.leap.leap_file import read_leap
-from sandbox.devices.leap.leap_write import leap_message, write_take
+from sandbox.devices.leap.leap_write import write_take
 from tests.support.leap_hands import take
 
 
@@ -83,25 +82,6 @@ def test_a_real_recording_needs_no_average_hand(
         capsys.readouterr()
 
 
-def test_a_hand_that_was_never_open_is_shown_as_an_average_one_and_this_is_said(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    one, path = take(1), tmp_path / "folded.json"
-    closed = [i for i, held in enumerate(one.open) if not held][::25]
-    few = replace(
-        one,
-        frames=tuple(one.frames[i] for i in closed),
-        fingers=tuple(one.fingers[i] for i in closed),
-        angles=one.angles[closed],
-        open=one.open[closed],
-    )
-    write_take(few, path, {"seed": 1})
-    assert main(["paalm", "show", str(path), "--json"]) == 0
-    said = capsys.readouterr()
-    assert "an average hand stands in for the recorded one" in said.err
-    assert len(said.out.splitlines()) == len(closed)
-
-
 @pytest.mark.parametrize("hand", ["right", "left"])
 def test_a_hand_whose_thumb_is_that_of_the_other_one_is_not_taken_for_this_one_without_a_word(
     hand: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
@@ -154,17 +134,6 @@ def test_a_folder_of_simulated_recordings_is_judged_by_the_truth_in_them(
     assert set(found["identity_percent"]) == {"paper", "tracked"}
     assert "notes.txt" in found["left_out"]
     assert set(found["couplings"]) == {"two_thirds", "equal", "fitted"}
-
-
-def test_a_recording_that_breaks_off_is_judged_and_said_to_break_off(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    folder, out = tmp_path / "takes", tmp_path / "out.json"
-    folder.mkdir()
-    lines = [json.dumps(leap_message(f, n)) for n, f in enumerate(take(1).frames[:300])]
-    (folder / "v1.jsonl").write_text("\n".join(lines)[:-50])
-    assert main(["evaluate", "--paalm", str(folder), "--json", str(out)]) == 0
-    assert "line 300" in json.loads(out.read_text())["left_out"]["v1.jsonl (its end)"]
 
 
 def test_recordings_whose_joints_bend_alike_by_construction_are_no_truth(

@@ -3,31 +3,22 @@
 from __future__ import annotations
 
 import json
-import shlex
 from collections.abc import Iterator
-from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
-from models.errors import InputError
-from sandbox.cli.main import main
 from sandbox.cli.regress import main as regress
 from sandbox.regress.baseline import load_baseline
 from sandbox.regress.comparison import level_of
-from sandbox.regress.execute import Serial
 from sandbox.regress.run_plan import (
     ARMS,
     HARD_SETTINGS,
-    RegressionPlan,
     arm_of,
     registered,
     row_name,
     setting_of,
 )
-from sandbox.trial.assembly import drawn
-from tasks.registry import TASKS, is_built_in
-from tests.support.processes import ROOT
 from tests.support.regress_tasks import Quick
 
 BOTH = ["quick", "quick (hard)"]
@@ -83,44 +74,6 @@ def test_a_baseline_without_the_hard_arm_is_compared_in_the_plain_one_and_says_s
     monkeypatch.setitem(HARD_SETTINGS, "quick", "friction=0.4")
     assert run(tmp_path) == 0
     assert note in json.loads((tmp_path / "report.json").read_text())["notes"]
-
-
-def test_the_line_that_runs_a_hard_trial_again_gives_its_state(tmp_path: Path) -> None:
-    plan = RegressionPlan(("quick",), (3,), arms=ARMS["both"])
-    plain, hard = Serial().run(plan.jobs())
-    assert [plain["task"], hard["task"]] == BOTH
-    words = shlex.split(plan.command("quick (hard)", 3).partition(" && ")[0])
-    assert words[-1] == "quick-hard-3.jsonl"
-    assert main([*words[1:-2], "--json", str(tmp_path / "again.json")]) == 0
-    again = json.loads((tmp_path / "again.json").read_text())
-    assert again["state_hash"] == hard["state_hash"] != plain["state_hash"]
-
-
-def test_the_hard_settings_can_be_drawn_and_are_on_the_page() -> None:
-    page = (ROOT / "docs" / "results.md").read_text()
-    built_in = {name for name, task in TASKS.items() if is_built_in(task)}
-    assert {*HARD_SETTINGS} - {"quick"} == built_in
-    for task, setting in HARD_SETTINGS.items():
-        if task != "quick":
-            assert f"| {task} | `{setting}` |" in page
-        (job,) = RegressionPlan((task,), (0,), arms=ARMS["hard"]).jobs()
-        assert not job.settings.variation.neutral
-        drawn(job.settings)
-
-
-def test_a_task_without_a_hard_arm_is_played_plain_and_refused_alone(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    monkeypatch.delitem(HARD_SETTINGS, "quick")
-    plan = RegressionPlan(("quick",), (0,), arms=ARMS["both"])
-    assert plan.names == ("quick",)
-    with pytest.raises(InputError, match="none of these tasks has a hard arm"):
-        replace(plan, arms=ARMS["hard"])
-
-
-def test_a_hard_arm_has_no_other_variation() -> None:
-    with pytest.raises(InputError, match="has its own variation"):
-        RegressionPlan(("quick",), (0,), {"vary": "noise=1"}, arms=ARMS["both"])
 
 
 def test_holm_spans_the_tasks_of_both_arms_and_each_arm_together() -> None:

@@ -42,13 +42,6 @@ def test_more_seeds_and_less_scatter_find_smaller_changes() -> None:
     assert few[-1].task == "all tasks" and few[-1].time < min(row.time or 1 for row in few[:-1])
 
 
-def test_without_repeated_trials_the_scatter_is_unknown() -> None:
-    assert all(
-        row.time is None
-        for row in power_of(baseline(0.05, repeats=0), [*LIMITS], range(20), LIMITS)
-    )
-
-
 def test_a_change_of_the_size_that_is_named_is_found_four_times_in_five() -> None:
     made, rng = baseline(0.05, 400, 400), np.random.default_rng(1)
     made = replace(made, tasks={"quick": made.tasks["quick"]})

@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import json
+import re
 import shlex
-import sys
-from collections.abc import Iterable
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -19,25 +18,16 @@ from encoders.regression.model_registry import DEFAULT_MODEL
 from models.errors import InputError
 from sandbox.cli.common.command_line import parse
 from sandbox.cli.main import main
+from sandbox.cli.regress import RegressOptions
 from sandbox.recording.recording import load_recording
 from sandbox.recording.versions import DECISIVE
 from sandbox.regress.baseline import load_baseline
-from sandbox.regress.execute import CRASHED, Executor, Processes, Serial, run_job
-from sandbox.regress.run_plan import (
-    RegressionPlan,
-    TrialJob,
-    options,
-    parse_seeds,
-    registered,
-)
+from sandbox.regress.execute import Executor, Processes, Serial, run_job
+from sandbox.regress.run_plan import RegressionPlan, TrialJob, options, parse_seeds, registered
 from sandbox.trial.driver import play_trial
 from sandbox.trial.trial_options import TrialOptions, trial_settings
-from tasks.registry import TASKS
-from tests.support.regress_tasks import Quick, Raising, Stopping, Worse
-
-
-def by_seed(trials: Iterable[dict[str, Any]]) -> list[dict[str, Any]]:
-    return sorted(trials, key=lambda t: t["seed"])
+from tests.support.processes import ROOT
+from tests.support.regress_tasks import Quick, Stopping, Worse
 
 
 def regress(*words: str | Path) -> int:
@@ -75,14 +65,6 @@ def test_a_trial_is_that_of_the_run_command_to_the_bit() -> None:
     assert trial == {name: alone.as_json()[name] for name in trial}
     assert fingerprint == alone.fingerprint
     assert parts.keys() == DECISIVE.keys() and all(parts.values())
-
-
-@pytest.mark.parametrize("executor", [Serial(), Processes(1)])
-def test_code_that_raises_is_a_crash_of_its_seed_alone(executor: Executor) -> None:
-    trials = by_seed(executor.run(RegressionPlan((Raising,), (1, 4)).jobs()))
-    assert [t["status"] for t in trials] == [CRASHED, "held"]
-    assert "ZeroDivisionError: a lab's own bug" in trials[0]["reason"]
-    assert "regress_tasks.py" in trials[0]["reason"]
 
 
 @pytest.mark.parametrize("executor", [Serial(), Processes(2)])
@@ -152,23 +134,6 @@ def test_a_loss_beyond_chance_fails_and_is_named(
     assert ElementTree.parse(xml).find(".//testcase/failure") is not None
 
 
-def test_seeds_that_the_baseline_lacks_are_counted_and_named(
-    quick: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    path = tmp_path / "out.json"
-    with registered(Quick):
-        assert quick_run("--baseline", quick, "--json", path, seeds="10:14") == 0
-    said = "quick: 2 seeds have no baseline and are not compared: 12, 13"
-    assert said in capsys.readouterr().out
-    found = json.loads(path.read_text())
-    compared = found["tasks"]["quick"]["baseline"]
-    assert (compared["pairs"], compared["without_baseline"]) == (2, [12, 13])
-    assert any(note.startswith(said) for note in found["notes"])
-    with registered(Quick):
-        assert quick_run("--baseline", quick, seeds="10:12") == 0
-    assert "no baseline" not in capsys.readouterr().out
-
-
 def test_an_update_judges_nothing_and_what_comes_next_is_judged_by_it(
     quick: Path, tmp_path: Path
 ) -> None:
@@ -177,30 +142,6 @@ def test_an_update_judges_nothing_and_what_comes_next_is_judged_by_it(
     with registered(Worse):
         assert quick_run("--baseline", path, "--update-baseline") == 0
         assert quick_run("--baseline", path, "--exact", seeds="0:2") == 0
-
-
-def test_another_encoder_or_seed_is_refused_before_anything_is_run(
-    quick: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    with registered(Quick):
-        words = ("--tasks", "quick", "--baseline", quick)
-        told = refused(capsys, *words, "--encoder", "cubic")
-        assert "another encoder" in told and "(got 'encoder cubic'" in told
-        assert "expected encoder left to its default" in told
-        assert "other settings" in refused(capsys, *words, "--impulse", "safe")
-        assert "other settings" in refused(capsys, *words, "--fingers", "5")
-        assert "none of these seeds" in refused(capsys, *words, "--seeds", "90:99")
-    assert "none of these tasks" in refused(capsys, "--tasks", "box-to-goal", "--baseline", quick)
-
-
-def test_another_encoder_is_compared_where_that_is_the_question(
-    quick: Path, tmp_path: Path
-) -> None:
-    path = tmp_path / "out.json"
-    with registered(Quick):
-        words = ("--encoder", "cubic", "--across-encoders", "--json", path)
-        assert quick_run("--baseline", quick, *words, seeds="0:3") == 0
-    assert json.loads(path.read_text())["tasks"]["quick"]["baseline"]["pairs"] == 3
 
 
 @pytest.mark.parametrize(
@@ -225,13 +166,6 @@ def test_what_makes_no_sense_is_refused_in_one_line(
     capsys: pytest.CaptureFixture[str], words: tuple[str, ...], said: str
 ) -> None:
     assert said in refused(capsys, *words)
-
-
-def test_without_ray_its_extra_is_named(
-    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setitem(sys.modules, "ray", None)
-    assert "hand-sandbox[ray]" in refused(capsys, "--executor", "ray")
 
 
 def test_recordings_of_failed_trials_are_kept_and_replay(
@@ -315,17 +249,6 @@ def test_two_files_whose_tasks_have_one_name_are_refused_as_their_trials_would_b
     assert RegressionPlan((one, f"{one}:A"), (0,)).names
 
 
-def test_a_task_of_ones_own_cannot_take_anothers_name() -> None:
-    class Thief(Quick):
-        name = "box-to-goal"
-
-    with pytest.raises(InputError, match="another task has this name"), registered(Thief):
-        pass
-    with registered(Quick):
-        assert TASKS["quick"] is Quick
-    assert "quick" not in TASKS
-
-
 @pytest.mark.needs("opengl")
 def test_lost_trials_are_filmed_with_the_lines_that_film_them_before(
     quick: Path, tmp_path: Path
@@ -340,3 +263,16 @@ def test_lost_trials_are_filmed_with_the_lines_that_film_them_before(
         seed = film.stem.removeprefix("quick-")
         assert f"| ![](before-{film.name}) | ![]({film.name}) |" in page
         assert f"sandbox run quick --seed {seed} --film before-{film.name}" in page
+
+
+def test_the_workflow_to_copy_gives_options_that_there_are() -> None:
+    text = (ROOT / "examples" / "ci" / "regression.yml").read_text()
+    lines = re.findall(r"^ {10}(sandbox regress.*(?:\n {10}\S.*)*)", text, re.M)
+    made, found = (
+        parse(RegressOptions, "sandbox regress", shlex.split(line)[2:]) for line in lines
+    )
+    assert found.baseline and found.junit and found.json and made.update_baseline
+    # What makes the baseline runs what the job compares with it.
+    made = replace(made, update_baseline=False)
+    names = ("json", "junit", "markdown", "record", "given")
+    assert replace(made, **{name: getattr(found, name) for name in names}) == found

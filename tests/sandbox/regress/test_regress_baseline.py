@@ -6,7 +6,6 @@ import errno
 import json
 import os
 import re
-import warnings
 from collections.abc import Collection
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
@@ -39,6 +38,8 @@ from tasks.task import Measure
 from tests.support.regress_tasks import Dying, Newer, Quick, Worse
 
 PLAN = RegressionPlan((Quick,), tuple(range(10)))
+
+
 BOTH = RegressionPlan((Quick, Dying), tuple(range(10)))
 
 
@@ -214,13 +215,6 @@ def test_an_update_keeps_other_tasks_of_the_same_configuration_and_no_others() -
     assert set(other.tasks) == {"quick"}
 
 
-def test_no_baseline_is_made_from_a_crash() -> None:
-    run = trials(PLAN)
-    run[3]["status"] = "crashed"
-    with pytest.raises(InputError, match="quick 3"):
-        baseline().updated(PLAN.origin(), PLAN.versions(), run)
-
-
 @pytest.mark.parametrize("value", ("other", "equal"))
 def test_a_baseline_with_a_seed_twice_is_refused_where_its_trials_differ(
     value: str, tmp_path: Path
@@ -283,19 +277,6 @@ def test_the_fixture_asserts_that_nothing_was_lost(tmp_path: Path) -> None:
     with pytest.raises(AssertionError, match="beyond chance") as caught:
         asking(Worse, "0:16", baseline="base.json")
     assert "seed 1: it fails now" in str(caught.value) and "python -c" in str(caught.value)
-
-
-def test_the_fixture_warns_of_a_test_that_so_few_seeds_cannot_fail(tmp_path: Path) -> None:
-    Regression(tmp_path, tmp_path, update=True)(Quick, "0:7", baseline="base.json")
-    asking = Regression(tmp_path, tmp_path)
-    with pytest.warns(UserWarning, match="with 4 seeds, no loss is.*give at least 7 seeds"):
-        asking(Quick, "0:4", baseline="base.json")
-    with pytest.warns(UserWarning, match="with 1 seed, no number of successes is below 50%"):
-        asking(Quick, "0:1", at_least=0.5)
-    with warnings.catch_warnings():
-        warnings.simplefilter("error")
-        asking(Quick, "0:7", baseline="base.json")
-        asking(Quick, "0:5", at_least=0.5)
 
 
 MINE = """

@@ -15,7 +15,6 @@ from scipy.stats import binomtest, rankdata, wilcoxon
 from sandbox.regress.statistics import (
     ALPHA,
     POWER,
-    falls_short,
     fewest_losses,
     holm,
     mcnemar,
@@ -41,12 +40,6 @@ def test_mcnemar_is_the_sign_test_of_the_pairs_that_differ(lost: int, won: int) 
     assert mcnemar(lost, won) == pytest.approx(float(counted), rel=1e-9)
     if pairs:
         assert mcnemar(lost, won) == binomtest(lost, pairs, alternative="greater").pvalue
-
-
-@given(lost=st.integers(0, 40), won=st.integers(0, 40))
-def test_another_loss_is_worse_and_another_win_is_better(lost: int, won: int) -> None:
-    assert mcnemar(lost + 1, won) < mcnemar(lost, won) or mcnemar(lost, won) == 1.0
-    assert mcnemar(lost, won + 1) >= mcnemar(lost, won)
 
 
 @given(differences)
@@ -138,11 +131,6 @@ def test_the_wilson_interval_is_where_the_score_test_just_does_not_reject(
     assert (low, high) == (theirs.low, theirs.high)
 
 
-def test_of_no_trials_nothing_is_known() -> None:
-    assert wilson(0, 0) == (0.0, 1.0)
-    assert falls_short(0, 0, 0.9) == 1.0
-
-
 @given(p_values)
 def test_holm_keeps_the_order_and_never_makes_a_value_smaller(values: dict[str, float]) -> None:
     adjusted = holm(values)
@@ -166,26 +154,10 @@ def test_holm_rejects_what_stepping_down_rejects(values: dict[str, float]) -> No
     assert all(values[name] <= ALPHA for name, p in holm(values).items() if p <= ALPHA)
 
 
-def test_holm_of_a_known_example() -> None:
-    """Three tests, by hand: 3 x 0.01, 2 x 0.03, and the last no less than the one before."""
-    adjusted = holm({"a": 0.04, "b": 0.01, "c": 0.03})
-    assert adjusted == pytest.approx({"a": 0.06, "b": 0.03, "c": 0.06})
-
-
 @pytest.mark.parametrize("tests", range(1, 7))
 def test_the_fewest_losses_are_significant_and_one_less_are_not(tests: int) -> None:
     losses = fewest_losses(ALPHA / tests)
     assert tests * 0.5**losses <= ALPHA < tests * 0.5 ** (losses - 1)
-
-
-@pytest.mark.parametrize(
-    ("pairs", "loss", "win", "wanted"),
-    [(66, 0.10, 0.0, 0.8), (80, 0.10, 0.0, 0.9), (96, 0.12, 0.02, 0.8), (172, 0.18, 0.08, 0.8)],
-)
-def test_power_is_what_was_computed_for_the_design(
-    pairs: int, loss: float, win: float, wanted: float
-) -> None:
-    assert power(pairs, loss, win) == pytest.approx(wanted, abs=0.02)
 
 
 @pytest.mark.parametrize(("pairs", "win", "tests"), [(120, 0.0, 1), (120, 0.03, 2), (40, 0.05, 1)])
@@ -206,21 +178,3 @@ def test_where_nothing_got_worse_a_loss_is_hardly_ever_called(
     rate: float, pairs: int, tests: int
 ) -> None:
     assert power(pairs, rate, rate, ALPHA / tests) <= ALPHA / tests + 1e-9
-
-
-def test_more_pairs_notice_less_and_churn_hides_it() -> None:
-    floors = [noticeable_drop(n) for n in (10, 30, 120, 600)]
-    assert floors == sorted(floors, reverse=True)
-    assert noticeable_drop(120, 0.05) > noticeable_drop(120)
-    assert noticeable_drop(120, 0.0, ALPHA / 5) > noticeable_drop(120)
-
-
-def test_four_pairs_notice_not_even_a_total_loss() -> None:
-    assert noticeable_drop(4) is None
-    assert noticeable_drop(0) is None
-    assert noticeable_drop(5) is not None
-
-
-def test_few_successes_fall_short_only_beyond_chance() -> None:
-    assert falls_short(17, 20, 0.9) > ALPHA
-    assert falls_short(102, 121, 0.9) <= ALPHA < falls_short(103, 121, 0.9)

@@ -17,7 +17,7 @@ from sandbox.regress import trials_file
 from sandbox.regress.execute import Serial, crashed
 from sandbox.regress.run_plan import RegressionPlan, registered
 from sandbox.regress.trials_file import TrialsFile, identity, trials_path
-from tests.support.regress_tasks import Newer, Quick, Raising, StoppingOnce
+from tests.support.regress_tasks import Newer, Quick, StoppingOnce
 
 PLAN = RegressionPlan((Quick,), (0, 1, 2))
 
@@ -198,13 +198,6 @@ def test_a_finished_run_that_is_resumed_runs_nothing_and_gives_the_same_report(
     assert table(out) == before and seeds(out) == [0, 1, 2, 3]
 
 
-def test_resuming_where_nothing_is_begins_anew(tmp_path: Path) -> None:
-    out = tmp_path / "out.json"
-    with registered(Quick):
-        assert regress("--tasks", "quick", "--json", out, "--resume") == 0
-    assert seeds(out) == [0, 1, 2, 3]
-
-
 def test_another_processor_or_library_that_no_state_depends_on_may_go_on(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -276,9 +269,3 @@ def test_a_varied_run_is_resumed_too(tmp_path: Path, capsys: pytest.CaptureFixtu
         assert regress(*words, "--resume") == 0
     assert seeds(out) == [0, 1, 2, 3] * 2
     assert json.dumps(table(out)).replace("stopping", "quick") == json.dumps(table(whole))
-
-
-def test_trials_are_beside_the_first_report_that_is_a_file(tmp_path: Path) -> None:
-    with registered(Raising):
-        assert regress("--tasks", "raising", "--json", "-", "--junit", tmp_path / "x.xml") == 1
-    assert seeds(tmp_path / "x.xml") == [0, 1, 2, 3]

@@ -65,15 +65,6 @@ def test_a_goal_that_is_held_needs_nobody() -> None:
     assert rule.check(2.0, held=True) == "" and rule.listed() == []
 
 
-def test_time_may_run_before_a_touch_and_while_a_page_is_away() -> None:
-    servers, devices = pages(1)
-    both = list(zip(servers, devices, strict=True))
-    rule = AutoPause(both, begun=True, stops=False)  # type: ignore[arg-type]
-    assert rule.check(0.0, False) == ""
-    servers[0].away = True
-    assert rule.check(1.0, False) == "" and rule.away == {0}
-
-
 def test_after_a_pause_by_the_experimenter_time_goes_on_with_a_touch() -> None:
     servers, devices = pages(1)
     rule = AutoPause(list(zip(servers, devices, strict=True)), begun=True)  # type: ignore[arg-type]

@@ -6,7 +6,6 @@ import json
 import resource
 import threading
 from collections.abc import Iterator
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -59,17 +58,6 @@ def test_a_token_that_cannot_be_written_leaves_no_file(tmp_path: Path) -> None:
     finally:
         resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))
     assert not path.exists() and len(stored_token(path)) >= 20
-
-
-def test_how_sure_the_labels_of_a_hand_are_is_told(stage: Stage) -> None:
-    with Page(stage.server.url) as page:
-        page.until("scene")
-        snapshot = stage.session.advance()
-        stage.server.publish(snapshot)
-        assert page.until("frame")["state"]["hands"][0]["probability"] == 1.0
-        hand = replace(snapshot.hands[0], probability=0.25)
-        stage.server.publish(snapshot.with_hands(hand))
-        assert page.until("frame")["state"]["hands"][0]["probability"] == 0.25
 
 
 def test_a_page_gets_the_grip_of_each_finger() -> None:
@@ -190,13 +178,6 @@ def test_a_cancelled_finger_is_told_apart_from_a_lifted_one() -> None:
     device.receive(_touches((1, 50, 50, 0, 0), (2, 90, 50, 0, 0)), SCREEN)
     device.receive(_touches(cancelled=[1, 99]), SCREEN)
     assert device.poll()[-1].cancelled == {1}
-
-
-def test_the_lift_control_stays_where_it_was_while_a_message_does_not_tell() -> None:
-    device = WebDevice(Settings().surface.rectangle)
-    device.receive(_touches(lift=0.4), SCREEN)
-    device.receive(_touches(), SCREEN)
-    assert [frame.lift for frame in device.poll()] == [0.4, 0.4]
 
 
 def test_of_two_contacts_with_one_id_the_first_counts() -> None:

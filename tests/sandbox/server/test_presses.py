@@ -2,7 +2,7 @@
 
 A hand's fingertips lie as they do when it is about to grip, somewhere on the surface and turned.
 Its fingers come down, move and leave in any order, several at once now and then. The same story
-goes through TUIO 1.1, TUIO 2.0, the page, and as pins through the mouse: what each of them told is
+goes through TUIO 1.1 and 2.0 over a bad network, and through the page: what each of them told is
 laid beside what was the case.
 """
 
@@ -19,7 +19,7 @@ import pytest
 from models.frames import TouchFrame
 from models.surface import METRES_PER_INCH, Surface
 from sandbox.devices.check_device import check_frames
-from sandbox.devices.mouse.mouse import GRAB_RADIUS, MouseDevice, default_hand
+from sandbox.devices.mouse.mouse import default_hand
 from sandbox.devices.tuio.tuio_senders import Commit, Tuio
 from sandbox.server.protocol import PageScreen, PageTouches, decode
 from sandbox.server.web import WebDevice
@@ -105,14 +105,6 @@ def astray(told: TouchFrame, scene: Scene) -> float:
     return apart([places[i] for i in scene], [(x, y) for _, x, y in scene.values()])
 
 
-def through_tuio(encode: Encoder, events: int) -> Told:
-    tuio, told = Tuio(), []
-    for n, scene in enumerate(story(7, events)):
-        (commit,) = tuio.feed(encode(n, scene, False), "a", n * PERIOD)
-        told.append((metres(commit, SURFACE, n * PERIOD), scene))
-    return told
-
-
 def through_a_bad_network(encode: Encoder, events: int) -> tuple[Told, list[Commit]]:
     """A tenth of the packets is lost, some are doubled, some overtake each other.
 
@@ -173,75 +165,6 @@ def through_the_page(events: int) -> tuple[Told, list[tuple[frozenset[int], set[
     return told, cancelled
 
 
-def through_the_mouse(events: int) -> tuple[list[TouchFrame], list[tuple[Points, Points]]]:
-    """Every finger is a pin: shift and a click put it down, shift and a click on it lift it.
-
-    All frames, and after every press and lift the places that were told beside those where
-    fingers were, metres.
-    """
-    device, frames = MouseDevice(SURFACE), list[TouchFrame]()
-    told: list[tuple[Points, Points]] = []
-    down: dict[int, tuple[float, float]] = {}
-    rng, done = random.Random(13), 0
-    places = [(x * WIDTH, y * HEIGHT) for x, y in hand(rng)]
-
-    def tell(*pointer: tuple[float, float]) -> None:
-        frames.extend(device.poll(0.0))
-        there = sorted((c.x, c.y) for c in frames[-1].contacts)
-        told.append((there, sorted([*down.values(), *pointer])))
-
-    while done < events:
-        if not down and rng.random() < 0.3:
-            places = [(x * WIDTH, y * HEIGHT) for x, y in hand(rng)]
-        for finger in rng.sample(range(5), rng.choice((1, 1, 2, 5))):
-            near = [other for other in down if math.dist(down[other], places[finger]) < GRAB_RADIUS]
-            if finger not in down and near:
-                continue  # a click there would take hold of another finger
-            if finger in down and near != [finger]:
-                continue
-            done += 1
-            device.press(places[finger], pin=True)
-            if finger in down:
-                del down[finger]
-            else:
-                down[finger] = places[finger]
-            device.release()
-            tell()
-        fate = rng.random()
-        if fate < 0.05:
-            # A finger that is the pointer itself comes and goes beside those that stay.
-            corner = (0.0, 0.0) if all(math.dist(p, (0, 0)) > 0.02 for p in places) else None
-            if corner:
-                device.press(corner)
-                tell(corner)
-                device.release()
-                tell()
-        elif fate < 0.08 and down:
-            done += len(down)
-            device.lift_fingers()
-            down.clear()
-            tell()
-    device.close()
-    down.clear()
-    tell()
-    return frames, told
-
-
-@BOTH
-@EVENTS
-def test_every_press_and_lift_comes_through_tuio(encode: Encoder, events: int) -> None:
-    told = through_tuio(encode, events)
-    assert max(astray(frame, scene) for frame, scene in told) < 1e-6
-    check_frames([frame for frame, _ in told], SURFACE)
-
-
-@EVENTS
-def test_tuio_2_says_of_every_touch_which_finger_it_is(events: int) -> None:
-    for told, scene in through_tuio(as_tuio20, events):
-        fingers = {i: finger for i, (finger, _, _) in scene.items()}
-        assert {c.id: c.label for c in told.contacts} == fingers
-
-
 @BOTH
 @EVENTS
 def test_lost_doubled_and_overtaken_packets_leave_no_finger_stuck(
@@ -258,10 +181,3 @@ def test_every_press_and_lift_comes_through_the_page(events: int) -> None:
     assert max(astray(frame, scene) for frame, scene in told) < 1e-6
     assert all(said == meant for said, meant in cancelled)
     check_frames([frame for frame, _ in told], SURFACE)
-
-
-@EVENTS
-def test_every_press_and_lift_comes_through_the_mouse(events: int) -> None:
-    frames, told = through_the_mouse(events)
-    assert max(apart(there, meant) for there, meant in told) < 1e-9
-    check_frames(frames, SURFACE)
