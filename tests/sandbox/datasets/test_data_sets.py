@@ -5,7 +5,6 @@ from __future__ import annotations
 import errno
 import json
 import shutil
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -17,17 +16,12 @@ from models.errors import InputError
 from models.frames import Contact
 from sandbox import run_trial
 from sandbox.cli.main import main
-from sandbox.datasets import written_data_set
 from sandbox.datasets.data_set import DataSet, first_difference
-from sandbox.datasets.minari_file import check_name
 from sandbox.datasets.npz_file import read_npz
 from sandbox.datasets.played_trial import actions_of, slots_of, touches_of
 from sandbox.datasets.written_data_set import export_data_set
-from sandbox.devices.registry import DeviceSettings
 from sandbox.gym import register_task
-from sandbox.recording.recording import load_recording
 from sandbox.study.record.journal import Journal
-from sandbox.trial.settings import encoded, recorded_settings
 from tests.support.needs import require
 from tests.support.processes import ROOT
 
@@ -199,18 +193,6 @@ def test_a_finger_s_slot_that_is_taken_leaves_another_one() -> None:
     assert first == 1 != second
 
 
-@pytest.mark.needs("datasets")
-def test_names_are_those_that_minari_reads() -> None:
-    from minari.dataset.minari_dataset import parse_dataset_id
-
-    for name in ("box-v0", "hand_sandbox/box-v0", "a/b/box-v1", "me/box_2-v12"):
-        check_name(name)
-        parse_dataset_id(name)
-    for name in ("", "box", "x/box-v0", "/box-v0", "me/box-v0/", "me box-v0"):
-        with pytest.raises(InputError, match="not a name of a data set"):
-            check_name(name)
-
-
 def bad_inputs() -> dict[str, tuple[str, str, str]]:
     """What is wrong -> the file's name, --to, and what is said."""
     return {
@@ -262,18 +244,6 @@ def test_a_file_that_is_cut_short_is_said_to_be(npz: Path, tmp_path: Path) -> No
         assert "\n" not in str(error.value)
     with pytest.raises(InputError, match="cannot be read"):
         read_npz(tmp_path / "nothing.npz")
-
-
-def test_a_data_set_of_another_version_is_refused_with_what_to_do(
-    npz: Path, tmp_path: Path
-) -> None:
-    with np.load(npz) as file:
-        arrays = {name: file[name] for name in file.files}
-    about = json.loads(str(arrays["about"])) | {"schema": 1}
-    np.savez(tmp_path / "old.npz", **(arrays | {"about": np.array(json.dumps(about))}))
-    with pytest.raises(InputError, match=r"schema 1.*schema 2.*sandbox export") as error:
-        read_npz(tmp_path / "old.npz")
-    assert "\n" not in str(error.value)
 
 
 def test_the_true_labels_of_a_recording_are_those_of_its_environment(tmp_path: Path) -> None:
@@ -400,37 +370,6 @@ def test_a_minari_export_that_fails_in_its_second_recording_leaves_no_data_set_a
     assert main(words) == 2
     (line,) = capsys.readouterr().err.strip().splitlines()
     assert "the data set cannot be written" in line
-
-
-@pytest.mark.needs("datasets")
-def test_a_minari_set_of_a_person_and_a_simulated_user_says_that_it_is_of_both(
-    recordings: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    import minari
-
-    monkeypatch.setenv("MINARI_DATASETS_PATH", str(tmp_path / "sets"))
-    first, person = recordings / f"{SEEDS[0]}.jsonl", tmp_path / "person.jsonl"
-    made = recorded_settings(load_recording(recordings / f"{SEEDS[1]}.jsonl").header)
-    of_a_person = encoded(replace(made, device=DeviceSettings.of("web")))
-    changed(recordings / f"{SEEDS[1]}.jsonl", person, {"settings": of_a_person}, {})
-    for name, files, by in (
-        ("lab/both-v0", [first, person], "people and a simulated user"),
-        ("lab/people-v0", [person], "people"),
-        ("lab/simulated-v0", [first], "simulated user"),
-    ):
-        export_data_set(files, Path("minari"), name, observe=())
-        assert minari.load_dataset(name).storage.metadata["algorithm_name"] == by
-
-
-def test_a_file_that_cannot_be_written_is_told_before_a_recording_is_played(
-    recordings: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(written_data_set, "demonstrate", lambda *args: pytest.fail("it was played"))
-    (tmp_path / "folder.npz").mkdir()
-    for to in ("nowhere/set.npz", "folder.npz"):
-        with pytest.raises(InputError, match=to):
-            export_data_set([recordings / f"{SEEDS[0]}.jsonl"], tmp_path / to)
-    assert [path.name for path in tmp_path.iterdir()] == ["folder.npz"]
 
 
 def test_a_recording_whose_header_lacks_versions_is_one_clear_error(

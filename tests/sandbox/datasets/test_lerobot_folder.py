@@ -15,12 +15,15 @@ from models.errors import InputError
 from sandbox import run_trial
 from sandbox.cli.main import main
 from sandbox.datasets.data_set import first_difference
-from sandbox.datasets.lerobot_folder import combined, lerobot_folder, read_lerobot, statistics_of
+from sandbox.datasets.lerobot_folder import combined, read_lerobot, statistics_of
 from sandbox.datasets.npz_file import read_npz
 from sandbox.gym import register_task
 
 NAME = "me/box-to-goal"
+
+
 SEEDS = (6002, 6003)
+
 
 pytestmark = pytest.mark.needs("datasets")
 
@@ -74,20 +77,6 @@ def test_it_holds_what_the_npz_file_holds_in_single_precision(folder: Path) -> N
         tips = state[:, [i for i, name in enumerate(names) if name.startswith("tips.")]]
         wanted = same.observations["tips"][:-1].reshape(len(tips), -1).astype(np.float32)
         assert np.array_equal(tips, wanted)
-
-
-def test_every_column_is_declared_with_its_type_and_shape(folder: Path) -> None:
-    import pyarrow as arrow
-
-    features, frames = info_of(folder)["features"], frames_of(folder)
-    assert list(features) == frames.column_names
-    kinds = {"float32": arrow.float32(), "float64": arrow.float64(), "int64": arrow.int64()}
-    kinds |= {"bool": arrow.bool_(), "string": arrow.string()}
-    for name, feature in features.items():
-        (size,), kind = feature["shape"], kinds[feature["dtype"]]
-        found = frames.schema.field(name).type
-        assert found == (kind if size == 1 else arrow.list_(kind, size)), name
-        assert feature["names"] is None or len(feature["names"]) == size
 
 
 def test_counters_and_times_run_on_from_episode_to_episode(folder: Path) -> None:
@@ -164,11 +153,3 @@ def test_a_data_set_that_is_cut_short_is_said_to_be(folder: Path, tmp_path: Path
         file.unlink()
         with pytest.raises(InputError):
             read_lerobot(copy)
-
-
-def test_the_folder_is_where_lerobot_looks(monkeypatch: pytest.MonkeyPatch) -> None:
-    for name in ("HF_LEROBOT_HOME", "HF_HOME", "XDG_CACHE_HOME"):
-        monkeypatch.delenv(name, raising=False)
-    assert lerobot_folder(NAME) == Path.home() / ".cache/huggingface/lerobot" / NAME
-    monkeypatch.setenv("HF_HOME", "/hub")
-    assert lerobot_folder(NAME) == Path("/hub/lerobot") / NAME

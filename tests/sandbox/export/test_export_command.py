@@ -22,7 +22,6 @@ from models.skeleton import ADULT
 from sandbox.cli.main import main
 from sandbox.export.motion_view import MotionView, simulated_poses
 from sandbox.export.sources import commanded_poses
-from sandbox.export.targets import FORMATS
 from sandbox.recording.recording import RecordingWriter
 from sandbox.session.messages import Snapshot
 from sandbox.session.session import Session
@@ -126,22 +125,14 @@ def test_a_recordings_own_poses_are_the_simulated_hand_to_what_it_rounds(
     assert checked > 100
 
 
-@pytest.mark.parametrize("kind", FORMATS)
-def test_every_format_is_written_and_said_so(
-    session: tuple[Path, dict[str, list[Keys]], dict[float, Array]],
-    tmp_path: Path,
-    kind: str,
-    capsys: pytest.CaptureFixture[str],
+@pytest.mark.parametrize("kind", [".csv", ".c3d", ".glb", ".amc", ".asf", ".v", ".vsk"])
+def test_every_format_is_written(
+    session: tuple[Path, dict[str, list[Keys]], dict[float, Array]], tmp_path: Path, kind: str
 ) -> None:
-    folder, _, _ = session
     out = tmp_path / f"hand{kind}"
-    assert main(["export", str(folder / "run.jsonl"), "--to", str(out)]) == 0
-    said = " ".join(capsys.readouterr().out.split())
-    assert str(out) in said and "the simulated hand" in said and "keys at 60 Hz" in said
-    assert out.stat().st_size > 400
-    beside = {".amc": ".asf", ".asf": ".amc", ".v": ".vsk"}
-    wanted = {out.name, *([out.with_suffix(beside[kind]).name] if kind in beside else [])}
-    assert {p.name for p in tmp_path.iterdir()} == wanted
+    assert main(["export", str(session[0] / "run.jsonl"), "--to", str(out)]) == 0
+    beside = {".amc": {"hand.asf"}, ".asf": {"hand.amc"}, ".v": {"hand.vsk"}}.get(kind, set())
+    assert {path.name for path in tmp_path.iterdir()} == {out.name, *beside}
 
 
 def test_two_hands_go_into_two_files_or_one(
@@ -176,18 +167,6 @@ def test_a_take_of_a_capture_is_its_poses(tmp_path: Path) -> None:
     found = motion.place().positions[:, [motion.index(n) for n in Armature(ADULT).names]]
     assert np.abs(found - joints @ Y_UP.T).max() < 1e-6
     assert main([*line, "--take", "3"]) == 2
-
-
-@pytest.mark.parametrize("order", ("XYZ", "YZX"))
-def test_the_order_that_was_asked_for_is_in_the_file(
-    session: tuple[Path, dict[str, list[Keys]], dict[float, Array]], tmp_path: Path, order: str
-) -> None:
-    folder, _, _ = session
-    out = tmp_path / "hand.bvh"
-    assert main(["export", str(folder / "run.jsonl"), "--to", str(out), "--euler", order]) == 0
-    turns = " ".join(f"{axis}rotation" for axis in order)
-    assert out.read_text().count(f"CHANNELS 3 {turns}\n") == 14
-    assert f"CHANNELS 6 Xposition Yposition Zposition {turns}\n" in out.read_text()
 
 
 def test_a_recording_that_breaks_off_is_written_up_to_there(
@@ -263,8 +242,6 @@ def test_what_cannot_be_exported_is_refused_in_one_line(
         ([str(tmp_path / "none.jsonl"), "--to", out], "no such recording"),
         ([str(tmp_path), "--to", out], "this folder has no recordings"),
         ([str(tmp_path), "--to", "a.bvh", "--points", "joints"], "--points: this option has no"),
-        ([str(tmp_path), "--to", "a.glb", "--fingers", "thumb"], "--fingers: this option has no"),
-        ([str(tmp_path), "--to", "a.csv", "--euler", "XYZ"], "--euler: this option has no effect"),
         ([str(tmp_path / "notes.txt"), "--to", out], "neither a recording nor a capture"),
         ([str(tmp_path / "zip.npz"), "--to", out], "zip.npz"),
         ([str(tmp_path / "empty.jsonl"), "--to", out], "has no poses"),
@@ -272,9 +249,7 @@ def test_what_cannot_be_exported_is_refused_in_one_line(
         ([str(tmp_path / "scene.jsonl"), "--to", out], "another scene"),
         ([run, "--to", str(tmp_path / "out.fbx")], "--out FILE, and stream the recording"),
         ([run, "--to", str(tmp_path / "out.obj")], "cannot be written"),
-        ([run, "--to", str(tmp_path / "out")], "no ending"),
         ([run, "--to", str(tmp_path / "no" / "out.bvh")], "no such folder"),
-        ([run, "--to", out, "--rate", "0"], "out of range"),
         ([run, "--to", out, "--rate", "nan"], "out of range"),
         ([str(tmp_path / "run.csv"), "--to", str(tmp_path / "run.csv")], "would replace"),
     ):

@@ -26,8 +26,14 @@ from sandbox.devices.leap.leap_write import leap_message
 from tests.support.leap_hands import take
 
 """Frames of an open hand with which a take begins."""
+
+
 LAST = ("index_dip", "middle_dip", "ring_dip", "little_dip")
+
+
 RATE = 100
+
+
 ZERO = np.array([[0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [1.0, 0.0, 0.0]])
 """File from hand in the zero pose (ZXY): its x lies along the file's z, its y along x."""
 
@@ -195,9 +201,6 @@ def test_other_programs_find_paalms_fingertips_where_the_leap_saw_them(tmp_path:
         assert np.abs(points[i] - truth).max() < 2e-6
 
 
-# Damaged files.
-
-
 @pytest.mark.parametrize("share", [0.3, 0.7, 0.999])
 def test_a_list_that_is_cut_short_is_refused_and_leaves_no_file(
     share: float, tmp_path: Path, capsys: pytest.CaptureFixture[str]
@@ -209,20 +212,6 @@ def test_a_list_that_is_cut_short_is_refused_and_leaves_no_file(
     said = [t for t in capsys.readouterr().err.splitlines() if t.startswith("sandbox: ")]
     assert len(said) == 1 and "damaged or cut short" in said[0]
     assert [p.name for p in tmp_path.iterdir()] == ["leap.json"]
-
-
-# What is said.
-
-
-def test_a_measured_hand_is_taken(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    path = write(tmp_path / "leap.json", alone("right"))
-    me = tmp_path / "me.json"
-    whole = sum(len(f.hands[0].fingers) == 5 for f in alone("right"))
-    line = ["paalm", "calibrate", str(path), "--hands", "right", "--frames", str(whole)]
-    assert main([*line, "--out", str(me)]) == 0
-    for name, more in (("own.bvh", ()), ("me.bvh", ("--calibration", str(me)))):
-        assert exported(path, tmp_path / name, "--hand", "right", *more) == 0
-    assert (tmp_path / "own.bvh").read_bytes() == (tmp_path / "me.bvh").read_bytes()
 
 
 def test_what_cannot_be_exported_is_refused_in_one_line(

@@ -332,33 +332,6 @@ def test_a_picture_is_drawn_only_when_it_is_asked_for() -> None:
     assert HandSandboxEnv().render() is None
 
 
-def test_the_documentation_s_example_runs() -> None:
-    page = (Path(__file__).parents[3] / "docs" / "gymnasium.md").read_text(encoding="utf-8")
-    example = page.split("```python\n")[1].split("```")[0]
-    names: dict[str, Any] = {}
-    exec(example, names)
-    assert names["observation"] in names["env"].observation_space
-
-
-FIVE = 1e-3 * np.array([[70, 100], [105, 58], [130, 45], [153, 52], [174, 74]])
-"""Touches of five fingers, m on the surface, thumb first."""
-
-
-def test_an_episode_learns_nothing_for_the_next_one() -> None:
-    def touching(fingers: tuple[int, ...]) -> np.ndarray:
-        rows = [(1.0, *FIVE[f]) if f in fingers else (0.0, 0.0, 0.0) for f in range(5)]
-        return np.ravel(rows)
-
-    env = HandSandboxEnv(labels="population")
-    for episode in range(2):
-        *_, last = play(env, [touching((0, 1, 2, 3, 4))] * 40, seed=1)
-        assert last[0]["labels"].tolist() == [0, 1, 2, 3, 4]
-        # Index and ring finger alone look like thumb and index, unless five fingers have taught.
-        *_, last = play(env, [touching((1, 3))] * 40, seed=2)
-        assert last[0]["labels"].tolist() == [-1, 0, -1, 1, -1], episode
-    env.close()
-
-
 def test_a_task_with_the_id_of_another_one_is_refused_and_the_same_one_is_not(
     tmp_path: Path,
 ) -> None:

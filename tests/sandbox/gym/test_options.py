@@ -96,11 +96,6 @@ def test_a_scripted_policy_carries_the_box_to_its_goal(labels: str) -> None:
     env.close()
 
 
-def test_the_last_info_says_success_where_learners_look_for_it(env: HandSandboxEnv) -> None:
-    assert env.reset(seed=200)[1]["is_success"] is False
-    assert played(env, 200)[1]["is_success"] is True
-
-
 def test_true_labels_are_the_slots_and_labels_that_are_found_need_not_be() -> None:
     for labels, expected in (("true", [-1, 1, -1, 3, -1]), ("population", [-1, 0, -1, 1, -1])):
         env = HandSandboxEnv(labels=labels)
@@ -109,15 +104,6 @@ def test_true_labels_are_the_slots_and_labels_that_are_found_need_not_be() -> No
             seen, *_ = env.step(touching((1, 3)))
         assert seen["labels"].tolist() == expected
         env.close()
-
-
-def test_labels_of_a_header_s_settings_hold_unless_others_are_chosen() -> None:
-    settings = encoded(Settings().changed(labels="paper"))
-    assert HandSandboxEnv(settings=settings).settings.pipeline.labels == "paper"
-    assert (
-        HandSandboxEnv(settings=settings, labels="population").settings.pipeline.labels
-        == "population"
-    )
 
 
 def test_what_is_asked_for_is_seen_as_the_session_has_it(env: HandSandboxEnv) -> None:
@@ -224,22 +210,13 @@ def test_options_of_a_reset_that_cannot_be_are_refused_in_a_line(
     ("wrong", "says"),
     [
         ({"task": "no-such"}, "box-to-goal"),
-        ({"action": "think"}, "touch, delta, hand, pose"),
-        ({"labels": "guess"}, "population, paper, true"),
         ({"observe": ["smell"]}, "all, touches, velocities"),
-        ({"observe": 3}, "all, touches, velocities"),
-        ({"reward": "gold"}, "progress, reach, sparse"),
         ({"goal": True, "reward": "sparse"}, "have their own reward"),
-        ({"goal": "far"}, "False, True"),
         ({"step": 0.0}, "up to 0.1 m"),
-        ({"hand": "middle"}, "right or left"),
         ({"hand_size": "big"}, "expected a number"),
-        ({"robot": "gripper"}, "shadow"),
-        ({"render_mode": "human"}, "rgb_array"),
         ({"variation": Variation(noise=0.001)}, "noise"),
         ({"settings": "mine"}, "a recording's header"),
         ({"encodr": "cubic"}, "action, labels, observe, .* encoder, "),
-        ({"seed": 3}, "action, labels, observe, "),
         ({"names": "told"}, 'Write labels="true"'),
     ],
 )
@@ -271,14 +248,6 @@ def test_a_task_without_goals_has_no_goal_dictionaries(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="no goals") as error:
         HandSandboxEnv(str(tmp_path / "idle.py"), goal=True)
     assert "\n" not in str(error.value)
-
-
-def test_single_settings_and_the_person_go_before_those_of_a_header() -> None:
-    settings = encoded(Settings(hands=(HandSettings(size=0.9, turn=90),)).changed(encoder="linear"))
-    env = HandSandboxEnv(settings=settings, encoder="cubic", turn=180, size_in=(9, 6))
-    assert env.settings.pipeline.encoder == "cubic" and env.settings.surface.size_in == (9.0, 6.0)
-    assert env.settings.hands == (HandSettings(size=0.9, turn=180),)
-    env.close()
 
 
 def test_what_is_wrong_with_an_action_is_said(env: HandSandboxEnv) -> None:

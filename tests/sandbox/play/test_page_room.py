@@ -71,12 +71,3 @@ def test_who_gets_the_seat_gets_a_trial_on_their_own_screen(
             third.until("scene")
             wide = third.until("scene")["surface"]["width_in"]
             assert wide == pytest.approx(1024 / 132, abs=0.01)
-
-
-def test_where_something_else_plays_pages_are_told_that_fingers_do_not_count() -> None:
-    server = open_page(PageOptions(), touch=False)
-    try:
-        with Page(server.url) as page:
-            assert page.until("welcome")["touch"] is False
-    finally:
-        server.close()

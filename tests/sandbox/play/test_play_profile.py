@@ -14,7 +14,6 @@ from rich.console import Console
 from models.errors import InputError
 from models.person import Person
 from sandbox.cli.play import PlayOptions
-from sandbox.cli.play import main as play
 from sandbox.hand.profiles import Profile, load_profile, save_profile
 from sandbox.play.own_profile import Learner, with_usable_profile
 from sandbox.play.page_play import PagePlay
@@ -26,8 +25,14 @@ from tests.sandbox.play.played_page import played
 from tests.support.page_client import Page
 
 LAYOUT = ((0.0, 0.0), (0.035, -0.042), (0.06, -0.055), (0.083, -0.048), (0.104, -0.026))
+
+
 MIRRORED = [[-x, y] for x, y in LAYOUT]
+
+
 FAR = [[9 * x, 9 * y] for x, y in LAYOUT]
+
+
 FIVE = [(f, 3.0 + x / 0.0254, 4.0 + y / 0.0254) for f, (x, y) in enumerate(LAYOUT, start=1)]
 """Id and place in inches of five touches on the page."""
 
@@ -71,13 +76,6 @@ def test_a_profile_that_cannot_be_used_is_one_line_and_play_goes_on_without_it(
     # Runs and comparisons do not go on with other settings than those that were asked for.
     with pytest.raises(InputError, match=says):
         trial_settings(options(path))
-
-
-def test_a_profile_cut_short_is_one_line_and_play_goes_on_without_it(path: Path) -> None:
-    path.write_bytes(path.read_bytes()[:60])
-    chosen, said = usable(path)
-    assert len(said.splitlines()) == 1 and str(path) in said
-    assert trial_settings(chosen).hands[0].person == Person()
 
 
 def test_layouts_of_the_other_hand_are_left_out_and_one_line_says_so(path: Path) -> None:
@@ -143,8 +141,3 @@ def test_what_cannot_teach_a_profile_is_one_clear_error(
     values: dict[str, Any] = {"device": "web", "labels": "population", "profile": str(path), **more}
     with pytest.raises(InputError, match=says):
         Learner.of(PlayOptions(**values), Console(quiet=True))
-
-
-def test_runs_that_nobody_sees_learn_nothing(path: Path) -> None:
-    with pytest.raises(InputError, match="--learn"):
-        play(["--device", "simulated", "--view", "none", "--learn", "--profile", str(path)])

@@ -10,7 +10,7 @@ from typing import Any, cast
 import pytest
 from rich.console import Console
 
-from models.errors import InputError, StudyError
+from models.errors import StudyError
 from models.surface import METRES_PER_INCH, Surface
 from sandbox.play.page_play import PagePlay
 from sandbox.play.pages import open_page
@@ -22,7 +22,7 @@ from sandbox.server.web import WebDevice
 from sandbox.study.run.page_player import settings_for_screen
 from sandbox.study.run.study_page import StudyPage
 from sandbox.trial.logs import EventLog
-from sandbox.trial.settings import Settings, decoded, encoded
+from sandbox.trial.settings import Settings
 from sandbox.trial.trial_options import TrialOptions
 from tasks.registry import TASKS, hands_of
 from tests.sandbox.play.played_page import played
@@ -35,6 +35,8 @@ SCREENS = [
     (3840, 2160, 110.0),
     (900, 1400, 110.0),
 ]
+
+
 PHONE = PageScreen(155.0, 844.0, 390.0, False, "phone")
 
 
@@ -65,19 +67,6 @@ def test_places_are_scaled_and_fingers_are_not() -> None:
     ((contact,),) = [frame.contacts for frame in device.poll()]
     assert (contact.x, contact.y) == pytest.approx((2.0 * METRES_PER_INCH, METRES_PER_INCH))
     assert contact.extent == pytest.approx((0.6 * METRES_PER_INCH, 0.7 * METRES_PER_INCH))
-
-
-def test_a_header_says_the_scale_and_that_the_result_does_not_count() -> None:
-    phone = Settings().changed(**scaled(PHONE))
-    assert encoded(phone)["surface"]["scale"] == pytest.approx(0.432, abs=1e-3)
-    assert encoded(phone)["scored"] is False
-    assert decoded(json.loads(json.dumps(encoded(phone)))) == phone
-
-
-@pytest.mark.parametrize("scale", [0.0, -1.0, 1000.0, float("nan")])
-def test_a_scale_that_no_screen_has_is_refused(scale: float) -> None:
-    with pytest.raises(InputError, match="scale"):
-        Surface(scale=scale)
 
 
 def test_a_study_refuses_a_scaled_table() -> None:

@@ -24,7 +24,11 @@ from tests.sandbox.server.test_page_server import wait_for
 from tests.support.page_client import SCREEN, Page
 
 TASK, SEED = "carry-together", 3
+
+
 SMALL = {**SCREEN, "width_px": 980.0, "calibrated": False}
+
+
 OPTIONS = TrialOptions(task=TASK, seed=SEED, device="web", second_device="web")
 
 
@@ -99,18 +103,6 @@ def test_who_is_there_first_is_told_what_is_missing(
             width = round((980.0 - LIFT_STRIP_PX) / 132.0, 4)
             assert {s["surface"]["width_in"] for s in scenes} == {width}
             assert not any(s["surface"]["calibrated"] for s in scenes)
-
-
-def test_the_only_page_of_two_hands_asks_for_the_hand_that_it_touches(
-    servers: tuple[PageServer, PageServer],
-) -> None:
-    server = servers[0]
-    options = replace(OPTIONS, device="simulated")
-    play = PagePlay(options, (server,), EventLog(None), Console(quiet=True))
-    with played(play, server), Page(server.url) as page:
-        assert page.until("scene")["hand"] == "left"
-        page.say(type="ask", what="hand", value="right")
-        assert page.until("scene", hand="right")["hand"] == "right"
 
 
 @pytest.mark.slow

@@ -21,7 +21,6 @@ from sandbox.recording.recording import (
     RecordingLines,
     RecordingWriter,
     frame_from_json,
-    frame_to_json,
     is_recording,
     load_recording,
 )
@@ -69,15 +68,6 @@ def test_every_frame_comes_back_to_the_bit(
     assert [i.frame for i in recording.inputs.get(0, [])] == written
     assert recording.keyframes[0].tobytes() == np.array([1.0, -0.0, 1e-300, np.pi]).tobytes()
     assert not recording.damage
-
-
-def test_contacts_without_width_and_height_are_written_as_before_there_were_any() -> None:
-    contacts = (Contact(1, 0.1, 0.2, 0.01, 3), Contact(2, 0.3, 0.4, extent=(0.02, 0.03)))
-    line = frame_to_json(TouchFrame(0.5, contacts))
-    assert line == {
-        "time": 0.5,
-        "contacts": [[1, 0.1, 0.2, 0.01, 3], [2, 0.3, 0.4, None, None, 0.02, 0.03]],
-    }
 
 
 @pytest.mark.parametrize("damage", [[0.02], [0.02, 0.0], [0.02, -1.0], [0.02, None], [1, 2, 3]])

@@ -176,9 +176,3 @@ def test_a_folder_inside_of_somebody_elses_checkout_has_no_commit(tmp_path: Path
     git(tmp_path, "init", "-q")
     (tmp_path / "site-packages").mkdir()
     assert commit(tmp_path / "site-packages") == ""
-
-
-def test_without_git_no_commit_is_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    (tmp_path / ".git").mkdir()
-    monkeypatch.setenv("PATH", str(tmp_path))
-    assert commit(tmp_path) == ""

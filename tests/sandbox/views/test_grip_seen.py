@@ -74,21 +74,3 @@ def test_a_hand_without_more_force_closes_the_arc() -> None:
         if label not in fingers and load.stored >= TOLD
     ]
     assert geoms - without == len(fingers) * ARC_SIDES + sum(others)
-
-
-def test_loads_stay_those_of_their_moment() -> None:
-    session, snapshot = gripped(0.056)
-    now = tuple(session.loads())
-    run(session, 0.5)
-    # Read only now, after half a second.
-    assert snapshot.loads == now
-
-
-def test_fingers_inside_a_thing_are_told_beside_each_in_the_same_short_line() -> None:
-    session, snapshot = gripped(0.062)
-    silent = replace(snapshot, see_loads=tuple)
-    _, names = drawn(session, silent)
-    hands = (replace(silent.hands[0], inside=frozenset({0, 1})),)
-    _, told = drawn(session, silent.with_hands(*hands))
-    assert len(told) == len(names) == 2
-    assert len(set(told)) == 1 and told[0] > max(names)

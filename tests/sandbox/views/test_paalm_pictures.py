@@ -6,19 +6,15 @@ import io
 import urllib.error
 import urllib.request
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
 from PIL import Image
 
 from models.errors import DeviceError
-from sandbox.cli.main import main
-from sandbox.devices.leap.leap_write import write_take
 from sandbox.views.paalm.paalm_pictures import PicturePage
 from sandbox.views.paalm.picture import HandMemory, PaalmPicture, ball_radius, diagram
 from tests.sandbox.views.paalm_seen import colours, seen
-from tests.support.leap_hands import take
 
 SIZE = (800, 800)
 
@@ -40,16 +36,6 @@ def test_a_finger_that_vanishes_stays_in_the_palm_and_is_dimmed() -> None:
     assert not after[0].fingers[3].seen and after[0].fingers[2].seen
     assert np.allclose(after[0].fingers[3].tip, before[3].tip)
     assert colours(diagram(after, SIZE, 62.0, -38.0)) == {0, 1, 2, 4}
-
-
-def test_vectors_are_direction_times_length() -> None:
-    frame, result = seen()
-    hand = HandMemory().update(frame, result.hands)[0]
-    ids = result.hands["right"].ids
-    for finger in frame.hands[0].fingers:
-        label = list(ids.values()).index(finger.id)
-        vector = hand.fingers[label].tip - hand.fingers[label].base
-        assert np.allclose(vector, finger.length * np.array(finger.direction), atol=1e-9)
 
 
 def test_the_ball_goes_through_palm_and_fingertips() -> None:
@@ -93,17 +79,3 @@ def test_a_page_shows_the_newest_picture_to_this_machine_only() -> None:
         for port in (taken, 99_999):
             with pytest.raises(DeviceError):
                 PicturePage("another", port)
-
-
-@pytest.fixture(scope="module")
-def file(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    path = tmp_path_factory.mktemp("paalm") / "hand.json"
-    write_take(take(0), path, {"seed": 0})
-    return path
-
-
-@pytest.mark.needs("opengl")
-def test_the_command_writes_a_picture(file: Path, tmp_path: Path) -> None:
-    out = tmp_path / "hand.png"
-    assert main(["paalm", "show", str(file), "--picture", str(out), "--seconds", "0.3"]) == 0
-    assert Image.open(out).size == (1100, 620)

@@ -15,7 +15,6 @@ from models.hand import Hand
 from models.objects import Box
 from models.scene import Scene, SceneSpec
 from models.skeleton import ADULT
-from models.skin.skin import Skin
 from sandbox.session.messages import Snapshot
 from sandbox.views import palette
 from sandbox.views.cameras import window_camera
@@ -133,12 +132,3 @@ def test_nails_have_the_colours_of_the_fingers_that_touch(v: Viewed) -> None:
     for label, name in enumerate(FINGERS):
         matches = np.allclose(colours[numbers[f"nail_{name}"]], palette.finger_colour(label))
         assert matches == (label == 1)
-
-
-def test_two_hands_have_two_skins() -> None:
-    pair = (Hand("right"), Hand("left", ADULT.mirrored()))
-    scene = Scene(SceneSpec(pair))
-    model, looks = skinned_model(scene)
-    assert model.nskin == 2 * len(Skin.builtin().parts)
-    numbers = [n for look in looks.values() for n in look.parts.values()]
-    assert sorted(numbers) == list(range(model.nskin))

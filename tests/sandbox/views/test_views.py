@@ -13,16 +13,13 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
-from PIL import Image
 
-from models.frames import FINGERS, SURE
 from models.hand import Hand
 from models.scene import SceneSpec, scene_xml
-from models.surface import Surface
 from sandbox.session.messages import Snapshot
 from sandbox.views import palette
 from sandbox.views.cameras import Lens, camera_above, film_camera, window_camera
-from sandbox.views.drawing import RING_SIDES, Drawing, Hidden
+from sandbox.views.drawing import Drawing, Hidden
 from sandbox.views.overlay import OverlayTexts, stickers
 from sandbox.views.renderer import Renderer
 from tasks.score import Score, Status
@@ -199,42 +196,6 @@ def test_a_contact_is_drawn_where_the_lens_says(
     assert abs(columns[inner].mean() - x) < 3 and abs(rows[inner].mean() - y) < 3
 
 
-def test_every_finger_has_a_colour_of_its_own_and_the_ignored_are_grey(
-    v: Viewed, renderer: Renderer
-) -> None:
-    place = v.surface.to_world([0.02, 0.13])
-    pictures = {}
-    for label in range(len(FINGERS)):
-        contact = contact_at(v.surface, 1, place, label, "active")
-        pictures[label] = look(renderer, with_contacts(v.ghost, contact))
-        assert like(pictures[label], palette.FINGER_COLOURS[label]).sum() > 30
-    for a, b in combinations(pictures.values(), 2):
-        assert changed(a, b).sum() > 60
-    grey = look(renderer, with_contacts(v.ghost, contact_at(v.surface, 1, place, 0, "ignored")))
-    assert like(grey, palette.FINGER_COLOURS[0]).sum() < 10
-
-
-def test_a_finger_that_is_not_sure_has_a_broken_ring_and_a_question_mark(
-    v: Viewed, renderer: Renderer
-) -> None:
-    place = v.surface.to_world([0.02, 0.13])
-
-    def seen(probability: float) -> tuple[int, Picture]:
-        contact = contact_at(v.surface, 1, place, 1, "active", probability)
-        snapshot = with_contacts(v.ghost, contact)
-        drawing = Drawing(v.scene, v.surface)
-        drawing.update(snapshot, camera_above(v.surface))
-        return drawing.view.ngeom, look(renderer, snapshot)
-
-    (whole, sure), (broken, unsure) = seen(SURE), seen(SURE - 0.01)
-    # Every other piece of the ring is missing: shape tells, not colour alone.
-    assert whole - broken == RING_SIDES // 2
-    assert changed(sure, unsure).sum() > 30
-    assert not changed(sure, seen(1.0)[1]).any()
-    assert palette.finger_name(1, "active", sure=False) == "index?"
-    assert palette.finger_name(None, "active", sure=False) == "?"
-
-
 def test_the_goal_is_green_and_turns_golden_when_it_was_held(v: Viewed, renderer: Renderer) -> None:
     running = look(renderer, with_contacts(v.ghost))[BELOW]
     score = Score(True, True, True, Status.RUNNING, 1.0, "", 3.0)
@@ -242,38 +203,6 @@ def test_the_goal_is_green_and_turns_golden_when_it_was_held(v: Viewed, renderer
     assert like(running, palette.GOAL).sum() > 150
     assert like(held, palette.HELD).sum() > 150
     assert like(running, palette.HELD).sum() < 20 and like(held, palette.GOAL).sum() < 20
-
-
-def test_progress_reason_time_and_caption_are_written(v: Viewed) -> None:
-    def written(snapshot: Snapshot, caption: str = "") -> Picture:
-        drawing = Drawing(v.scene, v.surface)
-        drawing.update(snapshot, camera_above(v.surface))
-        lens = Lens.of(drawing.view, (960, 540))
-        paper = Image.new("RGB", lens.size)
-        for s in stickers(snapshot, lens, v.surface, drawing.drop, OverlayTexts(caption)):
-            paper.paste(s.image, (s.x, s.y), s.image)
-        return np.asarray(paper, float)
-
-    one = with_contacts(v.ghost)
-    first = written(one)
-    for other in (
-        replace(one, time=one.time + 1.0),
-        replace(one, score=replace(one.score, progress=0.5)),
-        replace(one, score=replace(one.score, reason="something else is missing")),
-        replace(one, notices=("a word to the person",)),
-    ):
-        assert changed(first, written(other)).any()
-    named = written(one, "SIMULATED USER")
-    rows, columns = np.nonzero(changed(first, named))
-    assert rows.min() > 450 and columns.max() < 400
-    assert like(named, palette.WARNING).sum() > 500
-    guessed = Surface(calibrated=False).centred_at((0.0, 0.0, 0.022))
-    lens = Lens.of(_drawn(v).view, (960, 540))
-    words = stickers(one, lens, guessed, np.zeros(3), OverlayTexts())
-    known = stickers(
-        one, Lens.of(_drawn(v).view, (960, 540)), v.surface, np.zeros(3), OverlayTexts()
-    )
-    assert len(words) == len(known) + 1
 
 
 def _drawn(v: Viewed) -> Drawing:
