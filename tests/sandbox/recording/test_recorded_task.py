@@ -12,6 +12,7 @@ import pytest
 
 from models.plugins import files_of, place_of
 from models.surface import Surface
+from sandbox import replay_recording
 from sandbox.cli.main import main
 from sandbox.recording.recorded_task import task_change, task_files, task_origin
 from sandbox.recording.recording import load_recording
@@ -269,3 +270,34 @@ def test_of_two_files_with_one_name_elsewhere_either_is_missed(
     thing.write_text(thing.read_text().replace("geom ", 'geom rgba="1 0 0 1" '))
     after = task_files(place, 0, SURFACE)
     assert before.keys() == after.keys() and before["thing.xml"] != after["thing.xml"]
+
+
+def test_export_runs_and_python_say_that_the_task_of_a_recording_has_changed(
+    lab: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    record = lab / "run.jsonl"
+    assert main(["run", str(lab / "push.py"), "--record", str(record)]) == 0
+    with_header(record, lambda header: header["task_from"]["files"].update({"mug.xml": "0"}))
+    capsys.readouterr()
+    for arguments in (
+        ["export", str(record), "--to", str(lab / "hand.bvh"), "--of", "commanded"],
+        ["export", str(record), "--to", str(lab / "set.npz")],
+        ["run", "--device", str(record)],
+    ):
+        assert main(arguments) == 0
+        said = capsys.readouterr()
+        assert "Put the old mug.xml back" in the_line(said.out + said.err)
+    with pytest.warns(UserWarning, match="lab-push has changed since"):
+        replay_recording(record)
+
+
+def test_the_change_of_a_package_names_the_package_and_its_recorded_version() -> None:
+    place = "tests.support.regress_tasks:Quick"
+    source = task_origin(place, 0, SURFACE)
+    assert set(source["files"]) == {"tests"}
+    assert task_change({"task_from": source}, place, 0, SURFACE) == ""
+    older = {**source, "files": {"tests": "0"}}
+    assert task_change({"task_from": older}, place, 0, SURFACE).endswith("Put the old tests back")
+    released = {**older, "package": "my-lab", "version": "1.2"}
+    line = task_change({"task_from": released}, place, 0, SURFACE)
+    assert line.endswith("Install it: pip install 'my-lab==1.2'")

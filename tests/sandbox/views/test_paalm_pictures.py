@@ -6,15 +6,19 @@ import io
 import urllib.error
 import urllib.request
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
 from PIL import Image
 
 from models.errors import DeviceError
+from sandbox.cli.main import main
+from sandbox.devices.leap.leap_write import write_take
 from sandbox.views.paalm.paalm_pictures import PicturePage
 from sandbox.views.paalm.picture import HandMemory, PaalmPicture, ball_radius, diagram
 from tests.sandbox.views.paalm_seen import colours, seen
+from tests.support.leap_hands import take
 
 SIZE = (800, 800)
 
@@ -79,3 +83,17 @@ def test_a_page_shows_the_newest_picture_to_this_machine_only() -> None:
         for port in (taken, 99_999):
             with pytest.raises(DeviceError):
                 PicturePage("another", port)
+
+
+@pytest.fixture(scope="module")
+def file(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    path = tmp_path_factory.mktemp("paalm") / "hand.json"
+    write_take(take(0), path, {"seed": 0})
+    return path
+
+
+@pytest.mark.needs("opengl")
+def test_the_command_writes_a_picture(file: Path, tmp_path: Path) -> None:
+    out = tmp_path / "hand.png"
+    assert main(["paalm", "show", str(file), "--picture", str(out), "--seconds", "0.3"]) == 0
+    assert Image.open(out).size == (1100, 620)
