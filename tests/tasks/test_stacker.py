@@ -17,7 +17,7 @@ from sandbox.trial.driver import play_trial
 from sandbox.trial.result import TrialResult
 from sandbox.trial.trial_options import TrialOptions, trial_settings
 from tasks.simulated_user.grasp import Surroundings, roomiest_grasp
-from tasks.simulated_user.user import RandomLiftUser, Slider
+from tasks.simulated_user.user import Slider
 from tasks.simulated_user.user_hand import Hand
 from tasks.stack import Stack
 from tasks.user import SeenObject, UserConfiguration
@@ -46,13 +46,6 @@ def test_the_simulated_user_stacks_three_boxes() -> None:
 @pytest.mark.parametrize("person", [{"hand": "left"}, {"turn": 180}, {"hand_size": 0.9}])
 def test_left_handed_people_at_other_sides_stack_too(person: dict[str, Any]) -> None:
     assert trial(task="stack", seed=0, **person).success
-
-
-def test_random_touches_come_with_a_slider_that_goes_anywhere() -> None:
-    user = RandomLiftUser(USER, TABLET, 3, Stack.lift_range)
-    lifts = [user.touch(float(now)).lift for now in np.arange(2_000) * 0.016]
-    assert min(lifts) == 0.0 and max(lifts) > 0.8
-    assert 0.2 < np.mean(np.array(lifts) > 0.1) < 0.9
 
 
 @given(

@@ -26,15 +26,6 @@ def result(right: list[bool], claimed: list[float], error: float = 1.0) -> Stran
     return StrangerResult(fingers, errors, 10 * errors, np.array(right), np.array(claimed))
 
 
-def test_the_curve_counts_what_was_claimed_and_what_was_right() -> None:
-    curve = reliability(np.array([0.62, 0.68, 0.95, 1.0]), np.array([True, False, True, True]))
-    assert [(b["from"], b["to"]) for b in curve] == [(0.6, 0.7), (0.9, 1.0)]
-    assert curve[0]["claimed"] == pytest.approx(0.65) and curve[0]["right"] == 0.5
-    assert sum(b["share"] for b in curve) == pytest.approx(1.0)
-    # Two bins, half of the frames each, off by 15 and 2.5 points.
-    assert calibration_error(curve) == pytest.approx(0.5 * 15 + 0.5 * 2.5)
-
-
 def test_true_probabilities_have_no_calibration_error_and_boasting_has_one() -> None:
     rng = np.random.default_rng(0)
     claimed = rng.random(200_000)

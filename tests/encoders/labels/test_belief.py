@@ -134,28 +134,6 @@ def test_trembling_for_ever_says_no_more_than_one_look(
         assert again.probability == pytest.approx(first.probability)
 
 
-def test_a_hand_that_opens_and_turns_shows_which_fingers_touch() -> None:
-    """Labels of two or three fingers are wrong more often at the beginning of a take than at its
-    end."""
-    capture = builtin_capture()
-    wrong = {"at first": 0, "at last": 0}
-    takes = [
-        t for t in np.unique(capture.trial) if 2 <= capture.down[capture.trial == t][0].sum() <= 3
-    ]
-    for trial in takes:
-        frames = np.flatnonzero(capture.trial == trial)
-        truth = {int(f): int(f) for f in np.flatnonzero(capture.down[frames[0]])}
-        belief = new_belief()
-        found = [
-            belief.assign({f: tuple(capture.xy[frame, f]) for f in truth}, {}).labels
-            for frame in frames
-        ]
-        wrong["at first"] += found[0] != truth
-        wrong["at last"] += found[-1] != truth
-    assert wrong["at first"] >= 5
-    assert wrong["at last"] < 0.85 * wrong["at first"]
-
-
 @given(touches(least=2), st.data())
 def test_an_id_that_is_given_anew_is_another_contact(
     contacts: Contacts, data: st.DataObject

@@ -17,8 +17,7 @@ from encoders.evaluation.paalm_errors import (
 )
 from encoders.paalm import Coupling, PaalmOptions
 from encoders.paalm.angles import angles_of_joints, joints_of_angles
-from encoders.paalm.average import average_calibration, calibrate_on_recording
-from encoders.paalm.calibration import ENOUGH
+from encoders.paalm.average import average_calibration
 from encoders.paalm.calibration_file import read_calibration, write_calibration
 from encoders.paalm.palm import palm_of, vector_of
 from encoders.paalm.simulated import air
@@ -319,20 +318,6 @@ def bent_equally(frame: HandFrame) -> HandFrame:
         mcp, pip, dip, end = map(vector_of, made[finger.finger or 0])
         fingers.append(replace(finger, joints=(mcp, pip, dip, end)))
     return replace(frame, hands=(replace(hand, fingers=tuple(fingers)),))
-
-
-def test_few_frames_of_an_open_hand_are_enough_of_a_recording_and_bones_need_none() -> None:
-    open_hand = [f for f, held in zip(take(0).frames, take(0).open, strict=True) if held]
-    whole = [f for f in open_hand if len(f.hands[0].fingers) == 5]
-    paalm = Paalm()
-    assert calibrate_on_recording(paalm, whole[:ENOUGH], "right") == ""
-    assert paalm.calibration["right"].frames > ENOUGH / 2
-    why = calibrate_on_recording(paalm, whole[: ENOUGH - 1], "right")
-    assert why.startswith("an average hand") and "too few frames" in why and "cannot" not in why
-    assert paalm.calibration["right"].frames == 0
-    closed = folded(take(1, "v3"))
-    assert calibrate_on_recording(paalm, closed, "right") == ""
-    assert paalm.calibration["right"].bones is not None
 
 
 @pytest.mark.parametrize("dialect", ("v1", "v3"))

@@ -100,30 +100,6 @@ def test_the_size_does_not_depend_on_place_turn_or_order_and_grows_with_the_touc
     assert found.low < found.ratio < found.high
 
 
-def own_spreads(capture: Capture, seed: int) -> list[np.ndarray]:
-    """A relaxed, a closed and a wide layout of the trained subject, by the size of all it did."""
-    xy = capture.xy[capture.down.all(axis=1)]
-    size = np.linalg.norm(xy - xy.mean(axis=1, keepdims=True), axis=(1, 2))
-    order = np.argsort(size)
-    pick = np.random.default_rng(seed)
-    ranks = [rank + pick.uniform(-0.04, 0.04) for rank in (0.5, 0.06, 0.94)]
-    return [xy[order[round(rank * (len(order) - 1))]] for rank in ranks]
-
-
-def test_the_trained_subjects_own_spreads_say_that_its_hand_is_its_hand() -> None:
-    found = []
-    for seed in range(12):
-        # A single one may be an odd moment of the subject's, and is then refused.
-        try:
-            size = builtin_sizes().estimate(own_spreads(builtin_capture(), seed))
-        except InputError:
-            continue
-        found.append(size.ratio)
-        assert size.low < 1.0 < size.high
-    assert len(found) >= 9
-    assert np.mean(found) == pytest.approx(1.0, abs=0.04)
-
-
 @pytest.mark.parametrize("size", [0.85, 0.9, 1.0, 1.1, 1.15])
 def test_the_interval_holds_the_size_of_somebody_whose_habits_are_others(size: float) -> None:
     found = builtin_sizes().estimate(someone(size))

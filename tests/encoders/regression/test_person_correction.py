@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -14,9 +13,7 @@ from scipy.optimize import least_squares
 from encoders.capture import Capture
 from encoders.correction import PAD_HEIGHT
 from encoders.regression.bone_fit import (
-    fitted_skeleton,
     perturbed_skeleton,
-    tip_misses,
     train_correction,
 )
 from encoders.regression.polynomial import PolynomialEncoder
@@ -101,18 +98,6 @@ def test_with_the_right_bones_and_full_trust_the_tips_meet_the_touches(
     corrected = full.correct(guess, xy)
     assert np.abs(tip_errors(corrected, xy)).max() < 1e-5
     assert np.abs(TABLE.tips(corrected)[:, down[0], 2] - PAD_HEIGHT).max() < 1e-5
-
-
-def test_all_fingers_at_once_meet_their_touches_on_nearly_all_captured_frames() -> None:
-    bones = fitted_skeleton(takes(), ADULT)
-    full = PersonCorrection(bones, error_covariance(), np.full(3, 1e-12))
-    corrected = replace(takes(), q=full.correct(first_guess(), takes().xy))
-    before = np.linalg.norm(
-        tip_misses(Kinematics(bones), replace(takes(), q=first_guess())), axis=1
-    )
-    after = np.linalg.norm(tip_misses(Kinematics(bones), corrected), axis=1)
-    assert np.median(before) > 0.002
-    assert np.quantile(after, 0.9) < 0.0005
 
 
 @given(seed=seeds, down=fingers, distrust=st.sampled_from((1e9, 1e12, 1e15)))
