@@ -28,8 +28,8 @@ const COLUMN_PX = 150;
 const SLOT_GAP = 6;
 /** Steps of the progress that are spoken. */
 const QUARTERS = 4;
-/** Key of the notice that a finger is inside an object. */
-const INSIDE: Key = "stuck";
+/** Keys of the notices that a finger is inside an object, and that the hand is turned too far. */
+const [INSIDE, TURNED] = ["stuck", "hand_turned"];
 
 /** Why time stands still, for a player and for a spectator. */
 const PAUSES: Record<Exclude<State["pause"], "">, [Key, Key]> = {
@@ -51,6 +51,15 @@ const STUDY_PAUSES: Record<Exclude<State["pause"], "">, Key> = {
 function whyPaused(pause: Exclude<State["pause"], "">, player: boolean, hands: number): Key {
   if (pause === "away" && player && hands === 1) return "go_on";
   return PAUSES[pause][player ? 0 : 1];
+}
+
+/** True if a notice helps the player now. A finger inside an object is marked at the finger. A hand whose labels are
+ * in doubt only seems turned, and nobody has to turn one that is not down, or whose object is at its goal. */
+function helps(key: string, { hands, reached }: State, atFinger: boolean): boolean {
+  if (key === INSIDE) return !atFinger;
+  if (key !== TURNED) return true;
+  const contacts = hands.flatMap((hand) => hand.contacts);
+  return contacts.length > 0 && contacts.every(({ sure }) => sure) && !reached;
 }
 
 export interface Wishes {
@@ -203,14 +212,14 @@ export class Hud {
     }
     const reason = state.reason ? repeat(state.reason) : "";
     let words = reason;
-    if (demonstrated) words = say("demonstration");
+    if (demonstrated) words = say(state.pause === "menu" ? "go_on" : "demonstration");
     else if (turned) words = say("stands_still");
     else if (state.pause) words = say(whyPaused(state.pause, player, state.hands.length));
     else if (state.held) words = say("stayed");
     else if (state.reached) words = say("there");
     write(this.reason, words);
     this.speak(state, words, limit);
-    const notice = state.notices.find(({ key }) => !(atFinger && key === INSIDE));
+    const notice = state.notices.find(({ key }) => helps(key, state, atFinger));
     if (notice) this.say(repeat(notice));
   }
 

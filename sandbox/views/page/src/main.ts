@@ -345,7 +345,8 @@ class Page {
     if (state.progress > this.gained.progress + GAINED || state.time < this.gained.time)
       this.gained = { progress: state.progress, time: state.time };
     // Somebody who does not get on is shown how, once in a trial.
-    const stuck = this.running && !state.pause && state.time - this.gained.time > STUCK_S;
+    const waits = state.pause || state.reached;
+    const stuck = this.running && !waits && state.time - this.gained.time > STUCK_S;
     if (stuck && !this.fingers.length && !this.helped) this.help();
     if (!state.held) this.heldAt = null;
     else if (this.heldAt === null) {
