@@ -1,8 +1,9 @@
 """Array types, and arithmetic whose result is the same on every machine.
 
-Matrix products and solutions of linear equations add their terms in an order that never changes.
-NumPy and SciPy pass them to BLAS and LAPACK, which add in another order on every processor. Numbers
-that become part of a simulation's state are therefore computed here. Small matrices use MuJoCo's
+Here, matrix products and solutions of linear equations add their terms in a fixed order. NumPy and
+SciPy use BLAS and LAPACK for these products and solutions; the order of the terms in BLAS and
+LAPACK depends on the processor. Numbers that become part of a simulation's state are therefore
+computed here. Small matrices use MuJoCo's
 own routines, whose results are the same for one version of MuJoCo and one architecture. Stacks of
 tiny matrices are computed term by term. Arrays for MuJoCo are float64 and C-contiguous.
 
@@ -148,7 +149,7 @@ def distance(a: Iterable[float], b: Iterable[float]) -> float:
 def small_product(a: ArrayLike, b: ArrayLike) -> Array:
     """a @ b of small vectors (m,) or matrices (n, m), terms added from the first to the last.
 
-    Two vectors give an array without axes, as a number.
+    Two vectors give an array of shape (), which can be used as a number.
     """
     a, b = np.asarray(a, float), np.asarray(b, float)
     if b.ndim == 1:

@@ -47,7 +47,9 @@ share of the standard length above which the whole finger counts as seen."""
 _HOLD_OPEN = "Hold the hand open, palm down, fingers spread, 20 cm above the device"
 
 _OUTLIER = 3.0
-"""Number of median deviations beyond which a length is an outlier."""
+"""A length is an outlier from twice this number of robust standard deviations away from the median.
+A robust standard deviation is 1.4826 median deviations, but at least 2 mm. A length less than 12 mm
+from the median is therefore never an outlier."""
 
 
 @dataclass(frozen=True)
@@ -349,7 +351,8 @@ def _check_open(c: HandCalibration) -> None:
         )
     if c.bones is not None:
         share = c.standard / c.bones.sum(axis=1)
-        # With PIP and DIP at half of MOST_BENT each, about this share of the length remains.
+        # A finger whose PIP and DIP are each bent by MOST_BENT / 2 still has slightly more than
+        # this share of its length.
         least = np.cos(np.deg2rad(MOST_BENT / 2.0))
         if share[1:].min() < least:
             raise EncoderError(

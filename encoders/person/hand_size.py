@@ -1,12 +1,11 @@
-"""Estimates a hand's size relative to the trained hand, from touches of five fingers in three
-spreads.
+"""Estimates a hand's size relative to the hand on which the encoders were trained.
 
-The trained hand is the hand in the capture on which encoders were trained. A single layout cannot
-distinguish a large closed hand from a small open hand. A natural, a closed and a wide spread show
-the range of a person's layouts. This range is compared with the range of the trained hand's
-five-finger layouts: their middle and both ends. The comparison uses the logarithms of the ten
-distances between fingertips; a larger hand adds the same number to all ten. The result is the most
-likely size, with the interval that contains 95 % of the likelihood.
+The hand in the encoders' training capture is called the trained hand here. The estimate uses three
+layouts of five touches: fingers relaxed (natural), closed, and spread wide. A single layout cannot
+distinguish a large closed hand from a small open hand. The three layouts are compared with the
+middle and the two ends of the range of the trained hand's five-finger layouts. The comparison uses
+the logarithms of the ten distances between fingertips; a larger hand adds the same number to all
+ten. The result is the most likely size, with the interval that contains 95 % of the likelihood.
 
 The capture may be simulated, and the variation of spreads between people is an assumption
 (`HABIT`). The result is therefore mainly the scale at which a person's touches are most similar to
@@ -38,14 +37,15 @@ RANK = {"closed": 0.05, "natural": 0.5, "wide": 0.95}
 smallest layout and 1 the largest."""
 
 WINDOW = 0.05
-"""Layouts whose rank differs by at most this much from that of a spread count as this spread."""
+"""A layout counts as a spread if its rank differs from the spread's rank by at most this much."""
 
 HABIT = {"natural": 0.08, "closed": 0.14, "wide": 0.08}
 """Standard deviation, among people with equal hands, of the logarithm of a spread's size. It is
 assumed, not measured. Only the interval and the weights of the spreads depend on it."""
 
 TAILS = 4.0
-"""Degrees of freedom of Student's t, so that one misunderstood spread does not decide alone."""
+"""Degrees of freedom of Student's t. Its heavy tails keep one wrongly made spread from deciding the
+result alone."""
 
 SHRINKAGE = 0.1
 """Share by which correlations between distances are reduced, since they are estimated from few
@@ -184,7 +184,8 @@ class HandSizes:
                 raise InputError(
                     "these five touches are not arranged like those of a hand",
                     where=f"{name} spread",
-                    got=f"a squared distance of {strange:.0f} from the trained hand's",
+                    got=f"a squared Mahalanobis distance of {strange:.0f} from the shape of the "
+                    "hand on which the encoders were trained",
                     expected=f"{STRANGEST:g} or less",
                     remedy="Put down the tips of all five fingers, and nothing else",
                 )

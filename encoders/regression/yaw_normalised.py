@@ -51,7 +51,8 @@ _COEF = (comb(CONTACT_VECTOR_SIZE + 2, 2), POSE_SIZE)
 """Shape (136, 48) of one quadratic's coefficients."""
 
 _UP = np.array([1.0, -1.0])
-"""Factors from the surface's y down to the pose's y up."""
+"""Factors that convert the surface's coordinates, with y down, to the pose's coordinates, with y
+up."""
 
 
 class YawNormalisedEncoder(Encoder):
@@ -176,7 +177,7 @@ class YawNormalisedEncoder(Encoder):
 def yaw_of(q: ArrayLike) -> Array:
     """Yaw (...) rad of poses (..., 48) about the surface's normal; 0 is straight up the screen.
 
-    The yaw is that of the rotation about the normal that is nearest to the root's rotation.
+    Of all rotations about the normal, the one nearest to the root's rotation defines the yaw.
     """
     R = exp(np.asarray(q, float)[..., ROOT_ROTATION])
     return arithmetic.atan2(R[..., 1, 0] - R[..., 0, 1], R[..., 0, 0] + R[..., 1, 1])
@@ -226,8 +227,8 @@ def turned_root(errors: Array, turn: Array) -> Array:
 
     Args:
         errors: (T, 48) differences of poses, m and rad.
-        turn: (T,) rad, angle of the rotation. Minus the hand's yaw transforms errors to the frame
-            that turns with the hand.
+        turn: (T,) rad, angle of the rotation. To transform errors to the frame that turns with the
+            hand, pass the negative of the hand's yaw.
     """
     out = np.array(errors)
     rotation = _about_normal(turn)

@@ -1,9 +1,10 @@
 """Writes points as C3D, the exchange format of biomechanics, key by key.
 
 Files have millimetres, z up (`X_SCREEN` +X, `Y_SCREEN` +Z), single precision, Intel byte order, and
-no analog channels. Blocks have 512 bytes: a header, the parameters, then four numbers for each
-point of each frame. The number of frames is in three places and is filled in at the end. A number
-above 65,535 fits only into `TRIAL:ACTUAL_END_FIELD`, a later extension of the format.
+no analog channels. A file consists of blocks of 512 bytes. It has a header, then the parameters,
+then four numbers for each point of each frame. The number of frames is in three places and is
+filled in at the end. A number of frames above 65,535 fits only into `TRIAL:ACTUAL_END_FIELD`, a
+later extension of the format.
 """
 
 from __future__ import annotations

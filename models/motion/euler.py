@@ -31,7 +31,7 @@ def angles_of(rotations: Array, order: str) -> Array:
     first = np.arctan2(-sign * rotations[..., b, c], rotations[..., c, c])
     pole = cosine < POLE
     if np.any(pole):
-        # With gamma = 0, the rest of the matrix is a rotation about the first axis.
+        # With gamma = 0, column b of the matrix is column b of R_a(alpha).
         alone = np.arctan2(sign * rotations[..., c, b], rotations[..., b, b])
         first = np.where(pole, alone, first)
     # Near a pole, rounding errors in the matrix change the first angle strongly. The last angle is

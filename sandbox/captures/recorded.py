@@ -42,13 +42,13 @@ from sandbox.devices.leap.leap_file import check_side
 from sandbox.devices.webcam.landmarks import read_landmarks
 
 MOST_DRIFT = 0.002
-"""Largest relative difference of two clocks' seconds. Quartz clocks differ by less than a tenth of
-it."""
+"""Largest relative difference between the rates of two clocks. The rates of quartz clocks differ by
+less than a tenth of it."""
 
 _ROUNDS = 5
 _OUTLIER = 3.0
-"""Deviation, in robust standard deviations, beyond which an arrival is ignored: the machine was
-busy."""
+"""Largest deviation of an arrival from the line, in robust standard deviations. An arrival that
+deviates more is ignored, because the machine was probably busy."""
 
 
 @dataclass(frozen=True)
@@ -102,8 +102,8 @@ def host_clock(device: Array, arrived: Array, where: str) -> HostClock:
         raise CaptureError(
             "the device's times do not match their arrivals",
             where=where,
-            got=f"a second of {1.0 + drift:.4f} s",
-            expected=f"within {100 * MOST_DRIFT:g} %",
+            got=f"one second of the device takes {1.0 + drift:.4f} s of the host's clock",
+            expected=f"a difference of at most {100 * MOST_DRIFT:g} %",
             remedy="A clock was changed during the recording; record again",
         )
     return HostClock(float(line[1]) - (1.0 + drift) * middle, drift, spread)
@@ -232,7 +232,7 @@ class CameraSession:
     damage: tuple[str, ...]
 
     def names(self, rules: ConversionRules, report: ConversionReport) -> NamedTouches:
-        """The touches, named by the camera."""
+        """The touches, each labelled with its finger from the camera's pictures."""
         return name_touches(
             self.log,
             self.frames,
@@ -257,7 +257,7 @@ def read_session(folder: Path, surface: Surface | None = None) -> CameraSession:
     seen = picture_arrivals(hands, recording.lines)
     if touched is None or seen is None:
         raise RecordingError(
-            "the files have no arrival times of touches and pictures",
+            "the arrival times of the touches or of the pictures are missing",
             where=str(folder),
             remedy="Record both with `sandbox capture record`",
         )

@@ -60,7 +60,7 @@ def main(argv: list[str]) -> int:
     console = Console()
     recording = load_recording(Path(str(files("sandbox") / "data" / "demo.jsonl")))
     console.print(
-        "[bold]Hand Sandbox[/]: a recording of the [bold]simulated[/] user touches a tablet; "
+        "[bold]Hand Sandbox[/]: recorded touches of the [bold]simulated[/] user on a tablet; "
         "no person took part."
     )
     session = build(

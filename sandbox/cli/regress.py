@@ -457,9 +457,10 @@ def _run(
 
     Args:
         plan: The trials.
-        executor: Where they run.
+        executor: Executor of the trials.
         interrupt: Requests to stop, by Ctrl-C or SIGTERM.
-        kept: File of trials: it has those of a resumed run, and each trial is added; None without.
+        kept: File with the trials of a resumed run, to which each new trial is added; None without
+            a file.
         named: True if the progress names the tasks and the variation of this part of a run.
         changed: Function that changes a trial before it runs.
 

@@ -192,9 +192,9 @@ class ReplayOptions:
     """
 
     trial: Annotated[str, Parameter(metavar="FILE|TRIAL")] = field(kw_only=False)
-    """One of: a recording (written by --record); a trial of a study, NAME/PARTICIPANT/S001/T007
-    (its valid attempt is replayed; without S001, that trial of every session); or a study,
-    participant or session, for all its trials."""
+    """A recording written by --record. Or a trial of a study, NAME/PARTICIPANT/S001/T007, of which
+    the valid attempt is replayed; leave out S001 to replay this trial of every session. Or a study,
+    participant or session, to replay all its trials."""
 
     verify: bool = False
     """Exit status 1 unless the recording is complete and every state is equal. States of another

@@ -434,7 +434,7 @@ def _print(player: StreamPlayer, console: Console) -> int:
 def _interruptible(stop: threading.Event) -> Iterator[None]:
     """Context in which Ctrl-C, SIGTERM and SIGHUP set `stop` instead of ending the program.
 
-    The caller can then still send the command to stop to the receiver.
+    The caller can then still send the receiver the command to stop.
     """
     with heeding(lambda *_: stop.set()):
         yield

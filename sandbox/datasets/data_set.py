@@ -22,8 +22,9 @@ class DataSet:
     """A data set that was read from files.
 
     Attributes:
-        task: Name or place of the task of its environment.
-        options: Options of its environment (`sandbox.gym.HandSandboxEnv`); JSON values.
+        task: Name of the environment's task, or its place (`FILE.py`, `FILE.py:CLASS` or
+            `MODULE:CLASS`).
+        options: Options of the environment (`sandbox.gym.HandSandboxEnv`); JSON values.
         episodes: The demonstrations.
     """
 

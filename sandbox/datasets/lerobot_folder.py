@@ -45,7 +45,7 @@ class Feature:
     """Declaration of a column.
 
     Attributes:
-        dtype: Its type, named as in NumPy and LeRobot.
+        dtype: Type of the column, named as in NumPy and LeRobot.
         names: Name of each number in a row; None if a row has a single number.
     """
 
@@ -64,7 +64,7 @@ def features_of(episode: Demonstration, options: Mapping[str, Any]) -> dict[str,
 
     Args:
         episode: Any demonstration of the data set.
-        options: Options of its environment.
+        options: Options of the data set's environment.
     """
     seen = episode.observations
     hands = [hand["side"] for hand in options["settings"]["hands"]]
@@ -89,8 +89,8 @@ class Columns:
 
     Args:
         episode: The demonstration, of T steps.
-        number: Its number in the data set.
-        first: Number of rows before it.
+        number: Number of the episode in the data set.
+        first: Number of rows before the episode.
 
     Attributes:
         numbers: Column -> (T, n) values.
@@ -320,7 +320,8 @@ def write_lerobot(
     Args:
         folder: The folder; it must not exist.
         words: Description of the task in words, for LeRobot's policies.
-        task: Name or place of the environment's task.
+        task: Name of the environment's task, or its place (`FILE.py`, `FILE.py:CLASS` or
+            `MODULE:CLASS`).
         options: Options of the environment; JSON values.
         episodes: The demonstrations; at least one.
 
@@ -471,7 +472,7 @@ def _info(
 
 
 def _write_tasks(folder: Path, words: str) -> None:
-    """Writes the table of tasks. LeRobot finds a task in it by its description."""
+    """Writes the table of tasks. LeRobot finds a task in the table by the description."""
     import pandas
 
     index = pandas.Index([words], dtype=object)

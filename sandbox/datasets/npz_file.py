@@ -53,7 +53,8 @@ def write_npz(
 
     Args:
         path: The file.
-        task: Name or place of the environment's task.
+        task: Name of the environment's task, or its place (`FILE.py`, `FILE.py:CLASS` or
+            `MODULE:CLASS`).
         options: Options of the environment; JSON values.
         episodes: The demonstrations; at least one.
 

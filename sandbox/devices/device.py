@@ -207,7 +207,7 @@ class DeviceEntry(Generic[O]):
             and its argument; None if it reports no surface.
         command_options: Dataclass of the options on the command line; None if they are `options`.
             For hands in the air, the class adds the placement and calibration of the device. Fields
-            of `options` get the values of its fields with the same names.
+            of `options` get the values of the fields of this class with the same names.
         hand_input: For a device that tracks hands in the air: returns the input settings of a hand
             from the options on the command line, the argument and the hand's side.
         for_second: Returns the options of a second device of this kind, from those of the first,

@@ -64,7 +64,7 @@ def _check_own(spec: EnvSpec, task: str) -> None:
 
     Args:
         spec: Specification that is registered under the id.
-        task: Name or place of the task.
+        task: Name of the task, or its place (`FILE.py`, `FILE.py:CLASS` or `MODULE:CLASS`).
 
     Raises:
         InputError: The id is registered for another task or another environment.

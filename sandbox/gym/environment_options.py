@@ -139,7 +139,7 @@ def run_settings(
     """Returns the settings of the trials of an environment.
 
     Args:
-        task: Name or place of the task.
+        task: Name of the task, or its place (`FILE.py`, `FILE.py:CLASS` or `MODULE:CLASS`).
         person: `side`, `size` and `turn` of the first hand (`HandSettings`). A value of None is
             taken from `settings`.
         settings: Settings in the form of a recording's header; None starts from the defaults.

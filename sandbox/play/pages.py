@@ -66,11 +66,11 @@ def open_page(
 
     Args:
         options: Address, port and certificate.
-        study: View of a study, which has no menus; None for play.
+        study: View of a study; its pages have no menus. None for play.
         touch: True if the player's page moves the hand.
         headset: True for the page of a headset, False for the page of fingers on a screen.
-        task: Name or place of the first task. The page's menu offers it in addition to the built-in
-            tasks.
+        task: Name of the first task, or its place (`FILE.py`, `FILE.py:CLASS` or `MODULE:CLASS`).
+            The page's menu offers it in addition to the built-in tasks.
 
     Raises:
         DeviceError: The address or port is not available.
@@ -114,7 +114,8 @@ def open_page(
 def open_window_page(
     page: PageOptions, touch: bool, events: EventLog, console: Console, task: str = ""
 ) -> PageServer | None:
-    """Starts the page beside the window. If it cannot be served, prints a warning and returns None.
+    """Starts the page in addition to the window. If the page cannot be served, prints a warning and
+    returns None.
 
     For `task` see `open_page`.
 
@@ -126,8 +127,8 @@ def open_window_page(
     except DeviceError as error:
         if page.tablet or page.lan or page.page_port:
             raise
-        console.print(f"[yellow]no page beside the window: {error}[/]")
-        events.write("warning", what=f"no page beside the window: {error}")
+        console.print(f"[yellow]there is a window, but no page: {error}[/]")
+        events.write("warning", what=f"there is a window, but no page: {error}")
         return None
     if page.page_host == LOOPBACK:
         console.print(
@@ -186,11 +187,12 @@ def show_session(
         hand: `right` or `left`.
         caption: Name of the player if it is not a person.
         device: Device for the page's touches; None for a page that only shows the session.
-        own: Index of the hand that touches this page; None if both hands touch it.
+        own: Index of the hand that this page's touches move; None if they move all hands.
         scored: False if the result does not count.
         texts: Function that returns the title, goal and hint for a study's page, from the task's
             name and summary; None shows the task's own texts.
-        finger_sets: Sets of fingers that the player uses; None if they cannot be chosen.
+        finger_sets: Finger sets of the trial's settings, as text; None if the player cannot choose
+            finger sets in this trial.
     """
     message = describe_scene(
         server.next_scene(),
@@ -211,7 +213,10 @@ def show_session(
 
 
 def touched_pages(session: Session) -> list[tuple[int | None, PageDevice]]:
-    """Returns the device of each page, with the index of its hand, or None if it has both hands."""
+    """Returns, for each page, the index of the hand that its touches move, and its device.
+
+    The index is None if the page's touches move several hands.
+    """
     devices: dict[int, tuple[int | None, PageDevice]] = {}
     for hand, rig in enumerate(session.rigs):
         device = rig.device

@@ -5,7 +5,7 @@ A recording is a file of JSON lines:
 - `header`: settings, versions and digests.
 - `input`: a touch frame or hand frame, the physics step at which it took effect, and the state's
   hash just before.
-- `event`: another input or event, such as a change of contact mode.
+- `event`: an event other than a frame, such as a change of contact mode.
 - `keyframe`: MuJoCo's integration state, once per simulated second.
 - `track`: all poses of one simulated second.
 - `end`: the result.
@@ -440,11 +440,12 @@ class RecordingLines(ABC):
         self._states = 0
 
     def input(self, step: int, hand: int, frame: Frame, state_hash: str) -> None:
-        """Records a frame that takes effect at a physics step, and the state's hash before it."""
+        """Records a frame, the step at which it takes effect, and the state's hash before this
+        step."""
         self._put(DeferredLine(input_line, step, hand, frame, state_hash))
 
     def event(self, step: int, what: str, **details: Any) -> None:
-        """Records another event at a physics step, such as a change of the contact mode."""
+        """Records an event other than a frame, such as a change of the contact mode, at a step."""
         self._put({"kind": "event", "step": step, "event": what, **details})
 
     def state(
@@ -598,7 +599,7 @@ class RecordingWriter(RecordingLines):
 
 @dataclass(frozen=True)
 class RecordedInput:
-    """A frame, the physics step at which it took effect, and the state's hash before it."""
+    """A frame, the physics step at which it took effect, and the state's hash before the step."""
 
     step: int
     frame: Frame

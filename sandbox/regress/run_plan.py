@@ -144,7 +144,7 @@ class Row:
         return find_task(self.task) if isinstance(self.task, str) else self.task
 
     def scene(self, scene: Mapping[str, Any]) -> Mapping[str, Any]:
-        """Options of its trials, from the options of all trials."""
+        """Options of this row's trials, from the options of all trials."""
         return scene if self.arm == PLAIN else {**scene, "vary": setting_of(self.name)}
 
 
@@ -209,7 +209,7 @@ class RegressionPlan:
         return tuple(row.name for row in self.rows)
 
     def jobs(self) -> list[TrialJob]:
-        """All trials: for each seed all tasks, so that a stopped run has as many trials per task.
+        """All trials, ordered by seed: a stopped run has played all tasks about equally often.
 
         Raises:
             InputError: An option has an invalid value.
@@ -401,8 +401,8 @@ def find_tasks(names: Sequence[str]) -> tuple[str, ...]:
     """Names or places of tasks, each task once; `all` means all tasks, also of installed packages.
 
     Raises:
-        InputError: No task has such a name; or an installed task cannot be used, as a gate that
-            ignored broken tasks would pass.
+        InputError: No task has such a name. Or an installed task cannot be used; it is not left
+            out, because a gate that ignores broken tasks would pass.
     """
     asked = task_names() if ALL in names else names
     return tuple({find_task(name): name for name in asked}.values())

@@ -141,7 +141,7 @@ class Client:
         self.visible = visible
 
     def send(self, message: bytes, text: bool = True) -> None:
-        """Queues a message, JSON text or bytes. All are sent, in order, before later frames."""
+        """Queues a message, JSON text or bytes. Messages are sent in order, before later frames."""
         if len(self._waiting) < MOST_WAITING:
             self._waiting.append((message, text))
             self._due.set()
@@ -172,7 +172,8 @@ class Client:
         """Returns the credit of a frame and of all frames before it.
 
         Returns:
-            Time (s) since the frame was sent; None if it is unknown or was acknowledged before.
+            Time (s) since the frame was sent; None if the frame is unknown or was acknowledged
+            before.
         """
         if not self._acknowledged < number <= self._sent:
             return None

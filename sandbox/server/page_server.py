@@ -76,7 +76,7 @@ class PageServer(ServerThread):
         tls: Certificate and key for https.
         files: Files of the page.
         token: Token of an earlier server, so that its pages can reconnect; empty creates a new one.
-        study: Study that the page belongs to, without menus; None outside a study.
+        study: Study to which the page belongs; such a page has no menus. None outside a study.
         touch: True if the player's touches are used; False if another device plays and all pages
             are spectators.
 
@@ -154,8 +154,8 @@ class PageServer(ServerThread):
 
     @property
     def silence(self) -> float:
-        """Time (s) since a player's page was last neither silent nor hidden; infinite before the
-        first player."""
+        """Time (s) since a player's page was last present, that is, visible and sending messages;
+        infinite before the first player."""
         return self._pages.silence
 
     def take_requests(self) -> list[PlayerRequest]:
@@ -170,7 +170,8 @@ class PageServer(ServerThread):
         """Shows the player a sheet, also after a reconnection.
 
         Args:
-            sheet: Sheet of a study.
+            sheet: What the participant of a study sees instead of the scene, such as a consent
+                form, instructions or a questionnaire.
             tell: False if the player's page already shows it.
         """
         self._loop.call_soon_threadsafe(self._pages.show_sheet, sheet, tell)
@@ -199,8 +200,7 @@ class PageServer(ServerThread):
             device: Device for the player's touches; None for a page without touches.
             skins: Skins of the scene's hands, by `sandbox.server.page_frames.pack_skin`; without
                 them, the page shows bones.
-            own: Index of the hand whose touches are on this page, if other hands have other
-                devices; else None.
+            own: Index of the hand that this page's touches move; None if they move all hands.
         """
         self._scenes = message.scene
         shown = _ServedScene(message, device, BodyKinematics(scene), skins, own)

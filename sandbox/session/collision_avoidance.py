@@ -51,9 +51,10 @@ BESIDE = 0.002
 """Largest margin between the inner links of a touching finger and the object at its tip, m. The tip
 of a pressing finger is commanded into the object; its links stay behind by this margin."""
 NOTICED = 0.003
-"""Distance beyond its margin within which a part is constrained, m, so that it is not moved into
-its margin. A part that was corrected in the last step stays constrained up to the largest measured
-distance; otherwise it would fall back as soon as it is clear."""
+"""A part is constrained while its distance is less than its margin plus this number, m. Otherwise a
+correction could move the part into its margin. A part that was corrected in the last step stays
+constrained up to the largest measured distance; otherwise it would fall back as soon as it is
+clear."""
 
 BEND, SWAY, MOVE, TILT = 0.35, 0.12, 0.02, 0.12
 """Standard deviations around the encoder's pose: of a joint's flexion (rad), of its two other
@@ -97,8 +98,8 @@ class CollisionAvoidance:
         scene: The scene.
         hand: Index of the hand.
         skeleton: The hand's skeleton; its pose is the hand's joint positions.
-        surface: Surface of its touches.
-        distances: Distances of its parts.
+        surface: Touch surface of the hand.
+        distances: Distances of the hand's parts.
     """
 
     def __init__(
@@ -550,7 +551,7 @@ class SolidLinks:
     Args:
         scene: The scene.
         hand: Index of the hand.
-        distances: Distances of its parts.
+        distances: Distances of the hand's parts.
 
     Attributes:
         fingers: Labels of the fingers whose last link is solid, whether they touch or not.
@@ -596,7 +597,8 @@ class SolidLinks:
 
         Args:
             data: Current state of the simulation.
-            pressing: Fingers whose tips are solid and touch; without any, the hand is a ghost.
+            pressing: Fingers whose tips are solid and touch; without such a finger, the hand is a
+                ghost.
             touching: Fingers that touch.
         """
         if self._complete == (pressing, touching):

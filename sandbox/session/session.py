@@ -88,11 +88,12 @@ class Recorder(Protocol):
     """Contract of a session's recorders. A recorder must not block, and must never lose data."""
 
     def input(self, step: int, hand: int, frame: Frame, state_hash: str) -> None:
-        """Records a frame that takes effect at a physics step, and the state's hash before it."""
+        """Records a frame, the step at which it takes effect, and the state's hash before this
+        step."""
         ...
 
     def event(self, step: int, what: str, **details: Any) -> None:
-        """Records another event at a physics step, such as a change of the contact mode."""
+        """Records an event other than a frame, such as a change of the contact mode, at a step."""
         ...
 
     def state(
@@ -103,7 +104,10 @@ class Recorder(Protocol):
         qpos: Array,
         solid: Sequence[frozenset[int]],
     ) -> None:
-        """Records the state at the beginning of a control period; the arrays change afterwards."""
+        """Records the state at the beginning of a control period.
+
+        The session overwrites the arrays afterwards, so a recorder must copy what it stores.
+        """
         ...
 
 
@@ -111,7 +115,7 @@ class Session:
     """One trial of a task with its rigs.
 
     Args:
-        task: A drawn trial.
+        task: The task, with the start and goals of one trial already drawn at random.
         rigs: One rig per hand.
         rules: Collision gating of hands without rules of their own; None uses the defaults.
         timestep: Physics time step, s.
@@ -222,7 +226,7 @@ class Session:
     @property
     def respawned(self) -> int:
         """Number of times that an object was returned to the workspace."""
-        return sum(self._respawn.counts.values())  # any order: a sum of integers
+        return sum(self._respawn.counts.values())  # any order: sums of integers are exact
 
     @property
     def unreached(self) -> float | None:
@@ -246,7 +250,7 @@ class Session:
         avoidance: list[CollisionAvoidance | None] = [None] * len(self.rigs)
         if not any(all_over):
             return parts, avoidance
-        # Imported here, since most hands have only solid fingertips.
+        # Imported only when needed: most trials have only hands whose fingertips alone are solid.
         from sandbox.session.collision_avoidance import (
             CollisionAvoidance,
             HandDistances,
@@ -258,7 +262,8 @@ class Session:
                 distances = HandDistances(self.scene, i)
                 parts[i] = SolidLinks(self.scene, i, distances)
                 skeleton = rig.hand.skeleton
-                # A hand in the air has a complete measured pose; only touches leave a choice.
+                # The pose of a hand in the air is measured completely. Only a pose derived from
+                # touches is partly free, and may be changed to avoid objects.
                 if self._touched[i] and skeleton:
                     avoidance[i] = CollisionAvoidance(self.scene, i, skeleton, surface, distances)
         return parts, avoidance
@@ -282,17 +287,19 @@ class Session:
         return self._gates[hand].tips(data)
 
     def loads(self) -> list[HandLoad]:
-        """Returns the current loads of each hand's fingers and the use of the servos' limits.
+        """Returns the current loads of each hand's fingers and palm.
+
+        The load of a palm is the share of its force limit that the most loaded servo uses.
 
         Call it in the session's thread. States do not depend on it.
         """
         return self._loads.read(self.data)
 
     def set_contact(self, mode: str) -> None:
-        """Requests another contact mode, from any thread; it takes effect with the next step.
+        """Requests another contact mode, from any thread. The mode changes with the next step.
 
-        It does not change the current state. After the mode `none`, a finger inside an object
-        stays a ghost until it is out.
+        The request does not change the current state. After the mode `none`, a finger inside an
+        object stays a ghost until it is out.
 
         Raises:
             InputError: No contact mode has this name.
@@ -328,8 +335,8 @@ class Session:
             )
         snapshot = self.snapshot()
         if not self.over:
-            # Record now the state with which the next period begins. Recorded after the wait for
-            # real time, it would take three times as long, and delay a touch.
+            # Record now the state with which the next period begins. Recording it after the wait
+            # for real time would take three times as long, and would delay a touch.
             self._record_state()
         return snapshot
 

@@ -172,12 +172,12 @@ _Clearance = Callable[[Array], Array]
 
 
 class TipOffsets:
-    """Computes the offsets that move a hand's fingertips out of objects and keep its grip's width.
+    """Computes the offsets that move a hand's fingertips out of objects and keep the grip's width.
 
     Args:
         scene: The scene.
         hand: Index of the hand.
-        surface: Surface of its touches.
+        surface: Touch surface of the hand.
         gate: The hand's collision gating.
     """
 

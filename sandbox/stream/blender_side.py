@@ -20,11 +20,12 @@ Keyframes are set at the scene's rate: the rate of --fps, else that of the file 
 A .glb or .fbx file has the armature, its skin and this motion. Two streamed hands give two files,
 but a single .blend.
 
-Chains may have any number of bones. A chain points in the direction of its finger, and reaches as
-far, as a share of its length; the joints in between bend evenly. The bone above the chains moves
-from its own place, by the movement of the streamed palm since its first moment. If this first
-moment was seen wrongly, the whole take is turned. In this case use start(absolute=True), or
---absolute: the bone is then at the place of the streamed palm. Keyframes are set on the bones
+Chains may have any number of bones. A chain points in the direction of its finger. The distance
+from its base to its tip, divided by its length, is that of the finger. The joints in between bend
+evenly. The bone above the chains starts at its own place, and then moves as the streamed palm has
+moved since the first frame of the stream. If the palm was seen wrongly in this frame, the whole
+take is turned. In this case use start(absolute=True), or --absolute: the bone is then at the place
+of the streamed palm. Keyframes are set on the bones
 themselves, so that no bake is needed. stop() releases the armature.
 """
 

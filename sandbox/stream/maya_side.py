@@ -12,8 +12,8 @@ With nothing selected, start() makes a new hand like the streamed hand. Options 
     fingers   the finger of each chain, such as (1, 2): thumb 0 .. little 4
     root      the transform that follows the palm; by default the nearest one above all chains;
               root="" moves no transform with the palm
-    absolute  True puts the palm at the place of the streamed palm; otherwise the rig moves from its
-              own place, by the movement of the streamed hand
+    absolute  True puts the palm at the place of the streamed palm; otherwise the rig starts at
+              its own place, and then moves as the streamed hand moves
     key       False moves the rig without keyframes
     scale     scene units per metre of the palm's path; by default from the lengths of the chains
 
@@ -394,7 +394,7 @@ def _check_free(node: str, *attributes: str) -> None:
 
 
 def _make(line: Line, **options: Any) -> None:
-    """Makes joints of the streamed hand, with straight fingers and the palm down, and starts it."""
+    """Makes joints of the streamed hand, with straight fingers and the palm down, and their rig."""
     metre = options["scale"] or UNITS.get(str(cmds.currentUnit(query=True, linear=True)), 100.0)
     quarter = math.sqrt(0.5)
     flat: Quaternion = (1.0, 0.0, 0.0, 0.0) if _up()[2] else (quarter, -quarter, 0.0, 0.0)

@@ -655,7 +655,7 @@ def _hand(settings: Settings, name: str, hand: HandSettings, task_type: type[Tas
 
 
 def _solid_end(settings: Settings, hand: HandSettings, task_type: type[Task]) -> float | None:
-    """Solid length of the last links, m, if not the whole links are solid; see `Hand`."""
+    """Solid length of the last links, m; None if the whole links are solid; see `Hand`."""
     if settings.physics.solid == SOLID[1]:
         return None if hand.in_air is not None else TIP_END
     if task_type.plane == "front":

@@ -48,14 +48,14 @@ class Verification:
         compared: Number of hashes that were compared.
         first_difference: Physics step of the first hash that differs; None if all agree.
         complete: True if the recording's end was reached and its last hash compared.
-        differs_in: Differences between this machine and that of the recording that can change
-            states, in words. If it is empty, equal states are promised.
+        differs_in: Differences that can change states, between this machine and the machine of the
+            recording, in words. If it is empty, equal states are promised.
         shown_recorded: True if views got the recorded poses, not the poses simulated here.
         diverged: Reason of a divergence in the replay; empty without one.
         agreement: Agreement of outcome and poses; None if all states are equal, or if the recording
             has no poses.
-        task_change: A line on changes of a task that is not built in, since the recording was made,
-            with a remedy. Empty without a change, or if the recording has no digests.
+        task_change: For a task that is not built in: a line on its changes since the recording was
+            made, with a remedy. Empty without a change, or if the recording has no digests.
     """
 
     compared: int

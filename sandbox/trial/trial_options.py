@@ -753,7 +753,7 @@ def _second(
 
 
 def _check_of_devices(options: TrialOptions, settings: Settings) -> None:
-    """Refuses options of devices that the trial does not use.
+    """Refuses options whose device the trial does not use.
 
     Raises:
         InputError: Such an option is given; the error names the devices that have the option.

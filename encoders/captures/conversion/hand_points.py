@@ -43,8 +43,8 @@ _LONGEST_STEP = 0.4
 """Largest rotation (rad) of a joint in one Gauss-Newton step."""
 
 _TRUST = 0.005
-"""Accuracy (m) of a point's position on its bone, averaged over all frames. The average counts as
-one observation."""
+"""Standard deviation (m) of the mean, over all frames, of a point's observed position on its bone.
+The mean counts as one observation."""
 
 _SIZES = (0.6, 1.5)
 """Least and greatest size of a hand relative to the skeleton's."""
@@ -360,7 +360,7 @@ def joints_from_points(
     fits = whole & (rms <= POOR_FIT)
     report.drop_parts("poses without enough points", int((~whole).sum()))
     poor = int((whole & ~fits).sum())
-    report.drop_parts(f"poses that missed their points by {1000 * POOR_FIT:g} mm", poor)
+    report.drop_parts(f"poses that missed their points by more than {1000 * POOR_FIT:g} mm", poor)
     if fits.sum() < 2:
         raise CaptureError(
             "the skeleton does not fit the points",
@@ -433,8 +433,8 @@ def touches_from_tips(
 
     Args:
         joints: Poses in the frame of the surface.
-        threshold: Height (m) above a touching fingertip's centre at which a touch begins. The touch
-            ends at `LETS_GO` times this height.
+        threshold: A touch begins when a fingertip's centre is less than this height (m) above
+            `ON_SURFACE`, its height in a touch. The touch ends at `LETS_GO` times this height.
         rules: `shortest`, `gap`.
         report: Receives the counts.
     """

@@ -28,9 +28,9 @@ SCHEMA = 1
 
 @dataclass(frozen=True)
 class RequestAgreement:
-    """Agreement of labels with the fingers that the guide requested.
+    """Agreement of labels with the fingers that `sandbox capture record` asked the person to use.
 
-    It is about contacts that were down while the requested number of fingers touched.
+    Only contacts count that were down while the requested number of fingers touched.
 
     Attributes:
         contacts: Number of these contacts.
@@ -50,7 +50,7 @@ def report_of(
 
     Args:
         named: Touches, labelled by the camera.
-        asked: Requests of the guide, on the touches' clock.
+        asked: Requests of `sandbox capture record`, on the touches' clock.
         simulated: True if no person took part.
     """
     contacts = named.contacts
@@ -110,8 +110,8 @@ def _when_as_many(
 ) -> float | None:
     """Returns a time (s) at which a contact can be compared with the requested fingers.
 
-    At this time, `one` and as many contacts as requested, and no others, have been down for
-    `SETTLED`. Returns None if there is no such time.
+    At this time exactly the requested number of contacts is down, `one` among them, and all have
+    been down for `SETTLED`. Returns None if there is no such time.
     """
     track = one.track
     time = track.start + SETTLED
@@ -172,7 +172,7 @@ def lines_of(report: dict[str, Any]) -> list[str]:
 @dataclass(frozen=True, kw_only=True)
 class ReportOptions:
     """Prints how many touches a camera over a tablet labelled, with which probability, and how
-    often the labels were fingers that the guide had requested.
+    often the labels were fingers that `sandbox capture record` had requested.
 
     Try:
 

@@ -121,7 +121,8 @@ _FORMATS = "`sandbox touches formats` lists what can be played"
 _EXPECTED = '{"time": seconds, "contacts": [{"id", "x", "y", "finger"}]}'
 
 _SAMPLE, _PLACES = 100, 40
-"""Numbers of lines from whose times, and from whose positions, the units of a file are found."""
+"""Number of lines from which the unit of time is found, and number of lines from which the unit of
+length is found."""
 _LABELS = {name: label for label, name in enumerate(FINGERS)}
 
 
@@ -408,7 +409,7 @@ class _Reader:
         if surface is not None:
             self._size = float(surface.size[0]), float(surface.size[1])
         self._sizes = ContactSizes(report)
-        # Widths from this one on (m) are accepted unchecked; none until enough sizes were checked.
+        # Smallest width (m) that is accepted unchecked; infinite until enough sizes were checked.
         self._least = math.inf
 
     def frame(self, line: FrameLine) -> TouchFrame:

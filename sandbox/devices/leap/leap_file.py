@@ -8,8 +8,9 @@ Files are recognised by their content, not by their names:
     LZString base64 of such a text              LeapJS, `.json.lz`
     one message per line                        messages of leapd; read up to the first damage
 
-LZString is a dictionary coder after LZ78 on 16-bit characters. Codes grow from 3 bits, least
-significant bit first. Source: the format of the npm package lz-string, which wrote the recordings.
+LZString is a dictionary coder after LZ78 on 16-bit characters. The first code has 2 bits; the later
+codes have 3 bits and more. Codes and characters are stored with the least significant bit first.
+Source: the format of the npm package lz-string, which wrote the recordings.
 """
 
 from __future__ import annotations
@@ -130,7 +131,7 @@ class LeapRecording:
 
     Attributes:
         frames: Frames in order of time.
-        messages: The JSON objects, unpacked, as a fake leapd sends them.
+        messages: The JSON objects, unpacked, as `sandbox devices leap fake` sends them.
         dialect: `v1`, `v2`, `v3` or `bridge`; None if no frame has a finger.
         used: Index of each frame's message.
         units: Units of the messages.
@@ -157,7 +158,9 @@ class LeapRecording:
 
 
 def check_side(frames: Sequence[HandFrame], side: str, where: str, option: str) -> None:
-    """Checks that frames may show a hand of the required side; a hand without a side may be it.
+    """Checks that a recording can contain a hand of the required side.
+
+    A hand whose side is not recorded can be of either side.
 
     Args:
         frames: Frames of a recording.
@@ -295,7 +298,7 @@ def no_finger(where: str, report: ReaderReport) -> RecordingError:
         "no finger in any frame",
         where=where,
         got=report.main_reason or "hands without fingers",
-        expected="fingers in `pointables`, or in their hands, each with a length or its joints",
+        expected="fingers, in `pointables` or inside each hand, each with a length or with joints",
         remedy=_REMEDY,
     )
 
@@ -392,7 +395,10 @@ def _lines(data: bytes, where: str) -> tuple[list[dict[str, Any]], RecordingErro
 
 
 def _objects(items: Iterable[Any]) -> list[dict[str, Any]]:
-    """Returns the items; other values are wrapped in an object, which the decoder counts."""
+    """Returns the items as JSON objects.
+
+    An item that is not a JSON object is wrapped in one, so that the decoder counts it.
+    """
     return [i if isinstance(i, dict) else {"damaged": str(i)[:40]} for i in items]
 
 

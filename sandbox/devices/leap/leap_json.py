@@ -156,8 +156,8 @@ def quantities(message: Mapping[str, Any]) -> dict[Bounds, float]:
 
 
 _SAMPLE = 48
-"""Units of a file are found from this number of frames (times) and of frames with a hand (sizes).
-"""
+"""Number of frames from which the unit of time is found, and number of frames with a hand from
+which the unit of length is found."""
 _APART = 8
 """One of this number of frames with a hand is measured."""
 _REGULAR = 0.8

@@ -84,7 +84,8 @@ class TuioSource:
         places: Positions of the alive touches, by id.
         open: Unclosed frame by profile.
         before: State of the source before it moved to its present port; None if it never moved.
-        twin: Another source that reports the same touches, which are shown instead; None without.
+        twin: Another source that reports the same touches and is shown in place of this source;
+            None without such a source.
     """
 
     name: str
@@ -115,7 +116,7 @@ class TuioSource:
         """True if a packet from another port of the same host comes from this source.
 
         Args:
-            frame: First frame of the packet about touches; None if it has none.
+            frame: First frame about touches in the packet; None if the packet has none.
         """
         wanders = self.before is not None
         if self._settled or frame is None:
@@ -485,8 +486,8 @@ class Tuio:
     def _find_twin(self, source: TuioSource) -> None:
         """Finds another source of the same host that reports the same touches.
 
-        The touches of version 2.0 are shown, since they have more data. Their ids do not change if
-        the other source was shown before.
+        The touches of version 2.0 are shown, since they have more data. If only version 1.1 was
+        shown before, version 2.0 takes over its slot, so that the ids of the touches do not change.
         """
         if source.twin is not None or source.stale or not source.places:
             return

@@ -144,7 +144,7 @@ LANDMARK_UNITS: Units = {"length": "m", "time": "s", "image coordinate": "px"}
 
 
 def quantities(message: PictureMessage) -> dict[Bounds, float]:
-    """Returns sizes of the first hand of a message, in its units; empty without a hand."""
+    """Returns sizes of a message's first hand, in the message's units; empty without a hand."""
     hand = next(iter(message.seen), None)
     if (
         hand is None

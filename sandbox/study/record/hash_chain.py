@@ -1,9 +1,10 @@
 """The hash chain of a session's record: each line carries a hash of itself and of the line before.
 
-A line ends with `"hash":"..."}`. The hash is BLAKE2b (32 bytes, hex) of the hash of the line before
-(empty for the first line), followed by the line's bytes without the field `hash`. So a changed bit
-is found in its line, and a missing, new or moved line is found at the line after it. The record of
-a trial's end has the digest of its recording, so the last hash covers the whole session.
+A line ends with `"hash":"..."}`. The hash is the BLAKE2b digest (32 bytes, in hex) of two parts:
+first the hash of the line before (empty for the first line), then the line's bytes without the
+field `hash`. So a changed bit is found in its line, and a missing, new or moved line is found at
+the line after it. The record of a trial's end has the digest of the trial's recording, so the last
+hash covers the whole session.
 """
 
 from __future__ import annotations

@@ -108,7 +108,7 @@ class AirPerson:
         radius: (5,) m, radii of the drawn fingertips.
         habits: Parameters of the way of working; None: the defaults.
         home: (2,) m in the world, as seen from the person's seat: resting position of the hand. Of
-            two handles, the person takes the one nearer to it.
+            two handles, the person takes the one nearer to this position.
 
     Attributes:
         grasps: Number of grasps so far.
@@ -362,8 +362,8 @@ class AirPerson:
     def _comfortable(self, hold: Hold, sight: Sight) -> float:
         """Returns the yaw (rad) of the hand for a hold.
 
-        It leaves space for the fingers beside other objects, and needs little rotation of the hand
-        now and at the goal.
+        This yaw leaves space for the fingers beside other objects, and needs little rotation of the
+        hand now and at the goal.
         """
         _, turn = remaining_motion(self._seen_object(sight), self._goal(sight))
         best = (np.inf, 0.0)
