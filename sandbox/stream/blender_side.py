@@ -21,12 +21,12 @@ A .glb or .fbx file has the armature, its skin and this motion. Two streamed han
 but a single .blend.
 
 Chains may have any number of bones. A chain points in the direction of its finger. The distance
-from its base to its tip, divided by its length, is that of the finger. The joints in between bend
-evenly. The bone above the chains starts at its own place, and then moves as the streamed palm has
-moved since the first frame of the stream. If the palm was seen wrongly in this frame, the whole
-take is turned. In this case use start(absolute=True), or --absolute: the bone is then at the place
-of the streamed palm. Keyframes are set on the bones
-themselves, so that no bake is needed. stop() releases the armature.
+from the base to the tip of a chain, divided by the chain's length, is the same as for the finger.
+The joints in between bend evenly. The bone above the chains starts at its own place, and then moves
+as the streamed palm has moved since the first frame of the stream. If the palm was seen wrongly in
+this frame, the whole take is turned. In this case use start(absolute=True), or --absolute: the bone
+is then at the place of the streamed palm. Keyframes are set on the bones themselves, so that no
+bake is needed. stop() releases the armature.
 """
 
 from __future__ import annotations

@@ -30,7 +30,7 @@ SCHEMA = 1
 class RequestAgreement:
     """Agreement of labels with the fingers that `sandbox capture record` asked the person to use.
 
-    Only contacts count that were down while the requested number of fingers touched.
+    The counts include only contacts that were down while the requested number of fingers touched.
 
     Attributes:
         contacts: Number of these contacts.
@@ -172,7 +172,7 @@ def lines_of(report: dict[str, Any]) -> list[str]:
 @dataclass(frozen=True, kw_only=True)
 class ReportOptions:
     """Prints how many touches a camera over a tablet labelled, with which probability, and how
-    often the labels were fingers that `sandbox capture record` had requested.
+    often the labels were fingers that the guide had requested.
 
     Try:
 
