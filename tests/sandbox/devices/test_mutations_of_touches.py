@@ -328,4 +328,4 @@ def test_json_has_the_report_at_its_end(tmp_path: Path, capsys: pytest.CaptureFi
         "positions beyond the surface": 1,
         "sizes that no finger or hand has": 1,
     }
-    assert end["assumed"] == ["two sends every touch twice, which counts once"]
+    assert end["assumed"] == ["two sends every touch twice; each counts once"]

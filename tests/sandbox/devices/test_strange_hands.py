@@ -541,7 +541,7 @@ SIBLINGS: dict[str, tuple[Callable[[], Messages], str]] = {
     # Fingers alone: matleap 12.
     "fingers without hands": (
         lambda: every(lambda m, i: m.update(hands=[]), leap()),
-        "refused: no hand is seen",
+        "refused: this recording has no hand",
     ),
     # Axes that are exchanged, as ROS has z up: ros-drivers/leap_motion 54.
     "two axes that are exchanged": (
