@@ -47,10 +47,7 @@ def test_an_installed_package_s_task_is_listed_run_recorded_and_replayed(
     assert "  tiny-lab-timed\n" in listed
     assert "tiny-lab-missing: " in listed and "No module named 'tiny_lab_nowhere'" in listed
     assert "tiny-lab-renamed: " in listed and "different names" in listed
-    assert (
-        "box-to-goal: the task from tiny-lab 0.3 is left out, because a built-in task has the same name"
-        in listed
-    )
+    assert "box-to-goal: the task from tiny-lab 0.3 is left out" in listed
     ran = sandbox_with(installed, "run", "tiny-lab-timed", "--record", record)
     assert ran.returncode == 0, ran.stderr
     assert "done" in ran.stdout
