@@ -143,7 +143,7 @@ def test_a_picture_is_taken_while_filming_in_its_own_size(v: Viewed, tmp_path: P
             view.picture(v.solid, target, size=(5000, 5000))
     with Image.open(target) as image:
         assert image.size == (320, 180) and np.asarray(image).std() > 20
-    with pytest.raises(FilmError, match="ended"):
+    with pytest.raises(FilmError, match="no picture can be drawn"):
         view.picture(v.solid, target)
 
 
