@@ -5,8 +5,9 @@ import { clientName, fileAddress, reload } from "./page-address";
 import { parseDemonstration } from "./demonstration";
 import { type Frame, parseFrame } from "./frame";
 import { type Down, PROTOCOL, type Refusal, type SceneMessage, type Seat, type Sheet, type Localised, type Up, type Welcome } from "./protocol";
-import { currentScreen, sized } from "./screen";
+import { currentScreen } from "./screen";
 import { type Skin, parseSkin } from "./skin";
+import { sized } from "./window-size";
 import { type Key, language } from "./words";
 
 const BEAT_MS = 500;

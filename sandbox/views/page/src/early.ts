@@ -2,6 +2,7 @@
 
 import { announce, base, choose } from "./language";
 import { openEarly } from "./link";
+import { sized } from "./window-size";
 
 /** "Preparing the table" by language, put in by bundle.mjs. */
 declare const PREPARING: Record<string, string>;
@@ -11,4 +12,4 @@ document.documentElement.dataset["study"] = document.documentElement.lang && "ye
 const code = document.documentElement.lang || choose(Object.keys(PREPARING));
 announce(code);
 document.querySelector(".preparing")!.textContent = PREPARING[base(code)] ?? "";
-openEarly();
+if (sized()) openEarly();

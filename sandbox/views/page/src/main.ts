@@ -34,7 +34,7 @@ import {
 import { Replay } from "./replay";
 import { Result } from "./result";
 import { type Ring, Rings, TOLD, ringHeight, ringRadius } from "./rings";
-import { calibrated, currentScreen, ipad, isPhone, onOtherPixels, pxPerInch, sized } from "./screen";
+import { calibrated, currentScreen, ipad, isPhone, onOtherPixels, pxPerInch } from "./screen";
 import { Sender } from "./sender";
 import { Sheets } from "./sheet";
 import { Sound } from "./sound";
@@ -42,6 +42,7 @@ import { Study } from "./study";
 import { Stage } from "./stage";
 import { type Hindrance, Turned } from "./unusable-table";
 import { Vibration } from "./vibration";
+import { sized } from "./window-size";
 import { repeat, say } from "./words";
 import { tableZoomed, watchZoom } from "./zoom";
 

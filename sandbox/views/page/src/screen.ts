@@ -81,9 +81,6 @@ function fit(): PageScreen["fit"] & string {
   return small() ? "phone" : "";
 }
 
-/** False in a window that has no size yet, or is minimized. */
-export const sized = (): boolean => window.innerWidth >= 1 && window.innerHeight >= 1;
-
 /** The page's part for the table: all of it, save on a phone. */
 export function currentScreen(): PageScreen {
   const { innerWidth, innerHeight } = window;
