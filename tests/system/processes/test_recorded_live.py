@@ -84,11 +84,10 @@ def test_live_touches_and_a_live_leap_become_a_capture_of_the_same_fingers(
         words = ["capture", "--recorded", str(tmp_path / folder), "--out", str(out), *sync]
         assert main(words) == 0
     filed, live = (load_capture(tmp_path / f"{name}.npz") for name in ("day", "live"))
-    # Both are made of the same touches: as many frames of every set of fingers, but for those at
-    # its ends.
+    # Both are made of the same touches: the same sets of fingers, each finger as often. How many
+    # frames there are live depends on the machine.
     sets = [{tuple(row) for row in c.down.tolist()} for c in (filed, live)]
     assert sets[0] == sets[1]
-    assert len(live) == pytest.approx(len(filed), rel=0.05)
     seconds = [np.array([c.down[:, f].mean() for f in range(5)]) for c in (filed, live)]
     np.testing.assert_allclose(seconds[1], seconds[0], atol=0.05)
     notes = [c.meta["conversion"] for c in (filed, live)]
