@@ -29,16 +29,17 @@ def check_npz(path: Path) -> None:
     try:
         if path.is_dir():
             raise InputError("this is a folder", where=str(path), expected="a file")
-        beside = _beside(path)
-        beside.touch()
-        beside.unlink()
+        part = _temporary(path)
+        part.touch()
+        part.unlink()
     except OSError as error:
         raise InputError(
             "the data set cannot be written", where=str(path), got=error.strerror
         ) from None
 
 
-def _beside(path: Path) -> Path:
+def _temporary(path: Path) -> Path:
+    """The file that is written first, in the same folder."""
     return path.with_name(f".{path.name}.part")
 
 
@@ -89,13 +90,13 @@ def write_npz(
             )
         ),
     }
-    beside = _beside(path)
+    part = _temporary(path)
     try:
-        with beside.open("wb") as file:
+        with part.open("wb") as file:
             np.savez_compressed(file, **arrays)
-        beside.replace(path)
+        part.replace(path)
     except OSError as error:
-        beside.unlink(missing_ok=True)
+        part.unlink(missing_ok=True)
         raise InputError(
             "the data set cannot be written", where=str(path), got=error.strerror
         ) from None

@@ -59,7 +59,7 @@ def lock(fd: int, path: Path, wait: bool) -> Release | None:
         OSError: The file cannot be locked.
     """
     if _FCNTL is None:
-        return _lock_beside(path, wait)
+        return _lock_database(path, wait)
     try:
         _FCNTL.flock(fd, _FCNTL.LOCK_EX | (0 if wait else _FCNTL.LOCK_NB))
     except BlockingIOError:
@@ -67,11 +67,11 @@ def lock(fd: int, path: Path, wait: bool) -> Release | None:
     return _nothing
 
 
-def _lock_beside(path: Path, wait: bool) -> Release | None:
+def _lock_database(path: Path, wait: bool) -> Release | None:
     """Locks the SQLite database beside a file."""
-    beside = f"{path}{BESIDE}"
+    database = f"{path}{BESIDE}"
     held = sqlite3.connect(
-        beside,
+        database,
         timeout=LONGEST_WAIT if wait else 0.0,
         isolation_level=None,
         check_same_thread=False,
@@ -82,7 +82,7 @@ def _lock_beside(path: Path, wait: bool) -> Release | None:
         held.close()
         if error.sqlite_errorcode == sqlite3.SQLITE_BUSY:
             return None
-        raise OSError(errno.EIO, str(error), beside) from None
+        raise OSError(errno.EIO, str(error), database) from None
     return held.close
 
 

@@ -206,12 +206,12 @@ class PatientPerson(AirPerson):
         """True if the drawn thumb and a finger are beside opposite faces of an object."""
         axis = self._axis()
 
-        def beside(finger: int, side: float) -> bool:
+        def at_face(finger: int, side: float) -> bool:
             from_middle = sight.tips[finger] - hold.position
             far = side * float(small_product(from_middle, axis))
             return far > hold.width / 2.0 - _AT and float(from_middle[2]) < hold.half - _UNDER
 
-        return beside(0, -1.0) and any(beside(f, 1.0) for f in _FINGERS)
+        return at_face(0, -1.0) and any(at_face(f, 1.0) for f in _FINGERS)
 
     def _holds(self, sight: Sight, hold: Hold) -> bool:
         """True if an object is between the drawn thumb and a finger, and both are at it."""
