@@ -23,12 +23,25 @@ FELT = (
     " { value: (pattern) => felt.push([pattern].flat().length) > 0 });"
 )
 """Writes down how many parts every vibration had."""
+TAKEN = """
+window.taken = 0;
+const { set } = Object.getOwnPropertyDescriptor(WebSocket.prototype, "onmessage");
+Object.defineProperty(WebSocket.prototype, "onmessage", {
+  set(take) {
+    set.call(this, (event) => {
+      take(event);
+      if (typeof event.data !== "string") taken += 1;
+    });
+  },
+});
+"""
+"""Counts the frames that the page has taken."""
 
 
 def opened(browser: Browser, server: PageServer, still: bool = False) -> tuple[Stage, Tab]:
     stage = staged(server)
     tab = browser.open("about:blank", width=WIDTH, height=HEIGHT, storage=KNOWN)
-    tab.call("Page.addScriptToEvaluateOnNewDocument", source=FELT)
+    tab.call("Page.addScriptToEvaluateOnNewDocument", source=FELT + TAKEN)
     value = "reduce" if still else "no-preference"
     tab.call(
         "Emulation.setEmulatedMedia",
@@ -63,8 +76,10 @@ def grips_and_succeeds(stage: Stage, tab: Tab) -> list[int]:
     # It trembles, and is one grip; the second is another one.
     for grip in (0.0, 5.0, 0.5, 5.0, 0.0, 5.0, 5.0):
         force = (grip, grip, 0.0, 0.0, 0.0)
+        # A page that is busy gets the newest frame only, so that each one waits for the last.
+        before = tab.evaluate("taken")
         stage.server.publish(with_load(snapshot, force, force))
-        tab.evaluate("new Promise((done) => setTimeout(done, 60))")
+        tab.wait(f"taken > {before}")
     stage.server.publish(held)
     tab.wait("document.querySelector('.bar-fill').classList.contains('done')")
     stage.server.publish(snapshot)
