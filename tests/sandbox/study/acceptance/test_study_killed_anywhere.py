@@ -7,6 +7,7 @@ import os
 import signal
 import time
 from datetime import datetime, timedelta, tzinfo
+from functools import partial
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -88,9 +89,12 @@ def test_killed_at_any_place_where_something_is_written_a_study_goes_on_as_if_no
     assert len(found) >= 8
     # Every place once, before or after it in turns.
     for number, place in enumerate(found):
-        out, how = tmp_path / str(number), ("before", "after")[number % 2]
-        status = in_program(lambda out=out, place=place, how=how: watched(out, place, how))  # type: ignore[misc]
-        assert status == -signal.SIGKILL
+        out, passed = tmp_path / str(number), tmp_path / f"{number}.places"
+        fatal = partial(watched, out, place, ("before", "after")[number % 2], passed)
+        status = in_program(fatal)
+        # A thread syncs the journal now and then, so that some programs never pass that place.
+        assert status == (-signal.SIGKILL if place in places(passed) else 0)
+        assert status or place.startswith("fsync session_folder.py:_sync")
         check(out / "quick-simulated", undisturbed)
 
 
