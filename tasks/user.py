@@ -18,9 +18,10 @@ from models.objects import SceneObject
 from models.surface import Surface
 from tasks.task import Goal
 
-KINDS = ("skilled", "idle", "random")
-"""Kinds of users: `skilled` plays the task; the other kinds are baselines, which do nothing or
-touch at random."""
+KINDS = ("skilled", "demonstrating", "idle", "random")
+"""Kinds of users. `skilled` plays the task. `demonstrating` plays it as its instructions say, with
+the movements that a person should copy. The other kinds are baselines, which do nothing or touch at
+random."""
 
 
 @dataclass(frozen=True)

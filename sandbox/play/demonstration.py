@@ -21,12 +21,15 @@ from dataclasses import replace
 
 import numpy as np
 
+from sandbox.devices.registry import DeviceSettings
+from sandbox.devices.simulated import SimulatedOptions
 from sandbox.server.page_frames import BodyKinematics, pack, state_of
 from sandbox.server.protocol import DEMONSTRATION_KIND, PROTOCOL
 from sandbox.session.messages import ObjectView, Snapshot
 from sandbox.session.session import Session
 from sandbox.trial.driver import View, open_trial
 from sandbox.trial.settings import Settings, decoded, encoded
+from tasks.user import UserConfiguration
 
 PERIOD = 0.05
 """Simulated time (s) between two frames of a demonstration."""
@@ -44,8 +47,7 @@ _HEADER = struct.Struct("<BBHI")
 def demonstrated(settings: Settings, scene: int) -> bytes:
     """The message with frames of the simulated user's play, from its first touch to its success.
 
-    Touches that moved no object, such as a chord beside its keys, are left out, since they would
-    show a mistake.
+    Touches that moved no object are left out, since they would show a mistake.
 
     The layout is little-endian: PROTOCOL, KIND and the number of frames (uint8, uint8, uint16),
     the number of the scene (uint32), then for every frame its length (uint32) and its bytes.
@@ -63,7 +65,10 @@ def demonstrated(settings: Settings, scene: int) -> bytes:
         film.append(_Film(scene, BodyKinematics(session.scene)))
         return [film[0].show]
 
-    own = replace(settings, device=Settings().device, second_device=None)
+    # A demonstration has no landing beside the object.
+    user = UserConfiguration(kind="demonstrating", aim_error=0.0)
+    device = DeviceSettings(options=SimulatedOptions(user))
+    own = replace(settings, device=device, second_device=None)
     with open_trial(own, make_views=make_views) as trial:
         trial.run(stop=lambda: trial.session.scorer.score.held)
         if not trial.session.scorer.score.held:

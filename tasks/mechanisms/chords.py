@@ -146,6 +146,9 @@ class ChordUser(FingersKnown):
     If the task does not accept a chord although the fingers were on their keys, the user shows the
     program the whole hand: all five fingers rest on the keys, and are lifted.
 
+    The kind `demonstrating` always begins with five fingers, and then lifts those of the white
+    keys.
+
     Args:
         configuration: Settings of the simulated user. Its number of fingers has no effect: there is
             a finger for every key.
@@ -170,6 +173,7 @@ class ChordUser(FingersKnown):
         self._touching: tuple[int, ...] = ()
         self._tries = 0
         self._show_hand = False
+        self._demonstrates = configuration.kind == "demonstrating"
 
     def finger_of(self, contact: int) -> int | None:
         """Finger of a contact of the last touch."""
@@ -191,7 +195,10 @@ class ChordUser(FingersKnown):
         if self._doing is _Doing.PRESSING:
             self._hold(sight, now)
         elif self._doing is _Doing.RESTING:
-            self._lift(sight, now)
+            if self._demonstrates and self._on_keys(sight):
+                self._leave_blue(sight, now)
+            else:
+                self._lift(sight, now)
         elif self._doing is _Doing.LIFTED:
             self._doing = _Doing.READY
         elif not sight.done and self._tries < self.configuration.attempts:
@@ -201,7 +208,7 @@ class ChordUser(FingersKnown):
         """Puts down the fingers of the blue keys, or all five fingers to show the hand."""
         keys, row = keys_seen(sight)
         asked = {goal.object for goal in sight.goals if goal.shown}
-        rests, self._show_hand = self._show_hand, False
+        rests, self._show_hand = self._show_hand or self._demonstrates, False
         fingers = [f for f, name in enumerate(keys) if rests or name in asked]
         self._touching = tuple(fingers)
         places = self._aims(row)[fingers] + self._error
@@ -213,17 +220,29 @@ class ChordUser(FingersKnown):
         # The user waits until the hand is seen to come down.
         self._until = now + (_RESTING if rests else 0.0) + self._eye.delay + 0.45
 
+    def _leave_blue(self, sight: Sight, now: float) -> None:
+        """Lifts the fingers of the white keys."""
+        keys, _ = keys_seen(sight)
+        asked = {goal.object for goal in sight.goals if goal.shown}
+        self._fingers.lift_some([f for f, name in enumerate(keys) if name not in asked], now)
+        self._tries += 1
+        self._since = now
+        self._doing, self._until = _Doing.PRESSING, now + _LOOK
+
     def _hold(self, sight: Sight, now: float) -> None:
         """Holds a chord: until the end if it is accepted, otherwise for a limited time."""
         if sight.done or now - self._since < self._eye.delay + 0.45 + _PRESSING:
             self._until = now + _LOOK
             return
-        _, row = keys_seen(sight)
-        across = abs(float((self._seen_off(sight) * row.right).sum()))
         # If a chord is not accepted although its fingers were on their keys, their labels were
         # probably wrong.
-        self._show_hand = across < _OFF
+        self._show_hand = self._on_keys(sight)
         self._lift(sight, now)
+
+    def _on_keys(self, sight: Sight) -> bool:
+        """True if the drawn fingertips are seen on their keys."""
+        _, row = keys_seen(sight)
+        return abs(float((self._seen_off(sight) * row.right).sum())) < _OFF
 
     def _lift(self, sight: Sight, now: float) -> None:
         """Lifts the fingers, and corrects the next landing by the observed error."""

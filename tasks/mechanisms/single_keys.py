@@ -63,7 +63,8 @@ class SingleKeyUser(ChordUser):
 
     The user rests five fingers on the keys, lifts all but one of the other keys' fingers, presses
     the blue key with its own finger, and lifts the finger that had stayed down. If the press is not
-    accepted, the user rests all fingers again, and then lifts all except that of the blue key.
+    accepted, the user rests all fingers again, and then lifts all except that of the blue key. The
+    kind `demonstrating` always does the latter.
 
     Args:
         configuration: Settings of the simulated user.
@@ -75,7 +76,7 @@ class SingleKeyUser(ChordUser):
         super().__init__(configuration, surface, seed)
         self._step = _Step.AWAY
         self._stays = 0
-        self._failed = False
+        self._failed = configuration.kind == "demonstrating"
 
     def _act(self, sight: Sight, now: float) -> None:
         keys, row = keys_seen(sight)

@@ -89,7 +89,8 @@ class SimulatedDevice(Device):
         surface = view.surface if upright else surface
         seat = Seat(person, surface)
         plain = Person(hand_size=person.hand_size) == person
-        kind = configuration.kind
+        # Only a task's own user has instructions that differ from what a skilled user does.
+        kind = "skilled" if configuration.kind == "demonstrating" else configuration.kind
         skilled = kind == "skilled"
         used = surface if plain else seat.surface
         own = type(task).user if skilled else None

@@ -9,6 +9,7 @@ from typing import Any
 import pytest
 
 from sandbox.play.demonstration import demonstrated
+from sandbox.trial.driver import open_trial
 from sandbox.trial.settings import Settings
 
 
@@ -24,10 +25,23 @@ def states(message: bytes) -> list[dict[str, Any]]:
 
 
 @pytest.mark.parametrize("seed", [0, 1, 2])
-def test_a_chord_is_shown_pressed_once_without_tries_beside_its_keys(seed: int) -> None:
-    shown = states(demonstrated(Settings(task="chords", seed=seed), 1))
-    touched = [any(hand["contacts"] for hand in state["hands"]) for state in shown]
-    assert touched and all(touched)
-    # What led to nothing before took time.
+@pytest.mark.parametrize("task", ["chords", "single-keys"])
+def test_five_fingers_rest_on_the_keys_and_then_those_of_the_white_keys_lift(
+    task: str, seed: int
+) -> None:
+    settings = Settings(task=task, seed=seed)
+    with open_trial(settings) as trial:
+        goals = trial.session.task.goals
+    blue = {key for key, goal in enumerate(goals) if goal.shown}
+    shown = states(demonstrated(settings, 1))
+    touching = [
+        {contact["label"] for hand in state["hands"] for contact in hand["contacts"]}
+        for state in shown
+    ]
+    five = touching.index(set(range(5)))
+    alone = touching.index(blue)
+    # Fingers come down, and go up, within a few frames.
+    assert five < 5 and touching[five:alone].count(set(range(5))) > (alone - five) - 5
+    assert all(fingers == blue for fingers in touching[alone:])
     assert shown[-1]["reached"]
-    assert shown[-1]["time"] - shown[0]["time"] < 3.0
+    assert shown[-1]["time"] - shown[0]["time"] < 4.0
