@@ -18,8 +18,7 @@ from models.skeleton import ADULT
 from sandbox.devices.device import HandDevice
 from sandbox.devices.simulated import NEXT_PERSON
 from sandbox.devices.simulated.air_user.holds import check_holdable
-from sandbox.devices.simulated.air_user.patient import PATIENT, PatientPerson
-from sandbox.devices.simulated.air_user.person import AirCarrier, AirHabits, AirPerson
+from sandbox.devices.simulated.air_user.person import AirCarrier, AirPerson
 from sandbox.devices.webxr.joints import FINGER_JOINTS, seen_hand
 from sandbox.server.protocol import JOINTS_OF_A_HAND, SeenJoints
 from sandbox.session.messages import Snapshot
@@ -127,10 +126,7 @@ class SimulatedLeap(HandDevice):
         dialect: `v3` or `v1`.
         person: Side and size of the drawn hand.
         hand: Index of the user's hand in the scene.
-        habits: Parameters of the user's way of working; None: the defaults.
         trouble: Disturbances of the device.
-        patient: True: the user is a `PatientPerson`, by default with the habits `PATIENT`. Only for
-            tasks of one hand.
 
     Raises:
         InputError: The user cannot hold one of the task's objects.
@@ -149,9 +145,7 @@ class SimulatedLeap(HandDevice):
         dialect: str = "v3",
         person: Person | None = None,
         hand: int = 0,
-        habits: AirHabits | None = None,
         trouble: LeapDisturbance | None = None,
-        patient: bool = False,
     ) -> None:
         self._trouble = trouble or LeapDisturbance()
         self._carried: float | None = None
@@ -163,13 +157,11 @@ class SimulatedLeap(HandDevice):
         two = hands_of(task) > 1
         for thing in task.objects:
             check_holdable(thing)
-        make = AirCarrier if two else PatientPerson if patient else AirPerson
+        make = AirCarrier if two else AirPerson
         # A left hand is simulated as a mirrored right hand, with its home on the right.
         home = (HOME_OF_TWO, 0.0) if two or hand else (0.0, 0.0)
         radius = person.skeleton(ADULT).tip_radius
-        if patient:
-            habits = habits or PATIENT
-        self.user = make(configuration, seed, radius, habits, home)
+        self.user = make(configuration, seed, radius, home)
         self._leap = ForwardLeap(seed, person.hand, dialect, self._trouble.applied(FROZEN_LEAP))
 
     def show(self, snapshot: Snapshot) -> None:

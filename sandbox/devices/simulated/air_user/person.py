@@ -39,6 +39,8 @@ from tasks.user import SeenObject, Sight, UserConfiguration
 _ASIDE = 0.025
 """An object has slipped if it is farther than this (m) from the line between drawn thumb and
 fingers."""
+_MOST_BENT = 0.03
+"""Largest shift (m) of a tip from its usual position in a pinch, along each axis."""
 _ROOM, _ROOM_WEIGHT = 0.018, 40.0
 """Desired clearance (m) of a fingertip from other objects, and cost (rad of rotation) of each m by
 which the clearance is smaller."""
@@ -106,7 +108,6 @@ class AirPerson:
         configuration: Reaction time, speed and tremor.
         seed: Seed of the person's hand and of all random numbers.
         radius: (5,) m, radii of the drawn fingertips.
-        habits: Parameters of the way of working; None: the defaults.
         home: (2,) m in the world, as seen from the person's seat: resting position of the hand. Of
             two handles, the person takes the one nearer to this position.
 
@@ -114,20 +115,16 @@ class AirPerson:
         grasps: Number of grasps so far.
     """
 
-    _most_bent = 0.03
-    """Largest shift (m) of a tip from its usual position in a pinch, along each axis."""
-
     def __init__(
         self,
         configuration: UserConfiguration,
         seed: int,
         radius: Array,
-        habits: AirHabits | None = None,
         home: tuple[float, float] = (0.0, 0.0),
     ) -> None:
         rng = np.random.default_rng([seed, 7_011])
         self.body = Body(seed)
-        self.habits = habits or AirHabits()
+        self.habits = AirHabits()
         self._eye = Eye(float(rng.uniform(*configuration.reaction)))
         self._lately: deque[Sight] = deque()
         self._home = np.array(home)
@@ -228,7 +225,7 @@ class AirPerson:
         if self._correct(sight, wanted, self.habits.good, now):
             return
         aim = self._movement.aim
-        if self._blocked(sight, hold):
+        if self._off > self.habits.stuck:
             # The drawn hand is blocked: raise the hand again, without rotation or opening.
             self._offset = np.zeros(3)
             centre = np.array([*wanted[:2], self._highest(sight) + self.habits.over])
@@ -237,10 +234,6 @@ class AirPerson:
         gap = self._centres(hold.width - 2.0 * self.habits.squeeze)
         self._offset = aim.centre - wanted
         self._go(replace(aim, gap=gap), Stage.CLOSED, now, 1.3)
-
-    def _blocked(self, sight: Sight, hold: Hold) -> bool:
-        """True if the fingers are not around the object, so that they must not close."""
-        return self._off > self.habits.stuck
 
     def _lift(self, sight: Sight, now: float) -> None:
         hold, goal = self._hold(sight), self._goal(sight)
@@ -322,7 +315,7 @@ class AirPerson:
         self._tries += 1
         error *= self.habits.share
         common = (error[0] + error[1:].mean(axis=0)) / 2.0
-        bent = np.clip(aim.bent + error - common, -self._most_bent, self._most_bent)
+        bent = np.clip(aim.bent + error - common, -_MOST_BENT, _MOST_BENT)
         centre = aim.centre + small_product(rotation, common)
         self._go(replace(aim, centre=centre, bent=bent), self._stage, now)
         return True

@@ -3,21 +3,36 @@
 from __future__ import annotations
 
 import json
+from collections import deque
+from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 
 from encoders.air.camera import Camera
+from encoders.paalm.angles import angles_of_joints
+from encoders.paalm.hand_pose import hand_pose
+from encoders.paalm.palm import Palm, vector_of
 from models.errors import InputError
-from models.frames import LandmarkFrame
+from models.frames import LandmarkFrame, SeenHand
 from models.motion.sampling import Poses
+from models.surface import Surface
 from sandbox.cli.main import main
+from sandbox.devices.device import LandmarkDevice
+from sandbox.devices.hand_input import HandInput
+from sandbox.devices.simulated.in_air import SimulatedLeap
 from sandbox.devices.webcam import webcam_choice
 from sandbox.devices.webcam.landmarks import header_record, message_of
 from sandbox.export.sources import open_source
 from sandbox.recording.recording import load_recording
-from tests.encoders.air.seen_hands import film, held_up, mirror
+from sandbox.session.messages import Snapshot
+from sandbox.trial.driver import play_trial
+from sandbox.trial.settings import HandSettings, Settings
+from tasks.task import Task
+from tasks.user import UserConfiguration
+from tests.encoders.air.seen_hands import SIZE, film, held_up, landmarks, mirror
 
 CAMERA = Camera(70.0, (0.0, 0.45, 0.12))
 
@@ -72,3 +87,57 @@ def test_both_hands_of_a_recording_of_landmarks_are_exported(tmp_path: Path) -> 
 def test_a_camera_that_cannot_be_is_one_line(text: str) -> None:
     with pytest.raises(InputError):
         webcam_choice(text)
+
+
+ABOVE = webcam_choice("at=0/0.05/0.58,tilt=90,roll=180").camera
+PERIOD, LATE = 0.1, 0.1
+"""Time (s) between two pictures, and from a picture to its landmarks."""
+
+
+class BeforeCamera(LandmarkDevice):
+    """The hand of a simulated user before a camera; its landmarks are where its joints are.
+
+    Args:
+        user: The user, as a device that takes snapshots.
+        off: Standard deviation (pixels) of landmarks along each axis.
+    """
+
+    takes_snapshots = True
+
+    def __init__(self, user: SimulatedLeap, off: float) -> None:
+        self._user, self._off = user, off
+        self._rng = np.random.default_rng(0)
+        self._next = 0.0
+        self._pictures: deque[LandmarkFrame] = deque()
+
+    def show(self, snapshot: Snapshot) -> None:
+        self._user.show(snapshot)
+
+    def poll(self, now: float) -> Sequence[LandmarkFrame]:
+        # The user's hand moves at every step, also between pictures.
+        origin, rotation, joints = self._user.own_hand(now)
+        if now >= self._next:
+            self._next = now + PERIOD
+            palm = Palm(vector_of(origin), *map(vector_of, rotation.T))
+            points = ABOVE.seen(landmarks(hand_pose(angles_of_joints(joints), palm)))
+            image = ABOVE.pixels(points, SIZE) + self._rng.normal(0.0, self._off, (21, 2))
+            space = (points - points.mean(axis=0)).tolist()
+            hand = SeenHand(
+                "right", 1.0, tuple(map(tuple, image.tolist())), tuple(map(tuple, space))
+            )
+            self._pictures.append(LandmarkFrame(now, (hand,), SIZE, now, "camera"))
+        ready = []
+        while self._pictures and self._pictures[0].taken + LATE <= now:
+            ready.append(self._pictures.popleft())
+        return ready
+
+
+@pytest.mark.parametrize("off", [0.0, 2.0])
+def test_a_person_before_a_camera_brings_a_box_to_its_goal(off: float) -> None:
+    settings = Settings(seed=201, hands=(HandSettings(in_air=HandInput(camera=ABOVE)),))
+
+    def before_camera(task: Task, surface: Surface) -> Any:
+        user = SimulatedLeap(task, UserConfiguration(), settings.seed, (0.0, 0.0, 0.0))
+        return BeforeCamera(user, off)
+
+    assert play_trial(settings, (before_camera,)).success
