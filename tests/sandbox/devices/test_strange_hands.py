@@ -16,7 +16,6 @@ import numpy as np
 import pytest
 
 from encoders.air.camera import Camera
-from models.errors import InputError
 from models.frames import HandFrame, LandmarkFrame, SeenHand
 from models.motion.bvh import read_bvh
 from models.plausible import FINGER, JUMPED
@@ -102,8 +101,8 @@ def numbers(recording: LeapRecording | LandmarkRecording) -> list[list[float]]:
         values: list[float] = [frame.time - frames[0].time]
         out.append(values)
         if isinstance(frame, LandmarkFrame):
-            for seen in frame.hands:
-                values += [*np.ravel(seen.world), *(1e-3 * np.ravel(seen.image))]
+            for picture in frame.hands:
+                values += [*np.ravel(picture.world), *(1e-3 * np.ravel(picture.image))]
             continue
         for hand in frame.hands:
             values += [*hand.palm, *hand.direction]
@@ -148,23 +147,6 @@ def shares(messages: Messages) -> Messages:
     return messages
 
 
-def test_landmarks_in_shares_of_the_picture_are_read_as_such_and_reported(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    path = as_lines(tmp_path, shares(pictures()), "shares.jsonl")
-    assert same(read_pictures(path), read_pictures(as_lines(tmp_path, pictures())))
-    assert "image coordinates are read in 0..1" in exported(path, capsys)
-
-
-@pytest.mark.parametrize("messages", [leap, pictures])
-def test_times_that_are_all_zero_are_refused(
-    messages: Callable[[], Messages], tmp_path: Path
-) -> None:
-    read = read_leap if messages is leap else read_pictures
-    with pytest.raises(InputError, match="between two frames is zero"):
-        read(as_lines(tmp_path, scaled(messages(), time=0.0)))
-
-
 def test_a_given_unit_is_used_and_reported(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -172,46 +154,6 @@ def test_a_given_unit_is_used_and_reported(
     said = exported(path, capsys, "--unit", "m,ms")
     assert "times are read in ms, as --unit says" in said
     assert "lengths are read in m, as --unit says" in said
-
-
-# Losses.
-
-
-def test_frames_without_a_time_are_left_out_and_reported(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    messages = leap()
-    for i, message in enumerate(messages):
-        if i % 3:
-            message["timestamp"] = None
-    path = as_lines(tmp_path, messages)
-    assert "left out: 40 frames refused: no time, unlike other frames" in exported(path, capsys)
-
-
-def test_a_recording_without_times_has_the_usual_rate_and_that_is_reported(tmp_path: Path) -> None:
-    messages = leap()
-    for message in messages:
-        del message["timestamp"]
-    recording = read_leap(as_lines(tmp_path, messages))
-    assert recording.duration == pytest.approx((COUNT - 1) / 100)
-    assert "no times: 100 a second are assumed" in recording.report.line()
-
-
-def test_frames_that_are_missing_by_their_numbers_are_reported(tmp_path: Path) -> None:
-    messages = leap()
-    del messages[20:25]
-    report = read_leap(as_lines(tmp_path, messages)).report
-    assert report.line() == "left out: 5 frames missing by their numbers"
-
-
-def test_a_frame_that_is_not_a_number_costs_itself_alone(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    messages = leap()
-    messages[7]["hands"][0]["palmPosition"][1] = float("nan")
-    path = as_lines(tmp_path, messages)
-    assert len(read_leap(path).frames) == COUNT - 1
-    assert "hands skipped: palmPosition" in exported(path, capsys)
 
 
 # Other shapes.
@@ -224,10 +166,6 @@ def nested(messages: Messages) -> Messages:
         for finger in message.pop("pointables"):
             del finger["handId"]
     return messages
-
-
-def enveloped(messages: Messages) -> Messages:
-    return [{"type": "frame", "frame": message} for message in messages]
 
 
 def with_bones(messages: Messages) -> Messages:
@@ -248,6 +186,14 @@ def with_named_axes(messages: Messages) -> Messages:
     return messages
 
 
+def with_named_fingers(messages: Messages) -> Messages:
+    names = ("THUMB", "INDEX", "MIDDLE", "RING", "PINKY")
+    for message in messages:
+        for finger in message["pointables"]:
+            finger["type"] = f"TYPE_{names[finger['type']]}"
+    return messages
+
+
 def by_finger(messages: Messages) -> Messages:
     for message in nested(messages):
         for hand in message["hands"]:
@@ -255,52 +201,26 @@ def by_finger(messages: Messages) -> Messages:
     return messages
 
 
-@pytest.mark.parametrize("shape", [nested, enveloped, with_bones, with_named_axes, by_finger])
-def test_another_shape_of_the_same_frames_is_read_as_they_are(
-    shape: Callable[[Messages], Messages], tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    path = as_lines(tmp_path, shape(leap()), "shape.jsonl")
-    assert same(read_leap(path), read_leap(as_lines(tmp_path, leap())))
-    assert not exported(path, capsys)
+SHAPES: dict[str, Callable[[], Any]] = {
+    "fingers in their hand": lambda: nested(leap()),
+    "fingers by number": lambda: by_finger(leap()),
+    "fingers by name": lambda: with_named_fingers(leap()),
+    "bones": lambda: with_bones(leap()),
+    "named axes": lambda: with_named_axes(leap()),
+    "envelopes": lambda: [{"type": "frame", "frame": message} for message in leap()],
+    "hands by side": lambda: [{**m, "hands": {"right": m["hands"][0]}} for m in leap()],
+    "us since 1970": lambda: at(lambda t, i: 1_700_000_000_000_000 + t),
+    "a list deep in a file": lambda: {"version": 2, "take": {"leap": {"frames": leap()}}},
+}
 
 
-@pytest.mark.parametrize("folders", [("recording",), ("recording", "leap")])
-def test_a_list_of_frames_deep_in_a_file_is_read(folders: tuple[str, ...], tmp_path: Path) -> None:
-    whole: Any = {"frames": leap()}
-    for name in reversed(folders):
-        whole = {name: whole, "version": 2}
-    path = tmp_path / "deep.json"
-    path.write_text(json.dumps(whole))
-    assert same(read_leap(path), read_leap(as_lines(tmp_path, leap())))
-
-
-def without_lengths(messages: Messages) -> Messages:
-    for message in messages:
-        keys = ("id", "handId", "direction", "tipPosition")
-        message["pointables"] = [{k: p[k] for k in keys} for p in message["pointables"]]
-    return messages
-
-
-def without_fingers(messages: Messages) -> Messages:
-    return [{**message, "pointables": []} for message in messages]
-
-
-@pytest.mark.parametrize(
-    ("shape", "reason"),
-    [(without_lengths, "300 fingers skipped: length"), (without_fingers, "hands without fingers")],
-)
-def test_hands_without_a_finger_in_any_frame_are_refused(
-    shape: Callable[[Messages], Messages],
-    reason: str,
-    tmp_path: Path,
-    capsys: pytest.CaptureFixture[str],
-) -> None:
-    path = as_lines(tmp_path, shape(leap()))
-    assert main(["export", str(path), "--to", str(tmp_path / "x.bvh")]) == 2
-    said = capsys.readouterr().err
-    assert "no finger in any frame" in said and reason in said
-    with pytest.raises(InputError, match="no finger in any frame"):
-        read_leap(path)
+@pytest.mark.parametrize("shape", SHAPES)
+def test_another_shape_of_the_same_frames_is_read_as_they_are(shape: str, tmp_path: Path) -> None:
+    whole = SHAPES[shape]()
+    path = tmp_path / "shape.json"
+    path.write_text("\n".join(map(json.dumps, whole if isinstance(whole, list) else [whole])))
+    recording = read_leap(path)
+    assert same(recording, read_leap(as_lines(tmp_path, leap()))) and not recording.report
 
 
 # Sides.
@@ -406,121 +326,96 @@ def every(change: Callable[[dict[str, Any], int], object], messages: Messages) -
 
 
 def at(change: Callable[[int, int], object]) -> Messages:
-    return every(lambda m, i: m.__setitem__("timestamp", change(m["timestamp"], i)), leap())
+    """Messages of a Leap with other times."""
+    return every(lambda m, i: m.update(timestamp=change(m["timestamp"], i)), leap())
+
+
+def leaps(change: Callable[[dict[str, Any], int], object]) -> Callable[[], Messages]:
+    """Makes changed messages of a Leap."""
+    return lambda: every(change, leap())
+
+
+def hands(**values: object) -> Callable[[], Messages]:
+    """Makes messages of a Leap whose hand has other values."""
+    return lambda: every(lambda m, i: m["hands"][0].update(values), leap())
+
+
+def seen(change: Callable[[dict[str, Any]], dict[str, Any]]) -> Callable[[], Messages]:
+    """Makes messages of a camera whose hand has other values."""
+    return lambda: every(lambda m, i: m["seen"][0].update(change(m["seen"][0])), pictures())
 
 
 SIBLINGS: dict[str, tuple[Callable[[], Messages], str]] = {
     "seconds since 1970": (lambda: at(lambda t, i: 1.7e9 + t * 1e-6), "times are read in s:"),
-    "us since 1970": (lambda: at(lambda t, i: 1_700_000_000_000_000 + t), ""),
     "numbers for times": (lambda: at(lambda t, i: i), "refused: impossible in any unit"),
     "texts for times": (lambda: at(lambda t, i: str(t)), "refused: 60 frames refused: timestamp"),
+    "times that are all zero": (lambda: at(lambda t, i: 0), "refused: two frames is zero"),
+    "no times": (
+        leaps(lambda m, i: m.pop("timestamp")),
+        "no times: 100 a second are assumed",
+    ),
+    "a time in every third frame": (
+        lambda: at(lambda t, i: None if i % 3 else t),
+        "left out: 40 frames refused: no time, unlike other frames",
+    ),
+    "frames that are missing by their numbers": (
+        lambda: [*leap()[:20], *leap()[25:]],
+        "left out: 5 frames missing by their numbers",
+    ),
     "frames without hands": (
-        lambda: every(lambda m, i: m.pop("hands") if i % 2 else None, leap()),
+        leaps(lambda m, i: m.pop("hands") if i % 2 else None),
         "left out: 150 fingers without a hand",
     ),
-    "a finger without a tip": (
-        lambda: every(lambda m, i: m["pointables"][0].pop("tipPosition"), leap()),
-        "60 fingers skipped: tipPosition",
-    ),
-    "pictures without a list of hands": (
-        lambda: every(lambda m, i: m.update(seen=None) if i % 2 else None, pictures()),
-        "left out: 15 pictures",
-    ),
-    "hands by their side": (
-        lambda: every(lambda m, i: m.update(hands={"right": m["hands"][0]}), leap()),
-        "",
-    ),
-    "names in another style": (
-        lambda: every(
-            lambda m, i: m["hands"][0].update(palm_position=m["hands"][0].pop("palmPosition")),
-            leap(),
+    "fingers without lengths": (
+        leaps(
+            lambda m, i: m.update(
+                pointables=[
+                    {key: p[key] for key in ("id", "handId", "direction", "tipPosition")}
+                    for p in m["pointables"]
+                ]
+            )
         ),
-        "refused: 60 hands skipped: palmPosition",
+        "refused: no finger in any frame",
+    ),
+    "hands without fingers": (
+        leaps(lambda m, i: m.update(pointables=[])),
+        "refused: no finger in any frame",
     ),
     "landmarks in shares of the picture for places in space": (
-        lambda: every(
-            lambda m, i: m["seen"][0].update(
-                world=[[x / 640, y / 480, 0.0] for x, y in m["seen"][0]["image"]]
-            ),
-            pictures(),
-        ),
+        seen(lambda hand: {"world": [[x / 640, y / 480, 0.0] for x, y in hand["image"]]}),
         "refused: wrist to knuckles is impossible in any unit",
     ),
     "places from -1 to 1": (
-        lambda: every(
-            lambda m, i: m["seen"][0].update(
-                image=[[x / 320 - 1, y / 240 - 1] for x, y in m["seen"][0]["image"]]
-            ),
-            pictures(),
-        ),
+        seen(lambda hand: {"image": [[x / 320 - 1, y / 240 - 1] for x, y in hand["image"]]}),
         "refused: impossible in any unit",
     ),
-    "a side that is wrong with a new id": (
-        lambda: every(
-            lambda m, i: (
-                (
-                    m["hands"][0].update(type="left", id=99),
-                    [p.update(handId=99) for p in m["pointables"]],
-                )
-                if i in (20, 30)
-                else None
-            ),
-            leap(),
-        ),
-        "mended: 2 hands that were named for the other side",
-    ),
     "a side that is wrong in the first frame": (
-        lambda: every(lambda m, i: i or m["hands"][0].update(type="left"), leap()),
+        leaps(lambda m, i: i or m["hands"][0].update(type="left")),
         "the left hand is not exported: 1 frame of 60 name it",
     ),
-    "sides as MediaPipe names them": (
-        lambda: every(lambda m, i: m["seen"][0].update(side="Right"), pictures()),
-        "",
-    ),
+    "sides as MediaPipe names them": (seen(lambda hand: {"side": "Right"}), ""),
     "two hands without sides": (lambda: named(None, None), "does not say whose hands they are"),
     "two right hands with one id": (
         lambda: every(lambda m, i: [hand.update(id=1) for hand in m["hands"]], doubled(leap())),
         "refused: no usable Leap frames",
     ),
-    "fingers by their names": (
-        lambda: every(
-            lambda m, i: [
-                p.update(type=f"TYPE_{('THUMB', 'INDEX', 'MIDDLE', 'RING', 'PINKY')[p['type']]}")
-                for p in m["pointables"]
-            ],
-            leap(),
-        ),
-        "",
-    ),
-    "a fingertip nine metres away": (
-        lambda: every(
-            lambda m, i: (
-                m["pointables"][1].update(tipPosition=[9e3, 0.0, 0.0]) if i == 30 else None
-            ),
-            leap(),
-        ),
-        "left out: 1 fingers skipped: the tip is beyond a hand's reach",
-    ),
     "a hand that jumps by a metre for a frame": (
-        lambda: every(lambda m, i: moved(m, 1000.0) if i == 30 else None, leap()),
+        leaps(lambda m, i: moved(m, 1000.0) if i == 30 else None),
         "1 hands skipped: hands that jump farther than a hand moves",
     ),
     "a hand that leaves, and comes in again a metre farther": (
-        lambda: every(
+        leaps(
             lambda m, i: (
-                m.update(hands=[], pointables=[])
-                if 25 <= i < 35
-                else moved(m, 1000.0)
-                if i >= 35
+                (m.update(hands=[], pointables=[]) if i < 35 else moved(m, 1000.0))
+                if i >= 25
                 else None
-            ),
-            leap(),
+            )
         ),
         "",
     ),
     # A head over the device that is taken for a hand for a moment: leapjs 69.
     "a second hand without fingers for a moment": (
-        lambda: every(lambda m, i: second(m) if 20 <= i < 26 else None, leap()),
+        leaps(lambda m, i: second(m) if 20 <= i < 26 else None),
         "too few frames show five fingers of the left hand",
     ),
     # Ids that change while two hands are seen: LeapMotionAS3 10.
@@ -530,17 +425,17 @@ SIBLINGS: dict[str, tuple[Callable[[], Messages], str]] = {
     ),
     # Palms that are always at the origin: Reach 8.
     "palms that are zero": (
-        lambda: every(lambda m, i: m["hands"][0].update(palmPosition=[0.0] * 3), leap()),
+        hands(palmPosition=[0.0] * 3),
         "refused: the distance from palm to fingertips is impossible in any unit",
     ),
     # One number for a place: leap-cursor-library 11.
     "a number for a palm": (
-        lambda: every(lambda m, i: m["hands"][0].update(palmPosition=153.0), leap()),
+        hands(palmPosition=153.0),
         "refused: palmPosition is not three finite numbers",
     ),
     # Fingers alone: matleap 12.
     "fingers without hands": (
-        lambda: every(lambda m, i: m.update(hands=[]), leap()),
+        leaps(lambda m, i: m.update(hands=[])),
         "refused: this recording has no hand",
     ),
     # Axes that are exchanged, as ROS has z up: ros-drivers/leap_motion 54.
@@ -572,8 +467,12 @@ SIBLINGS: dict[str, tuple[Callable[[], Messages], str]] = {
     ),
     # A name that is always the other one: mediapipe 4803, mediapipe-touchdesigner 86.
     "a right hand that is always named left": (
-        lambda: every(lambda m, i: m["seen"][0].update(side="Left"), pictures()),
+        seen(lambda hand: {"side": "Left"}),
         "by the way its fingers bend, the left hand is a right hand",
+    ),
+    "shares of the picture": (
+        lambda: shares(pictures()),
+        "image coordinates are read in 0..1",
     ),
     "pictures without their size": (
         lambda: every(lambda m, i: m.pop("size"), pictures()),
@@ -586,32 +485,15 @@ SIBLINGS: dict[str, tuple[Callable[[], Messages], str]] = {
     ),
     # y up, as engines of games have it: MediaPipeUnityPlugin 1373.
     "points in space with y up": (
-        lambda: every(
-            lambda m, i: m["seen"][0].update(
-                world=[[x, -y, z] for x, y, z in m["seen"][0]["world"]]
-            ),
-            pictures(),
-        ),
+        seen(lambda hand: {"world": [[x, -y, z] for x, y, z in hand["world"]]}),
         "the other way round than those in space",
     ),
     "points in space about the wrist": (
-        lambda: every(
-            lambda m, i: m["seen"][0].update(
-                world=(
-                    np.array(m["seen"][0]["world"]) - np.array(m["seen"][0]["world"][0])
-                ).tolist()
-            ),
-            pictures(),
-        ),
+        seen(lambda hand: {"world": (np.array(hand["world"]) - hand["world"][0]).tolist()}),
         "",
     ),
     "a picture that is a mirror's": (
-        lambda: every(
-            lambda m, i: m["seen"][0].update(
-                image=[[640 - x, y] for x, y in m["seen"][0]["image"]]
-            ),
-            pictures(),
-        ),
+        seen(lambda hand: {"image": [[640 - x, y] for x, y in hand["image"]]}),
         "the other way round than those in space",
     ),
 }

@@ -16,24 +16,24 @@ from sandbox.devices.tuio.touch_capture import CaptureDevice, read_capture
 from tests.support.tuio_packets import alv, bnd, bundle, frame20, frm, message, ptr
 from tests.support.tuio_table import PEER, A, B, C, Table, metres
 
+FIRST, LAST = bundle(frm(7), ptr(1, *A)), bundle(frm(7), ptr(2, *B), alv(1, 2))
 
-def test_a_frame_split_over_bundles_counts_when_its_last_part_comes() -> None:
+
+@pytest.mark.parametrize(
+    ("packets", "shown"),
+    [
+        ([FIRST, LAST], [{1: A, 2: B}]),
+        ([LAST, FIRST], [{2: B}, {1: A, 2: B}]),
+        ([bundle(frm(5), ptr(1, *A), alv(1), frm(6), ptr(2, *B), alv(2))], [{1: A}, {2: B}]),
+    ],
+    ids=["in two bundles", "in two bundles, overtaken", "two frames in one bundle"],
+)
+def test_a_frame_counts_when_its_last_part_comes(
+    packets: list[bytes], shown: list[dict[int, tuple[float, float]]]
+) -> None:
     table = Table()
-    parts = [
-        bundle(frm(7), ptr(1, *A)),
-        bundle(frm(7), ptr(2, *B)),
-        bundle(frm(7), ptr(3, *C), alv(1, 2, 3)),
-    ]
-    assert table.feed(*parts[:2]) == []
-    assert table.feed(parts[2]) == [{1: A, 2: B, 3: C}]
+    assert table.feed(*packets) == shown
     assert table.tuio.statistics.unfinished == 0
-
-
-def test_a_part_that_was_overtaken_by_the_last_one_still_counts() -> None:
-    table = Table()
-    first, last = bundle(frm(7), ptr(1, *A)), bundle(frm(7), ptr(2, *B), alv(1, 2))
-    assert table.feed(last) == [{2: B}]
-    assert table.feed(first) == [{1: A, 2: B}]
 
 
 def test_a_frame_that_is_never_closed_changes_nothing_and_is_counted() -> None:
@@ -51,11 +51,6 @@ def test_messages_without_a_bundle_count_once_the_living_are_named() -> None:
     assert table.feed(alv(1, 2)) == [{1: A, 2: B}]
     assert table.feed(alv(1)) == [], "no frame is open"
     assert table.tuio.statistics.unfinished == 2
-
-
-def test_several_frames_in_one_bundle_are_several_frames() -> None:
-    both = bundle(frm(5), ptr(1, *A), alv(1), frm(6), ptr(2, *B), alv(2))
-    assert Table().feed(both) == [{1: A}, {2: B}]
 
 
 def test_a_counter_that_falls_a_second_later_is_a_sender_that_began_anew() -> None:

@@ -17,17 +17,18 @@ from tests.support.tuio_table import A, B, C, Table
 
 HOST = "192.0.2.5"
 Framed = Callable[..., bytes]
+Places = dict[int, tuple[float, float]]
 
 
-def named(n: int, places: dict[int, tuple[float, float]], **more: Sequence[int]) -> bytes:
+def named(n: int, places: Places, **more: Sequence[int]) -> bytes:
     return frame(n, places, source="app", **more)
 
 
-def uncounted(n: int, places: dict[int, tuple[float, float]], **more: Sequence[int]) -> bytes:
+def uncounted(n: int, places: Places, **more: Sequence[int]) -> bytes:
     return frame(-1, places, **more)  # type: ignore[arg-type]
 
 
-def nameless20(n: int, places: dict[int, tuple[float, float]], **more: Sequence[int]) -> bytes:
+def nameless20(n: int, places: Places, **more: Sequence[int]) -> bytes:
     return frame20(n, places, source="", **more)
 
 
@@ -40,15 +41,15 @@ SENDERS = {
 }
 
 
-def from_ports(
-    table: Table, packets: Sequence[bytes], first: int = 50_000, transport: str = ""
-) -> list[dict[int, tuple[float, float]]]:
-    """What is shown after each packet, each sent from the next port."""
-    return [
-        shown
-        for n, packet in enumerate(packets)
-        for shown in table.feed(packet, peer=f"{transport}{HOST}:{first + n}")
-    ]
+def from_ports(table: Table, packets: Sequence[bytes], transport: str = "") -> list[Places]:
+    """What is shown after each packet, each from the next port; connections end with a packet."""
+    frames = []
+    for n, packet in enumerate(packets, start=50_000):
+        peer = f"{transport}{HOST}:{n}"
+        frames += table.feed(packet, peer=peer)
+        if transport:
+            table.tuio.disconnect(peer, table.now)
+    return frames
 
 
 @pytest.mark.parametrize("sender", SENDERS.values(), ids=SENDERS)
@@ -56,18 +57,10 @@ def from_ports(
 def test_a_finger_whose_packets_come_from_ever_new_ports_is_one_touch(
     sender: Framed, transport: str
 ) -> None:
-    scenes: list[dict[int, tuple[float, float]]] = [
-        {7: A},
-        {7: B},
-        {7: B, 8: C},
-        {8: C},
-        {},
-        {9: A},
-        {},
-    ]
+    scenes: list[Places] = [{7: A}, {7: B}, {7: B, 8: C}, {8: C}, {}, {9: A}, {}]
     table = Table()
     packets = [sender(n, scene) for n, scene in enumerate(scenes, start=1)]
-    assert from_ports(table, packets, transport=transport) == scenes
+    assert from_ports(table, packets, transport) == scenes
     assert len(table.tuio.sources) == 1
 
 
@@ -76,41 +69,31 @@ FINGERS = st.dictionaries(st.integers(0, 3), st.sampled_from([A, B, C]), max_siz
 
 @given(st.lists(FINGERS, min_size=1, max_size=20), st.lists(st.integers(0, 9), max_size=9))
 def test_what_a_sender_says_does_not_depend_on_its_ports(
-    scenes: list[dict[int, tuple[float, float]]], lost: list[int]
+    scenes: list[Places], lost: list[int]
 ) -> None:
     packets = [frame(n, scene) for n, scene in enumerate(scenes, start=1)]
     packets = [packet for n, packet in enumerate(packets) if n < 2 or n not in lost]
     assert from_ports(Table(), packets)[-1] == Table().feed(*packets)[-1]
 
 
-def test_messages_without_a_bundle_may_come_from_a_port_each() -> None:
-    table = Table()
-    packets = [cur("alive", 7), cur("set", 7, *A), cur("fseq", 1), cur("alive"), cur("fseq", 2)]
-    assert from_ports(table, packets) == [{7: A}, {}]
-    assert len(table.tuio.sources) == 1
+IN_PARTS = {
+    "messages without a bundle": [cur("alive", 7), cur("set", 7, *A), cur("fseq", 1)],
+    "a frame in two bundles": [frame(7, {1: A}, alive=[1, 2]), frame(7, {2: B}, alive=[1, 2])],
+    "a frame of TUIO 2.0 in two bundles": [
+        bundle(frm(7), ptr(1, *A)),
+        bundle(frm(7), ptr(2, *B), alv(1, 2)),
+    ],
+    "a packet that is overtaken": [frame(n, {7: (n / 64, 0.5)}) for n in (50, 51, 53, 52, 54)],
+    "a name that is sent once": [frame(1, {7: A}, source="app"), frame(2, {7: B}), frame(3, {})],
+}
 
 
-def test_a_frame_in_parts_may_come_from_a_port_each() -> None:
-    for packets in (
-        [frame(7, {1: A}, alive=[1, 2]), frame(7, {2: B}, alive=[1, 2])],
-        [bundle(frm(7), ptr(1, *A)), bundle(frm(7), ptr(2, *B), alv(1, 2))],
-    ):
-        table = Table()
-        assert from_ports(table, packets)[-1] == {1: A, 2: B}
-        assert len(table.tuio.sources) == 1
-
-
-def test_an_overtaken_packet_of_a_sender_with_many_ports_is_late_and_no_sender() -> None:
-    table = Table()
-    packets = [frame(n, {7: A}) for n in (50, 51, 53)]
-    assert from_ports(table, [*packets, frame(52, {7: B}), frame(54, {})])[-1] == {}
-    assert (table.tuio.statistics.late, len(table.tuio.sources)) == (1, 1)
-
-
-def test_a_name_that_was_sent_once_holds_at_every_port_of_its_sender() -> None:
-    table = Table()
-    from_ports(table, [frame(1, {7: A}, source="app"), frame(2, {7: B}), frame(3, {7: C})])
-    assert [(s.name, s.touches) for s in table.tuio.sources] == [("app", 1)]
+@pytest.mark.parametrize("packets", IN_PARTS.values(), ids=IN_PARTS)
+def test_parts_may_come_from_a_port_each(packets: list[bytes]) -> None:
+    table, alone = Table(), Table()
+    assert from_ports(table, packets)[-1] == alone.feed(*packets)[-1]
+    assert [s.name for s in table.tuio.sources] == [s.name for s in alone.tuio.sources]
+    assert table.tuio.statistics.late == alone.tuio.statistics.late
 
 
 @pytest.mark.parametrize("names", [("left", "right"), (None, None), ("app", "app"), ("app", None)])
@@ -121,7 +104,7 @@ def test_two_senders_of_one_host_stay_two(
     """Also without names, where only their ports and their frames tell them apart."""
     table = Table()
     peers = [f"{HOST}:1000", f"{HOST}:2000"]
-    shown: list[dict[int, tuple[float, float]]] = []
+    shown: list[Places] = []
     for step in range(4):
         for name, counter, peer, place in zip(names, counters, peers, (A, B), strict=True):
             number = counter + step if counter > 0 else counter
@@ -152,13 +135,6 @@ def test_a_sender_with_many_ports_and_one_with_its_own_stay_two() -> None:
     assert len(table.tuio.sources) == 2
 
 
-def test_ports_tell_hosts_apart_no_more_than_senders() -> None:
-    table = Table()
-    table.feed(frame(1, {1: A}), peer="192.0.2.5:1000")
-    (both,) = table.feed(frame(2, {1: B}), peer="192.0.2.6:1000")
-    assert sorted(both.values()) == [A, B]
-
-
 def test_a_sender_with_a_million_ports_costs_no_memory() -> None:
     table = Table()
     from_ports(table, [frame(n, {1: A}) for n in range(1, 3 * MAX_SOURCES)])
@@ -178,20 +154,6 @@ def test_a_sender_that_reconnects_before_its_old_connection_ends_keeps_its_touch
     assert not table.tuio.sources
 
 
-@pytest.mark.parametrize("transport", ["tcp", "ws"])
-@pytest.mark.parametrize("sender", SENDERS.values(), ids=SENDERS)
-def test_a_finger_with_a_connection_for_every_packet_is_one_touch(
-    transport: str, sender: Framed
-) -> None:
-    table = Table()
-    for n, scene in enumerate([{7: A}, {7: B}, {7: B, 8: C}, {8: C}, {}], start=1):
-        peer = f"{transport} {HOST}:{n}"
-        assert table.feed(sender(n, scene), peer=peer) == [scene]
-        table.tuio.disconnect(peer, table.now)
-        assert table.wait(0.1) == []
-    assert len(table.tuio.sources) <= 1
-
-
 def test_a_capture_that_ends_with_a_connection_cancels_its_touches() -> None:
     packets = (
         CapturedPacket(0.0, frame(1, {7: A}), "tcp h:1"),
@@ -202,7 +164,7 @@ def test_a_capture_that_ends_with_a_connection_cancels_its_touches() -> None:
     assert (len(down.contacts), len(up.contacts), up.cancelled) == (1, 0, frozenset({7}))
 
 
-def both(n: int, places: dict[int, tuple[float, float]], source: str | None) -> list[bytes]:
+def both(n: int, places: Places, source: str | None) -> list[bytes]:
     return [frame(n, places, source=source), frame20(n, places, source="two")]
 
 
@@ -249,25 +211,16 @@ def test_two_programs_of_one_host_with_a_version_each_stay_two() -> None:
     assert sorted(both_.values()) == [A, B]
 
 
-@pytest.mark.parametrize("framed", [frame, frame20])
-def test_the_counters_of_two_sources_at_one_address_do_not_meet(
-    framed: Callable[..., bytes],
-) -> None:
-    table = Table()
-    table.feed(framed(500, {1: A}, source="left"))
-    (both,) = table.feed(framed(450, {1: B}, source="right"))
-    assert sorted(both.values()) == [A, B]
-
-
 def test_equal_ids_of_different_sources_are_different_touches_for_as_long_as_they_live() -> None:
     table = Table()
-    table.feed(frame(1, {1: A, -5: C}, source="left"))
-    (both,) = table.feed(frame(1, {1: B, -5: C}, source="right"))
+    # The counters of the sources are independent, too.
+    table.feed(frame(500, {1: A, -5: C}, source="left"))
+    (both,) = table.feed(frame(450, {1: B, -5: C}, source="right"))
     assert len(both) == 4
     (other,) = {touch for touch, place in both.items() if place == B}
-    (one_left,) = table.feed(frame(2, {}, source="left"))
+    (one_left,) = table.feed(frame(501, {}, source="left"))
     assert one_left[other] == B
-    (moved,) = table.feed(frame(2, {1: A}, source="right"))
+    (moved,) = table.feed(frame(451, {1: A}, source="right"))
     assert moved == {other: A}
 
 
