@@ -1,4 +1,4 @@
-"""A TUIO decoder on a table with a clock, for tests that do not need a network."""
+"""A TUIO decoder on a table with a clock, and the frames of a device at a network."""
 
 from __future__ import annotations
 
@@ -6,8 +6,9 @@ from models.frames import TouchFrame
 from models.plausible import ContactSizes
 from models.reader_report import ReaderReport
 from models.surface import Surface
-from sandbox.devices.tuio.tuio import touch_frame
+from sandbox.devices.tuio.tuio import TuioDevice, touch_frame
 from sandbox.devices.tuio.tuio_senders import Commit, Tuio
+from tests.support.processes import until
 
 A, B, C = (0.125, 0.25), (0.5, 0.75), (0.875, 0.5)
 """Positions that 32-bit floats hold exactly."""
@@ -42,3 +43,10 @@ class Table:
     def wait(self, seconds: float) -> list[dict[int, tuple[float, float]]]:
         self.now += seconds
         return [touches(commit) for commit in self.tuio.expire(self.now)]
+
+
+def next_frames(device: TuioDevice, count: int) -> list[TouchFrame]:
+    """Polls a device until so many frames have come."""
+    frames: list[TouchFrame] = []
+    until(lambda: frames.extend(device.poll()) or len(frames) >= count)
+    return frames

@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 import pytest
 from hypothesis import given
@@ -15,6 +13,7 @@ from models.errors import RecordingError
 from models.frames import Contact, TouchFrame
 from models.surface import Surface
 from sandbox.devices.files.frame_file import (
+    FrameFile,
     FramesDevice,
     frame_record,
     header_record,
@@ -55,17 +54,6 @@ FRAMES = st.lists(
 def written(path: Path, *lines: str) -> Path:
     path.write_text("".join(line + "\n" for line in lines))
     return path
-
-
-@pytest.mark.parametrize("size", [0.0, -1.0, float("nan"), float("inf")])
-def test_what_a_device_says_that_does_not_measure_sizes_is_read_to_the_end(
-    tmp_path: Path, size: float
-) -> None:
-    frame = TouchFrame(0.5, (Contact(1, 0.05, 0.05, size),))
-    assert frame.contacts[0].size is None
-    path = written(tmp_path / "a.jsonl", json.dumps(frame_record(frame)))
-    file = read_frame_file(path)
-    assert file.damage is None and len(file.frames) == 1
 
 
 @given(FRAMES)
@@ -113,18 +101,14 @@ TOUCH = '{"id": 1, "x": 1, "y": 1}'
 OTHER = '{"id": 2, "x": 1, "y": 1'
 PARTS = {
     "no place": ('{"id": 2, "x": 1}', 1, "cannot be read"),
-    "an id that is a truth value": ('{"id": true, "x": 1, "y": 1}', 1, "cannot be read"),
     "a place that is no number": ('{"id": 2, "x": NaN, "y": 1}', 1, "beyond the surface"),
-    "a place that is text": ('{"id": 2, "x": "a", "y": 1}', 1, "cannot be read"),
     "no objects": ("7, null, []", 1, "3 touches that cannot be read"),
     "one id twice": ('{"id": 1, "x": 2, "y": 2}', 1, "id of another"),
     "an endless id": (f'{{"id": {2**70}, "x": 1, "y": 1}}', 1, "more than 64 bits"),
     "no finger's name": (OTHER + ', "finger": "toe"}', 2, "names that no finger has"),
     "a negative size": (OTHER + ', "size": -1}', 2, ""),
     "a size of 0": (OTHER + ', "size": 0, "width": 0, "height": 0.3}', 2, ""),
-    "a vast size": (OTHER + ', "size": 9}', 2, "no finger or hand has"),
     "a size of 30 x 2000 px": (OTHER + ', "width": 0.2, "height": 15}', 2, "no finger or hand has"),
-    "a little beyond the edge": ('{"id": 2, "x": 7.9, "y": -0.2}', 2, ""),
     "far beyond the edge": ('{"id": 2, "x": 1e9, "y": 1}', 1, "beyond the surface"),
     "a lift of 7": (OTHER + '}], "lift": 7, "cancelled": ["a"], "more": [4', 2, "lift control"),
 }
@@ -147,9 +131,7 @@ def test_one_wrong_part_costs_itself_alone(
     assert bool(reason) == bool(file.report.line())
 
 
-@pytest.mark.parametrize(
-    "time", ["NaN", "null", '"1"', "1e999", "-1e999", "0.01", "1e9", "1" * 400]
-)
+@pytest.mark.parametrize("time", ["NaN", "null", '"1"', "1e999", "0.01", "1e9", "1" * 400])
 def test_a_frame_without_a_possible_time_costs_itself_alone(tmp_path: Path, time: str) -> None:
     line = f'{{"time": {time}, "contacts": [{TOUCH}]}}'
     path = written(tmp_path / "frames.jsonl", *GOOD[:2], line, *GOOD[2:])
@@ -239,41 +221,21 @@ def test_what_is_played_does_not_depend_on_when_it_is_asked_for(
     assert at_once[0].time == 0.0
 
 
-class Reads:
-    """A reader that counts how often it reads."""
-
-    def __init__(self, read: Callable[[Path], Any]) -> None:
-        self.read, self.count = read, 0
-
-    def __call__(self, path: Path) -> Any:
-        self.count += 1
-        return self.read(path)
-
-
-def opened(device: str, trials: int = 3) -> None:
-    """Makes settings of a device, and opens it for several trials."""
-    task = draw_task(find_task("box-to-goal"), 1, Surface())
-    for _ in range(trials):
-        chosen = trial_settings(TrialOptions(device=device))
-        for make in device_makers(chosen):
-            make(task, Surface()).close()
-
-
-def touches(path: Path, count: int) -> Path:
-    frames = [TouchFrame(n / 60, (Contact(1, 0.05, 0.05),)) for n in range(count)]
-    lines = [header_record(Surface(), "a pad"), *map(frame_record, frames)]
-    path.write_text("\n".join(map(json.dumps, lines)) + "\n")
-    return path
-
-
 def test_touches_are_read_once_and_again_when_the_file_has_changed(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    reads = Reads(read_frame_file)
-    monkeypatch.setattr("sandbox.devices.files.touch_files.read_frame_file", reads)
-    file = touches(tmp_path / "pad.jsonl", 3)
-    opened(str(file))
-    assert reads.count == 1
-    touches(file, 5)
-    opened(str(file))
-    assert reads.count == 2
+    reads: list[Path] = []
+
+    def read(path: Path) -> FrameFile:
+        reads.append(path)
+        return read_frame_file(path)
+
+    monkeypatch.setattr("sandbox.devices.files.touch_files.read_frame_file", read)
+    task = draw_task(find_task("box-to-goal"), 1, Surface())
+    header, path = json.dumps(header_record(Surface(), "a pad")), tmp_path / "pad.jsonl"
+    for count in (3, 4):
+        written(path, header, *GOOD[:count])
+        for _ in range(3):
+            for make in device_makers(trial_settings(TrialOptions(device=str(path)))):
+                make(task, Surface()).close()
+    assert reads == 2 * [path]

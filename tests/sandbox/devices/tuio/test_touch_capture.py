@@ -32,8 +32,6 @@ def written(path: Path, *lines: str | bytes) -> Path:
 
 DAMAGE: dict[str, str | bytes] = {
     "cut": GOOD[2][:30],
-    "a list": "[4, 5]",
-    "a number": "17",
     "another object": '{"a": 4}',
     "zeros": b"\x00" * 50,
     "nested too deep": "[" * 100_000,
@@ -42,13 +40,9 @@ DAMAGE: dict[str, str | bytes] = {
 
 ODD: dict[str, str | bytes] = {
     "odd hex": '{"t": 4, "hex": "abc"}',
-    "no hex": '{"t": 4}',
-    "hex is null": '{"t": 4, "hex": null}',
     "hex is a number": '{"t": 4, "hex": 12}',
     "no time": '{"hex": "00"}',
     "time is a text": '{"t": "4", "hex": "00"}',
-    "time is a truth value": '{"t": true, "hex": "00"}',
-    "time is not a number": '{"t": NaN, "hex": "00"}',
     "time is infinite": '{"t": 1e999, "hex": "00"}',
     "time is huge": '{"t": 1' + "0" * 400 + ', "hex": "00"}',
     "time runs backwards": '{"t": 3.1, "hex": "00"}',

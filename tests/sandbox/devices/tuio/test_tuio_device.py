@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import socket
-import time
 
 import pytest
 
@@ -16,21 +15,9 @@ from sandbox.devices.tuio.tuio import TuioDevice
 from sandbox.trial.assembly import device_makers
 from sandbox.trial.trial_options import TrialOptions, trial_settings
 from tasks.registry import find_task
-from tests.support.processes import PATIENCE, Sender, until
+from tests.support.processes import Sender, until
 from tests.support.tuio_packets import frame
-
-A, B = (0.25, 0.5), (0.75, 0.125)
-
-
-def collect(device: TuioDevice, count: int) -> list[TouchFrame]:
-    """Polls until so many frames have come."""
-    frames: list[TouchFrame] = []
-    end = time.monotonic() + PATIENCE
-    while len(frames) < count and time.monotonic() < end:
-        device.wait(0.1)
-        frames += device.poll()
-    assert len(frames) >= count, f"{len(frames)} of {count} frames came: {device.statistics}"
-    return frames
+from tests.support.tuio_table import A, next_frames
 
 
 def test_every_frame_comes_out_once_in_order_and_in_metres() -> None:
@@ -40,7 +27,7 @@ def test_every_frame_comes_out_once_in_order_and_in_metres() -> None:
         for n in range(300):
             send(frame(n + 1, {5: (n / 512, 0.5)}, source="table"))
             frames += device.poll()
-        frames += collect(device, 300 - len(frames))
+        frames += next_frames(device, 300 - len(frames))
         assert [f.contacts[0].x for f in frames] == pytest.approx(
             [n / 512 * 10.0 * METRES_PER_INCH for n in range(300)], abs=1e-12
         )
@@ -65,13 +52,13 @@ def test_a_full_queue_keeps_the_newest_frames_and_counts_the_others() -> None:
 def test_the_touches_of_a_silent_sender_are_lifted_and_it_is_marked() -> None:
     with TuioDevice(Surface(), port=0, stale_after=0.2) as device, Sender(device.port) as send:
         send(frame(1, {1: A}, source="app"))
-        down, up = collect(device, 2)
+        down, up = next_frames(device, 2)
         assert (len(down.contacts), len(up.contacts)) == (1, 0)
         assert up.time - down.time >= 0.2
         assert up.cancelled == frozenset(), "they count as lifted, not as taken away"
         assert [(source.name, source.stale) for source in device.sources] == [("app", True)]
         send(frame(2, {}, alive=[1]))
-        assert [c.id for c in collect(device, 1)[0].contacts] == [1]
+        assert [c.id for c in next_frames(device, 1)[0].contacts] == [1]
 
 
 def test_the_real_port_is_told_and_nobody_else_can_have_it() -> None:

@@ -19,31 +19,18 @@ from websockets.sync.client import ClientConnection, connect
 from websockets.sync.server import ServerConnection, serve
 
 from models.errors import DeviceError, RecordingError
-from models.frames import TouchFrame
 from models.surface import Surface
 from sandbox.devices.tuio import tuio_streams
 from sandbox.devices.tuio.tuio import TuioDevice
 from sandbox.devices.tuio.tuio_streams import MAX_CONNECTIONS, parse_target, refusal
 from tests.support.processes import PATIENCE, Sender, until
 from tests.support.tuio_packets import NO_OSC, frame, frame20
-
-A, B = (0.25, 0.5), (0.75, 0.125)
+from tests.support.tuio_table import A, B, next_frames
 
 
 def framed(*packets: bytes) -> bytes:
     """As TCP carries them: a length before each."""
     return b"".join(struct.pack(">I", len(packet)) + packet for packet in packets)
-
-
-def heard(device: TuioDevice, count: int) -> list[TouchFrame]:
-    frames: list[TouchFrame] = []
-
-    def enough() -> bool:
-        frames.extend(device.poll())
-        return len(frames) >= count
-
-    until(enough)
-    return frames
 
 
 @pytest.fixture
@@ -66,11 +53,11 @@ def web(device: TuioDevice, **settings: Any) -> ClientConnection:
 def test_all_transports_at_once_share_the_surface(device: TuioDevice) -> None:
     with Sender(device.port) as udp, tcp(device) as stream, web(device) as page:
         udp(frame(1, {1: A}, source="s"))
-        heard(device, 1)
+        next_frames(device, 1)
         stream.sendall(framed(frame(1, {1: B}, source="s")))
-        heard(device, 1)
+        next_frames(device, 1)
         page.send(frame20(1, {1: (0.5, 0.5)}))
-        (all_of_them,) = heard(device, 1)
+        (all_of_them,) = next_frames(device, 1)
         assert len(all_of_them.contacts) == 3
         kinds = [source.peer.split()[0] for source in device.sources]
         assert kinds[1:] == ["tcp", "ws"]
@@ -83,7 +70,7 @@ def test_packets_in_a_stream_may_be_cut_anywhere(device: TuioDevice) -> None:
         stream.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
         for n in range(0, len(stream_of_bytes), 7):
             stream.sendall(stream_of_bytes[n : n + 7])
-        frames = heard(device, 20)
+        frames = next_frames(device, 20)
     width = float(Surface().size[0])
     assert [f.contacts[0].x / width for f in frames] == pytest.approx(
         [n / 64 for n in range(1, 21)]
@@ -96,7 +83,11 @@ Hang = Callable[[], None]
 
 @contextlib.contextmanager
 def caller(device: TuioDevice, kind: str) -> Iterator[tuple[Speak, Hang]]:
-    if kind == "tcp":
+    """How a sender of a kind sends a packet, and how it hangs up."""
+    if kind == "udp":
+        with Sender(device.port) as udp:
+            yield udp, lambda: None
+    elif kind == "tcp":
         with tcp(device) as stream:
             yield lambda data: stream.sendall(framed(data)), stream.close
     else:
@@ -125,9 +116,8 @@ def test_a_recorder_whose_disk_is_full_is_heard_of_at_once(kind: str) -> None:
 
     with (
         TuioDevice(Surface(), port=0, transport="all", websocket_port=0, tap=tap) as device,
-        Sender(device.port) if kind == "udp" else caller(device, kind) as chosen,
+        caller(device, kind) as (speak, _),
     ):
-        speak = chosen if callable(chosen) else chosen[0]
         until(disk_is_full)
         assert len(kept) == 2
 
@@ -138,18 +128,18 @@ def test_who_hangs_up_has_his_touches_cancelled_and_nobody_elses(
 ) -> None:
     with Sender(device.port) as udp, caller(device, kind) as (speak, hang_up):
         udp(frame(1, {1: A}, source="stays"))
-        heard(device, 1)
+        next_frames(device, 1)
         speak(frame(1, {1: B, 2: (0.5, 0.5)}, source="goes"))
-        (three,) = heard(device, 1)
+        (three,) = next_frames(device, 1)
         hang_up()
-        (left,) = heard(device, 1)
+        (left,) = next_frames(device, 1)
         assert [c.id for c in left.contacts] == [1]
         assert left.cancelled == {c.id for c in three.contacts} - {1}
         assert len(left.cancelled) == 2
         assert [source.name for source in device.sources] == ["stays"]
 
 
-@pytest.mark.parametrize("kind", ["tcp", "websocket"])
+@pytest.mark.parametrize("kind", ["udp", "tcp", "websocket"])
 def test_malformed_packets_are_counted_and_the_connection_lives(
     device: TuioDevice, kind: str
 ) -> None:
@@ -158,7 +148,7 @@ def test_malformed_packets_are_counted_and_the_connection_lives(
         for data in odd:
             speak(data)
         speak(frame(1, {1: A}))
-        (shown,) = heard(device, 1)
+        (shown,) = next_frames(device, 1)
         assert len(shown.contacts) == 1
     assert device.statistics.malformed == len(odd)
 
@@ -168,7 +158,7 @@ def test_a_stream_with_an_impossible_length_is_ended(device: TuioDevice, length:
     with tcp(device) as stream:
         stream.sendall(framed(frame(1, {1: A})) + struct.pack(">I", length))
         assert stream.recv(1) == b""
-        down, up = heard(device, 2)
+        down, up = next_frames(device, 2)
         assert up.cancelled == {c.id for c in down.contacts}
     assert device.statistics.malformed == 1
     assert str(length) in device.statistics.malformed_reason
@@ -178,7 +168,7 @@ def test_a_text_or_a_huge_message_on_a_websocket_is_counted(device: TuioDevice) 
     with web(device) as page:
         page.send("hello")
         page.send(frame(1, {1: A}))
-        heard(device, 1)
+        next_frames(device, 1)
         with contextlib.suppress(ConnectionClosed):
             page.send(b"\x00" * 70_000)
             page.recv(PATIENCE)
@@ -192,14 +182,11 @@ def test_a_text_or_a_huge_message_on_a_websocket_is_counted(device: TuioDevice) 
         (["127.0.0.1:8080"], [], ""),
         (["localhost:8080"], ["http://localhost:5173"], ""),
         (["192.168.1.20:8080"], ["http://192.168.1.20"], ""),
-        (["[::1]:8080"], [], ""),
         (["rebound.example:8080"], [], "host"),
         ([], [], "host"),
-        (["127.0.0.1", "127.0.0.1"], [], "host"),
         (["[:8080"], [], "host"),
         (["127.0.0.1:8080"], ["https://example.com"], "origin"),
         (["127.0.0.1:8080"], ["null"], "origin"),
-        (["127.0.0.1:8080"], ["http://127.0.0.1", "http://127.0.0.1"], "origin"),
         (["192.168.1.20:8080"], ["http://192.168.1.21"], "origin"),
     ],
 )
@@ -217,7 +204,7 @@ def test_a_foreign_page_is_refused_and_counted(device: TuioDevice) -> None:
     assert "origin" in device.statistics.refused_reason
     with web(device, origin=f"http://127.0.0.1:{device.websocket_port}") as page:
         page.send(frame(1, {1: A}))
-        heard(device, 1)
+        next_frames(device, 1)
 
 
 def test_connections_that_fell_asleep_make_room_for_a_new_one(
@@ -227,11 +214,11 @@ def test_connections_that_fell_asleep_make_room_for_a_new_one(
         asleep = [stack.enter_context(tcp(device)) for _ in range(MAX_CONNECTIONS)]
         for n, stream in enumerate(asleep):
             stream.sendall(framed(frame(1, {}, source=str(n))))
-        heard(device, MAX_CONNECTIONS)
+        next_frames(device, MAX_CONNECTIONS)
         monkeypatch.setattr(tuio_streams, "SILENT", 0.0)
         newcomer = stack.enter_context(tcp(device))
         newcomer.sendall(framed(frame(1, {1: A}, source="new")))
-        assert heard(device, 1)[-1].contacts
+        assert next_frames(device, 1)[-1].contacts
         assert asleep[0].recv(1) == b"" and not device.statistics.refused
 
 
@@ -240,14 +227,14 @@ def test_connections_beyond_the_limit_are_refused_and_the_others_go_on(device: T
         streams = [stack.enter_context(tcp(device)) for _ in range(MAX_CONNECTIONS)]
         for n, stream in enumerate(streams):
             stream.sendall(framed(frame(1, {1: A}, source=f"s{n}")))
-        heard(device, MAX_CONNECTIONS)
+        next_frames(device, MAX_CONNECTIONS)
         surplus = stack.enter_context(tcp(device))
         assert surplus.recv(1) == b""
         with pytest.raises(InvalidStatus):
             web(device)
         assert device.statistics.refused == 2
         streams[0].sendall(framed(frame(2, {}, source="s0")))
-        heard(device, 1)
+        next_frames(device, 1)
 
 
 def test_a_tcp_sender_that_waits_is_called_and_called_again() -> None:
@@ -259,8 +246,8 @@ def test_a_tcp_sender_that_waits_is_called_and_called_again() -> None:
                 line, _ = waiting.accept()
                 with line:
                     line.sendall(framed(frame(1 + n, {1: A})))
-                    assert len(heard(device, 1)[0].contacts) == 1
-                assert heard(device, 1)[0].cancelled
+                    assert len(next_frames(device, 1)[0].contacts) == 1
+                assert next_frames(device, 1)[0].cancelled
             assert device.address == f"tcp://127.0.0.1:{port}"
 
 
@@ -275,7 +262,7 @@ def test_a_websocket_sender_that_waits_is_called() -> None:
         thread.start()
         port = waiting.socket.getsockname()[1]
         with TuioDevice(Surface(), connect=f"ws://127.0.0.1:{port}") as device:
-            assert len(heard(device, 1)[0].contacts) == 1
+            assert len(next_frames(device, 1)[0].contacts) == 1
         waiting.shutdown()
         thread.join()
 
