@@ -52,6 +52,10 @@ frame, 16 ms later, continues from the result. While fingers rest, the posture t
 to the most likely posture. With 0.003 instead, a frame takes 2.4 steps on average rather than 1.4,
 and the posture differs by less than a degree."""
 
+_UNLIKELY, _SURE = 0.1, 0.75
+"""Labels of a hand that is down change when a finger joins and they are less probable than the first
+value, while the most probable labels are more probable than the second."""
+
 
 @dataclass(frozen=True)
 class ReconstructorSettings:
@@ -226,8 +230,9 @@ class TouchReconstructor:
         """Labels the contacts once their set has been stable for a while.
 
         Until the hand comes down, labels may change; the posture filter smooths such changes. From
-        then on, labels stay, since a change would break the grasp. A finger that joins gets one of
-        the free labels.
+        then on, labels stay, since a change would break the grasp, and a finger that joins gets one
+        of the free labels. An exception is a joining finger that shows the earlier labels to be
+        wrong, as when somebody puts five fingers down slowly, one after another.
         """
         tracks = self._tracker.tracks
         present = frozenset(tracks)
@@ -259,6 +264,11 @@ class TouchReconstructor:
         else:
             places = {i: t.place for i, t in tracks.items()}
             self._labelling = self.labeller.assign(places, fixed)
+            joins = fixed and len(places) > len(fixed)
+            if joins and self._labelling.probability < _UNLIKELY:
+                free = self.labeller.assign(places, {})
+                if free.probability > _SURE:
+                    self._labelling = free
         self._labels = self._labelling.labels
 
     def _motion(self, dt: float, low: bool) -> tuple[Motion, float]:
