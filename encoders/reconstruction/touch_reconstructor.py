@@ -53,8 +53,8 @@ to the most likely posture. With 0.003 instead, a frame takes 2.4 steps on avera
 and the posture differs by less than a degree."""
 
 _UNLIKELY, _SURE = 0.1, 0.75
-"""Labels of a hand that is down change when a finger joins and they are less probable than the first
-value, while the most probable labels are more probable than the second."""
+"""When a finger joins a hand that is down, labels that are less probable than the first value
+change to the most probable labels, if these are more probable than the second value."""
 
 
 @dataclass(frozen=True)
