@@ -869,3 +869,4 @@ class Page {
 const contactsOf = ({ state }: Frame): ContactState[] => state.hands.flatMap(({ contacts }) => contacts);
 
 if (canDraw()) new Page();
+else window.earlySocket?.close();
