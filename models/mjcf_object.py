@@ -45,7 +45,8 @@ lowest point is measured from this block."""
 _PROBE_NAME, _FLOOR_NAME = "hand sandbox probe", "hand sandbox floor"
 """Names of the ball and of the block. They are unusual, since many descriptions contain a floor."""
 _BESIDE = 0.005
-"""The middle of an object may be this far (m), plus the object's width, from its body's origin."""
+"""Tolerance (m) of the check that an object is at its body's origin: along x and along y, the
+distance of its middle from the origin may be its width plus this number."""
 _FAR = 100.0
 """Largest distance that is measured (m)."""
 
@@ -205,8 +206,9 @@ class MjcfObject:
     def _check_middle(self) -> None:
         """Refuses an object in another unit, and an object that is not at its body's origin.
 
-        The origin is the object's position for tasks and views, and may be anywhere within the
-        object. Meshes are often drawn far from their origin.
+        The origin is the object's position for tasks and views. It may be anywhere within the
+        object, and outside by up to half the object's width. Meshes are often drawn far from their
+        origin.
         """
         low, high = self.bounds
         middle, half = 0.5 * (low + high), 0.5 * (high - low)
@@ -222,15 +224,14 @@ class MjcfObject:
             )
         beside = np.abs(middle[:2]) > 2.0 * half[:2] + _BESIDE
         if beside.any():
-            x, y, z = (f"{v / self.size:.4g}" for v in middle)
+            offset = ", ".join(f"{v / self.size:.4g}" for v in middle)
             raise InputError(
                 "the object is not at the origin of its body",
                 where=self._where,
                 got=f"its middle at ({1000 * middle[0]:.0f}, {1000 * middle[1]:.0f}) mm",
-                expected="the origin within the object, seen from above",
-                remedy="Move its geoms in the description: a mesh by "
-                f'<mesh refpos="{x} {y} {z}"/>, which applies before the scale, and other geoms '
-                "by their pos",
+                expected="its middle at most its own width from the origin, along x and along y",
+                remedy=f"Subtract ({offset}) m from the pos of each geom and each child body of "
+                "this body in the description",
             )
 
     @property
@@ -380,7 +381,8 @@ def mesh_assets(model: Any, geoms: list[int], name: str, size: float) -> list[El
             "face": " ".join(map(str, faces.ravel().tolist())),
         }
         if _is_sheet(points, faces):
-            # MuJoCo requires a volume otherwise, although the body's inertia is given.
+            # Otherwise MuJoCo would refuse the mesh because it has no volume, although the body's
+            # inertia is given.
             values["inertia"] = "shell"
         elements.append(Element("mesh", values))
     return elements
@@ -395,9 +397,9 @@ def _is_sheet(points: Array, faces: NDArray[np.int32]) -> bool:
     """True if a mesh has so little volume that MuJoCo refuses it as a solid."""
     corners = points[faces]
     across = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    areas = np.linalg.norm(across, axis=1)  # any order: only whether there is a volume
+    areas = np.linalg.norm(across, axis=1)  # any order: only decides if there is a volume
     total = max(float(areas.sum()), _LEAST_VOLUME)
-    middle = areas @ corners.mean(axis=1) / total  # any order: only whether there is a volume
+    middle = areas @ corners.mean(axis=1) / total  # any order: only decides if there is a volume
     a, b, c = (corners[:, i] - middle for i in range(3))
     return float((a * np.cross(b, c)).sum()) / 6.0 < _LEAST_VOLUME
 
@@ -491,22 +493,22 @@ def read_mjcf(mjcf: str | Path, kind: str) -> Any:
     if not _is_file(mjcf):
         return _without_references(mujoco.MjSpec.from_string(str(mjcf)))
     if not Path(mjcf).is_file():
-        beside = f'Path(__file__).parent / "{Path(mjcf).name}"'
+        same_folder = f'Path(__file__).parent / "{Path(mjcf).name}"'
         raise InputError(
             "no such file",
             where=kind,
             got=str(mjcf),
             expected=f"a file in {_folder(mjcf)}",
-            remedy=f"For a file beside the task's, write {beside}",
+            remedy=f"For a file in the same folder as the task's file, write {same_folder}",
         )
     return _without_references(mujoco.MjSpec.from_file(str(mjcf)))
 
 
 def _without_references(spec: Any) -> Any:
-    """The specification without sensors, contact pairs and keyframes, which a scene does not use.
+    """The specification without sensors, contact pairs, contact exclusions and keyframes.
 
-    If such an element refers to a body, MuJoCo does not merge this body with the body to which it
-    is welded.
+    A scene does not use these elements. If one of them refers to a body, MuJoCo does not merge this
+    body with the body to which it is welded.
     """
     for element in (*spec.sensors, *spec.excludes, *spec.pairs, *spec.keys):
         spec.delete(element)

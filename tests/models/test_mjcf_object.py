@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
 from functools import partial
+from itertools import product
 from pathlib import Path
 from typing import Any
 from xml.etree.ElementTree import tostring
@@ -20,6 +22,7 @@ from models.errors import InputError
 from models.hand import Hand
 from models.mechanisms.mechanism import Mechanism
 from models.mjcf_object import MjcfObject, described_files
+from models.objects import mjcf_text
 from models.scene import Scene, SceneSpec
 
 SPHERE = '<geom type="sphere" size=".03"/>'
@@ -270,14 +273,25 @@ def test_any_collision_bit_makes_a_geom_solid(bits: tuple[int, int]) -> None:
     assert distances[0] == distances[1]
 
 
-@given(x=st.floats(0.2, 5.0), y=st.floats(-5.0, 5.0))
-def test_an_object_beside_the_origin_of_its_body_is_refused_with_its_offset(
-    x: float, y: float
+@pytest.mark.parametrize("shape", ['type="box" size=".02 .03 .01"', 'type="mesh" mesh="far"'])
+@given(x=st.floats(1.5, 5.0), y=st.floats(-5.0, 5.0))
+def test_an_object_beside_the_origin_of_its_body_is_refused_and_its_error_has_the_remedy(
+    shape: str, x: float, y: float
 ) -> None:
-    away = mjcf(f'<geom type="box" size=".02 .03 .01" pos="{x:.6f} {y:.6f} 0"/>')
+    corners_mm = np.array([*product((-20, 20), (870, 930), (-10, 10))])
+    vertices = mjcf_text(corners_mm.ravel())
+    asset = f'<mesh name="far" scale=".001 .001 .001" vertex="{vertices}"/>'
+
+    def at(place: np.ndarray) -> str:
+        return mjcf(f'<geom {shape} pos="{mjcf_text(place)}" quat="1 0 0 1"/>', asset)
+
+    place = np.array([x, y, 0.0])
     with pytest.raises(InputError, match="not at the origin") as error:
-        MjcfObject("thing", away, 0.1)
-    assert f"{1000 * x:.0f}" in str(error.value)
+        MjcfObject("thing", at(place), 0.1)
+    offset = re.search(r"Subtract \((.*)\) m", str(error.value))
+    assert offset
+    low, high = MjcfObject("thing", at(place - np.array(offset[1].split(","), float)), 0.1).bounds
+    assert np.allclose(low + high, 0.0, atol=1e-3)
 
 
 @pytest.mark.parametrize("unit", [1e-3, 1e-2])
