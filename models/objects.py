@@ -417,7 +417,8 @@ class Wrench:
         return replace(self, size=size * self.size, position=(float(x), float(y), z + raised))
 
     def body(self) -> Element:
-        """MJCF of the wrench, or of its bolt with the wrench in it."""
+        """MJCF of the wrench; for a wrench on a bolt, of the fixed plate with the wrench as its
+        child."""
         quat = (cos(self.yaw / 2), 0.0, 0.0, sin(self.yaw / 2))
         body = Element(
             "body",
@@ -465,7 +466,7 @@ class Wrench:
         return self._on_bolt(body, quat)
 
     def _on_bolt(self, body: Element, quat: ArrayLike) -> Element:
-        """The fixed plate under the bolt, with the wrench's body in it."""
+        """The fixed plate under the bolt, with the wrench's body as its child."""
         x, y = self.bolt_place(self.position[:2], self.yaw)
         plate = Element(
             "body",
@@ -577,7 +578,8 @@ def mjcf_text(values: ArrayLike) -> str:
 WOOD, DARK_WOOD = (0.80, 0.60, 0.38), (0.55, 0.37, 0.22)
 
 TRAY_DECK = (0.080, 0.060, 0.007)
-"""Half the edges of the deck of a tray of size 1 (m); it is wider than a hand can grasp."""
+"""Half the edges (m) of the deck of a tray whose `size` is 1. A hand cannot grasp the deck, which
+is too wide."""
 TRAY_HANDLE = (0.035, 0.015, 0.018)
 """Half the edges (m) of each handle; handles begin where the deck ends."""
 TRAY_GRIP = 0.120

@@ -1,8 +1,8 @@
 """A pytest plugin with the fixture `regression`, for tests of a lab's own task or encoder.
 
-Enable it with `pytest_plugins = ["sandbox.regression"]`. In a conftest.py of the test folder's
-root, or with `pytest -p sandbox.regression`, it also adds the options `--sandbox-update-baseline`
-and `--sandbox-workers N`.
+Enable it with `pytest_plugins = ["sandbox.regression"]` in a test file. If this line is in the
+conftest.py of pytest's root folder, or with `pytest -p sandbox.regression`, the plugin also adds
+the options `--sandbox-update-baseline` and `--sandbox-workers N`.
 
     def test_our_encoder_is_no_worse(regression):
         regression("box-to-goal", seeds="0:60", encoder="ours.npz", baseline="base.json")
@@ -74,7 +74,7 @@ class Regression:
             encoder: A name, a file, or a trained model. Files are searched as for tasks.
             baseline: Baseline file, relative to the test's folder. `--sandbox-update-baseline`
                 writes it.
-            at_least: Success rate, 0 to 1. The test fails if success is lower beyond chance.
+            at_least: Success rate, 0 to 1. The test fails if success is significantly lower.
             exact: True requires equal states on machines with the baseline's fingerprint.
             across_encoders: True allows a baseline of another encoder.
             allow_crashes: Number of trials that may crash; the test fails if more trials crash.
@@ -130,7 +130,8 @@ class Regression:
     def _resolved(self, place: str) -> str:
         """A place such as FILE.py:Class, with the file in the test's folder if it exists there.
 
-        The file is relative to the current folder, so that printed commands can be run from it.
+        If the file is inside the current folder, its path is relative to that folder, so that
+        printed commands are short and can be run there.
         """
         file, colon, name = place.partition(":")
         here = self.folder / file
@@ -146,10 +147,10 @@ class Regression:
         if name is None:
             return None
         path = self.folder / name
-        # The test of the other encoder writes its baseline.
+        # With `across_encoders`, another test, that of the baseline's encoder, writes the baseline.
         if self.update and not across_encoders:
             check_whole(path, "baseline")
-            # Report a file that is not a baseline before the run.
+            # If the file is not a baseline, report this before the run.
             if replaceable(path) is None and path.exists():
                 warnings.warn(f"{path} cannot be read, and is replaced as a whole", stacklevel=3)
             return None
@@ -171,15 +172,15 @@ def _toothless(report: Report, at_least: float | None) -> Iterator[str]:
     for name, comparison in report.comparisons.items():
         if comparison.pairs < needed:
             yield (
-                f"{name}: with {counted(comparison.pairs, 'seed')}, no loss is beyond chance, so "
-                f"this test cannot fail by its baseline: give at least {needed} seeds"
+                f"{name}: with {counted(comparison.pairs, 'seed')}, no loss can be significant, so "
+                f"the baseline cannot make this test fail: give at least {needed} seeds"
             )
     for task in report.tasks if at_least else ():
         if statistics.falls_short(0, task.n, float(at_least or 0.0)) > statistics.ALPHA:
             yield (
-                f"{task.name}: with {counted(task.n, 'seed')}, no number of successes is below "
-                f"{at_least:.0%} beyond chance, so this test cannot fail by at_least: give more "
-                "seeds"
+                f"{task.name}: with {counted(task.n, 'seed')}, even 0 successes would not be "
+                f"significantly fewer than {at_least:.0%}, so at_least cannot make this test fail: "
+                "give more seeds"
             )
 
 
@@ -190,8 +191,8 @@ def _assert(report: Report, at_least: float | None) -> None:
         p = statistics.falls_short(task.successes, task.n, float(at_least or 0.0))
         if p <= statistics.ALPHA:
             reasons.append(
-                f"{task.name}: {task.successes} of {task.n} succeeded, fewer than {at_least:.0%} "
-                f"beyond chance (p = {p:.2g})"
+                f"{task.name}: {task.successes} of {task.n} succeeded, significantly fewer than "
+                f"{at_least:.0%} (p = {p:.2g})"
             )
     if not reasons:
         return

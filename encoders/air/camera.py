@@ -5,8 +5,8 @@ tilt and no roll, the camera looks at the person horizontally from across the ta
 world's -x, its y the world's -z and its z the world's -y. Tilt turns it down about its x axis: at
 90 degrees it looks straight down on the table, and the far side of the table is at the bottom of
 the picture. Roll turns the picture about the line of sight: with tilt 90 and roll 180, the far side
-is at the top. Pan turns the camera about the vertical: at 90 degrees it stands at the person's left
-hand and looks to the right.
+is at the top. Pan turns the camera about the vertical, and does not move it: at 90 degrees it looks
+to the person's right.
 """
 
 from __future__ import annotations
@@ -23,10 +23,10 @@ from models.frames import Vector
 
 DEFAULT_VIEW = 60.0
 """Horizontal field of view (degrees) that is assumed for a webcam with pictures of 4:3 if it is not
-given. Manufacturers state 60 to 78 degrees, mostly across the diagonal of 16:9; a 4:3 part of such
-a picture has about 50 to 62."""
+given. Manufacturers state 60 to 78 degrees for pictures of 16:9. The 4:3 part of such a picture, at
+full height, has 47 to 63 if they mean its width, and 41 to 56 if they mean its diagonal."""
 VIEWS = (20.0, 150.0)
-"""Least and greatest field of view (degrees); a value outside is a typing error."""
+"""Smallest and largest accepted field of view (degrees). A value outside was probably mistyped."""
 FARTHEST = 3.0
 """Largest coordinate of a camera's place (m)."""
 

@@ -123,7 +123,7 @@ def _read_hierarchy(path: Path, lines: list[str]) -> tuple[_Hierarchy, int]:
         word = words.next()
         key = word.upper()
         if key in ("ROOT", "JOINT"):
-            # The enclosing joint of a JOINT; None for a ROOT.
+            # A ROOT must be outside all joints, and a JOINT inside one. An end site has no joints.
             if (key == "ROOT") != (not open_) or None in open_:
                 raise MotionError("unexpected joint", where=words.where, got=word)
             where = words.where
@@ -315,7 +315,7 @@ class BvhWriter(MotionWriter):
         out.write(_hierarchy(armature, self._zero, order).encode("ascii"))
         out.write(b"MOTION\nFrames: ")
         self._count_at = out.file.tell()
-        # With fewer than eight decimals, 60 Hz would be wrong in its fifth digit.
+        # With only six decimals, 60 Hz would be wrong in its fifth digit.
         out.write(f"{'':{_COUNT}}\nFrame Time: {frame_time:.8f}\n".encode("ascii"))
         self._line = " ".join([NUMBER] * (3 + 3 * len(armature.names))) + "\n"
 

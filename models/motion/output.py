@@ -68,7 +68,7 @@ class AtomicFile:
             raise refused(self.path, error) from error
 
     def complete(self) -> None:
-        """Flushes all bytes to the disk.
+        """Writes all buffered bytes, and closes the file.
 
         Raises:
             MotionError: The disk is full.
@@ -86,7 +86,7 @@ class AtomicFile:
             raise refused(self.path, error) from error
 
     def abort(self) -> None:
-        """Removes the unfinished files."""
+        """Removes the unfinished file."""
         # Flushing may fail on a full disk; the bytes are not needed any more.
         with suppress(OSError):
             self.file.close()
@@ -121,7 +121,7 @@ class MotionWriter(ABC):
     def write(self, *hands: Keys) -> None:
         """Appends keys of every hand, all at the same moments."""
 
-    def finish(self) -> None:  # noqa: B027 - it need not be written
+    def finish(self) -> None:  # noqa: B027 - need not be overridden
         """Fills in values that are known only at the end; most formats need none."""
 
     def abort(self) -> None:

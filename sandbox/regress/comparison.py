@@ -2,8 +2,12 @@
 
 Two trials with the same seed, one in the baseline and one in the run, are a pair. Success is
 compared by McNemar's test. Time and the other measures are compared by the signed ranks of their
-differences. Only success and time decide whether the run passes. Their p values are adjusted by
-Holm's procedure, over all tasks in every arm and over each arm as a whole.
+differences. Only success and time decide whether the run passes.
+
+A run has one or two arms: `plain` has the tasks as they are, `hard` has them with a variation that
+makes them harder. Success and time are tested for each task in each arm. In an arm with several
+tasks, they are also tested for all its tasks together. The p values of all these tests are adjusted
+together by Holm's procedure.
 """
 
 from __future__ import annotations
@@ -25,7 +29,7 @@ if TYPE_CHECKING:
     from sandbox.regress.baseline import Baseline, BaselineTask
 
 TOGETHER = "all tasks"
-"""Name for all tasks of the plain arm in lists of changes."""
+"""Name in lists of changes for all tasks of the plain arm together."""
 
 
 def together_name(row: str) -> str:
@@ -46,7 +50,7 @@ class Change:
             interval (`statistics.mean_change`). For other measures it is a difference.
         p_loss, p_gain: P values of both one-sided tests, adjusted by Holm's procedure.
         most: Seeds with the largest losses, the largest first, with the values before and now.
-        margin: Largest change that does not matter.
+        margin: Largest change that is not reported as a loss or gain, in the unit of `change`.
         decides: True if a loss makes the run fail.
     """
 
@@ -65,17 +69,17 @@ class Change:
 
     @property
     def is_loss(self) -> bool:
-        """True for a loss beyond chance and margin in a measure that decides."""
+        """True if a deciding measure is significantly worse, by more than its margin."""
         return self.decides and self.p_loss <= statistics.GATE and self.change > self.margin
 
     @property
     def is_gain(self) -> bool:
-        """True for a gain beyond chance and margin in a measure that decides."""
+        """True if a deciding measure is significantly better, by more than its margin."""
         return self.decides and self.p_gain <= statistics.GATE and -self.change > self.margin
 
     @property
     def moved(self) -> bool:
-        """True if the measure differs beyond chance, in either direction."""
+        """True if the measure has changed significantly, in either direction."""
         return min(self.p_loss, self.p_gain) <= statistics.GATE / 2.0
 
     def text(self) -> str:
@@ -125,8 +129,9 @@ class Comparison:
         both, lost, won, neither: Seeds that succeeded in both runs, only before, only now, and in
             neither run.
         changed: Seeds with different states although the fingerprints are equal.
-        same_machine: Number of pairs with equal fingerprints. Their states are compared. 0 if the
-            baseline is of other `STATES` or models.
+        same_machine: Number of pairs with equal fingerprints. Their states are compared. 0 if
+            states are not compared, because the baseline was made with another number `STATES` or
+            with other models.
         elsewhere: For pairs with different fingerprints, the differing parts, in words.
         crashed: Number of pairs whose trial crashed now.
         unpaired: Seeds of the run that are not in the baseline.
@@ -153,13 +158,14 @@ class Comparison:
 
     @property
     def significant(self) -> bool:
-        """True if success or time is a loss beyond chance and margin."""
+        """True if success or time is significantly worse, by more than its margin."""
         return any(change.is_loss for change in self.changes.values())
 
     def as_json(self, level: float) -> dict[str, Any]:
         """JSON values, with the smallest drop of success that this number of pairs can detect.
 
-        The drop is given without won seeds, and with the share of won seeds of this comparison.
+        The drop is computed twice: as if no seed were won, and with the share of won seeds in this
+        comparison.
 
         Args:
             level: Largest p value that counts as a loss; see `level_of`.
@@ -199,10 +205,11 @@ def compared(
 
     Args:
         tasks: Trials of the run by task.
-        baseline: The baseline. Tasks that are missing in it, or that have another hard setting in
-            it, are left out.
+        baseline: The baseline. A task is left out if it is missing in the baseline, or if its
+            variation in the hard arm has changed since.
         limits: s, time limits by task.
-        margins: Largest changes of deciding measures that do not matter, as shares, by measure.
+        margins: For each deciding measure, the largest change, as a share, that is not reported as
+            a loss or gain.
         states: True compares states.
     """
     found: dict[str, Comparison] = {}

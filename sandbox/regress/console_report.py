@@ -59,8 +59,8 @@ def film_lost(report: Report, baseline: Baseline, folder: Path) -> None:
     lines = [
         "# Trials that moved most",
         "",
-        f"Before: {baseline.origin}. To make the films of before, run the commands below with that "
-        "program, in this folder.",
+        f"The baseline was made by {baseline.origin}. To film its trials, run the commands below "
+        "with that version of the program, in this folder.",
     ]
     for trial in moved:
         job = jobs[trial.name, trial.seed]
@@ -246,7 +246,7 @@ def _changed(changes: Mapping[str, Change]) -> tuple[str, ...]:
 
 
 def _moved(report: Report, console: Console) -> None:
-    """Prints the changes beyond chance of the measures that do not decide."""
+    """Prints the significant changes of measures that do not decide whether the run passes."""
     for name, c in report.comparisons.items():
         others = [change for m, change in c.changes.items() if m not in DECIDING and change.moved]
         if others:
@@ -265,7 +265,10 @@ def _noise_floor(report: Report, console: Console) -> None:
     losses = statistics.fewest_losses(level)
     for name, c in report.comparisons.items():
         drop = statistics.noticeable_drop(c.pairs, 0.0, level)
-        text = f"{name}: {losses} lost and none won would be a loss beyond chance; {c.pairs} pairs "
+        text = (
+            f"{name}: {counted(losses, 'seed')} lost and none won would be a loss beyond chance; "
+            f"{c.pairs} pairs "
+        )
         if drop is None:
             text += f"cannot detect any drop with {statistics.POWER:.0%} power: use more seeds"
         else:
@@ -282,13 +285,13 @@ def _noise_floor_to_come(report: Report, console: Console) -> None:
     floor = report.noise_floor()
     seeds, power = counted(floor["pairs"], "seed"), f"{statistics.POWER:.0%}"
     if floor["drop"] is None:
-        text = f"as a baseline, {seeds} are too few for a later run to detect any drop"
+        text = f"{seeds} are too few for a baseline: no drop could be detected with {power} power"
     else:
-        drop = 100 * floor["drop"]
         text = (
-            f"with this baseline of {seeds}, a later run would detect a drop of {drop:.1f} points"
+            f"with this baseline of {seeds}, a later run detects a drop of "
+            f"{100 * floor['drop']:.1f} points with {power} power if no seed is won"
         )
-    console.print(f"[dim]{text} with {power} power, at best[/]", soft_wrap=True)
+    console.print(f"[dim]{text}[/]", soft_wrap=True)
 
 
 def _failed(report: Report, console: Console) -> None:
@@ -357,15 +360,17 @@ def show_sweep(found: Sweep, console: Console) -> None:
     floor = statistics.noticeable_drop(seeds)
     least = statistics.fewest_losses()
     text = (
-        f"{least} seeds lost and none won would be a loss beyond chance; {counted(seeds, 'seed')}: "
+        f"{counted(least, 'seed')} lost and none won would be a loss beyond chance; "
+        f"{counted(seeds, 'seed')}: "
     )
     text += (
         "too few to detect any drop"
         if floor is None
         else f"enough to detect a drop of {100 * floor:.1f} points"
     )
-    power = f"{statistics.POWER:.0%}"
-    console.print(f"[dim]{text} with {power} power, every value on its own[/]", soft_wrap=True)
+    text += f" with {statistics.POWER:.0%} power. Each value is tested separately, and p values "
+    text += "are not adjusted"
+    console.print(f"[dim]{text}[/]", soft_wrap=True)
     if not found.complete:
         missing = "; ".join(each.text(seeds) for each in found.unfinished)
         console.print(f"[yellow]not finished: {escape(missing)}[/]", soft_wrap=True)

@@ -6,8 +6,9 @@ commands the likeliest of these poses, given the encoder's pose. If no object is
 the encoder's pose itself.
 
 A pose is likely if it is near the encoder's pose and near the corrected pose of the step before. If
-no pose is clear, the active margins change from step to step, and without the second term the hand
-would tremble. The second term does not change where a correction finally settles.
+no pose is clear, the active margins change from step to step. The hand would then tremble if its
+pose did not have to be near that of the step before. This condition does not change where a
+correction finally settles.
 
 `HandDistances` measures the distances between parts of the hand and objects. It uses MuJoCo's
 collision detection in a copy of the scene, in which the hand is always present and pushes nothing.
@@ -86,7 +87,8 @@ _SLACK = 1e-6
 _SHORT = 1e-4
 """Tolerated violation of a margin that was dropped, m."""
 _ROUNDS = 12
-"""Largest number of iterations that hold joints at the ends of their ranges."""
+"""Number of iterations that are allowed in addition to three for each margin. They are for joints
+that have to be held at the ends of their ranges."""
 _STILL = 1e-5
 """Size below which a correction that is no longer needed ends, rad and m."""
 
@@ -321,7 +323,8 @@ class CollisionAvoidance:
 
         Args:
             A: (exact + n, 48) derivatives of tips and distances.
-            r: (exact + n,) change that each row needs, relative to no correction, m.
+            r: (exact + n,) m, change that each row needs, counted from the pose without a
+                correction.
             exact: Number of the tips' rows.
             q0: (48,) legal pose without the correction.
 
@@ -555,7 +558,8 @@ class SolidLinks:
 
     Attributes:
         fingers: Labels of the fingers whose last link is solid, whether they touch or not.
-        signature: The solid parts, as state outside MuJoCo that affects the next step.
+        signature: The solid parts as a bit mask. They affect the next step, and MuJoCo's state does
+            not contain them.
     """
 
     def __init__(self, scene: Scene, hand: int, distances: HandDistances) -> None:

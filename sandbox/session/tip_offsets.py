@@ -4,7 +4,8 @@ People put their fingers against an object. A touch is the place of the middle o
 the tip is a ball of 8 mm radius. Without an offset, a finger at a face would therefore become solid
 inside the object. While the tip is still a ghost, it is moved out along the surface, by little more
 than its radius. As long as the tip is solid near objects, it keeps this offset from its touch. The
-offset rotates with the touches. Fingers that close then press as soon as they are at the face.
+offset rotates with the touches. So, when the fingers close, they press as soon as they reach the
+face.
 
 A grip stores force in the servos of every finger, also along the faces of the object. If fingers
 opened slowly, this force would turn the object, and the object would follow the fingers. Lifted
@@ -136,7 +137,7 @@ _FORGOTTEN = -expm1(-CONTROL_PERIOD / MEMORY)
 
 
 MARGIN = 0.0012
-"""Clearance from objects of a fingertip with an offset, m. A touch trembles, and the simulated
+"""Clearance that an offset gives a fingertip from objects, m. A touch trembles, and the simulated
 finger follows its command within less than a millimetre."""
 REACH = 0.007
 """Largest offset minus the fingertip's radius, m. It covers the margin, and the additional offset
@@ -154,7 +155,8 @@ SPEED = 0.15
 FADING = 0.05
 """Speed at which a solid fingertip returns to a touch that is well clear of objects, m/s."""
 WELL_CLEAR = 0.003
-"""Clearance that a solid finger would need without its offset before the offset fades, m."""
+"""The offset of a solid finger fades if the finger, without the offset, would be farther than this
+from all objects, m."""
 
 _PROBE = 0.0005
 """Distance to either side at which the clearance is probed for its gradient, m."""
@@ -189,8 +191,8 @@ class TipOffsets:
         self._right, self._down = surface.rotation[:, 0], -surface.rotation[:, 1]
         self._right_of, self._down_of = self._right.tolist(), self._down.tolist()
         self._corner = surface.corner.tolist()
-        # Farthest distance, from the touch, of the part that becomes solid, with the largest
-        # offset included.
+        # Largest distance from a touch to any point of the finger's solid part, at the largest
+        # offset.
         reach = {
             f: (1.0 - link.solid_from) * link.length + 2 * link.radius + REACH
             for f, link in last.items()
@@ -216,7 +218,7 @@ class TipOffsets:
         Args:
             data: Current state of the simulation.
             reconstruction: Current reconstruction from touches.
-            ghost: True while the hand passes through objects by the contact mode.
+            ghost: True if the contact mode lets the hand pass through all objects.
         """
         # A finger that a robot hand lacks cannot hold an object.
         touches = {f: xy for f, xy in reconstruction.touches.items() if f in self._radius}

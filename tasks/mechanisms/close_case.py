@@ -231,7 +231,7 @@ class CloseCase(TaskDefaults):
     it, for 0.5 s without a break, within 40 s.
     Start: the place is uniform, the yaw is uniform within 12 degrees of the surface's axes, and the
     cap is at the right. Both are redrawn until both holding points are at least 42 mm from the
-    border and 30 mm from the middle line between the hands.
+    border and, with the case closed, at least 30 mm from the middle line between the hands.
     History: version 1.
     """
 

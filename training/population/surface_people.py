@@ -5,7 +5,7 @@ distances and directions of real fingertips (`population.NEIGHBOURS`). In 326 pi
 people, the 5, 50 and 95 percent quantiles of the direction from thumb to finger were 16, 42 and 72
 degrees, and those of the opening 45, 60 and 85 mm. The drawn layouts vary somewhat more than the
 real layouts, which come from few people and gestures. The labeller is trained on these layouts and
-on the simulated people. They are used neither to train poses nor to judge models.
+on the simulated people. The layouts are used neither to train poses nor to judge models.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from models.frames import FINGERS
 from training.population.hands import drawn_size
 
 FRAMES = (120, 100, 60, 60)
-"""Number of layouts of a person with 2, 3, 4 and 5 fingers."""
+"""Numbers of a person's layouts in which 2, 3, 4 and 5 fingers touch."""
 
 _GAPS, _GAPS_OF_PEOPLE, _GAPS_OF_LAYOUTS = (29.0, 23.0, 31.0), (2.0, 1.6, 2.6), (2.2, 1.8, 2.8)
 """Distances (mm) from index to middle, middle to ring, and ring to little finger: mean, standard
@@ -60,7 +60,7 @@ def surface_person(seed: list[int], frames: tuple[int, int, int, int] = FRAMES) 
 
     Args:
         seed: Seed of the person.
-        frames: Number of layouts with 2, 3, 4 and 5 fingers.
+        frames: Numbers of layouts in which 2, 3, 4 and 5 fingers touch.
     """
     rng = np.random.default_rng(seed)
     size = drawn_size(rng)

@@ -29,11 +29,12 @@ _SETTLINGS = 3
 """Number of rounds in which the wrist is raised or lowered so that the fingers reach the screen."""
 
 _STEADY = 0.015
-"""Spread (m) of fingertips at which the palm follows half of the slope of their plane."""
+"""Strength of the penalty in `_levelling`, as a standard deviation (m). If the fingertips spread by
+this much in a direction, the palm takes half of the slope of their plane in that direction."""
 
 _MARGIN = 0.007
-"""Least distance (m) of a fingertip from the screen's edge, since the touch of a pad is beside the
-fingertip."""
+"""Least distance (m) of a fingertip from the screen's edge. The finger's pad touches beside the
+fingertip, and this touch must also be on the screen."""
 
 _NEIGHBOURS = np.array(
     [
@@ -203,7 +204,8 @@ def _lifted(
     """Angles (n, 5, 5) rad of fingers while they are lifted.
 
     A lifted finger follows its grip and, to a part, the changes that the screen causes in the bend
-    of neighbouring fingers. It is raised at least until it clears the screen.
+    of neighbouring fingers. If it does not clear the screen, it is raised further, by at most 70
+    degrees and within the ranges of its joints.
     """
     low, high = hand.reach_limits
     ties = _NEIGHBOURS * plan.close[:, None, :]

@@ -16,8 +16,8 @@ class ConversionRules:
         rate: Frame rate (Hz) of the capture.
         shortest: Shortest life of a contact (s); shorter contacts are dropped as glitches.
         fastest: Greatest speed (m/s) of a finger on a surface; a faster movement is a jump.
-        stuck: Longest rest (s) at the end of a contact that never ends. After a longer rest, the
-            device is assumed to have missed the lift.
+        stuck: Longest rest (s) at the end of a contact. After a longer rest, the device is assumed
+            to have missed the lift, and the rest is cut off.
         reach: Largest distance (m) between a touch and its fingertip.
         doubt: Largest share of a contact's life in which another finger may be nearer than the
             contact's own finger.

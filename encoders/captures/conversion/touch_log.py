@@ -190,12 +190,12 @@ def _without_jumps(
 def _without_rest(
     track: ContactTrack, rules: ConversionRules, report: ConversionReport
 ) -> ContactTrack:
-    """Removes a long rest at the end of a contact that never ended."""
+    """Removes a long rest at the end of a contact whose lift is missing in the log."""
     moved = np.linalg.norm(track.xy - track.xy[-1], axis=1) > _STILL
     last = int(np.flatnonzero(moved)[-1]) + 1 if moved.any() else 0
     if track.end - track.time[last] < rules.stuck:
         return track
-    report.drop_parts("ends of touches that never ended")
+    report.drop_parts("long rests at the ends of touches without a lift")
     return ContactTrack(
         track.id, track.time[: last + 1], track.xy[: last + 1], float(track.time[last])
     )

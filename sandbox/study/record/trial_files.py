@@ -224,7 +224,7 @@ def recorded_seconds(path: Path, result: TrialResult) -> float:
     assert recording.end is not None
     simulated = recording.end["step"] * recorded_settings(recording.header).physics.timestep
     stood = sum((result.measures or {}).get(name) or 0.0 for name in STOOD_STILL)
-    return round(float(simulated + stood), 6)  # any order: three numbers
+    return round(float(simulated + stood), 6)  # any order: the sum is rounded
 
 
 STOOD_STILL = ("waited_s", "away_s", "lost_s")

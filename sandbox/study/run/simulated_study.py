@@ -47,8 +47,8 @@ def simulated_person(design: Design, number: int) -> dict[str, Any]:
     """Draws a simulated participant: side and size of the hand, language, and the configuration of
     the simulated user.
 
-    Skill is from 0 to 1. With skill 0.5, reaction, speed and noise are those of the simulated user
-    of regression runs.
+    Skill is from 0 to 1. A person of skill 0.5 has the reaction, speed and noise of the simulated
+    user of regression runs.
 
     Args:
         design: Design of the study, whose seed is used.
@@ -190,7 +190,7 @@ def simulate(
 
     Raises:
         StudyError: The study has participants already, and `resume` is False; or the design has
-            trials before a camera.
+            trials with a webcam.
     """
     if study.participants() and not resume:
         raise StudyError(

@@ -42,7 +42,8 @@ class Groups:
 
 
 def groups(people: Sequence[Mapping[str, Any]], columns: Sequence[str]) -> Groups:
-    """Groups people who have equal values in all given columns; one group without columns."""
+    """Groups people who have equal values in all given columns. Without columns, all people are one
+    group."""
     counted = Counter(tuple(person.get(name) for name in columns) for person in people)
     few = tuple((what, n) for what, n in counted.items() if n < SMALLEST)
     return Groups(tuple(columns), min(counted.values(), default=0), few)

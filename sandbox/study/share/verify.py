@@ -244,7 +244,7 @@ def _check_seals(
                 SEALS, session.path, f"missing: the last {counted(lacks, 'line')} that were sealed"
             )
         if unlike:
-            done.add(SEALS, session.path, "changed: a sealed line is another one")
+            done.add(SEALS, session.path, "changed: a line is not the line that was sealed")
         ended = any(record["kind"] == END for record in session.records)
         if ended and not seals:
             done.add(SEALS, session.path, "no seal: the notes of its site are not in this folder")
@@ -282,12 +282,12 @@ def _check_recordings(done: Verified, session: _Read) -> list[Path]:
 
 
 def _is_right(done: Verified, path: Path, digest: str | None) -> bool:
-    """True if a recording has its digest. Otherwise a finding is added, unless the attempt has no
-    recording, as its record states."""
+    """True if a recording matches the digest in its record. Otherwise a finding is added, unless
+    there is no recording, and the record states that there is none."""
     files = [p for p in (path, path.with_name(path.name + SUFFIX)) if p.exists()]
     if digest in (None, LEFT_OUT):
         for file in files:
-            done.add(RECORDINGS, file, "unexpected: the record of its attempt has no recording")
+            done.add(RECORDINGS, file, "unexpected: by the journal, its attempt has no recording")
         return False
     if not files:
         done.add(RECORDINGS, path.with_name(path.name + SUFFIX), "missing")
@@ -363,13 +363,20 @@ def _check_tables(done: Verified, study: StudyFolder, sound: bool) -> None:
     there = {name for name in made if (folder / name).exists()}
     for name in sorted(there):
         if (folder / name).read_bytes() != made[name]:
-            what = "differs from the table by the records; `sandbox study tables` makes it again"
+            what = (
+                "differs from the table that follows from the records; "
+                "`sandbox study tables` makes it again"
+            )
             done.add(TABLES, folder / name, what)
     done.compared[TABLES] = counted(len(there), "table")
 
 
 def _check_plan(done: Verified, session: _Read) -> None:
-    """Checks that number, orders and seeds follow from the design in the session's journal."""
+    """Checks the participant, and the levels and seeds of all trials.
+
+    The participant's values in the journal must be those in notes.jsonl. The levels and seeds must
+    follow from the participant's number and the design in the journal.
+    """
     if not session.sound or not session.records:
         return
     person, start = session.person, session.records[0]
@@ -395,7 +402,7 @@ def _check_plan(done: Verified, session: _Read) -> None:
                 done.note(session.path, f"line {line}: this version cannot read the design")
                 return
             if design.digest != record["design"]:
-                done.add(PLANS, session.path, "the design does not have its digest", line)
+                done.add(PLANS, session.path, "the design does not match its recorded digest", line)
             plan = trials_of(session_plan(design, person.number, session.number))
             planned = {trial.number: (trial.levels, trial.seed) for trial in plan}
         elif record["kind"] == TRIAL and planned.get(record["trial"]) != (

@@ -58,7 +58,8 @@ from sandbox.study.tables.upgrades import upgrades_of
 
 CODEBOOK = "codebook.csv"
 BEFORE = "before-"
-"""Prefix of the folders, in the folder of tables, with the tables from before an accepted loss."""
+"""Prefix of folders in the folder of tables. Each has the tables as they were before the
+experimenter accepted a loss of records."""
 
 Say = Callable[[str], object]
 
@@ -153,8 +154,8 @@ def table_files(study: StudyFolder) -> dict[str, bytes]:
 def keep_tables(study: StudyFolder) -> Path:
     """Copies the tables of a study, before they are made again from fewer records.
 
-    Copies from the same moment are not overwritten, so that they are older than the first of
-    several losses that are accepted at once.
+    A folder of copies is named by the current time in ms. If it exists, its copies are not
+    overwritten.
 
     Returns:
         The folder of the copies.

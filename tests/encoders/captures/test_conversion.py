@@ -221,7 +221,7 @@ def test_a_touch_that_never_ends_is_cut_where_it_came_to_rest(
     stuck = with_rows(log, after, np.full(len(after), id_), np.tile(place, (len(after), 1)))
     capture, report = converted(stuck, joints)
     clean, _ = converted(log, joints)
-    assert report.parts == {"ends of touches that never ended": 1}
+    assert report.parts == {"long rests at the ends of touches without a lift": 1}
     # Its last sight, at which it rested already, is the end.
     assert abs(len(capture) - len(clean)) <= 1
 

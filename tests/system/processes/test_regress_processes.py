@@ -129,7 +129,7 @@ def test_idle(regression):
     )
     shown = failures(tmp_path)
     assert "2 failed" in shown
-    assert "no such baseline" in shown and "fewer than 100% beyond chance" in shown
+    assert "no such baseline" in shown and "significantly fewer than 100%" in shown
     assert "sandbox/regress" not in shown
 
 
