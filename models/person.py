@@ -23,7 +23,7 @@ HANDS = ("right", "left")
 TURNS = (0, 90, 180, 270)
 SIZES = (0.6, 1.6)
 """Least and greatest length of a hand relative to the trained hand: from the hand of a small child
-to more than that of any adult. A value outside this range is probably a typing error."""
+to more than that of any adult. A value outside this range was probably mistyped."""
 
 
 @dataclass(frozen=True)

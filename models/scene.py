@@ -137,7 +137,7 @@ class Scene:
     def __init__(self, spec: SceneSpec) -> None:
         self.spec = spec
         substeps = CONTROL_PERIOD / spec.timestep if spec.timestep > 0 else 0.0
-        # Less than one step, or more than a million, are probably a typing error.
+        # For less than one step, or more than a million, the time step was probably mistyped.
         if not (0.5 < substeps < 1e6 and np.isclose(substeps, round(substeps))):
             raise SceneError(
                 "the control period is not a whole number of physics steps",

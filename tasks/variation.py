@@ -96,7 +96,7 @@ RANGES = {
     "ghosts": (0.0, 20.0),
     "latency": (0.0, 2.0),
 }
-"""Least and greatest allowed value of each attribute. Values outside are probably typing errors."""
+"""Smallest and largest allowed value of each attribute. Values outside were probably mistyped."""
 
 TOUCHES = ("noise", "dropped", "ghosts", "latency")
 """Attributes that change touches and not the scene."""

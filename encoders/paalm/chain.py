@@ -59,8 +59,8 @@ class FingerChain:
         lengths: Lengths (m) of the bones, from the knuckle outwards; the last may be 0.
         coupling: Relation of DIP to PIP.
         limits: Ranges of the joints.
-        hidden: Share of the first bone, next to the knuckle, that lengths and directions leave out.
-            With 0 they start at the knuckle.
+        hidden: Share of the first bone, next to the knuckle, that a device does not show. Distances
+            and directions of the tip are measured from the end of this part.
     """
 
     def __init__(
@@ -92,8 +92,8 @@ class FingerChain:
         )
         below = second * arithmetic.sin(pip) + third * arithmetic.sin(pip + dip)
         chord = np.sqrt(along * along + below * below)
-        # Before the longest and past the shortest distance, two PIP angles give the same length.
-        # Only the first decreasing piece is used.
+        # As PIP grows over its range, the length may first grow, then shrink, then grow again. Only
+        # the piece in which it shrinks is used, so that each length has one PIP angle.
         start = int(np.argmax(chord))
         rising = np.nonzero(np.diff(chord[start:]) >= 0.0)[0]
         piece = slice(start, start + int(rising[0]) + 1 if len(rising) else len(chord))
@@ -101,8 +101,8 @@ class FingerChain:
         self._least, self._most = float(self._pip[0]), float(self._pip[-1])
         self._along, self._below = along[piece], below[piece]
         self.longest, self.shortest = float(chord[piece][0]), float(chord[piece][-1])
-        # Near the stretched finger, PIP is proportional to the square root of the missing length.
-        # A table in equal steps of this root is therefore accurate everywhere.
+        # While the finger is nearly straight, PIP is proportional to the square root of the missing
+        # length. A table in equal steps of this root is therefore accurate everywhere.
         root = np.sqrt(self.longest - chord[piece])
         self._per_root = (_ENTRIES - 1) / float(root[-1])
         even = np.linspace(0.0, root[-1], _ENTRIES)

@@ -22,7 +22,7 @@ UNDER = (0.0, 0.0, -0.10)
 Fingertips at a box on the table are then 12 cm above the device, and the palm is 20 cm above it,
 where such devices are most exact."""
 FARTHEST = 2.0
-"""Largest coordinate (m) of a device's position; a larger value must be a typing error."""
+"""Largest coordinate (m) of a device's position. A larger value was probably mistyped."""
 
 
 @dataclass(frozen=True)

@@ -179,7 +179,7 @@ class Baseline:
             return ""
         models = self.origin.program.get("models") != origin.program.get("models")
         other = " with other models" if models else ""
-        return f"the baseline is of {self.origin}{other}, this run of {origin}"
+        return f"the baseline was made by {self.origin}{other}, this run by {origin}"
 
     def changed_defaults(self, origin: Origin) -> str:
         """Returns a clause that lists the settings with changed defaults, with both values.

@@ -24,8 +24,8 @@ REPEATS = 10
 """Number of seeds of every task whose trials a baseline has twice."""
 
 LEAST_CHANGE = 0.005
-"""Smallest change of time that is reported as detectable, as a share. Few pairs without churn would
-give a smaller number."""
+"""Smallest change of time that is reported as detectable, as a share. If a baseline has few
+repeated trials, and their times do not differ, the computed change would be smaller."""
 
 
 def repeated(job: TrialJob) -> TrialJob:
@@ -71,7 +71,7 @@ def power_of(
 
     Args:
         baseline: The baseline.
-        names: Tasks of the run in their arms.
+        names: Names of the run's rows, each a task in an arm, such as `stack (hard)`.
         seeds: Seeds of the run; seeds that are missing in the baseline count as present.
         limits: s, time limits by task.
     """

@@ -69,7 +69,7 @@ def setting_of(row: str) -> str:
 ALL = "all"
 """Name that selects every task of the registry."""
 MOST_SEEDS = 100_000
-"""Largest number of seeds in a range; a larger range is refused as a typing error."""
+"""Largest number of seeds in a range. A larger range was probably mistyped, and is refused."""
 
 
 _OF_ONE_TRIAL = {

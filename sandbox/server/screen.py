@@ -38,8 +38,8 @@ def room(screen: PageScreen, lifts: bool = False) -> tuple[float, float]:
 def rectangle(screen: PageScreen, hands: int = 1, lifts: bool = False) -> dict[str, Any]:
     """Returns the touch rectangle of a screen, as settings.
 
-    It fills the screen, but is not larger than the largest tablet; for two hands, than two tablets
-    side by side. For `lifts` see `room`.
+    It fills the screen, but is at most as large as the largest tablet, or for two hands as two of
+    these tablets side by side. For `lifts` see `room`.
     """
     most = (hands * LARGEST[0], LARGEST[1])
     size = tuple(
@@ -83,7 +83,8 @@ def common(rectangles: Sequence[dict[str, Any]]) -> dict[str, Any]:
 CANNOT_BEGIN = Message(
     "cannot_begin", "This cannot be played with these settings: the computer shows the reason."
 )
-"""Message of the page for all other errors. Their texts are for the person at the command line."""
+"""Message of the page for errors other than `SurfaceTooSmallError`. The texts of these errors are
+for the person at the command line."""
 
 
 def explain_refusal(error: InputError, settings: Settings, strip_in: float = 0.0) -> list[Message]:

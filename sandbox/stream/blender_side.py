@@ -1,7 +1,7 @@
 """Hands from Hand Sandbox in Blender: a script for its text editor, its command line, or `bpy`.
 
     blender -P hand_sandbox_blender.py                    # a window that listens on port 7004
-    python hand_sandbox_blender.py --out hand.bvh         # no window: the module bpy, until a stop
+    python hand_sandbox_blender.py --out hand.bvh         # without a window; ends with the stream
 
     sandbox stream run.jsonl --blender :7004              # in another terminal
 
@@ -60,7 +60,7 @@ listener: Optional["Listener"] = None
 
 
 class Listener:
-    """Receives lines from any program that connects, on this machine only."""
+    """Receives lines from all programs on this machine that connect."""
 
     def __init__(self, port: int) -> None:
         self.server = socket.create_server(("127.0.0.1", port))

@@ -128,7 +128,8 @@ class NoticeEvents:
         self._last: frozenset[str] = frozenset()
 
     def show(self, snapshot: Snapshot) -> None:
-        """Writes the new notices of a snapshot. It must get every snapshot to miss no notice."""
+        """Writes the new notices of a snapshot. Without a call for every snapshot, notices may be
+        missed."""
         for notice in snapshot.notices:
             if notice not in self._last:
                 self._events.write("warning", what=notice, time_s=round(snapshot.time, 3))

@@ -353,7 +353,7 @@ class ConditionOptions(PipelineSettings, PhysicsSettings):
     then this user's own calibration."""
 
     rest: Annotated[Path | None, Parameter(group=RECONSTRUCTION, metavar="FILE")] = None
-    """Rest posture: a file by `sandbox hand rest`, or a capture of the person's touching hand.
+    """Rest posture: a file written by `sandbox hand rest`, or a capture of the touching hand.
     With --encoder population it removes the constant difference between this hand and the trained
     hands (docs/playing.md). Default: the rest posture of the profile."""
 

@@ -36,7 +36,7 @@ _IN_PLACE = 0.004
 _STRAIGHT = float(np.deg2rad(8.0))
 """Acceptable rotation (rad) relative to the box below."""
 _RESTS = 0.004
-"""Height (m) above its place below which a box counts as standing."""
+"""A box counts as standing if it is less than this height (m) above its place."""
 _PRESS = 0.002
 """Depth (m) below its place to which a box is lowered, for safety."""
 _FALLEN = 0.010

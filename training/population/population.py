@@ -40,15 +40,15 @@ PEOPLE = {
 cannot be used to judge labels that depend on earlier frames."""
 
 SCRIPT = (120, 100, 60, 60)
-"""Number of frames of the script with 2, 3, 4 and 5 fingers. More frames of each person did not
-improve the models; more people did."""
+"""Numbers of frames of the script in which 2, 3, 4 and 5 fingers touch. More frames of each person
+did not improve the models; more people did."""
 
 SCRIPT_RATE = 2.0
 """Rate (Hz) of the script. It is low because successive frames of a movement are nearly equal."""
 
 PLAY = (240, 270, 160, 280)
-"""Number of frames of free play with 2, 3, 4 and 5 fingers, in the proportions of the frozen
-subjects."""
+"""Numbers of frames of free play in which 2, 3, 4 and 5 fingers touch, in the proportions of the
+frozen subjects."""
 
 PLAY_RATE = 30.0
 """Rate (Hz) of free play."""
@@ -94,7 +94,8 @@ class Population:
         hash_ = blake2b(digest_size=16)
         for person in self.people:
             hash_.update(json.dumps(_who(person), sort_keys=True).encode())
-            # In single precision, as stored, so that people read from a file have its digest.
+            # In single precision, as in a file: people have the same digest before they are saved
+            # and after they are loaded.
             stored = person.xy.astype(np.float32).astype(float)
             micrometres = np.where(person.down[..., None], np.rint(stored * 1e6), 0.0)
             hash_.update(micrometres.astype(np.int64).tobytes())
@@ -185,7 +186,8 @@ def _crossed(capture: Capture) -> NDArray[np.bool_]:
         xy = capture.xy[frames][capture.down[frames]].reshape(-1, count, 2)
         off = xy - xy.mean(axis=1, keepdims=True)
         angle = np.arctan2(off[..., 1], off[..., 0])
-        # Going around once in the order of the fingers, the angle grows at all steps but one.
+        # If the touches lie around their middle in the order of the fingers, the angle grows from
+        # each finger to the next, except at one step.
         steps = np.roll(angle, -1, axis=1) > angle
         crossed[frames] = steps.sum(axis=1) != count - 1
     return crossed
@@ -269,6 +271,6 @@ def load_population(path: Path) -> Population:
         ) from error
     if not whole:
         raise CaptureError(
-            "the population's digest does not fit its people", where=str(path), remedy=remedy
+            "the population's digest does not match its people", where=str(path), remedy=remedy
         )
     return population

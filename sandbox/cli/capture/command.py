@@ -65,9 +65,9 @@ class CaptureOptions:
 
     Each touch is labelled with the finger whose tip is nearest. The command drops and counts:
     frames with one finger, frames without a pose, contacts shorter than 50 ms, positions that jump
-    faster than 3 m/s, the ends of touches that never end, frames whose time runs backwards,
-    contacts without a fingertip within 25 mm, and contacts that are nearer to another finger for a
-    fifth of their time. docs/captures.md explains how to record.
+    faster than 3 m/s, long rests at the ends of touches without a lift, frames whose time runs
+    backwards, contacts without a fingertip within 25 mm, and contacts that are nearer to another
+    finger for a fifth of their time. docs/captures.md explains how to record.
 
     With a Leap instead of motion capture, or with a camera over the surface, use --recorded FOLDER
     instead of --joints and --mapping. The folder comes from `sandbox capture record`, which guides
@@ -102,14 +102,14 @@ class CaptureOptions:
     """Recording of markers on the hand, in place of --joints."""
 
     recorded: Annotated[Path | None, Parameter(metavar="FOLDER")] = None
-    """Folder by `sandbox capture record`: the touches and the hand, seen by a Leap or a camera."""
+    """Folder written by `sandbox capture record`: touches, and the hand from a Leap or a camera."""
 
     hands: Annotated[Path | None, Parameter(metavar="FILE.json|.jsonl")] = None
     """Recording of the hand by a Leap, with --touches recorded at the same time."""
 
     calibration: Annotated[Path | None, Parameter(metavar="FILE")] = None
-    """For --hands and --recorded: calibration by `sandbox paalm calibrate`. Default: measured at
-    the start of the recording, where the hand must be open."""
+    """For --hands and --recorded: calibration written by `sandbox paalm calibrate`. Default:
+    measured at the start of the recording, where the hand must be open."""
 
     correct: Literal["unseen", "all", "none"] = "unseen"
     """For --hands and --recorded: which fingertips are moved to their touches: those that the Leap

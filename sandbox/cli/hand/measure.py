@@ -133,8 +133,8 @@ class MeasureOptions(LiveTouchOptions):
     """File for the profile. Default: this user's own profile."""
 
     rest: Annotated[Path | None, Parameter(metavar="FILE")] = None
-    """Rest posture of the hand, which is copied into the profile: a file by `sandbox hand rest`, or
-    a capture of the hand (docs/playing.md)."""
+    """Rest posture of the hand, which is copied into the profile: a file written by `sandbox hand
+    rest`, or a capture of the hand (docs/playing.md)."""
 
     hand_size: Annotated[float, Parameter(metavar="RATIO")] = 1.0
     """True size of the simulated person's hand."""

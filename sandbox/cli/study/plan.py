@@ -32,11 +32,11 @@ class PlanOptions:
     """Number of participants. Default: the number in the design."""
 
     power: bool = False
-    """Show which differences this number of participants can find."""
+    """Show the differences that a study with this number of participants can detect."""
 
     detect: Annotated[float | None, Parameter(metavar="SD")] = None
-    """With --power: a difference, in standard deviations; show how many participants are needed to
-    find it."""
+    """With --power: a difference, in standard deviations. Show how many participants are needed to
+    detect it."""
 
     markdown: bool = False
     """Print design, orders, people, exclusions and tests as a text for a preregistration."""

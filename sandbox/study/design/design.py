@@ -42,7 +42,7 @@ class Factor:
     Attributes:
         name: Name of the column in tables.
         order: One of `fields.ORDERS`.
-        levels: All levels; of a nested factor, the levels within all outer levels.
+        levels: All levels; for a nested factor, those within all levels of the outer factor.
         outer: Name of the outer factor of a nested factor; empty for a crossed factor.
         nested: Levels by level of the outer factor; None for a crossed factor.
         one_a_session: True if each session has one of the levels, in the factor's order.

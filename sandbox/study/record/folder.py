@@ -264,7 +264,7 @@ class StudyFolder:
                 where=str(self.path),
                 got=ppid,
                 expected=", ".join(p.ppid for p in known[-8:]) or None,
-                remedy=remedy or "Look for a typing error: tables/participants.csv there lists all",
+                remedy=remedy or "Check the id: tables/participants.csv of the study lists all ids",
             )
         return participant
 

@@ -58,6 +58,7 @@ def read_pseudonym(text: str) -> str:
             where="--participant",
             got=text,
             expected="new, or six characters as in the column participant of participants.csv",
-            remedy="Look for a typing error: the last character is a check of the first five",
+            remedy="Check the id for mistyped characters: the last one is a checksum of the first "
+            "five",
         )
     return name

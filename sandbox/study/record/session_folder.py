@@ -126,8 +126,8 @@ class SessionFolder(Closeable):
         self._is_opened = False
         if not self.state.complete:
             self._write_opening()
-        # The record above names the boot of the machine, to which the clock of later records
-        # belongs. So these records come after it.
+        # Times of records belong to a boot of the machine, which the opening record names. So
+        # records of repairs come after it.
         self._recover()
         self._note_leftovers()
         self._syncing = SyncThread(self._sync)
@@ -136,7 +136,7 @@ class SessionFolder(Closeable):
     def _write_opening(self) -> None:
         """Records that the session begins or is resumed, with the program and the machine."""
         design = self.study.design
-        # The first record of a session that is run by a design has the texts of this design.
+        # The design's texts are recorded once, in the first opening with this design.
         texts = {} if self.state.design == design.digest else {FILES: design_files(design)}
         self.write(
             RESUME if self.resumed else SESSION,
@@ -218,11 +218,11 @@ class SessionFolder(Closeable):
         self._commit(self.state.attempts[trial.number][-1], result, taken_in=True)
 
     def set_aside(self, file: str, reason: str) -> None:
-        """Records that a recording without records does not count; the file stays."""
+        """Records that a recording, which no record mentions, does not count; the file stays."""
         self.write(REPAIRED, durable=True, file=file, reason=reason, recording=self._digest(file))
 
     def accept_loss(self, lost: int, unlike: bool, reason: str) -> None:
-        """Records that records were lost, here and in the notes about the participant.
+        """Records a loss of records, in the journal and in the notes about the participant.
 
         Args:
             lost: Number of lost records.
@@ -451,15 +451,15 @@ class SessionFolder(Closeable):
         names = ", ".join(Path(file).stem for file in whole)
         found = [
             *([f"whole recordings without a record: {names}"] if whole else []),
-            *([f"{lacks} records fewer than were sealed"] if lacks else []),
-            *(["other records than were sealed"] if unlike else []),
+            *([f"{lacks} of the sealed records are missing"] if lacks else []),
+            *(["sealed records have changed"] if unlike else []),
         ]
         raise StudyError(
             "records of this session are missing or changed",
             where=str(self.path),
             got="; ".join(found),
             remedy=f"Restore {JOURNAL} from a backup; or `sandbox study note {self.study.path} "
-            f'--participant {self.person.ppid} --accept-loss "REASON"` goes on with what is there. '
+            f'--participant {self.person.ppid} --accept-loss "REASON"` accepts the loss. '
             "Nothing was changed",
         )
 

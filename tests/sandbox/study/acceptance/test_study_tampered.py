@@ -175,7 +175,7 @@ def test_a_record_that_was_written_anew_is_accepted_only_with_a_reason(study: Pa
         if one["kind"] == "form":
             one["answers"] = dict.fromkeys(one["answers"], 0)
     record.write_bytes(chained_bytes(whole))
-    with pytest.raises(StudyError, match="other records than"):
+    with pytest.raises(StudyError, match="sealed records have changed"):
         resume(study)
     assert verify(study) != []
     (ppid,) = lost(study)
