@@ -202,11 +202,11 @@ def _crossed(across: Array) -> Array:
 
 
 _FAR = 0.30
-"""Distance (m) from the last place of a side's hand beyond which a new hand does not get this side,
-if both sides are tracked."""
+"""If both sides are tracked, a new hand gets a side only within this distance (m) of the last place
+of that side's hand."""
 _NEAR = 0.10
-"""Distance (m) from the last place of a side's hand within which a hand counts as the same hand,
-although the device reports the other side for a moment."""
+"""A hand within this distance (m) of the last place of a side's hand counts as the same hand, even
+if the device reports the other side for a moment."""
 _THUMB_BEHIND = 0.020
 """Least distance (m) by which a thumb's tip is nearer to the palm than the fingertips."""
 _SURE = 5

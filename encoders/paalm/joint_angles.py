@@ -204,7 +204,7 @@ class Paalm:
         needs `ENOUGH` frames in which each finger has its full length.
 
         Args:
-            frames: Frames, of which only as many are read as are needed.
+            frames: Frames. Only as many are read as are needed.
             hands: `right`, `left` or `both`.
             wanted: Number of frames with five fingers for each hand.
             progress: Called with the share done, 0 to 1.

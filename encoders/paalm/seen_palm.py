@@ -32,8 +32,8 @@ PRIOR = 60.0
 STEP = 0.0002
 """Largest change (m) of the shift in use in one frame, so that fingertips do not jump."""
 FAR = 0.04
-"""Difference (m) from the shift in use beyond which a finger's shift is not used: the palm is then
-reported the wrong way round, or the hand leaves the view."""
+"""If a finger's shift differs from the shift in use by more than this distance (m), it is not used.
+The palm is then reported the wrong way round, or the hand leaves the view."""
 _BIN = 0.001
 """Width (m) of a bin in the histogram of lengths."""
 _BINS = 160

@@ -103,8 +103,8 @@ class RegressOptions(SecondOptions, ConditionOptions):
     margin: Annotated[
         tuple[str, ...] | None, Parameter(metavar="MEASURE=SHARE", consume_multiple=True)
     ] = None
-    """Changes of success or time that do not matter, such as time=5% or success=2%. The gate fails
-    only if a loss is beyond chance and larger than its margin."""
+    """Largest changes of success or time that are accepted, such as time=5% or success=2%. The gate
+    fails only if a loss is beyond chance and larger than its margin."""
 
     update_baseline: bool = False
     """Make the baseline from this run, without a comparison. The first ten seeds of every task are

@@ -116,7 +116,7 @@ def side_by_side(
             fingers = int((~np.isnan(moment.xy[:, 0])).sum())
             grid[i, 0].set_ylabel(f"{fingers} fingers", fontsize=8.5)
         made.suptitle(
-            "Figure 2: captured hand and reconstructions from touches not trained on",
+            "Figure 2: captured hand, and reconstructions from touches of a day without training",
             fontsize=11,
             fontweight="bold",
         )

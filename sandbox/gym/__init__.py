@@ -72,7 +72,7 @@ def _check_own(spec: EnvSpec, task: str) -> None:
     other = str(spec.kwargs.get("task", ""))
     if spec.entry_point != _ENTRY or not _same_task(other, task):
         raise InputError(
-            f"the id {spec.id} is another task's",
+            f"the id {spec.id} belongs to another task",
             where=task,
             got=other or str(spec.entry_point),
             remedy="Give the task a name of its own",

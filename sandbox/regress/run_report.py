@@ -33,7 +33,7 @@ if TYPE_CHECKING:
 SCHEMA = 1
 """Version of the report's JSON."""
 _MOST_MOVED = 10
-"""Largest number of listed trials with the largest changes."""
+"""Number of trials in the list of the largest changes."""
 
 
 @dataclass(frozen=True)
@@ -41,7 +41,7 @@ class TaskResult:
     """Results of a task in an arm.
 
     Attributes:
-        name: Name of the task in its arm.
+        name: Name of the task in its arm, such as `stack` or `stack (hard)`.
         version: Version of the task.
         trials: Trials by seed.
     """
@@ -213,7 +213,7 @@ class Report:
             if change.is_loss
         ]
         if not losses:
-            # A loss of an arm as a whole may be made of small losses in each task.
+            # A loss of all tasks together may consist of small losses in each task.
             losses = [
                 (name, measure)
                 for group, own in groups(self.comparisons).items()
@@ -298,7 +298,8 @@ def make_report(
             models differ.
         across_encoders: True allows a baseline of another encoder.
         allow_crashes: Number of trials of the whole run that may crash.
-        margins: Largest changes of success and time that do not matter, as shares, by measure.
+        margins: For success and time, the largest change, as a share, that is not reported as a
+            loss or gain.
 
     Raises:
         InputError: The baseline cannot be compared with this run.

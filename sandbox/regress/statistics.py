@@ -1,9 +1,10 @@
 """Statistics of success over seeds: intervals, paired tests and their power.
 
 The same seeds are run before and after a change, so that trials come in pairs. For success, only
-pairs that differ are informative: without an effect, about half of them should be lost and half
-won. This is McNemar's test, here exact and one-sided. Times and other measures are compared by the
-signed ranks of their differences.
+pairs that differ are informative. A pair is lost if only the trial before the change succeeded, and
+won if only the trial after it did. Without an effect, about half of these pairs are lost and half
+are won. This is McNemar's test, here exact and one-sided. Times and other measures are compared by
+the signed ranks of their differences.
 """
 
 from __future__ import annotations
@@ -103,8 +104,8 @@ def _differing(differences: ArrayLike) -> NDArray[np.float64]:
 def typical_change(*samples: ArrayLike) -> tuple[float, float, float]:
     """The Hodges-Lehmann estimate of the shift, and its interval (estimate, low, high).
 
-    Only pairs that differ are used for the median of the means of any two differences of a sample.
-    The estimate is this median, multiplied by the share of these pairs among all pairs. Its sign
+    The means of any two differences of a sample are computed, without the pairs that are equal. The
+    estimate is the median of these means, multiplied by the share of pairs that differ. Its sign
     agrees with `signed_rank`, and single large differences do not change it.
 
     Args:
@@ -231,7 +232,7 @@ def noticeable_drop(pairs: int, win: float = 0.0, level: float = ALPHA) -> float
 
     Args:
         pairs: Number of seeds that are run before and after.
-        win: Probability that a pair is won at the same time. Won pairs hide losses.
+        win: Probability that a pair is won. Won pairs hide losses.
         level: See `fewest_losses`.
 
     Returns:

@@ -34,7 +34,8 @@ class RequestedVariation:
 
     Attributes:
         kind: Kind of variation.
-        values: Values in its unit; empty uses default values until a value breaks the task.
+        values: Values in its unit. If there are none, default values are used until one breaks the
+            task.
     """
 
     kind: Kind
@@ -42,7 +43,8 @@ class RequestedVariation:
 
     @property
     def directions(self) -> tuple[tuple[float, ...], ...]:
-        """Sequences of values to run one after the other; default values lead away from neutral."""
+        """Sequences of values, each to be run in its order. Default values give two sequences: from
+        the neutral value down, and from the neutral value up."""
         if self.values:
             return (tuple(v for v in dict.fromkeys(self.values) if v != self.kind.neutral),)
         return self.kind.down, self.kind.up
@@ -133,13 +135,13 @@ class Curve:
 
     @property
     def breaks_below(self) -> float | None:
-        """The breaking value below the neutral value that is nearest to it; None without one."""
+        """The largest value below the neutral value that breaks the task; None if no value does."""
         broken = [p.value for p in self.points if p.breaks and p.value < self.kind.neutral]
         return max(broken, default=None)
 
     @property
     def breaks_above(self) -> float | None:
-        """The breaking value above the neutral value that is nearest to it; None without one."""
+        """The smallest value above the neutral value that breaks the task; None if none does."""
         broken = [p.value for p in self.points if p.breaks and p.value > self.kind.neutral]
         return min(broken, default=None)
 
@@ -162,7 +164,8 @@ class Unfinished:
 
     Attributes:
         task: Name of the task.
-        kind: Kind of variation; None for the unvaried trials of the task and all later trials.
+        kind: Kind of variation; None if the unvaried trials of the task are unfinished, and with
+            them all its later trials.
         values: Remaining values in its unit, in the order in which they would be run; empty if no
             values were given.
         ended: Number of trials that have ended.
@@ -246,8 +249,8 @@ class Sweep:
 def sweep(plan: RegressionPlan, wanted: Sequence[RequestedVariation], run: Runner) -> Sweep:
     """Runs every task without variation, and then with every value.
 
-    A value that a task cannot have is noted as refused. Among default values, it ends its
-    direction. For example, the start of a bolt cannot be shifted.
+    Some tasks cannot have some values: for example, the start of a bolt cannot be shifted. Such a
+    value is noted as refused. If it is a default value, no further values in its direction are run.
     """
     curves: list[Curve] = []
     missing: list[Unfinished] = []
@@ -359,7 +362,7 @@ def refusal(plan: RegressionPlan) -> str:
 
 
 def check_possible(plan: RegressionPlan, wanted: Sequence[RequestedVariation]) -> None:
-    """Checks, before the run, that for every kind of variation some task can have some value.
+    """Checks, before the run, that each kind of variation has a value that some task can have.
 
     For every task, only the trial of the first seed is drawn.
 

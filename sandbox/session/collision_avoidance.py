@@ -506,8 +506,8 @@ class HandDistances:
 
         Args:
             rows: Indices (k,) into the distances that `near` returned last.
-            ahead: True for the last call of `near` with a time `ahead`; False for the last call
-                without one.
+            ahead: True refers to the last call of `near` with a time `ahead`. False refers to the
+                last call without this argument.
         """
         model, own = self._model, self._ahead if ahead else self._now
         mujoco.mj_comPos(model, own)

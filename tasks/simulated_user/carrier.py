@@ -35,9 +35,9 @@ _FALLEN, _BEHIND = 0.014, 0.008
 """Heights (m). An end counts as slipped if it lags behind the rising hand by more than the first
 height, and behind the other end by more than the second."""
 _RESTS = 0.004
-"""Height (m) above its place on the table below which a handle counts as lying there."""
+"""A handle counts as lying on the table if it is less than this height (m) above its place."""
 _ASIDE = 0.030
-"""Horizontal distance (m) of a handle from the fingers beyond which it counts as slipped."""
+"""A handle counts as slipped if its horizontal distance (m) from the fingers is larger."""
 _PATIENCE = 10.0
 """Time (s) for which the user holds an end and waits for the other end, before letting go."""
 _FOLLOWS = 0.30

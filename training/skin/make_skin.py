@@ -27,8 +27,8 @@ FACES = 7600
 CREASE_EDGE, NEAR_CREASE = 0.00135, 0.00006
 """Longest edge (m) in a crease, and depth (m) of a widened crease at which refinement begins."""
 TIP_EDGE, TIP = 0.0024, 0.011
-"""Longest edge (m) at fingertips, and distance (m) from a fingertip's centre within which it
-applies."""
+"""Longest edge (m) at fingertips, and the distance (m) from a fingertip's centre within which edges
+must be so short."""
 STEP = 4e-6
 """Step (m) to which positions are rounded."""
 

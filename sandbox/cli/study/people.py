@@ -33,7 +33,7 @@ def find_participant(options: StudyRunOptions, study: StudyFolder, console: Cons
                 where="--participant",
                 got=person.ppid,
                 remedy=f"`sandbox study note {study.path} --participant {person.ppid} --include "
-                '"REASON"` takes it back',
+                '"REASON"` undoes this',
             )
         return person
     unfinished = [person.ppid for person in study.participants() if _comes_again(study, person)]

@@ -167,9 +167,9 @@ def offer_to_begin_again(
     minutes = f"{session.away / 60.0:.0f} min"
     trials = counted(len(trials_of(again)), "trial")
     say(
-        f"{session.person.ppid} was away for {minutes}, after {trials} of this block. Go on there, "
-        "or begin the block again with its instructions and practice? If it begins again, its "
-        "earlier trials are stored but do not count"
+        f"{session.person.ppid} was away for {minutes}, after {trials} of this block. Continue "
+        "with the next trial, or begin the block again with its instructions and practice? If it "
+        "begins again, its earlier trials are stored but do not count"
     )
     ways = ("go on", "begin again")
     ended = partial(_input_ended, "--resume goes on")

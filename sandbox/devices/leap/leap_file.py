@@ -199,7 +199,7 @@ def doubt_of_side(frames: Sequence[HandFrame], side: str, option: str) -> str:
     shown = side_by_thumb(frames)
     if shown in ("", side):
         return ""
-    return f"by its thumb, the recorded hand is a {shown} hand: use {option} {shown}"
+    return f"the thumb shows that the recorded hand is a {shown} hand: use {option} {shown}"
 
 
 def is_leap_recording(path: Path) -> bool:

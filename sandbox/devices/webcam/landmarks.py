@@ -549,8 +549,8 @@ def _doubt_pictures(messages: Sequence[PictureMessage], report: ReaderReport) ->
             stretches.append(float(across / up))
     if median(agreements or [1.0]) < _MIRRORED:
         report.assume(
-            "points in the picture lie the other way round than those in space: if the picture "
-            "is a mirror's, its hands are of the other side"
+            "points in the picture are mirrored compared with points in space: if the picture is "
+            "mirrored, its hands are of the other side"
         )
     stretch = median(stretches or [1.0])
     if not 1.0 / _STRETCHED < stretch < _STRETCHED:

@@ -119,8 +119,9 @@ def rows_of(design: Design, participant: int) -> tuple[int, ...]:
     for factor in design.factors:
         count = cycle_of(factor)
         number = participant % (combined * count)
-        # Each participant gets the next row of every factor. After the common multiple, the same
-        # combinations would recur, so this factor skips one row there.
+        # Each participant gets the next row of every factor. After the common multiple of the
+        # numbers of rows, the same combinations would recur. So after each common multiple, this
+        # factor skips one row.
         rows.append((number + number // lcm(combined, count)) % count)
         combined *= count
     return tuple(rows)

@@ -245,7 +245,7 @@ def _same(design: Design, i: int, factor: Factor) -> Iterator[Flaw]:
         if alike and _read_before(design, factor, a) == _read_before(design, factor, b):
             yield Flaw(
                 ("factors", i, "levels", [level.name for level in factor.levels].index(b)),
-                f"the levels {a} and {b} of {factor.name} set the same in every trial",
+                f"the levels {a} and {b} of {factor.name} have the same settings in every trial",
                 "Change one of them, or remove it",
                 error=True,
             )
@@ -479,8 +479,8 @@ def _exclusions(design: Design) -> Iterator[Flaw]:
         if below is not None and above is not None and above < below:
             yield Flaw(
                 path,
-                f"{' and '.join(every)} exclude every {rule.of}: below {below:g} and above "
-                f"{above:g} are all numbers",
+                f"{' and '.join(every)} exclude every {rule.of}, since every number is below "
+                f"{below:g} or above {above:g}",
                 "Change the bounds: below is the smaller one",
                 error=True,
             )

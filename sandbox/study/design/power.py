@@ -212,8 +212,8 @@ def power_lines(design: Design, participants: int, effect: float | None = None) 
         first, second = (_smallest(test, n, family) for n in (participants, 2 * participants))
         people = counted(participants, "participant")
         yield (
-            f"{name}: {people} find a difference {kind} of {first} with probability {WANTED:g}; "
-            f"{2 * participants} find {second}"
+            f"{name}: {people} detect a difference {kind} of {first} with probability {WANTED:g}; "
+            f"{2 * participants} detect {second}"
         )
         if effect is not None:
             needed = people_needed(effect, family, test.between)

@@ -43,7 +43,10 @@ class Copy:
         if self.withdrawn:
             return f"holds the data of {self._name}, who has withdrawn; delete it"
         if not self.of.exists():
-            return f"holds the data of {self._name}: rename it to that, or move it out of the study"
+            return (
+                f"holds the data of {self._name}: rename it to {self._name}, or move it out of the "
+                "study"
+            )
         file = PERSON_NOTES if self.of_person else JOURNAL
         equal = _bytes(self.path / file) == _bytes(self.of / file)
         what = "is a copy of" if equal else "holds other data of"

@@ -283,7 +283,7 @@ class StudyFolder:
             different = changes(self.build, _build_of(read_notes(self.notes)))
             if different:
                 raise StudyError(
-                    "the study was locked to something else while it was open here",
+                    "another program has locked the study to other values since it was opened here",
                     where=str(self.path),
                     got=", ".join(different),
                     remedy="Begin the session again",

@@ -288,7 +288,7 @@ def _damage(
         got=got,
         expected=expected,
         remedy=f"Restore it from a backup; or `sandbox study note {person.parent} --participant "
-        f'{person.name} --accept-loss "REASON"` goes on with the lines before it. Nothing was '
+        f'{person.name} --accept-loss "REASON"` continues with the lines before it. Nothing was '
         "changed. `sandbox replay STUDY --verify` names what differs",
     )
 

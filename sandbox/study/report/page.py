@@ -494,7 +494,7 @@ def _pairs(one: Compared) -> Table:
     if not known:
         note = (
             f"Fewer than {FEWEST} people, or no spread among them: no interval and no test, so "
-            "that nothing follows for others."
+            "that nothing follows for other people."
         )
     elif not tested:
         note = "Exploratory: not tested."
@@ -589,7 +589,7 @@ def _carried_over(data: StudyData, one: Compared) -> Table | None:
     if not rows:
         return None
     return Table(
-        f"{one.what.title}: differences by what was met first",
+        f"{one.what.title}: differences by the level that came first",
         ["", "The first level first", "The second first", "Apart"],
         rows,
         "In each row, the first level is the one after `against`. The two differences differ if "

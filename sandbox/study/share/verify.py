@@ -319,7 +319,7 @@ def _check_replays(done: Verified, finished: Sequence[Path]) -> None:
             done.add(FRAMES, frames_of(path), "changed: a replay gives other frames")
     done.compared[STATES] = f"{counted(played, 'recording')} replayed"
     there = len(list(done.root.glob(f"*/{SESSIONS}/{TRIALS}/*.frames.csv.gz")))
-    none = f"{NOT_COMPARED}: the recordings of {counted(there, 'file')} were not replayed"
+    none = f"{NOT_COMPARED}: no recording was replayed for the frames in {counted(there, 'file')}"
     done.compared[FRAMES] = counted(frames, "file") if frames or not there else none
     for reason, count in others.items():
         done.notes.append(f"{counted(count, 'recording')} not replayed: {reason}")

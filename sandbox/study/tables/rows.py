@@ -64,8 +64,8 @@ PARTICIPANT = (
 def participant_columns(design: Design, rows: Sequence[Row] = ()) -> list[Column]:
     """Columns of `participants.csv`, and then of questions that only an earlier design had.
 
-    A question of an older design with the name of a column in `PARTICIPANT` has no column here; its
-    answers are in `answers.csv`.
+    If a question of an earlier design has the name of a column in `PARTICIPANT`, it gets no column
+    in this table. Its answers are in `answers.csv`.
     """
     language, filled = design.languages[0], names_of(PARTICIPANT)
     columns = [
@@ -150,7 +150,7 @@ ANSWER = (
     Column(
         "form_complete",
         "0/1",
-        "0: the participant left the form before its end, and this answer was given until then",
+        "0: the participant left the form before its end; this answer was given before that",
     ),
 )
 SCORE = (

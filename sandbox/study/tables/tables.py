@@ -108,7 +108,7 @@ def make_tables(
         rows = _rows(study, people, say)
         for name, data in _files(study, rows, UXF_NAMES if uxf_names else {}).items():
             if compare and (differs := _difference(folder / name, data)):
-                say(f"{TABLES}/{name} was not what the records say, and was made again: {differs}")
+                say(f"{TABLES}/{name} differed from the records, and was made again: {differs}")
             write_atomically(folder / name, data)
     counts = [r for r in rows["trials.csv"] if r["counted"] and not r["practice"]]
     return {
@@ -137,8 +137,8 @@ def _difference(path: Path, data: bytes) -> str:
     for number, (old, new) in enumerate(zip(there, here, strict=False), start=2):
         for name in old.keys() & new.keys():
             if old[name] != new[name]:
-                return f"row {number}, {name}: {old[name]!r} there, {new[name]!r} by the records"
-    rows = f"{counted(len(there), 'row')} there, {len(here)} by the records"
+                return f"row {number}, {name}: {old[name]!r}, not {new[name]!r} as in the records"
+    rows = f"{counted(len(there), 'row')}, not {len(here)} as in the records"
     return rows if len(there) != len(here) else ""
 
 

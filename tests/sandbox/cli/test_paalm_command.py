@@ -91,7 +91,7 @@ def test_a_hand_whose_thumb_is_that_of_the_other_one_is_not_taken_for_this_one_w
     for taken_for in ("right", "left"):
         capsys.readouterr()
         assert main(["paalm", "show", path, "--hands", taken_for, "--seconds", "0.1"]) == 0
-        told = f"by its thumb, the recorded hand is a {hand} hand: use --hands {hand}"
+        told = f"the thumb shows that the recorded hand is a {hand} hand: use --hands {hand}"
         assert (told in " ".join(capsys.readouterr().err.split())) == (taken_for != hand)
 
 

@@ -70,16 +70,14 @@ def test_a_table_changed_by_hand_is_named_and_the_records_decide(
         path.write_text("\n".join([names, *lines, ""]))
         assert main(["study", *action]) == 0
         said = " ".join(capsys.readouterr().out.split())
-        changed = f"row 5, time_s: '0.001' there, '{cells[at]}' by the records"
-        assert (
-            f"tables/trials.csv was not what the records say, and was made again: {changed}" in said
-        )
+        changed = f"row 5, time_s: '0.001', not '{cells[at]}' as in the records"
+        assert f"tables/trials.csv differed from the records, and was made again: {changed}" in said
         assert path.read_bytes() == before
     path.write_text("\n".join([names, *lines[:-1], ""]))
     for more in (["--uxf-names"], []):
         assert main(["study", "tables", str(folder), *more]) == 0
     said = capsys.readouterr().out
-    assert said.count("was not what the records say") == 1
+    assert said.count("differed from the records") == 1
 
 
 def test_nothing_is_deleted_unless_the_id_is_typed_again(

@@ -74,7 +74,9 @@ ERRORS = {
     "E10 surface": Planted(
         {**STACK, "settings.surface": "1x1in"}, "settings.surface", "too small for this task"
     ),
-    "E11 the same": Planted({"factors.0.levels": SAME}, "factors.0.levels.1", "set the same in"),
+    "E11 the same": Planted(
+        {"factors.0.levels": SAME}, "factors.0.levels.1", "have the same settings in"
+    ),
     "E12 nested": Planted(
         {"factors.1": {**TURN, "inside": "contact", "levels": {"hard": [0, 90]}}},
         "factors.1.levels",

@@ -59,5 +59,7 @@ def test_a_folder_with_a_wrong_name_is_no_data_until_it_has_its_own(
     ppid = study.participants()[0].ppid
     (study.path / ppid).rename(study.path / "lost and found")
     assert main(["study", "tables", str(study.path)]) == 0
-    assert f"lost and found holds the data of {ppid}: rename it to that" in capsys.readouterr().out
+    assert (
+        f"lost and found holds the data of {ppid}: rename it to {ppid}" in capsys.readouterr().out
+    )
     assert len(rows_of(study.path / "tables/participants.csv")) == 1

@@ -166,7 +166,7 @@ def test_a_study_in_which_nobody_has_taken_part_is_locked_anew_and_says_so(
 def test_nobody_is_added_by_a_design_to_which_the_study_is_no_longer_locked(tmp_path: Path) -> None:
     first = open_study(tmp_path)
     second = open_study(tmp_path, DESIGN.replace("repetitions = 2", "repetitions = 3"))
-    with pytest.raises(StudyError, match="locked to something else while it was open"):
+    with pytest.raises(StudyError, match="locked the study to other values"):
         first.add()
     assert first.participants() == [] and second.add().number == 1
 

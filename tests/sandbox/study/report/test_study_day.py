@@ -80,6 +80,6 @@ def test_what_an_order_carries_over_is_welch_s_difference_of_its_groups(tmp_path
     group = np.array([at_first[p] == first for p in data.ppids])
     apart, _ = welch(own[group], own[~group])
     text = report(tmp_path).text
-    assert group.sum() == 6 and "differences by what was met first" in text
+    assert group.sum() == 6 and "differences by the level that came first" in text
     ends = f"{apart.value:.3g} s ({apart.low:.3g} to {apart.high:.3g})".replace("-", "\u2212")
     assert ends in text

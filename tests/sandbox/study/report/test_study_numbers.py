@@ -118,7 +118,7 @@ def test_few_people_have_dots_and_means_and_no_interval_and_no_test(
         rows = list(csv.DictReader(file))
     assert rows and not any(r["low"] or r["high"] or r["p"] for r in rows)
     page = (tmp_path / "report/report.html").read_text(encoding="utf-8")
-    assert "p, Holm" not in page and "nothing follows for others" in page
+    assert "p, Holm" not in page and "nothing follows for other people" in page
 
 
 def test_no_interval_goes_beyond_what_an_outcome_can_be(tmp_path: Path) -> None:
