@@ -1,4 +1,4 @@
-"""Measures pose, finger labels and their probabilities of people who took no part in the training.
+"""Measures poses, finger labels and the labels' probabilities on people who were not trained on.
 
 Every take of a person is judged from its beginning. The pose is estimated with true labels.
 Intervals are from a bootstrap over people (or over days of one person), since frames and takes of

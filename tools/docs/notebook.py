@@ -89,7 +89,7 @@ def page(notebook: Any) -> tuple[str, list[bytes]]:
                 parts.append(f"```text\n{words}\n```")
     intro = (
         "*[examples/notebook.ipynb](../examples/notebook.ipynb), with what `python -m "
-        "tools.docs.notebook` saw when it ran it. CI runs it at every change.*"
+        "tools.docs.notebook`. CI runs the notebook at every change.*"
     )
     title, _, rest = "\n\n".join(parts).partition("\n\n")
     return f"{title}\n\n{intro}\n\n{rest}\n", pictures
