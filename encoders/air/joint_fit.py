@@ -104,7 +104,8 @@ def seen_size(hand: TrackedHand, skeleton: Skeleton) -> float | None:
     ratios = []
     for finger in hand.fingers:
         if finger.finger and finger.joints is not None:
-            # The last bone is left out: it ends at the skin or within the tip, by device.
+            # The last bone is left out: it ends at the skin or within the tip, depending on the
+            # device.
             bones = list(pairwise(finger.joints))[:-1]
             own = lengths[finger.finger][:-1]
             ratios += [distance(a, b) / ours for (a, b), ours in zip(bones, own, strict=True)]

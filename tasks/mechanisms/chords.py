@@ -107,8 +107,8 @@ SPREAD = 0.004
 """Standard deviation (m), over hands, of the position along its key at which a finger lands."""
 
 _OFF = 0.004
-"""Error (m) of the drawn fingertips across the keys below which the fingers count as on their
-keys."""
+"""The fingers count as on their keys if the drawn fingertips are off by less than this distance (m)
+across the keys."""
 _PRESSING = 0.75
 """Time (s) for which the user holds an unsuccessful chord before trying again; longer than the hold
 time."""
