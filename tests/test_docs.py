@@ -8,7 +8,6 @@ import inspect
 import re
 import tomllib
 from pathlib import Path
-from xml.etree import ElementTree
 
 import pytest
 
@@ -16,8 +15,6 @@ from models.objects import RED, Box, Cylinder
 from models.surface import Surface
 from tasks.box_to_goal import BoxToGoal
 from tasks.task import Goal, place_surface
-from tools.docs import axes
-from tools.docs.how_it_works import drawing
 
 ROOT = Path(__file__).parents[1]
 PAGES = sorted(
@@ -60,17 +57,6 @@ def test_every_link_within_the_repository_leads_somewhere(page: Path) -> None:
         if not target.exists() or (anchor and anchor not in anchors(target)):
             astray.append(link)
     assert not astray
-
-
-def test_the_picture_of_the_steps_is_the_one_that_its_command_draws() -> None:
-    drawn = ElementTree.fromstring(drawing())
-    kept = (ROOT / "docs" / "pictures" / "how-it-works.svg").read_text(encoding="utf-8")
-    assert ElementTree.tostring(drawn) == ElementTree.tostring(ElementTree.fromstring(kept))
-
-
-def test_the_picture_of_the_axes_is_the_one_that_its_command_draws() -> None:
-    kept = (ROOT / "docs" / "pictures" / "axes.svg").read_text(encoding="utf-8")
-    assert kept == axes.drawing()
 
 
 def test_the_page_on_tasks_says_where_the_surface_is() -> None:

@@ -27,14 +27,11 @@ from tasks.registry import TASKS
 from tasks.stack import NAMES
 
 ROOT = Path(__file__).resolve().parents[3]
-
-
-SOURCES = sorted((ROOT / "sandbox/views/page/src").glob("*.ts"))
-
-
+PACKAGES = ("models", "encoders", "tasks", "sandbox")
+SOURCES = {".py", ".ts", ".mjs"}
+KEY = re.compile(r"""["'`](\w+)["'`]|\b(?:play|page|p)\.(\w+)""")
+"""A key in a source: a string, or a name in a language's file."""
 ENGLISH = words_in("en")
-
-
 MADE_AT_RUN_TIME = {
     *(f"{what}_{task}" for what in ("task", "goal", "how") for task in TASKS),
     *(f"{what}_{box}" for what in ("box", "below") for box in NAMES),
@@ -44,21 +41,6 @@ MADE_AT_RUN_TIME = {
 }
 
 
-IN_BUNDLE = {"preparing", "needs_script", "return_title", "return_how", "return_no_code"}
-"""Keys that the page's bundler reads."""
-
-
-TOKEN = re.compile(r"/\*.*?\*/|//[^\n]*|\"(?:\\.|[^\"\\\n])*\"|`(?:\\.|[^`\\])*`", re.DOTALL)
-"""Names of keys and of things in browsers."""
-
-
-def literals(source: str) -> Iterator[tuple[str, str]]:
-    """Every string of a TypeScript source, with what stands before it; no comments."""
-    for found in TOKEN.finditer(source):
-        if found[0][0] in '"`':
-            yield found[0][1:-1], source[max(found.start() - 80, 0) : found.start()]
-
-
 @cache
 def messages() -> tuple[tuple[str, set[str]], ...]:
     """Key and values of every message in the program."""
@@ -66,7 +48,7 @@ def messages() -> tuple[tuple[str, set[str]], ...]:
 
 
 def _messages() -> Iterator[tuple[str, set[str]]]:
-    for package in ("models", "encoders", "tasks", "sandbox"):
+    for package in PACKAGES:
         for path in (ROOT / package).rglob("*.py"):
             source = path.read_text(encoding="utf-8")
             if "Message(" not in source:
@@ -109,18 +91,12 @@ def test_everything_that_the_program_tells_has_words_with_no_other_values() -> N
 
 
 def test_every_key_is_used() -> None:
-    sources = [path.read_text(encoding="utf-8") for path in SOURCES]
-    said = {text for source in sources for text, _ in literals(source)}
-    said |= {key for source in sources for key in re.findall(r"file\.play\.(\w+)", source)}
-    said |= {key for key, _ in messages()} | MADE_AT_RUN_TIME | IN_BUNDLE
-    for path in (ROOT / "sandbox/study/run").glob("*.py"):
-        tree = ast.walk(ast.parse(path.read_text(encoding="utf-8")))
-        said |= {n.value for n in tree if isinstance(n, ast.Constant) and isinstance(n.value, str)}
-    said |= {
-        "end",
-        "camera_consent",
-    }  # sandbox/cli/study/run.py, sandbox/study/design/conditions.py
-    assert sorted(set(ENGLISH) - said) == []
+    used = set(MADE_AT_RUN_TIME)
+    for package in PACKAGES:
+        for path in (ROOT / package).rglob("*"):
+            if path.suffix in SOURCES and not {"node_modules", "static"} & set(path.parts):
+                used.update(*map(set, KEY.findall(path.read_text(encoding="utf-8"))))
+    assert sorted(set(ENGLISH) - used) == []
 
 
 def test_a_tag_with_a_country_has_the_words_of_its_language_and_an_unknown_one_english() -> None:
