@@ -125,6 +125,11 @@ class Page:
                 return message
         raise AssertionError(f"no {kind} came")
 
+    def answered(self) -> None:
+        """Waits until the server has read all that was said."""
+        self.say(type="beat", t=1.0)
+        self.until("echo", t=1.0)
+
     def close(self) -> None:
         self._stack.close()
 

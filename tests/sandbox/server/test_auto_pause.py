@@ -3,27 +3,19 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Iterator
 
 import pytest
 
 from models.surface import Surface
 from sandbox.server import clients
-from sandbox.server.page_server import AutoPause, PageServer
+from sandbox.server.page_server import AutoPause
 from sandbox.server.protocol import PageScreen, PageTouches
 from sandbox.server.web import WebDevice
-from tests.sandbox.server.test_page_server import Stage, opened, wait_for
+from tests.sandbox.server.test_page_server import Stage, wait_for
 from tests.support.page_client import SCREEN, Page
 
 FINGER = PageTouches(1, 0.0, [(1, 300.0, 300.0, 20.0, 20.0)])
 LONG = 60.0
-
-
-@pytest.fixture
-def stage() -> Iterator[Stage]:
-    server = PageServer()
-    yield opened(server)
-    server.close()
 
 
 class Present:
@@ -32,8 +24,14 @@ class Present:
     away = False
 
 
-def pages(count: int) -> tuple[list[Present], list[WebDevice]]:
-    return [Present() for _ in range(count)], [WebDevice(Surface()) for _ in range(count)]
+def pages(count: int, begun: bool = False) -> tuple[list[Present], list[WebDevice], AutoPause]:
+    """Pages, the devices of their touches, and the rule for them."""
+    servers, devices = (
+        [Present() for _ in range(count)],
+        [WebDevice(Surface()) for _ in range(count)],
+    )
+    both = list(zip(servers, devices, strict=True))
+    return servers, devices, AutoPause(both, begun=begun)  # type: ignore[arg-type]
 
 
 def touch(device: WebDevice) -> None:
@@ -41,8 +39,7 @@ def touch(device: WebDevice) -> None:
 
 
 def test_time_begins_with_the_first_touch_on_any_page_and_stops_while_one_is_away() -> None:
-    servers, devices = pages(2)
-    rule = AutoPause(list(zip(servers, devices, strict=True)))  # type: ignore[arg-type]
+    servers, devices, rule = pages(2)
     assert rule.check(0.0, False) == "start" and not rule.begun
     touch(devices[1])
     assert rule.check(0.0, False) == "" and rule.begun
@@ -57,8 +54,7 @@ def test_time_begins_with_the_first_touch_on_any_page_and_stops_while_one_is_awa
 
 
 def test_a_goal_that_is_held_needs_nobody() -> None:
-    servers, devices = pages(1)
-    rule = AutoPause(list(zip(servers, devices, strict=True)))  # type: ignore[arg-type]
+    servers, devices, rule = pages(1)
     touch(devices[0])
     rule.check(0.0, False)
     servers[0].away = True
@@ -66,8 +62,7 @@ def test_a_goal_that_is_held_needs_nobody() -> None:
 
 
 def test_after_a_pause_by_the_experimenter_time_goes_on_with_a_touch() -> None:
-    servers, devices = pages(1)
-    rule = AutoPause(list(zip(servers, devices, strict=True)), begun=True)  # type: ignore[arg-type]
+    _, devices, rule = pages(1, begun=True)
     assert rule.check(0.0, False, paused=True) == "menu"
     assert rule.check(0.0, False) == "back"
     touch(devices[0])
@@ -94,7 +89,8 @@ def test_a_page_that_falls_silent_with_a_finger_down_stays_away_once_its_touch_i
         assert wait_for(lambda: stage.device.touched) and not stage.server.away
         monkeypatch.setattr(clients, "SILENT_TOUCHED", 0.1)
         assert wait_for(lambda: stage.server.counters["silent page"] == 1)
-        assert not stage.device.touched
+        # They are taken away, not lifted.
+        assert not stage.device.touched and stage.device.poll()[-1].cancelled == {1}
         assert stage.server.away
         page.touch()
         assert wait_for(lambda: not stage.server.away)

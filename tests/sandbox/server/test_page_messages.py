@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 import resource
 import threading
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -15,22 +14,14 @@ from models.errors import InputError
 from models.surface import Surface
 from sandbox.server.access import stored_token
 from sandbox.server.page_frames import describe_scene, pack_skin, state_of
-from sandbox.server.page_server import PageServer
 from sandbox.server.protocol import PageScreen, PageTouches, decode, encode
 from sandbox.server.web import WebDevice
 from sandbox.trial.settings import Settings
-from tests.sandbox.server.test_page_server import Stage, opened
+from tests.sandbox.server.test_page_server import Stage
 from tests.sandbox.session.test_collision_gating import BESIDE_IT, INTO_THE_BOX, grip
 from tests.support.page_client import Page
 from tests.support.scripted import run
 from tests.support.viewed import with_load
-
-
-@pytest.fixture
-def stage() -> Iterator[Stage]:
-    server = PageServer()
-    yield opened(server)
-    server.close()
 
 
 def test_a_kept_token_is_the_same_and_for_this_user_alone(tmp_path: Path) -> None:
@@ -110,8 +101,15 @@ def _touches(*contacts: tuple[int, Any, Any, Any, Any], **more: Any) -> PageTouc
 SCREEN = PageScreen(100.0, 1000.0, 800.0, True)
 
 
-def test_a_touch_beside_the_rectangle_is_none_and_a_dragged_one_stays_at_its_border() -> None:
-    device = WebDevice(Settings().surface.rectangle)
+@pytest.fixture
+def device() -> WebDevice:
+    """The device of a page with the usual touch rectangle."""
+    return WebDevice(Settings().surface.rectangle)
+
+
+def test_a_touch_beside_the_rectangle_is_none_and_a_dragged_one_stays_at_its_border(
+    device: WebDevice,
+) -> None:
     width = device._size[0] / 0.0254 * 100
     device.receive(_touches((1, -5.0, 10.0, 0.0, 0.0)), SCREEN)
     device.receive(_touches((1, -5.0, 10.0, 0.0, 0.0), (2, 50.0, 10.0, 30.0, 20.0)), SCREEN)
@@ -125,8 +123,9 @@ def test_a_touch_beside_the_rectangle_is_none_and_a_dragged_one_stays_at_its_bor
 
 
 @pytest.mark.parametrize("x", [None, 1e9, -1e300, 2001.0])
-def test_a_finger_without_a_place_stays_where_it_was_and_costs_no_other(x: float | None) -> None:
-    device = WebDevice(Settings().surface.rectangle)
+def test_a_finger_without_a_place_stays_where_it_was_and_costs_no_other(
+    device: WebDevice, x: float | None
+) -> None:
     device.receive(_touches((1, 50, 50, 0, 0), (2, 90, 50, 0, 0)), SCREEN)
     text = encode(_touches((1, x, 50, 0, 0), (2, 60, 50, 0, 0), (3, 50, x, 0, 0)))
     message = decode(text)
@@ -148,17 +147,15 @@ def test_a_finger_without_a_place_stays_where_it_was_and_costs_no_other(x: float
     ],
 )
 def test_a_size_that_no_finger_has_is_an_unknown_one(
-    width: float | None, height: float | None, known: bool
+    device: WebDevice, width: float | None, height: float | None, known: bool
 ) -> None:
-    device = WebDevice(Settings().surface.rectangle)
     device.receive(_touches((1, 50, 50, width, height)), SCREEN)
     (frame,) = device.poll()
     (contact,) = frame.contacts
     assert (contact.size is not None, contact.extent is not None) == (known, known)
 
 
-def test_more_touches_than_a_page_has_cost_those_beyond() -> None:
-    device = WebDevice(Settings().surface.rectangle)
+def test_more_touches_than_a_page_has_cost_those_beyond(device: WebDevice) -> None:
     device.receive(_touches(*((n, 50.0 + n, 50.0, 0.0, 0.0) for n in range(100))), SCREEN)
     (frame,) = device.poll()
     assert [c.id for c in frame.contacts] == list(range(20))
@@ -166,22 +163,15 @@ def test_more_touches_than_a_page_has_cost_those_beyond() -> None:
 
 
 @pytest.mark.parametrize(("lift", "shown"), [(None, 0.4), (1.2, 1.0), (-0.1, 0.0)])
-def test_a_lift_control_beyond_its_ends_is_at_its_end(lift: float | None, shown: float) -> None:
-    device = WebDevice(Settings().surface.rectangle)
+def test_a_lift_control_beyond_its_ends_is_at_its_end(
+    device: WebDevice, lift: float | None, shown: float
+) -> None:
     device.receive(_touches(lift=0.4), SCREEN)
     device.receive(_touches(lift=lift), SCREEN)
     assert device.poll()[-1].lift == shown
 
 
-def test_a_cancelled_finger_is_told_apart_from_a_lifted_one() -> None:
-    device = WebDevice(Settings().surface.rectangle)
-    device.receive(_touches((1, 50, 50, 0, 0), (2, 90, 50, 0, 0)), SCREEN)
-    device.receive(_touches(cancelled=[1, 99]), SCREEN)
-    assert device.poll()[-1].cancelled == {1}
-
-
-def test_of_two_contacts_with_one_id_the_first_counts() -> None:
-    device = WebDevice(Settings().surface.rectangle)
+def test_of_two_contacts_with_one_id_the_first_counts(device: WebDevice) -> None:
     device.receive(_touches((1, 50, 50, 0, 0), (1, 90, 50, 0, 0)), SCREEN)
     (frame,) = device.poll()
     assert len(frame.contacts) == 1

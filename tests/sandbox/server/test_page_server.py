@@ -7,7 +7,7 @@ import hashlib
 import http.client
 import socket
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass
 from urllib.parse import urlsplit
 
@@ -55,16 +55,9 @@ class Stage:
 
 def wait_for(truth: Callable[[], object], seconds: float = PATIENCE) -> bool:
     end = time.monotonic() + seconds
-    while not truth() and time.monotonic() < end:
+    while not (found := truth()) and time.monotonic() < end:
         time.sleep(0.005)
-    return bool(truth())
-
-
-@pytest.fixture
-def server() -> Iterator[PageServer]:
-    server = PageServer()
-    yield server
-    server.close()
+    return bool(found)
 
 
 def opened(server: PageServer) -> Stage:
@@ -77,21 +70,13 @@ def opened(server: PageServer) -> Stage:
     return stage
 
 
-@pytest.fixture
-def stage(server: PageServer) -> Stage:
-    return opened(server)
-
-
-def until_taken_away(stage: Stage) -> list[TouchFrame]:
-    """Touch frames up to one that cancels."""
-    frames: list[TouchFrame] = []
-
-    def taken_away() -> bool:
-        frames.extend(stage.device.poll())
-        return bool(frames and frames[-1].cancelled)
-
-    assert wait_for(taken_away), frames
-    return frames
+def code_of_end(page: Page) -> int:
+    """How the server ends the connection of a page: the close code."""
+    with pytest.raises(ConnectionClosed) as closed:
+        for _ in range(10):
+            page.next()
+    assert closed.value.rcvd is not None
+    return closed.value.rcvd.code
 
 
 def get(url: str, path: str | None = None, **headers: str) -> http.client.HTTPResponse:
@@ -244,18 +229,6 @@ def test_a_lost_socket_takes_the_fingers_away_without_lifting_them(stage: Stage)
     assert frames[-1].cancelled == {1, 2}
 
 
-def test_a_page_that_falls_silent_loses_its_fingers(stage: Stage) -> None:
-    with Page(stage.server.url) as page:
-        page.until("scene")
-        for silences in (1, 2):
-            page.touch((1, 2.0, 2.0))
-            frames = until_taken_away(stage)
-            assert [c.id for frame in frames for c in frame.contacts] == [1]
-            assert frames[-1].cancelled == {1}
-            assert not stage.device.touched
-            assert stage.server.counters["silent page"] == silences
-
-
 def test_the_second_page_looks_on_and_plays_once_the_first_ones_seat_is_free(
     stage: Stage, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -278,20 +251,12 @@ def test_a_reloaded_page_takes_its_own_seat_back_at_once(stage: Stage) -> None:
     old.until("welcome", role="player")
     new = Page(stage.server.url, "same")
     assert new.until("welcome")["role"] == "player"
-    with pytest.raises(ConnectionClosed) as closed:
-        for _ in range(10):
-            old.next()
-    assert closed.value.rcvd is not None
-    assert closed.value.rcvd.code == 4003
+    assert code_of_end(old) == 4003
     new.close()
 
 
 def test_a_page_of_another_version_is_told_so(stage: Stage) -> None:
-    page = Page(stage.server.url, protocol=99)
-    with pytest.raises(ConnectionClosed) as closed:
-        page.next()
-    assert closed.value.rcvd is not None
-    assert closed.value.rcvd.code == 4001
+    assert code_of_end(Page(stage.server.url, protocol=99)) == 4001
     assert stage.server.counters["wrong version"] == 1
 
 
@@ -333,11 +298,7 @@ def test_an_oversized_message_ends_its_connection_and_no_other(stage: Stage) -> 
         bad = Page(stage.server.url, "bad", role="spectator")
         bad.until("scene")
         bad.socket.send("x" * 20_000)
-        with pytest.raises(ConnectionClosed) as closed:
-            for _ in range(10):
-                bad.next()
-        assert closed.value.rcvd is not None
-        assert closed.value.rcvd.code == 1009
+        assert code_of_end(bad) == 1009
         seq = page.touch((1, 2.0, 2.0))
         assert wait_for(lambda: stage.device.touched)
         stage.advance()
@@ -364,8 +325,7 @@ def test_all_that_a_page_said_during_stalls_of_its_network_is_heard(stage: Stage
             for _ in range(420):
                 page.touch((1, 2.0, 2.0))
         page.touch()
-        page.say(type="beat", t=1)
-        page.until("echo")
+        page.answered()
         assert not stage.device.touched and not stage.server.counters["too many messages"]
 
 
@@ -395,13 +355,11 @@ def test_requests_that_nobody_reads_do_not_fill_the_memory(stage: Stage) -> None
         page.until("scene")
         for _ in range(MOST_QUEUED + 50):
             page.say(type="ask", what="retry")
-        page.say(type="beat", t=1)
-        page.until("echo")
+        page.answered()
         assert len(stage.server.take_requests()) == MOST_QUEUED
         assert stage.server.counters["input that nobody waits for"] == 50
         page.say(type="ask", what="retry")
-        page.say(type="beat", t=2)
-        page.until("echo")
+        page.answered()
         assert len(stage.server.take_requests()) == 1
 
 
@@ -414,10 +372,8 @@ def test_seven_spectators_leave_room_for_the_player_who_comes_and_comes_back(sta
         assert player.until("welcome")["role"] == "player"
         pages.append(player)
         for role in ("player", "spectator"):
-            with pytest.raises(ConnectionClosed) as closed, Page(stage.server.url, "x", role) as x:
-                x.next()
-            assert closed.value.rcvd is not None
-            assert closed.value.rcvd.code == 4002
+            with Page(stage.server.url, "x", role) as x:
+                assert code_of_end(x) == 4002
     player.close()
     assert wait_for(lambda: stage.server.clients == 7)
     # Nor does anybody take the seat while it is empty.
@@ -501,8 +457,7 @@ def test_a_page_that_goes_takes_the_menu_that_was_open_on_it_with_it(stage: Stag
         page = Page(stage.server.url)
         page.until("scene")
         page.say(type="ask", what="pause")
-        page.say(type="beat", t=1)
-        page.until("echo")
+        page.answered()
         if rejoins:
             # Its old socket is still open when it is there again.
             again = Page(stage.server.url)
@@ -515,8 +470,7 @@ def test_a_page_that_goes_takes_the_menu_that_was_open_on_it_with_it(stage: Stag
         page.until("scene")
         for what in ("pause", "resume"):
             page.say(type="ask", what=what)
-        page.say(type="beat", t=1)
-        page.until("echo")
+        page.answered()
     assert wait_for(lambda: stage.server.clients == 0)
     assert [ask.what for ask in stage.server.take_requests()] == ["pause", "resume"]
 

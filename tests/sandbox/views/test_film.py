@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -21,6 +21,7 @@ from sandbox.views import film, film_files
 from sandbox.views.display import FilmError
 from sandbox.views.film import FilmView
 from sandbox.views.film_files import durations
+from tests.support.needs import require
 from tests.support.viewed import Viewed, viewed
 
 STEP = 0.016
@@ -29,6 +30,8 @@ STEP = 0.016
 
 @pytest.fixture(scope="module")
 def v() -> Viewed:
+    """What is filmed; without OpenGL, nothing is."""
+    require("opengl")
     return viewed()
 
 
@@ -44,6 +47,14 @@ def trial(v: Viewed, seconds: float, begin: float = 0.0) -> Iterator[Snapshot]:
         yield replace(v.ghost, time=begin + i * STEP)
 
 
+def filmed(path: Path, v: Viewed, snapshots: Iterable[Snapshot], **how: Any) -> FilmView:
+    """A small film of snapshots, ten pictures a second, once it is closed."""
+    with FilmView(path, v.scene, v.surface, fps=10, size=(160, 90), **how) as view:
+        for snapshot in snapshots:
+            view.show(snapshot)
+    return view
+
+
 def played(path: Path) -> tuple[int, int, tuple[int, int]]:
     """Frames, ms and size of an animation, as Pillow reads it."""
     image: Any
@@ -56,13 +67,10 @@ def played(path: Path) -> tuple[int, int, tuple[int, int]]:
         return image.n_frames, total, image.size
 
 
-@pytest.mark.needs("opengl")
 @pytest.mark.parametrize("kind", ["webp", "gif"])
 def test_an_animation_lasts_as_long_as_its_trial(v: Viewed, tmp_path: Path, kind: str) -> None:
     path = tmp_path / f"film.{kind}"
-    with FilmView(path, v.scene, v.surface, fps=10, size=(160, 90), caption="SIMULATED") as view:
-        for snapshot in trial(v, 1.5):
-            view.show(snapshot)
+    view = filmed(path, v, trial(v, 1.5), caption="SIMULATED")
     frames, total, size = played(path)
     # Frames at 0.016 s, 0.116 s and so on; equal ones in a row are stored as a longer one.
     assert view.frames == 15 and view.dropped == 0
@@ -71,7 +79,6 @@ def test_an_animation_lasts_as_long_as_its_trial(v: Viewed, tmp_path: Path, kind
     assert [p.name for p in tmp_path.iterdir()] == [path.name]
 
 
-@pytest.mark.needs("opengl")
 def test_a_video_has_all_frames_and_the_rate_that_was_asked_for(v: Viewed, tmp_path: Path) -> None:
     path = tmp_path / "film.mp4"
     picture = tmp_path / "picture.png"
@@ -89,27 +96,19 @@ def test_a_video_has_all_frames_and_the_rate_that_was_asked_for(v: Viewed, tmp_p
     assert np.abs(first - np.asarray(Image.open(picture), float)).mean() < 8.0
 
 
-@pytest.mark.needs("opengl")
 def test_a_second_trial_goes_on_where_the_first_one_s_film_ended(v: Viewed, tmp_path: Path) -> None:
     path = tmp_path / "film.webp"
-    with FilmView(path, v.scene, v.surface, fps=10, size=(160, 90)) as view:
-        for seconds in (0.8, 0.5):
-            for snapshot in trial(v, seconds):
-                view.show(snapshot)
+    view = filmed(path, v, [*trial(v, 0.8), *trial(v, 0.5)])
     assert view.frames == 13
     assert played(path)[1] == 1300
 
 
-@pytest.mark.needs("opengl")
 def test_a_late_snapshot_stands_for_the_frames_that_were_missed(v: Viewed, tmp_path: Path) -> None:
     path = tmp_path / "film.webp"
-    with FilmView(path, v.scene, v.surface, fps=10, size=(160, 90)) as view:
-        for time in (0.0, 0.1, 1.0):
-            view.show(replace(v.ghost, time=time))
+    view = filmed(path, v, [replace(v.ghost, time=time) for time in (0.0, 0.1, 1.0)])
     assert view.frames == 11 and played(path)[1] == 1100
 
 
-@pytest.mark.needs("opengl")
 @pytest.mark.parametrize("kind", ["webp", "gif"])
 def test_frames_that_wait_on_the_disk_come_back_unchanged_and_leave_nothing_behind(
     v: Viewed, tmp_path: Path, kind: str, monkeypatch: pytest.MonkeyPatch
@@ -120,15 +119,12 @@ def test_frames_that_wait_on_the_disk_come_back_unchanged_and_leave_nothing_behi
     paths = tmp_path / f"memory.{kind}", tmp_path / f"disk.{kind}"
     for path, limit in zip(paths, (film_files.REEL_BYTES, 3 * 160 * 90 * 2), strict=True):
         monkeypatch.setattr(film_files, "REEL_BYTES", limit)
-        with FilmView(path, v.scene, v.surface, fps=10, size=(160, 90)) as view:
-            for snapshot in trial(v, 1.1):
-                view.show(snapshot)
+        filmed(path, v, trial(v, 1.1))
     memory, disk = (path.read_bytes() for path in paths)
     assert memory == disk
     assert list(spool.iterdir()) == []
 
 
-@pytest.mark.needs("opengl")
 def test_a_picture_is_taken_while_filming_in_its_own_size(v: Viewed, tmp_path: Path) -> None:
     target = tmp_path / "picture.png"
     with FilmView(tmp_path / "film.webp", v.scene, v.surface, fps=10, size=(160, 90)) as view:
@@ -147,14 +143,12 @@ def test_a_picture_is_taken_while_filming_in_its_own_size(v: Viewed, tmp_path: P
         view.picture(v.solid, target)
 
 
-@pytest.mark.needs("opengl")
 def test_a_film_of_nothing_is_no_file(v: Viewed, tmp_path: Path) -> None:
     for kind in ("webp", "gif", "mp4"):
         FilmView(tmp_path / f"film.{kind}", v.scene, v.surface, size=(160, 90)).close()
     assert list(tmp_path.iterdir()) == []
 
 
-@pytest.mark.needs("opengl")
 def test_what_cannot_be_filmed_is_refused_before_anything_is_drawn(
     v: Viewed, tmp_path: Path
 ) -> None:
@@ -171,7 +165,6 @@ def test_what_cannot_be_filmed_is_refused_before_anything_is_drawn(
     assert list(tmp_path.iterdir()) == []
 
 
-@pytest.mark.needs("opengl")
 def test_a_film_that_cannot_be_finished_says_so_at_the_end_and_leaves_no_file(
     v: Viewed, tmp_path: Path
 ) -> None:
@@ -188,7 +181,6 @@ def test_a_film_that_cannot_be_finished_says_so_at_the_end_and_leaves_no_file(
     assert not path.exists()
 
 
-@pytest.mark.needs("opengl")
 def test_a_snapshot_that_cannot_be_drawn_ends_the_film_and_nothing_else(
     v: Viewed, tmp_path: Path
 ) -> None:
@@ -201,27 +193,21 @@ def test_a_snapshot_that_cannot_be_drawn_ends_the_film_and_nothing_else(
     assert list(tmp_path.iterdir()) == []
 
 
-@pytest.mark.needs("opengl")
 def test_a_full_film_takes_no_more_frames_and_counts_them(
     v: Viewed, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(film_files, "MAX_FRAMES", 5)
     path = tmp_path / "film.webp"
-    with FilmView(path, v.scene, v.surface, fps=10, size=(160, 90)) as view:
-        for snapshot in trial(v, 0.9):
-            view.show(snapshot)
+    view = filmed(path, v, trial(v, 0.9))
     assert view.dropped == 4 and played(path)[1] == 500
 
 
-@pytest.mark.needs("opengl")
 def test_a_long_gif_is_thinned_out_but_lasts_as_long(
     v: Viewed, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(film_files, "MAX_GIF_FRAMES", 5)
     path = tmp_path / "film.gif"
-    with FilmView(path, v.scene, v.surface, fps=10, size=(160, 90)) as view:
-        for snapshot in trial(v, 1.2):
-            view.show(snapshot)
+    filmed(path, v, trial(v, 1.2))
     frames, total, _ = played(path)
     assert frames <= 5 and total == 1200
 

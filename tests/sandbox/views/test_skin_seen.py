@@ -60,9 +60,6 @@ def test_the_physics_is_the_same_to_the_bit_with_and_without_a_skin() -> None:
     assert _hash_chain(scene, skinned) == _hash_chain(scene, scene.model)
 
 
-# It is seen
-
-
 def _solid(v: Viewed, target: Array) -> Snapshot:
     hand = replace(v.solid.hands[0], contacts=(), target=target)
     return v.solid.with_hands(hand)
