@@ -9,12 +9,12 @@ from math import dist, sqrt
 
 import numpy as np
 
-from encoders.air.controller import controller_points
 from encoders.air.joint_fit import KNUCKLES, THUMB, TIPS, WRIST
 from models.arithmetic import total
 from models.errors import FrameError
 from models.frames import TrackedFinger, TrackedHand, Vector
 from models.plausible import DISTANCE, FINGER_AT_ONCE, PALM, PALM_AT_ONCE, Bounds
+from sandbox.devices.webxr.controller import controller_points
 from sandbox.server.protocol import JOINTS_OF_A_HAND, HeldController, SeenJoints
 
 Places = tuple[Vector | None, ...]

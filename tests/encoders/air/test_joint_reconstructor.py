@@ -1,11 +1,10 @@
-"""A headset's joints as a reconstructor: sides, absence, and controllers."""
+"""A headset's joints as a reconstructor: sides and absence."""
 
 from __future__ import annotations
 
 import numpy as np
 import pytest
 
-from encoders.air.controller import controller_points
 from encoders.air.joint_fit import TIPS
 from encoders.air.joint_reconstructor import JointReconstructor
 from encoders.reconstruction.followed_hand import UNSEEN_NOTICE
@@ -14,7 +13,6 @@ from encoders.reconstruction.reconstructor import Reconstruction
 from models.frames import HandFrame, TrackedHand
 from models.kinematics import Kinematics
 from models.pose import ROOT_POSITION
-from models.rotations import matrix_to_quaternion
 from models.skeleton import ADULT
 from tests.encoders.air.joint_hands import any_pose, points, seen
 
@@ -82,24 +80,3 @@ def test_a_hand_without_a_palm_is_counted() -> None:
     bare = TrackedHand(0, hand.palm, hand.normal, hand.direction, (), "right")
     assert play(reconstructor, (bare,), 5).phase is Phase.AWAY
     assert reconstructor.counts == {"hands without a palm": 1}
-
-
-UPRIGHT = matrix_to_quaternion(np.eye(3))
-
-
-@pytest.mark.parametrize("side", ["right", "left"])
-def test_a_trigger_closes_the_pinch(side: str) -> None:
-    gaps = []
-    for trigger in (0.0, 0.5, 1.0):
-        at = controller_points(side, trigger, np.zeros(3), UPRIGHT)
-        gaps.append(float(np.linalg.norm(at[TIPS] - at[TIPS + 1])))
-    assert gaps[0] > 0.08 and gaps[0] > gaps[1] > gaps[2] and gaps[2] < 0.016
-
-
-def test_a_controller_s_hand_has_its_back_along_x_and_is_mirrored_for_the_left() -> None:
-    right = controller_points("right", 0.3, np.zeros(3), UPRIGHT)
-    left = controller_points("left", 0.3, np.zeros(3), UPRIGHT)
-    assert left == pytest.approx(right * MIRROR)
-    # The tips meet in front of the palm: at -x of a right hand, whose thumb is at -z.
-    assert right[TIPS : TIPS + 3, 0].max() < -0.03
-    assert right[TIPS, 2] < right[TIPS + 4, 2]

@@ -9,15 +9,16 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
-from urllib.error import HTTPError
 from urllib.request import urlopen
 
 import numpy as np
 import pytest
 from websockets.sync.client import ClientConnection, connect
 
+from encoders.air.joint_fit import TIPS
 from models.frames import HandFrame
 from sandbox.cli.main import main
+from sandbox.devices.webxr.controller import controller_points
 from sandbox.devices.webxr.webxr import HeadsetDevice
 from sandbox.play.pages import show_session, touched_pages
 from sandbox.recording.recording import load_recording
@@ -128,6 +129,7 @@ def test_what_is_no_hand_is_refused_and_the_next_one_comes(headset: Headset) -> 
     assert headset.device.counts["the joints of a hand lie on each other"] == 1
 
 
+# Single joints that are lost: webxr-hand-input 91 and 60.
 @pytest.mark.parametrize("place", [None, [None, 0.1, 0.2], [0.1, 1e9, 0.2], [0.1, 0.2, -1e300]])
 def test_a_joint_without_a_place_costs_its_finger_alone_and_ends_no_connection(
     headset: Headset, place: object
@@ -178,6 +180,16 @@ def test_a_controller_is_a_hand_that_pinches(headset: Headset) -> None:
     assert gaps[0] > 0.08 and gaps[1] < 0.016
 
 
+def test_a_controller_s_hand_has_its_back_along_x_and_is_mirrored_for_the_left() -> None:
+    upright = np.array([1.0, 0.0, 0.0, 0.0])
+    right = controller_points("right", 0.3, np.zeros(3), upright)
+    left = controller_points("left", 0.3, np.zeros(3), upright)
+    assert left == pytest.approx(right * [-1.0, 1.0, 1.0])
+    # The tips meet in front of the palm: at -x of a right hand, whose thumb is at -z.
+    assert right[TIPS : TIPS + 3, 0].max() < -0.03
+    assert right[TIPS, 2] < right[TIPS + 4, 2]
+
+
 @pytest.mark.parametrize("side", ["right", "left"])
 def test_the_palm_of_a_flat_hand_faces_down(side: str) -> None:
     at = points(np.zeros(48)) * ([-1.0, 1.0, 1.0] if side == "left" else [1.0, 1.0, 1.0])
@@ -193,13 +205,9 @@ def test_the_size_of_the_person_s_hand_is_known_after_a_moment(headset: Headset)
     assert headset.device.hand_size == pytest.approx(1.1, abs=1e-3)
 
 
-def test_the_address_shows_the_headset_s_page_and_needs_its_token(headset: Headset) -> None:
+def test_the_address_shows_the_headset_s_page(headset: Headset) -> None:
     body = urlopen(headset.server.url, timeout=5).read().decode()
     assert "headset.js" in body and "app.js" not in body and "{{" not in body
-    base = headset.server.url.partition("/?")[0]
-    with pytest.raises(HTTPError) as refused:
-        urlopen(f"{base}/headset.js", timeout=5)
-    assert refused.value.code == 403
 
 
 def test_a_trial_in_a_simulated_headset_is_recorded_and_replays_to_the_bit(
