@@ -2,13 +2,14 @@
 
 Touches land on and beside objects, jump, swap their ids, vanish and come back inside of things,
 come as palms and by the dozen, and the lift control jumps with them. Penetrations are read at every
-physics step, the deepest of each kind. A trial begins anew every 30 s of simulated time.
+physics step. A trial begins anew every 30 s of simulated time.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
+from math import ceil
 
 import mujoco
 import numpy as np
@@ -35,8 +36,6 @@ PATIENCE = AWAY + 1.0
 
 DEEPEST = 0.004
 """m, aim for `safe`."""
-
-KINDS = ("hand-object", "object-table", "object-object")
 
 
 class Violent(Device):
@@ -146,32 +145,26 @@ class Violent(Device):
 
 @dataclass
 class Found:
-    """Result of a soak run.
+    """Result of violent touches.
 
     Attributes:
-        seconds: Simulated time, s.
-        diverged: Trials that did, with seed and reason.
-        lost: Objects that were out of reach and did not come back, with seed.
-        respawned: Objects that came back.
-        hand_table: Contacts between hand and table, of which there must be none.
-        steps: Physics steps.
-        depth: Deepest penetration at every physics step that had one, m, by kind.
+        diverged: Seeds of trials that diverged, with the reasons.
+        lost: Objects that were out of reach and did not come back, with the seeds.
+        respawned: Number of objects that came back.
+        hand_table: Number of contacts between hand and table.
+        steps: Number of physics steps.
+        deepest: Deepest penetration of hand and objects, m.
     """
 
-    seconds: float = 0.0
     diverged: list[str] = field(default_factory=list)
     lost: list[str] = field(default_factory=list)
     respawned: int = 0
     hand_table: int = 0
     steps: int = 0
-    depth: dict[str, list[float]] = field(default_factory=lambda: {k: [] for k in KINDS})
-
-    def deepest(self, kind: str) -> float:
-        """m."""
-        return max(self.depth[kind], default=0.0)
+    deepest: float = 0.0
 
 
-class Depths:
+class Contacts:
     """Reads the contacts of every physics step, through MuJoCo's control callback."""
 
     def __init__(self, session: Session, found: Found) -> None:
@@ -184,40 +177,27 @@ class Depths:
         self._found = found
 
     def __call__(self, _model: mujoco.MjModel, data: mujoco.MjData) -> None:
-        contact = data.contact
         self._found.steps += 1
-        if not data.ncon:
-            return
-        geoms, dist = contact.geom, contact.dist
-        hand = self._hand[geoms].any(axis=1)
-        table = self._fixed[geoms].any(axis=1)
+        hand = self._hand[data.contact.geom].any(axis=1)
+        table = self._fixed[data.contact.geom].any(axis=1)
         self._found.hand_table += int(np.sum(hand & table))
-        for kind, which in zip(KINDS, (hand, table & ~hand, ~hand & ~table), strict=True):
-            if np.any(which):
-                depth = float(-dist[which].min())
-                if depth > 0.0:
-                    self._found.depth[kind].append(depth)
+        depths = -data.contact.dist[hand & ~table]
+        self._found.deepest = max(self._found.deepest, float(depths.max(initial=0.0)))
 
 
-def soak(
-    task: str,
-    seconds: float,
-    first_seed: int = 0,
-    **settings: object,
-) -> Found:
-    """Violent touches on a task for so long.
+def soak(task: str, seconds: float, first_seed: int, **settings: object) -> Found:
+    """Violent touches on a task.
 
     Args:
         task: Its name.
         seconds: Simulated time, s.
-        first_seed: Seed of the first trial; the next ones follow.
-        settings: Others than the defaults of `Settings`.
+        first_seed: Seed of the first trial; each trial has the next one.
+        settings: Settings other than the defaults.
     """
     found = Found()
-    seed = first_seed
-    while found.seconds < seconds - 1e-9:
-        _trial(task, seed, min(TRIAL, seconds - found.seconds), found, settings)
-        seed += 1
+    for trial in range(ceil(seconds / TRIAL)):
+        rest = min(TRIAL, seconds - trial * TRIAL)
+        _trial(Settings(task, first_seed + trial).changed(**settings), rest, found)
     return found
 
 
@@ -231,39 +211,30 @@ def _out(session: Session, bodies: list[int], reach: Array) -> NDArray[np.bool_]
     return out & (not session.over)
 
 
-def _trial(
-    task: str,
-    seed: int,
-    seconds: float,
-    found: Found,
-    settings: dict[str, object],
-) -> None:
+def _trial(settings: Settings, seconds: float, found: Found) -> None:
     devices: list[Violent] = []
 
     def device(_task: object, surface: Surface) -> Violent:
-        devices.append(Violent(surface, seed))
+        devices.append(Violent(surface, settings.seed))
         return devices[-1]
 
-    session = build(Settings(task, seed).changed(**settings), (device,))
+    session = build(settings, (device,))
     names = list(session.scene.object_bodies)
     bodies = list(session.scene.object_bodies.values())
     away = np.zeros(len(names))
     reach = np.array([session.scene.object_radius(name) for name in names]) + FINGERTIP
-    steps = round(seconds / CONTROL_PERIOD)
-    mujoco.set_mjcb_control(Depths(session, found))
+    mujoco.set_mjcb_control(Contacts(session, found))
     try:
-        for _ in range(steps):
+        for _ in range(round(seconds / CONTROL_PERIOD)):
             # A trial that is over goes on: nothing is to break then, either.
             devices[0].show(session.advance())
-            off = _out(session, bodies, reach)
-            away = np.where(off, away + CONTROL_PERIOD, 0.0)
-            if np.any(away > PATIENCE):
-                found.lost += [f"{names[i]}, seed {seed}" for i in np.flatnonzero(away > PATIENCE)]
-                away[:] = -np.inf
+            away = np.where(_out(session, bodies, reach), away + CONTROL_PERIOD, 0.0)
+            gone = np.flatnonzero(away > PATIENCE)
+            found.lost += [f"{names[i]}, seed {settings.seed}" for i in gone]
+            away[gone] = -np.inf
     except DivergenceError as error:
-        found.diverged.append(f"seed {seed}: {error.got}")
+        found.diverged.append(f"seed {settings.seed}: {error.got}")
     finally:
         mujoco.set_mjcb_control(None)
         session.close()
-    found.seconds += seconds
     found.respawned += session.respawned

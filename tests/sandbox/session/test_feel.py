@@ -16,7 +16,7 @@ from sandbox.session.collision_gating import ContactMode
 from sandbox.session.session import Session
 from sandbox.trial.settings import SOLID
 from tasks.registry import TASKS, hands_of
-from tests.support.held_boxes import CREEP, HOLD, JITTER, boxes, hold
+from tests.support.held_boxes import CREEP, JITTER, boxes, hold
 from tests.support.scripted import Touch, box_xy, scripted
 from tests.support.violent_touches import DEEPEST, soak
 
@@ -28,9 +28,7 @@ def test_a_lifted_box_neither_creeps_nor_trembles_while_the_pose_stays(
     servo: str, profile: str, fingers: int
 ) -> None:
     found = hold(boxes(1)[0], fingers, servo, IMPULSE_PROFILES[profile])
-    assert HOLD == 5.0 and found.held
-    assert found.creep < CREEP == 0.2e-3
-    assert found.jitter < JITTER == 0.1e-3
+    assert found.held and found.creep < CREEP and found.jitter < JITTER
 
 
 @pytest.mark.parametrize("box", [0, 2, 5])
@@ -38,7 +36,7 @@ def test_a_lifted_box_neither_creeps_nor_trembles_while_the_pose_stays(
 def test_a_soft_grasp_holds_a_box_just_as_still(box: int, fingers: int) -> None:
     """Two of these boxes rocked in a pinch, because the solver stopped too early."""
     found = hold(boxes(6)[box], fingers, SERVOS[0], IMPULSE_PROFILES["safe"], ContactMode.SOFT)
-    assert found.good
+    assert found.held and found.creep < CREEP and found.jitter < JITTER
 
 
 def box_speed(session: Session) -> float:
@@ -136,20 +134,20 @@ def test_violent_touches_break_nothing_and_lose_nothing(
 ) -> None:
     found = soak(task, 120.0, first_seed=100, impulse=IMPULSE_PROFILES[profile], solid=solid)
     assert not found.diverged and not found.lost and not found.hand_table
-    assert found.steps == 60_000 + found.respawned and found.depth["hand-object"]
+    assert found.steps == 60_000 + found.respawned and found.deepest > 0.0
     if profile == "safe":
-        assert found.deepest("hand-object") < DEEPEST
+        assert found.deepest < DEEPEST
 
 
 @pytest.mark.parametrize("solid", SOLID)
 def test_a_few_seconds_of_violent_touches_break_nothing_either(solid: str) -> None:
     found = soak("box-to-goal", 8.0, first_seed=1, impulse=IMPULSE_PROFILES["safe"], solid=solid)
     assert not found.diverged and not found.lost and not found.hand_table
-    assert found.steps == 4000 + found.respawned and found.depth["hand-object"]
-    assert found.deepest("hand-object") < DEEPEST
+    assert found.steps == 4000 + found.respawned and found.deepest > 0.0
+    assert found.deepest < DEEPEST
 
 
 def test_a_thumb_that_a_key_goes_right_through_stays_a_ghost() -> None:
     """MuJoCo calls both parts of it clear there; it was solid at once, 7.7 mm deep."""
     found = soak("chords", 9.0, first_seed=57, impulse=IMPULSE_PROFILES["safe"], solid="hand")
-    assert found.deepest("hand-object") < DEEPEST
+    assert found.deepest < DEEPEST
