@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import json
+from dataclasses import replace
 from math import radians
+from pathlib import Path
 
 import numpy as np
 
@@ -13,6 +16,7 @@ from models.frames import LandmarkFrame, SeenHand
 from models.pose import POSE_SIZE, ROOT_POSITION, ROOT_ROTATION
 from models.rotations import exp, log
 from models.skeleton import ADULT, Skeleton
+from sandbox.devices.webcam.landmarks import header_record, message_of
 
 SIZE = (640, 480)
 PALM_TO_CAMERA = np.array([[-1.0, 0.0, 0.0], [0.0, -1.0, 0.0], [0.0, 0.0, 1.0]])
@@ -78,3 +82,14 @@ def film(poses: list[Array], camera: Camera, rate: float = 30.0) -> list[Landmar
         LandmarkFrame(i / rate, (seen(q, camera),), SIZE, i / rate, "simulated")
         for i, q in enumerate(poses)
     ]
+
+
+def film_file(path: Path, camera: Camera, both: bool = False) -> Path:
+    """A file of a hand, or of both hands, that bends its fingers for 2 s."""
+    poses = [held_up(30.0 + 20.0 * np.sin(i / 10), (0.1, 0.01 * i, 0.0)) for i in range(60)]
+    frames = film(poses, camera)
+    if both:
+        frames = [replace(f, hands=(*f.hands, mirror(f.hands[0]))) for f in frames]
+    lines = [header_record(camera), *map(message_of, frames)]
+    path.write_text("".join(json.dumps(line) + "\n" for line in lines))
+    return path

@@ -80,21 +80,11 @@ def test_optional_members_of_an_adapted_device_are_used() -> None:
     assert seen == ["snapshot"]
     MergedDevice([device]).frame_ready.set()
     assert outside.frame_ready.is_set()
-    outside.notices = ["nothing moves"]
-    assert device.notices == ["nothing moves"]
-
-
-def test_what_an_adapted_device_comes_to_know_as_it_plays_is_heard() -> None:
-    outside: Any = Minimal()
-    device = adapted(outside, "test")
+    # Members that change while the device plays.
     assert (device.damage, dict(device.true_labels), device.clock_origin) == (None, {}, 0.0)
-    outside.damage, outside.true_labels, outside.clock_origin = (
-        DeviceError("cut short"),
-        {7: 1},
-        12.5,
-    )
-    assert device.damage is outside.damage
-    assert (device.true_labels, device.clock_origin) == ({7: 1}, 12.5)
+    changed = ["nothing moves"], DeviceError("cut short"), {7: 1}, 12.5
+    outside.notices, outside.damage, outside.true_labels, outside.clock_origin = changed
+    assert (device.notices, device.damage, device.true_labels, device.clock_origin) == changed
 
 
 @pytest.mark.parametrize(

@@ -1,6 +1,8 @@
-"""Several devices as one: nothing is lost, nothing is mixed up."""
+"""Several devices as one: nothing is lost or mixed up, and time begins with the first touch."""
 
 from __future__ import annotations
+
+from typing import Any
 
 import numpy as np
 import pytest
@@ -10,10 +12,16 @@ from hypothesis import strategies as st
 from models.frames import Contact, TouchFrame
 from models.surface import Surface
 from sandbox.devices.mouse.mouse import MouseDevice
-from sandbox.devices.wrappers.playing import SPEED, LiftKeys, MergedDevice
+from sandbox.devices.tuio.tuio import TuioDevice
+from sandbox.devices.wrappers.playing import SPEED, FirstTouch, LiftKeys, MergedDevice
+from sandbox.play.window_play import _from_first_touch, _waiting
 from sandbox.server.protocol import PageScreen, PageTouches
 from sandbox.server.web import WebDevice
+from sandbox.trial.assembly import build, device_makers
+from sandbox.trial.trial_options import TrialOptions, trial_settings
+from tests.support.processes import PATIENCE, Sender
 from tests.support.scripted import Played
+from tests.support.tuio_packets import frame
 
 SCREEN = PageScreen(100.0, 1000.0, 800.0, True)
 
@@ -79,8 +87,8 @@ def test_ids_of_a_device_stay_where_asked_and_no_two_touches_share_one(
     scripts: list[list[TouchFrame]], kept: int
 ) -> None:
     merged = MergedDevice([Played(script) for script in scripts], kept)
-    for frame in merged.poll(1.0):
-        ids = [c.id for c in frame.contacts]
+    for shown in merged.poll(1.0):
+        ids = [c.id for c in shown.contacts]
         assert len(set(ids)) == len(ids)
     last = scripts[kept][-1].contacts if scripts[kept] else ()
     found = merged.poll(2.0) or [TouchFrame(2.0, merged._contacts[kept])]
@@ -101,13 +109,13 @@ def test_fingers_on_the_page_and_pins_of_the_mouse_are_one_hand() -> None:
     mouse.press([0.05, 0.05], pin=True)
     assert both.frame_ready.is_set()
     touch(web, 1, (0, 3.0, 2.0))
-    frame = both.poll(0.0)[-1]
+    held = both.poll(0.0)[-1]
     assert not both.frame_ready.is_set()
-    assert np.allclose([[c.x, c.y] for c in frame.contacts], [[0.05, 0.05], [0.0762, 0.0508]])
-    assert len({c.id for c in frame.contacts}) == 2
+    assert np.allclose([[c.x, c.y] for c in held.contacts], [[0.05, 0.05], [0.0762, 0.0508]])
+    assert len({c.id for c in held.contacts}) == 2
     mouse.lift_fingers()
     (left,) = both.poll(0.0)[-1].contacts
-    assert left.id == frame.contacts[1].id
+    assert left.id == held.contacts[1].id
     web.cancel_all()
     last = both.poll(0.0)[-1]
     assert not last.contacts and last.cancelled == {left.id}
@@ -135,3 +143,51 @@ def test_of_two_lift_controls_the_one_that_was_moved_last_counts() -> None:
     keys.hold(0.0)
     touch(web, 3, (1, 1.0, 1.0), lift=0.8)
     assert both.poll(1.5)[-1].lift == pytest.approx(0.8 - 0.5 * SPEED)
+
+
+def test_nothing_has_come_before_a_finger_is_down_and_then_all_of_it_is_there() -> None:
+    mouse = MouseDevice(Surface())
+    device = FirstTouch(mouse)
+    assert not device.came()
+    mouse.move((0.05, 0.05))
+    assert not device.came()
+    mouse.press((0.05, 0.05), pin=True)
+    mouse.move((0.06, 0.05))
+    assert device.came() and device.came()
+    mouse.release()
+    mouse.lift_fingers()
+    frames = device.poll(0.0)
+    assert [len(frame.contacts) for frame in frames] == [1, 1, 0]
+    np.testing.assert_allclose([frames[0].contacts[0].x, frames[1].contacts[0].x], [0.05, 0.06])
+    assert device.poll(0.0) == []
+    assert device.came(), "a hand that was lifted has been there"
+
+
+def test_what_a_device_said_before_the_first_touch_is_forgotten() -> None:
+    finger = (Contact(1, 0.05, 0.05),)
+    said = [TouchFrame(0.0, ()), TouchFrame(0.0, finger), TouchFrame(0.0, ())]
+    device = FirstTouch(Played(said))
+    assert device.came()
+    assert list(device.poll(0.0)) == said[1:]
+
+
+@pytest.mark.parametrize(
+    "more", [{"vary": "latency=50"}, {"task": "carry-together", "surface": "400x200mm"}]
+)
+def test_time_begins_where_touches_come_late_or_two_hands_share_the_surface(
+    more: dict[str, Any],
+) -> None:
+    chosen = trial_settings(TrialOptions(device="tuio", device_options={"port": 0}, **more))
+    session = build(chosen, device_makers(chosen, _from_first_touch))
+    tuio = session.first_rig.device.find(TuioDevice)
+    assert tuio is not None
+    with Sender(tuio.port) as send:
+        assert _waiting(session) and _waiting(session)
+        send(frame(1, {0: (0.5, 0.5)}))
+        assert tuio.wait(PATIENCE)
+        assert not _waiting(session)
+        for _ in range(10):
+            session.advance()
+    seen = [contact for hand in session.snapshot().hands for contact in hand.contacts]
+    assert len(seen) == 1
+    session.close()

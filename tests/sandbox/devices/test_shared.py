@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
@@ -11,11 +10,10 @@ import pytest
 
 from encoders.air.camera import Camera
 from models.errors import InputError
-from models.frames import HandFrame, LandmarkFrame
+from models.frames import HandFrame
 from models.surface import Surface
 from sandbox.devices.device import AnyDevice, HandDevice, Sees
 from sandbox.devices.simulated.in_air import SimulatedHeadset
-from sandbox.devices.webcam.landmarks import header_record, message_of
 from sandbox.devices.webxr.webxr import HeadsetDevice
 from sandbox.devices.wrappers.shared import SharedDevice, SharedPart, Split
 from sandbox.server.protocol import PageHands, PageScreen
@@ -26,7 +24,7 @@ from sandbox.trial.settings import Settings
 from sandbox.trial.trial_options import TrialOptions, trial_settings
 from tasks.task import Task
 from tasks.user import UserConfiguration
-from tests.encoders.air.seen_hands import film, held_up, mirror
+from tests.encoders.air.seen_hands import film_file
 
 TASK = "carry-together"
 SCREEN = PageScreen(100.0, 1000.0, 500.0, True)
@@ -76,16 +74,7 @@ def headset(folder: Path) -> tuple[Settings, DeviceMakers]:
 
 def camera_file(folder: Path) -> Path:
     """Landmarks of both hands before a camera."""
-    sees = Camera(70.0, (0.0, 0.45, 0.12))
-    poses = [held_up(30.0, (0.1, 0.01 * i, 0.0)) for i in range(60)]
-    frames = [
-        LandmarkFrame(f.time, (*f.hands, mirror(f.hands[0])), f.size, f.taken)
-        for f in film(poses, sees)
-    ]
-    path = folder / "hands.jsonl"
-    lines = [header_record(sees), *map(message_of, frames)]
-    path.write_text("\n".join(map(json.dumps, lines)) + "\n")
-    return path
+    return film_file(folder / "hands.jsonl", Camera(70.0, (0.0, 0.45, 0.12)), both=True)
 
 
 def camera(folder: Path) -> tuple[Settings, DeviceMakers]:

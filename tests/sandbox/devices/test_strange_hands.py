@@ -226,13 +226,11 @@ def test_another_shape_of_the_same_frames_is_read_as_they_are(shape: str, tmp_pa
 # Sides.
 
 
-def flipped(messages: Messages) -> Messages:
-    for message in messages[20::10]:
-        for hand in message.get("hands", []):
-            hand["type"] = "left"
-        for hand in message.get("seen", []):
-            hand["side"] = "left"
-    return messages
+def name_sides(message: dict[str, Any], *sides: str | None) -> None:
+    """Names the sides of the hands of a message."""
+    for key, hands in (("type", message.get("hands", [])), ("side", message.get("seen", []))):
+        for hand, side in zip(hands, sides, strict=False):
+            hand[key] = side
 
 
 @pytest.mark.parametrize("messages", [leap, pictures])
@@ -240,9 +238,12 @@ def test_a_side_that_flips_for_moments_is_mended_and_makes_no_second_hand(
     messages: Callable[[], Messages], tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     steady = as_lines(tmp_path, messages(), "steady.jsonl")
-    path = as_lines(tmp_path, flipped(messages()), "flipped.jsonl")
+    some = messages()
+    for message in some[20::10]:
+        name_sides(message, "left")
+    path = as_lines(tmp_path, some, "flipped.jsonl")
     assert not exported(steady, capsys)
-    flips = len(messages()[20::10])
+    flips = len(some[20::10])
     assert f"mended: {flips} hands that were named for the other side" in exported(path, capsys)
     one, other = (read_bvh(p.with_suffix(".bvh")).place().positions for p in (steady, path))
     # The hand's bones are measured in fewer frames.
@@ -297,14 +298,10 @@ def test_two_hands_whose_names_are_swapped_for_moments_stay_two_hands(
 ) -> None:
     both = doubled(messages())
     for message in both:
-        for key, hands in (("type", message.get("hands", [])), ("side", message.get("seen", []))):
-            for hand, side in zip(hands, ("right", "left"), strict=False):
-                hand[key] = side
+        name_sides(message, "right", "left")
     steady = as_lines(tmp_path, copy.deepcopy(both), "steady.jsonl")
     for message in both[20::10]:
-        for key, hands in (("type", message.get("hands", [])), ("side", message.get("seen", []))):
-            for hand, side in zip(hands, ("left", "right"), strict=False):
-                hand[key] = side
+        name_sides(message, "left", "right")
     path = as_lines(tmp_path, both, "swapped.jsonl")
     for file in (steady, path):
         to = file.with_suffix(".csv")
@@ -564,11 +561,7 @@ def again(message: dict[str, Any], side: str) -> None:
 
 def named(*sides: str | None) -> Messages:
     """Two hands with these sides; None leaves a side out."""
-    messages = doubled(leap())
-    for message in messages:
-        for hand, side in zip(message["hands"], sides, strict=True):
-            hand["type"] = side
-    return messages
+    return every(lambda m, i: name_sides(m, *sides), doubled(leap()))
 
 
 @pytest.mark.parametrize("name", SIBLINGS)

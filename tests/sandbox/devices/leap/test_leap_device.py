@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import socket
+from collections.abc import Iterator
+from contextlib import contextmanager
 from functools import cache
 from itertools import pairwise
 from typing import Any
@@ -29,15 +31,22 @@ def free_port() -> int:
         return taken.getsockname()[1]
 
 
-def test_at_290_frames_a_second_every_frame_arrives_once_and_in_order() -> None:
-    server = FakeLeapd(messages(), port=0, rate=290.0)
+@contextmanager
+def served(sent: list[Any], **pace: Any) -> Iterator[tuple[FakeLeapd, LeapDevice]]:
+    """A service that sends messages, and a device that reads it."""
+    server = FakeLeapd(sent, port=0, **pace)
     device = LeapDevice(server.address)
-    frames: list[Any] = []
     try:
-        until(lambda: (frames.extend(device.poll(0.0)), len(frames) >= 300)[1])
+        yield server, device
     finally:
         device.close()
         server.close()
+
+
+def test_at_290_frames_a_second_every_frame_arrives_once_and_in_order() -> None:
+    frames: list[Any] = []
+    with served(messages(), rate=290.0) as (_, device):
+        until(lambda: frames.extend(device.poll(0.0)) or len(frames) >= 300)
     # The fake plays to every client from the start, so what follows is a second connection.
     assert [f.time for f in frames[:300]] == pytest.approx([f.time for f in take(0).frames[:300]])
     assert device.counts["handshakes"] >= 1
@@ -45,16 +54,11 @@ def test_at_290_frames_a_second_every_frame_arrives_once_and_in_order() -> None:
 
 
 def test_frames_that_nobody_fetches_are_dropped_oldest_first_and_counted() -> None:
-    server = FakeLeapd(messages(), port=0, rate=5000.0, loop=True)
-    device = LeapDevice(server.address)
-    try:
+    with served(messages(), rate=5000.0, loop=True) as (_, device):
         until(lambda: device.counts["frames nobody fetched"] > 50)
-        kept = device.poll(0.0)
-    finally:
-        device.close()
-        server.close()
-    assert len(kept) == KEPT
-    assert all(a.time < b.time for a, b in pairwise(kept))
+        latest = device.poll(0.0)
+    assert len(latest) == KEPT
+    assert all(a.time < b.time for a, b in pairwise(latest))
 
 
 def test_a_service_that_is_started_anew_is_found_again_and_time_goes_on() -> None:
@@ -64,10 +68,8 @@ def test_a_service_that_is_started_anew_is_found_again_and_time_goes_on() -> Non
     try:
         for _ in range(2):
             server = FakeLeapd(messages(), port=port, rate=400.0, loop=True)
-            before = len(frames)
-            until(
-                lambda b=before: (frames.extend(device.poll(0.0)), len(frames) > b + 50)[1]  # type: ignore[misc]
-            )
+            more = len(frames) + 50
+            until(lambda n=more: frames.extend(device.poll(0.0)) or len(frames) > n)  # type: ignore[misc]
             server.close()
             until(lambda: not device.connected.is_set())
     finally:
@@ -78,10 +80,8 @@ def test_a_service_that_is_started_anew_is_found_again_and_time_goes_on() -> Non
 
 def test_a_person_is_told_while_the_service_is_gone(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("sandbox.devices.leap.leap.GONE", 0.3)
-    server = FakeLeapd(messages(), port=0, rate=400.0, loop=True)
-    device = LeapDevice(server.address)
-    hands = SharedDevice(device, SplitBySide(("right", "left"))).parts
-    try:
+    with served(messages(), rate=400.0, loop=True) as (server, device):
+        hands = SharedDevice(device, SplitBySide(("right", "left"))).parts
         until(lambda: device.counts["frames"] > 0)
         assert device.notices == ()
         server.close()
@@ -89,24 +89,11 @@ def test_a_person_is_told_while_the_service_is_gone(monkeypatch: pytest.MonkeyPa
         # Two hands over one device say it once.
         assert [part.notices for part in hands] == [device.notices, ()]
         until(lambda: device.counts["connections lost"] == 1)
-    finally:
-        device.close()
-        server.close()
 
 
 def test_damaged_messages_are_counted_and_the_connection_stays() -> None:
-    junk: list[Any] = [
-        {"hands": 3, "pointables": 4},
-        {"weather": 1},
-        {"event": {}},
-        {"hands": [{"id": 1}]},
-    ]
-    server = FakeLeapd([*junk, *messages()[:50]], port=0, rate=500.0, loop=True)
-    device = LeapDevice(server.address)
-    try:
+    junk = [{"hands": 3, "pointables": 4}, {"weather": 1}, {"event": {}}, {"hands": [{"id": 1}]}]
+    with served([*junk, *messages()[:50]], rate=500.0, loop=True) as (_, device):
         until(lambda: device.counts["frames"] >= 60)
         assert device.counts["connections"] == 1
         assert device.counts["messages of another program"] >= 1
-    finally:
-        device.close()
-        server.close()

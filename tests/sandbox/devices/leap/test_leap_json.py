@@ -5,16 +5,15 @@ from __future__ import annotations
 import copy
 import json
 import math
-from dataclasses import replace
+from dataclasses import asdict, replace
 from typing import Any
 
-import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from models.errors import FrameError
-from models.frames import HandFrame, TrackedFinger, TrackedHand
+from models.frames import HandFrame
 from sandbox.devices.leap.leap_json import LeapDecoder
 from sandbox.devices.leap.leap_write import leap_message
 from tests.support.leap_hands import take
@@ -69,19 +68,17 @@ def test_what_a_service_would_send_of_a_frame_is_read_back_as_that_frame(dialect
     decoder = LeapDecoder()
     for number, frame in enumerate(take(3, dialect).frames[:40]):
         read = decoder.feed(json.loads(json.dumps(leap_message(frame, number))))
-        assert read is not None and read.time == pytest.approx(frame.time, abs=1e-6)
-        for known, found in zip(frame.hands, read.hands, strict=True):
-            np.testing.assert_allclose(found.palm, known.palm, atol=1e-9)
-            np.testing.assert_allclose(found.direction, known.direction, atol=1e-9)
-            assert found.side == known.side
-            for a, b in zip(known.fingers, found.fingers, strict=True):
-                assert (a.id, a.finger) == (b.id, b.finger)
-                np.testing.assert_allclose(b.tip, a.tip, atol=1e-9)
-                assert b.length == pytest.approx(a.length, abs=1e-9)
-                if a.joints is not None:
-                    np.testing.assert_allclose(b.joints, a.joints, atol=1e-9)
-                    assert b.end == pytest.approx(a.end, abs=1e-9)
-            assert read.dialect == frame.dialect == dialect
+        assert read is not None and read.dialect == frame.dialect == dialect
+        assert close(asdict(read), asdict(replace(frame, source=read.source)))
+
+
+def close(a: Any, b: Any) -> bool:
+    """True if two values are equal, numbers within 1e-6."""
+    if isinstance(a, dict):
+        return a.keys() == b.keys() and all(close(a[key], b[key]) for key in a)
+    if isinstance(a, tuple | list):
+        return len(a) == len(b) and all(map(close, a, b))
+    return a == pytest.approx(b, abs=1e-6) if isinstance(a, float) else a == b
 
 
 @pytest.mark.parametrize(
@@ -125,24 +122,16 @@ def test_the_last_bone_ends_where_the_device_says_and_at_the_tip_where_it_says_n
 
 
 @pytest.mark.parametrize(
-    ("part", "changes"),
+    "changes",
     (
-        ("pointables", {"tipPosition": [math.nan, 0.0, 0.0]}),
-        ("pointables", {"tipPosition": None}),
-        ("pointables", {"direction": [0.0, 0.0, 0.0]}),
-        ("pointables", {"direction": [0.0, 1.0]}),
-        ("pointables", {"length": 0.0}),
-        ("pointables", {"length": "long"}),
-        ("pointables", {"id": None}),
-        ("pointables", {"id": True}),
-        ("pointables", {"tipPosition": [1e9, 0.0, 0.0]}),
+        *({"tipPosition": [math.nan, 0.0, 0.0]}, {"tipPosition": None}, {"direction": [0.0] * 3}),
+        *({"direction": [0.0, 1.0]}, {"length": 0.0}, {"length": "long"}, {"id": True}),
+        {"tipPosition": [1e9, 0.0, 0.0]},
     ),
 )
-def test_a_damaged_finger_is_counted_and_its_neighbour_kept(
-    part: str, changes: dict[str, Any]
-) -> None:
+def test_a_damaged_finger_is_counted_and_its_neighbour_kept(changes: dict[str, Any]) -> None:
     decoder = LeapDecoder()
-    frame = decoder.feed(spoiled(part, **changes))
+    frame = decoder.feed(spoiled("pointables", **changes))
     assert frame is not None and [f.id for f in frame.hands[0].fingers] == [5]
     assert sum(n for why, n in decoder.counts.items() if why.startswith("fingers skipped")) == 1
 
@@ -154,6 +143,7 @@ def test_a_damaged_finger_is_counted_and_its_neighbour_kept(
         spoiled("hands", palmNormal=[0.0, 0.0, 0.0]),
         spoiled("hands", direction=[0.0, -1.0, 0.0]),
         message(pointables=5),
+        spoiled("pointables", id=5),
         message(hands=[3]),
         message(timestamp="now"),
         message(timestamp=math.nan),
@@ -169,12 +159,6 @@ def test_a_damaged_frame_is_counted_and_the_next_one_is_as_good_as_ever(
     assert decoder.feed(message()) == LeapDecoder().feed(message())
 
 
-def test_two_pointables_with_one_id_do_not_become_two_fingers() -> None:
-    decoder = LeapDecoder()
-    assert decoder.feed(spoiled("pointables", id=5)) is None
-    assert decoder.counts["frames"] == 0
-
-
 def test_a_late_frame_is_left_out_and_a_new_clock_goes_on_from_the_old_one() -> None:
     decoder = LeapDecoder()
     times = [decoder.feed(message(t)) for t in (50_000_000, 50_010_000, 50_005_000, 50_010_000)]
@@ -187,13 +171,23 @@ def test_a_late_frame_is_left_out_and_a_new_clock_goes_on_from_the_old_one() -> 
     assert restarted[1].time - restarted[0].time == pytest.approx(0.01)
 
 
-@pytest.mark.parametrize("wrong", [0, 7_000_000, 53_000_000, 3_600_000_000, 10**15])
-def test_a_single_wrong_time_is_left_out_and_what_follows_keeps_its_time(wrong: int) -> None:
+@pytest.mark.parametrize(
+    ("sent", "read"),
+    [
+        *(
+            ((50.0, 50.01, wrong, 50.03, 50.04), (50.0, 50.01, None, 50.03, 50.04))
+            for wrong in (0.0, 53.0, 1e9)
+        ),
+        # After a pause, the second frame is believed.
+        ((0.0, 0.01, 9.0, 9.01, 9.02), (0.0, 0.01, None, 9.01, 9.02)),
+    ],
+)
+def test_a_single_wrong_time_is_left_out_and_what_follows_has_its_time(
+    sent: tuple[float, ...], read: tuple[float | None, ...]
+) -> None:
     decoder = LeapDecoder()
-    times = (50_000_000, 50_010_000, wrong, 50_030_000, 50_040_000)
-    frames = [decoder.feed(message(t)) for t in times]
-    assert frames.pop(2) is None
-    assert [f.time for f in frames] == pytest.approx([50.0, 50.01, 50.03, 50.04])
+    frames = [decoder.feed(message(round(1e6 * time))) for time in sent]
+    assert [frame and frame.time for frame in frames] == pytest.approx(read)
     assert decoder.counts["frames whose time leapt"] == 1
     assert "restarts of the device's clock" not in decoder.counts
 
@@ -205,12 +199,6 @@ def test_a_first_time_that_is_wrong_stretches_no_recording(wrong: int) -> None:
     first, _, *others = [decoder.feed(message(t)) for t in times]
     assert first is not None
     assert [f and f.time - first.time for f in others] == pytest.approx([0.01, 0.02], abs=1e-6)
-
-
-def test_after_a_pause_the_second_frame_is_believed() -> None:
-    decoder = LeapDecoder()
-    frames = [decoder.feed(message(t)) for t in (0, 10_000, 9_000_000, 9_010_000, 9_020_000)]
-    assert [frame and frame.time for frame in frames] == [0.0, 0.01, None, 9.01, 9.02]
 
 
 def test_handshakes_events_and_foreign_messages_are_no_frames() -> None:
@@ -263,19 +251,15 @@ def test_nothing_that_json_can_say_stops_the_decoder(data: st.DataObject) -> Non
 
 
 def test_hand_frames_refuse_what_no_hand_can_be() -> None:
-    finger = TrackedFinger(1, (0.0, 0.1, 0.2), (0.0, 1.0, 0.0), 0.05)
-    hand = TrackedHand(1, (0.0, 0.0, 0.2), (0.0, 0.0, -1.0), (0.0, 1.0, 0.0), (finger,))
-    wrong = (
-        lambda: TrackedFinger(1, (math.nan, 0.0, 0.0), (0.0, 1.0, 0.0), 0.05),
-        lambda: TrackedFinger(1, (0.0, 0.0, 0.0), (0.0, 2.0, 0.0), 0.05),
-        lambda: TrackedFinger(1, (0.0, 0.0, 0.0), (0.0, 1.0, 0.0), -0.05),
-        lambda: TrackedFinger(1, (0.0, 0.0, 0.0), (0.0, 1.0, 0.0), 0.05, finger=5),
-        lambda: TrackedHand(1, hand.palm, hand.normal, hand.normal),
-        lambda: TrackedHand(1, hand.palm, hand.normal, hand.direction, (finger, finger)),
-        lambda: TrackedHand(1, hand.palm, hand.normal, hand.direction, side="upper"),
-        lambda: HandFrame(math.inf),
-        lambda: HandFrame(0.0, (hand, hand)),
+    frame = take(0).frames[0]
+    (hand,) = frame.hands
+    finger = hand.fingers[0]
+    wrong: tuple[tuple[Any, dict[str, Any]], ...] = (
+        *((finger, {"tip": (math.nan, 0.0, 0.0)}), (finger, {"direction": (0.0, 2.0, 0.0)})),
+        *((finger, {"length": -0.05}), (finger, {"finger": 5}), (hand, {"direction": hand.normal})),
+        *((hand, {"fingers": (finger, finger)}), (hand, {"side": "upper"})),
+        *((frame, {"time": math.inf}), (frame, {"hands": (hand, hand)})),
     )
-    for build in wrong:
+    for part, values in wrong:
         with pytest.raises(FrameError):
-            build()
+            replace(part, **values)

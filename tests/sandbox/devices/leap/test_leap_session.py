@@ -2,9 +2,8 @@
 
 import json
 from dataclasses import replace
-from functools import cache
 from pathlib import Path
-from typing import Any, cast
+from typing import Any
 
 import mujoco
 import numpy as np
@@ -15,7 +14,6 @@ from hypothesis import strategies as st
 from encoders.paalm.calibration_file import read_calibration, write_calibration
 from encoders.paalm.hand_reconstructor import HandReconstructor, HandReconstructorSettings
 from encoders.paalm.joint_angles import Paalm
-from encoders.paalm.simulated.forward import ForwardLeap
 from encoders.reconstruction.hand_motion import Phase, RateLimit
 from encoders.reconstruction.reconstructor import Reconstruction
 from models.errors import InputError
@@ -29,103 +27,74 @@ from models.scene import Scene, SceneSpec
 from models.skeleton import ADULT
 from models.surface import Surface
 from sandbox.cli.main import main
-from sandbox.devices.device import SILENCE, Device, LatestFrame
+from sandbox.devices.device import SILENCE, LatestFrame
 from sandbox.devices.hand_input import UNDER, HandInput
-from sandbox.devices.leap.leap_write import write_take
+from sandbox.devices.leap.leap_write import leap_message, write_take
 from sandbox.devices.simulated.in_air import SimulatedLeap
 from sandbox.recording.recorded_device import RecordedDevice
 from sandbox.recording.recording import frame_from_json, frame_to_json, load_recording
 from sandbox.session.collision_gating import CollisionGate, CollisionGatingRules
 from sandbox.session.messages import Snapshot
-from sandbox.trial.assembly import DeviceMaker, build
+from sandbox.trial.assembly import build
 from sandbox.trial.driver import play_trial
 from sandbox.trial.replay import replay
 from sandbox.trial.settings import HandSettings, Settings, decoded, encoded
 from sandbox.trial.trial_options import TrialOptions, trial_settings
 from tasks.task import Task
 from tasks.user import UserConfiguration
+from tests.sandbox.devices.test_strange_hands import as_lines, doubled
 from tests.support.leap_hands import calibrated, take
+from tests.support.scripted import PlayedHands
 
 MIDDLE = ("index_pip", "index_dip")
 
 
-number = st.floats(-1e3, 1e3)
-
-
-place = st.tuples(number, number, number)
-
-
-axis = st.sampled_from([(1.0, 0.0, 0.0), (0.0, -1.0, 0.0), (0.6, 0.0, -0.8), (-0.0, 0.0, 1.0)])
-
-
-@st.composite
-def fingers(draw: st.DrawFn) -> TrackedFinger:
-    return TrackedFinger(
-        draw(st.integers(0, 2**40)),
-        draw(place),
-        draw(axis),
-        draw(st.floats(1e-6, 1.0)),
-        joints=draw(st.none() | st.tuples(place, place, place, place)),
-        extended=draw(st.none() | st.booleans()),
-    )
-
-
-@st.composite
-def frames(draw: st.DrawFn) -> HandFrame:
-    hands = tuple(
-        TrackedHand(
-            id_,
-            draw(place),
-            (0.0, 0.0, -1.0),
-            (0.0, 1.0, 0.0),
-            tuple(draw(st.lists(fingers(), max_size=5, unique_by=lambda f: f.id))),
-            draw(st.sampled_from(["right", "left", None])),
-            draw(st.floats(0.0, 1.0)),
-            draw(st.none() | st.floats(0.0, 1.0)),
-            draw(st.none() | place),
-        )
-        for id_ in draw(st.lists(st.integers(0, 99), max_size=3, unique=True))
-    )
-    return HandFrame(draw(st.floats(0.0, 1e6)), hands, draw(st.sampled_from(["", "leap"])))
+NUMBERS = st.floats(-1e3, 1e3)
+PLACES = st.tuples(NUMBERS, NUMBERS, NUMBERS)
+AXES = st.sampled_from([(1.0, 0.0, 0.0), (0.0, -1.0, 0.0), (0.6, 0.0, -0.8), (-0.0, 0.0, 1.0)])
+TRACKED_FINGERS = st.builds(
+    TrackedFinger,
+    st.integers(0, 2**40),
+    PLACES,
+    AXES,
+    st.floats(1e-6, 1.0),
+    joints=st.none() | st.tuples(PLACES, PLACES, PLACES, PLACES),
+    extended=st.none() | st.booleans(),
+)
+TRACKED_HANDS = st.builds(
+    TrackedHand,
+    st.integers(0, 99),
+    PLACES,
+    st.just((0.0, 0.0, -1.0)),
+    st.just((0.0, 1.0, 0.0)),
+    st.lists(TRACKED_FINGERS, max_size=5, unique_by=lambda finger: finger.id).map(tuple),
+    st.sampled_from(["right", "left", None]),
+    st.floats(0.0, 1.0),
+    st.none() | st.floats(0.0, 1.0),
+    st.none() | PLACES,
+)
+HAND_FRAMES = st.builds(
+    HandFrame,
+    st.floats(0.0, 1e6),
+    st.lists(TRACKED_HANDS, max_size=3, unique_by=lambda hand: hand.id).map(tuple),
+    st.sampled_from(["", "leap"]),
+)
 
 
 def settings(**changes: Any) -> Settings:
     return replace(Settings(hands=(HandSettings(in_air=HandInput()),)), **changes)
 
 
-def device(of: Settings, kind: str = "skilled", dialect: str = "v3", hand: int = 0) -> DeviceMaker:
-    whose = of.hands[hand]
-    assert whose.in_air is not None
-    return lambda task, surface: cast(
-        Device,
-        SimulatedLeap(
-            task,
-            UserConfiguration(kind=kind),
-            of.seed,
-            whose.in_air.at,
-            dialect,
-            whose.person,
-            hand,
-        ),
-    )
-
-
-@cache
-def recorded(folder: Path, dialect: str = "v1") -> Path:
+@pytest.fixture(scope="module")
+def recording(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A box brought to its goal through the air."""
-    path = folder / f"{dialect}.jsonl"
-    of = settings()
-    result = play_trial(of, (device(of, dialect=dialect),), record=path)
+    path = tmp_path_factory.mktemp("air") / "v1.jsonl"
+    result = play_trial(trial_settings(TrialOptions(device="leap-simulated:v1")), record=path)
     assert result.success, result.reason
     return path
 
 
-@pytest.fixture(scope="module")
-def recording(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return recorded(tmp_path_factory.mktemp("air"))
-
-
-@given(frames())
+@given(HAND_FRAMES)
 def test_a_hand_frame_is_stored_to_the_bit(frame: HandFrame) -> None:
     back = frame_from_json(json.loads(json.dumps(frame_to_json(frame))))
     # The text of a float tells all of it, and that of -0.0 is not that of 0.0.
@@ -149,11 +118,9 @@ def test_a_recording_is_the_device_of_another_hand_in_another_scene(recording: P
             HandSettings(in_air=HandInput((0.3, 0.0, -0.1))),
         ),
     )
-
-    def idle(task: Task, surface: Surface) -> Device:
-        return device(of, "idle")(task, surface)
-
-    session = build(of, (idle, lambda task, surface: RecordedDevice(read, 0)))
+    recorded = RecordedDevice(read, 0)
+    makers: Any = (lambda task, surface: PlayedHands(take(1).frames), lambda *_: recorded)
+    session = build(of, makers)
     for _ in range(100):
         session.advance()
     own, other = (session.reconstructions[i].q[ROOT_POSITION] for i in (1, 0))
@@ -173,17 +140,6 @@ def test_settings_with_a_calibration_are_read_back_as_they_were(tmp_path: Path) 
     )
     for frame in take(3).frames[:40]:
         np.testing.assert_array_equal(rebuilt.step(frame).q, direct.step(frame).q)
-
-
-def test_where_the_device_is_moves_the_hand_and_changes_nothing_else() -> None:
-    poses = []
-    for at in (UNDER, (0.1, -0.2, 0.3)):
-        found = HandInput(at).reconstructor(Person(), Surface(), RateLimit())
-        poses.append([found.step(frame).q for frame in take(2).frames[:60]])
-    moved = np.array(poses[1])[:, :3] - np.array(poses[0])[:, :3]
-    shift = np.subtract((0.1, -0.2, 0.3), UNDER)
-    np.testing.assert_allclose(moved, np.tile(shift, (60, 1)), atol=1e-12)
-    np.testing.assert_array_equal(np.array(poses[1])[:, 3:], np.array(poses[0])[:, 3:])
 
 
 def test_no_fingertip_is_commanded_below_the_table() -> None:
@@ -255,23 +211,10 @@ def test_who_was_not_measured_is_assumed_and_assumed_anew_after_a_reset() -> Non
 
 
 def test_a_hand_in_the_air_stays_at_the_lower_edge_of_a_flat_table() -> None:
-    of = settings(task="stack-vertical")
     with pytest.raises(InputError, match="flat table"):
-        play_trial(of, (device(of),))
+        play_trial(settings(task="stack-vertical"), (lambda *_: PlayedHands([]),))
     with pytest.raises(InputError, match="lower edge"):
         HandInput().reconstructor(Person(turn=90), Surface(), RateLimit())
-
-
-@pytest.mark.parametrize("side", ["right", "left"])
-def test_the_simulated_device_says_where_joints_are_and_of_which_side(side: str) -> None:
-    leap = ForwardLeap(3, side)
-    joints = np.random.default_rng(0).normal(0.0, 0.05, (5, 4, 3))
-    mirror = np.diag([-1.0 if side == "left" else 1.0, 1.0, 1.0])
-    hand = leap.see(0.5, np.array([0.1, 0.0, 0.2]), mirror, joints)[0].hands[0]
-    assert hand.side == side
-    for finger in hand.fingers:
-        truth = np.array([0.1, 0.0, 0.2]) + joints[finger.finger] @ mirror.T
-        np.testing.assert_allclose(finger.joints, truth, atol=0.004)
 
 
 @pytest.mark.parametrize("links", [1, 2])
@@ -318,48 +261,24 @@ def test_a_wrench_is_held_so_low_that_no_fingertip_rides_over_its_handle(seed: i
     assert result.success and made[0].user.grasps == 1
 
 
-@pytest.fixture(scope="module")
-def sound(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
-    path = tmp_path_factory.mktemp("leap") / "sound.json"
-    write_take(take(1), path, {})
-    recording = json.loads(path.read_text())
-    # The open hand, which is measured, and a little more.
-    recording["frames"] = recording["frames"][:200]
-    return recording
-
-
-def played(path: Path) -> int:
-    return main(["run", "stack", "--device", str(path)])
-
-
-def test_hands_that_swap_their_ids_all_the_time_do_not_stop_a_session(
-    sound: dict[str, Any], tmp_path: Path
-) -> None:
-    recording = json.loads(json.dumps(sound))
-    for i, frame in enumerate(recording["frames"]):
-        (hand,), fingers = frame["hands"], frame["pointables"]
-        x, y, z = hand["palmPosition"]
-        other = {**hand, "id": 2, "palmPosition": [x + 300.0, y, z]}
-        beside = []
-        for f in fingers:
-            x, y, z = f["tipPosition"]
-            beside.append({**f, "id": f["id"] + 50, "handId": 2, "tipPosition": [x + 300.0, y, z]})
-        frame["hands"], frame["pointables"] = [hand, other], fingers + beside
+def test_hands_that_swap_their_ids_all_the_time_do_not_stop_a_session(tmp_path: Path) -> None:
+    # The open hand, which is measured, and a little more; another hand is beside it.
+    messages = doubled([leap_message(f, n) for n, f in enumerate(take(1).frames[:200])])
+    for i, message in enumerate(messages):
         if i // 10 % 2:
-            for each in frame["hands"]:
-                each["id"] = 3 - each["id"]
-            for each in frame["pointables"]:
-                each["handId"] = 3 - each["handId"]
-    path = tmp_path / "swapping.json"
-    path.write_text(json.dumps(recording))
-    assert played(path) == 0
+            for hand in message["hands"]:
+                hand["id"] = 3 - hand["id"]
+            for finger in message["pointables"]:
+                finger["handId"] = 3 - finger["handId"]
+    path = as_lines(tmp_path, messages, "swapping.jsonl")
+    assert main(["run", "stack", "--device", str(path)]) == 0
 
 
 def test_a_profile_may_be_a_measured_hand_and_is_refused_for_touches(
-    sound: dict[str, Any], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     path, hand = tmp_path / "hand.json", tmp_path / "me.json"
-    path.write_text(json.dumps(sound))
+    write_take(take(1), path, {})
     paalm = ["paalm", "calibrate", str(path), "--hands", "right", "--frames", "40"]
     assert main([*paalm, "--out", str(hand)]) == 0
     named, as_profile = (

@@ -197,22 +197,6 @@ def test_what_breaks_the_protocol_costs_itself_alone(data: bytes) -> None:
 
 
 @pytest.mark.parametrize(
-    "odd",
-    [
-        *(cur("set", "x", 0.5, 0.5), cur("set", 1), cur("set", 1, math.nan, 0.5), cur("alife", 1)),
-        *(cur(), cur("set", 2**40, 0.5, 0.5), message("/tuio/2Dblb", "set", 1, "x", 0.5)),
-        *(NO_OSC["a float cut off"], NO_OSC["an opening bracket too many"]),
-    ],
-)
-@pytest.mark.parametrize("at", range(4))
-def test_one_wrong_message_costs_itself_alone(odd: bytes, at: int) -> None:
-    parts = [cur("alive", 1), cur("set", 1, *A), cur("fseq", 9)]
-    table = Table()
-    assert table.feed(bundle(*parts[:at], odd, *parts[at:])) == [{1: A}]
-    assert table.tuio.statistics.malformed == 1
-
-
-@pytest.mark.parametrize(
     ("name", "shown"),
     [
         *(((), ""), ((4,), "4"), (("n" * 300,), "n" * 200), (("table\x07",), "table\ufffd")),

@@ -60,14 +60,6 @@ def test_a_counter_that_falls_a_second_later_is_a_sender_that_began_anew() -> No
     assert table.feed(frame20(1, {1: B})) == [{1: B}]
 
 
-def test_tokens_and_symbols_are_no_touches_and_cost_none() -> None:
-    table = Table()
-    things = [message("/tuio2/tok", 8, 0, 1, 0.5, 0.5, 0.0), message("/tuio2/sym", 8, 0, 0, "x")]
-    assert table.feed(bundle(frm(1), ptr(1, *A), *things, alv(1, 8))) == [{1: A}]
-    assert table.tuio.statistics.ignored == 2
-    assert table.tuio.statistics.ignored_address == "/tuio2/sym"
-
-
 @pytest.mark.parametrize(("kind", "finger"), [*zip(range(1, 6), (1, 2, 3, 4, 0), strict=True)])
 @pytest.mark.parametrize(("hand", "user"), [(0, 0), (5, 0), (0, 2), (5, 700)])
 def test_a_device_that_knows_fingers_names_them(

@@ -116,15 +116,6 @@ def test_two_senders_of_one_host_stay_two(
     assert list(one.values()) == [B]
 
 
-def test_a_resting_finger_of_the_first_sender_survives_the_second() -> None:
-    table = Table()
-    table.feed(frame(300, {1: A}), peer=f"{HOST}:1000")
-    shown = table.feed(frame(1, {1: B}), frame(2, {1: C}), peer=f"{HOST}:2000")
-    assert all(A in both.values() for both in shown)
-    (again,) = table.feed(frame(301, {}, alive=[1]), peer=f"{HOST}:1000")
-    assert sorted(again.values()) == [A, C]
-
-
 def test_a_sender_with_many_ports_and_one_with_its_own_stay_two() -> None:
     table = Table()
     shown = {}
@@ -284,13 +275,6 @@ def test_a_resting_finger_comes_back_when_its_silent_sender_speaks_again() -> No
     table.feed(frame(10, {1: A, 2: B}))
     assert table.wait(3.0) == [{}]
     assert table.feed(frame(11, {2: C}, alive=[1, 2])) == [{1: A, 2: C}]
-
-
-def test_a_sender_that_starts_again_after_silence_has_its_own_ids_again() -> None:
-    table = Table(stale_after=2.0)
-    table.feed(frame(60, {0: A}, source="app"), peer="192.0.2.1:1000")
-    table.wait(3.0)
-    assert table.feed(frame(1, {0: B}, source="app"), peer="192.0.2.1:1001") == [{0: B}]
 
 
 def test_too_many_sources_push_out_the_one_unheard_for_longest() -> None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections import deque
 from collections.abc import Sequence
 from pathlib import Path
@@ -24,7 +23,6 @@ from sandbox.devices.device import LandmarkDevice
 from sandbox.devices.hand_input import HandInput
 from sandbox.devices.simulated.in_air import SimulatedLeap
 from sandbox.devices.webcam import webcam_choice
-from sandbox.devices.webcam.landmarks import header_record, message_of
 from sandbox.export.sources import open_source
 from sandbox.recording.recording import load_recording
 from sandbox.session.messages import Snapshot
@@ -32,28 +30,15 @@ from sandbox.trial.driver import play_trial
 from sandbox.trial.settings import HandSettings, Settings
 from tasks.task import Task
 from tasks.user import UserConfiguration
-from tests.encoders.air.seen_hands import SIZE, film, held_up, landmarks, mirror
+from tests.encoders.air.seen_hands import SIZE, film_file, held_up, landmarks
 
 CAMERA = Camera(70.0, (0.0, 0.45, 0.12))
-
-
-def hand_file(path: Path, both: bool = False) -> Path:
-    """A file of a hand, or of both, that bends its fingers for 2 s."""
-    poses = [held_up(30.0 + 20.0 * np.sin(i / 10), (0.1, 0.01 * i, 0.0)) for i in range(60)]
-    frames = film(poses, CAMERA)
-    if both:
-        frames = [
-            LandmarkFrame(f.time, (*f.hands, mirror(f.hands[0])), f.size, f.taken) for f in frames
-        ]
-    lines = [header_record(CAMERA), *map(message_of, frames)]
-    path.write_text("\n".join(map(json.dumps, lines)) + "\n")
-    return path
 
 
 def test_a_trial_by_a_file_of_landmarks_is_recorded_and_replays_to_the_bit(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    file, recording = hand_file(tmp_path / "hand.jsonl"), tmp_path / "trial.jsonl"
+    file, recording = film_file(tmp_path / "hand.jsonl", CAMERA), tmp_path / "trial.jsonl"
     assert main(["run", "box-to-goal", "--device", str(file), "--record", str(recording)]) == 0
     assert main(["replay", str(recording)]) == 0
     assert "equal to the bit" in capsys.readouterr().out
@@ -63,7 +48,7 @@ def test_a_trial_by_a_file_of_landmarks_is_recorded_and_replays_to_the_bit(
 
 
 def test_a_recording_of_landmarks_is_exported_as_it_is(tmp_path: Path) -> None:
-    file, out = hand_file(tmp_path / "hand.jsonl"), tmp_path / "hand.bvh"
+    file, out = film_file(tmp_path / "hand.jsonl", CAMERA), tmp_path / "hand.bvh"
     assert main(["export", str(file), "--to", str(out)]) == 0
     assert "MOTION" in out.read_text()
     source = open_source(file)
@@ -76,9 +61,12 @@ def test_a_recording_of_landmarks_is_exported_as_it_is(tmp_path: Path) -> None:
 
 
 def test_both_hands_of_a_recording_of_landmarks_are_exported(tmp_path: Path) -> None:
-    assert open_source(hand_file(tmp_path / "two.jsonl", both=True)).names == ("right", "left")
+    assert open_source(film_file(tmp_path / "two.jsonl", CAMERA, both=True)).names == (
+        "right",
+        "left",
+    )
     with pytest.raises(InputError, match="not in the recording"):
-        open_source(hand_file(tmp_path / "one.jsonl"), hand="left")
+        open_source(film_file(tmp_path / "one.jsonl", CAMERA), hand="left")
 
 
 @pytest.mark.parametrize(
