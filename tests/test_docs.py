@@ -4,17 +4,11 @@ from __future__ import annotations
 
 import ast
 import importlib
-import inspect
 import re
 import tomllib
 from pathlib import Path
 
 import pytest
-
-from models.objects import RED, Box, Cylinder
-from models.surface import Surface
-from tasks.box_to_goal import BoxToGoal
-from tasks.task import Goal, place_surface
 
 ROOT = Path(__file__).parents[1]
 PAGES = sorted(
@@ -57,32 +51,6 @@ def test_every_link_within_the_repository_leads_somewhere(page: Path) -> None:
         if not target.exists() or (anchor and anchor not in anchors(target)):
             astray.append(link)
     assert not astray
-
-
-def test_the_page_on_tasks_says_where_the_surface_is() -> None:
-    class Front(BoxToGoal):
-        plane = "front"
-
-    text = (ROOT / "docs" / "write-a-task.md").read_text(encoding="utf-8")
-    flat, front = place_surface(Surface(), BoxToGoal), place_surface(Surface(), Front)
-    width, height = flat.size
-    left, top, over = flat.to_world((0.0, 0.0))
-    assert f"x = ±{-left:.3f} and y = ±{top:.3f}" in text
-    assert (left, top, over) == pytest.approx((-width / 2, height / 2, BoxToGoal.touch_height))
-    # Right on the surface is right in the world, and down on it is towards the person.
-    assert flat.to_world((width, height)) == pytest.approx((-left, -top, over))
-    assert front.to_world((0.0, height)) == pytest.approx((left, -BoxToGoal.touch_height, -0.015))
-    assert "its lower edge 0.015 m below the table's top" in text
-
-
-@pytest.mark.parametrize("kind", [Box, Cylinder, Goal])
-def test_the_page_on_tasks_tells_how_things_are_made_as_the_code_does(kind: type) -> None:
-    given = [
-        p.name if p.default is p.empty else f"{p.name}={'RED' if p.default is RED else p.default}"
-        for p in inspect.signature(kind).parameters.values()
-    ]
-    text = (ROOT / "docs" / "write-a-task.md").read_text(encoding="utf-8")
-    assert f"\n{kind.__name__}({', '.join(given)})\n" in text
 
 
 def test_the_menu_of_the_site_has_every_page_once() -> None:
