@@ -85,11 +85,7 @@ def share(options: ShareOptions, console: Console) -> int:
     if print_losses(study, console):
         console.print("[yellow]what was lost is not in the folder[/]")
     masking = Masking(
-        options.keep_words,
-        options.drop,
-        _bins(options.bin),
-        options.recordings,
-        options.keep_hands,
+        options.keep_words, options.drop, _bins(options.bin), options.recordings, options.keep_hands
     )
     ppids = [person.ppid for person in study.participants()]
     found_by_script = read_script_rows(options.folder / REPORTS / OF_SCRIPT)

@@ -26,11 +26,7 @@ from sandbox.study.design.design import (
     PageSettings,
 )
 from sandbox.study.design.fields import END, SCHEMA, SHOWS, START
-from sandbox.study.design.questionnaires import (
-    read_form,
-    read_item,
-    scored_by_its_question,
-)
+from sandbox.study.design.questionnaires import read_form, read_item, scored_by_its_question
 from sandbox.study.design.reading import DesignError, Mistake, Reader, TomlTable
 from sandbox.study.design.toml_lines import TomlLines
 from sandbox.study.measures.measures import (
@@ -290,14 +286,7 @@ def _page_settings(top: TomlTable, trials: TomlTable) -> PageSettings:
         task = table.string("task")
         names[task], goals[task] = table.text("name"), table.text("goal")
         table.done()
-    return PageSettings(
-        shows,
-        starts,
-        trials.choice("when_gone"),
-        names,
-        goals,
-        _read_words(top),
-    )
+    return PageSettings(shows, starts, trials.choice("when_gone"), names, goals, _read_words(top))
 
 
 def _read_words(top: TomlTable) -> dict[str, dict[str, str]]:
@@ -346,9 +335,7 @@ def _read_factor(table: TomlTable, outer_ones: list[Factor]) -> Factor:
         wanted = [level.name for level in above.levels] if above else []
         if above is None:
             table.add_mistake(
-                "inside",
-                f"unknown factor {outer!r}",
-                "Write the name of a factor above this one",
+                "inside", f"unknown factor {outer!r}", "Write the name of a factor above this one"
             )
         elif not isinstance(raw, dict) or set(raw) != set(wanted):
             table.add_mistake(
@@ -456,10 +443,7 @@ def _instruction(table: TomlTable, factors: tuple[Factor, ...]) -> Instruction:
 
 
 def _primary(
-    table: TomlTable,
-    forms: tuple[Form, ...],
-    named: tuple[str, ...] | None,
-    own: Measure | None,
+    table: TomlTable, forms: tuple[Form, ...], named: tuple[str, ...] | None, own: Measure | None
 ) -> tuple[str, ...]:
     """Names of the confirmatory outcomes: measures, and questionnaires for their scores.
 

@@ -62,7 +62,7 @@ class Cells:
         if name not in self.texts:
             near = get_close_matches(name, self.texts, 1)
             raise KeyError(
-                f"there is no column {name}" + (f"; did you mean {near[0]}?" if near else ""),
+                f"there is no column {name}" + (f"; did you mean {near[0]}?" if near else "")
             )
         return self.texts[name]
 

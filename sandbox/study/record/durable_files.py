@@ -10,13 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from models.errors import StudyError
-from sandbox.system.files import (
-    BESIDE,
-    OPEN,
-    lock,
-    sync_folder,
-    this_program,
-)
+from sandbox.system.files import BESIDE, OPEN, lock, sync_folder, this_program
 
 TEMPORARY = ".tmp-"
 """Prefix of the names of unfinished files."""

@@ -32,11 +32,7 @@ from sandbox.study.record.records import (
     TRIAL_END,
 )
 from sandbox.study.record.state import Attempt, SessionState, decisions_on
-from sandbox.study.record.stored_sessions import (
-    StoredSession,
-    session_path,
-    sessions_of,
-)
+from sandbox.study.record.stored_sessions import StoredSession, session_path, sessions_of
 from sandbox.study.record.trial_files import (
     TRIALS,
     finished_result,
@@ -80,11 +76,7 @@ class SessionFolder(Closeable):
     """
 
     def __init__(
-        self,
-        study: StudyFolder,
-        person: Participant,
-        number: int = 1,
-        recovering: bool = False,
+        self, study: StudyFolder, person: Participant, number: int = 1, recovering: bool = False
     ) -> None:
         self.study, self.person, self.number = study, person, number
         self.steps: list[Step] = session_plan(study.design, person.number, number)
@@ -285,11 +277,7 @@ class SessionFolder(Closeable):
         head, count = self.journal.head, len(self.journal.records)
         if head != self._sealed:
             self.study.note(
-                SEALED,
-                ppid=self.person.ppid,
-                session=self.number,
-                records=count,
-                hash=head,
+                SEALED, ppid=self.person.ppid, session=self.number, records=count, hash=head
             )
             self._sealed = head
             # This hash covers the whole journal. Another machine that records it can prove later

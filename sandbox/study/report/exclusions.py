@@ -38,9 +38,7 @@ def flow(data: StudyData) -> list[FlowStep]:
     steps = [FlowStep("began", len(data.people), 0, True)]
     if refused := len(_without_consent(data)):
         steps.append(FlowStep("did not consent", refused, 0))
-    steps += [
-        FlowStep("finished attempts", trials["ppid"].nunique(), len(trials), True),
-    ]
+    steps += [FlowStep("finished attempts", trials["ppid"].nunique(), len(trials), True)]
     rest = trials
     for what, gone in (
         ("replaced by a later attempt", trials["counted"] != 1),

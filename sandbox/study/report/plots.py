@@ -58,11 +58,7 @@ _STYLE: Any = {
 
 @contextmanager
 def _figure(
-    body: float,
-    above: float = 0.1,
-    below: float = 0.55,
-    columns: int = 1,
-    **how: Any,
+    body: float, above: float = 0.1, below: float = 0.55, columns: int = 1, **how: Any
 ) -> Iterator[tuple[Any, list[Any]]]:
     """Context of a figure with given height and margins, inches.
 
@@ -224,9 +220,7 @@ def solved(series: Sequence[str], times: Sequence[np.ndarray], limit: float) -> 
 
 
 def practice(
-    label: str,
-    people: Sequence[tuple[np.ndarray, np.ndarray]],
-    mean: tuple[np.ndarray, np.ndarray],
+    label: str, people: Sequence[tuple[np.ndarray, np.ndarray]], mean: tuple[np.ndarray, np.ndarray]
 ) -> str:
     """Plots a measure from trial to trial: a thin line for each person, and the mean.
 

@@ -127,10 +127,7 @@ def before_cameras(settings: Settings) -> tuple[bool, ...]:
 
 
 def settings_fitter(
-    name: str,
-    page: StudyPage | None = None,
-    second: str = "",
-    camera: SessionCamera | None = None,
+    name: str, page: StudyPage | None = None, second: str = "", camera: SessionCamera | None = None
 ) -> FitSettings:
     """Returns a function that adapts the settings of a trial to the touch devices.
 

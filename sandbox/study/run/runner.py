@@ -244,7 +244,7 @@ class SessionRunner:
                 "attempt": start["attempt"],
                 "practice": trial.practice,
                 "levels": trial.levels,
-            },
+            }
         }
         try:
             played = self.player.play(
@@ -323,12 +323,7 @@ class SessionRunner:
         if played.broken:
             session.break_off(trial, played.broken)
             if self._leave_key == "s":
-                session.command(
-                    "skip",
-                    step=trial.id,
-                    trial=trial.number,
-                    reason=played.broken,
-                )
+                session.command("skip", step=trial.id, trial=trial.number, reason=played.broken)
             self._say_left(trial, "" if self._leave_key else played.broken)
             return
         session.finish(trial, played.result)

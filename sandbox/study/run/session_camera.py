@@ -33,11 +33,7 @@ class SessionCamera(Closeable):
     """
 
     def __init__(
-        self,
-        engine: Path,
-        sides: Sequence[str],
-        browse: bool,
-        say: Callable[[str], object],
+        self, engine: Path, sides: Sequence[str], browse: bool, say: Callable[[str], object]
     ) -> None:
         self.mirrored = False
         self._engine, self._sides, self._browse, self._say = engine, sides, browse, say

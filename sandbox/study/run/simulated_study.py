@@ -172,10 +172,7 @@ def run_simulated(
 
 
 def simulate(
-    study: StudyFolder,
-    participants: int,
-    resume: bool,
-    say: Callable[[str], object],
+    study: StudyFolder, participants: int, resume: bool, say: Callable[[str], object]
 ) -> dict[str, int]:
     """Runs a study with a number of simulated participants, one after another.
 

@@ -32,12 +32,7 @@ from sandbox.study.record.durable_files import (
     study_error,
     write_atomically,
 )
-from sandbox.study.record.folder import (
-    SITE,
-    StudyFolder,
-    withdrawals_of,
-    write_design,
-)
+from sandbox.study.record.folder import SITE, StudyFolder, withdrawals_of, write_design
 from sandbox.study.record.hash_chain import HASH, Record
 from sandbox.study.record.journal import journal_bytes, read_journal
 from sandbox.study.record.notes import (

@@ -25,12 +25,7 @@ from sandbox.study.tables.column import (
     csv_bytes,
 )
 from sandbox.study.tables.frame_table import FRAMES
-from sandbox.study.tables.rows import (
-    EVENT,
-    answer_columns,
-    participant_columns,
-    score_columns,
-)
+from sandbox.study.tables.rows import EVENT, answer_columns, participant_columns, score_columns
 from sandbox.study.tables.trial_table import PLACE, trial_columns
 
 COLUMNS = (

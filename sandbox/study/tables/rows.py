@@ -126,11 +126,7 @@ def _only(rows: Sequence[Row], name: str) -> str:
     return LISTED.join(str(int(x) if isinstance(x, bool) else x) for x in values if x is not None)
 
 
-ABOUT = (
-    *SESSION,
-    Column("instrument", "", "name of the questionnaire"),
-    _COMMON["block"],
-)
+ABOUT = (*SESSION, Column("instrument", "", "name of the questionnaire"), _COMMON["block"])
 """First columns of `answers.csv` and `scores.csv`."""
 PLACE = Column(
     "place",

@@ -47,12 +47,7 @@ from sandbox.study.tables.column import (
     names_of,
 )
 from sandbox.study.tables.frame_table import make_frames
-from sandbox.study.tables.rows import (
-    answer_rows,
-    event_rows,
-    participant_row,
-    score_rows,
-)
+from sandbox.study.tables.rows import answer_rows, event_rows, participant_row, score_rows
 from sandbox.study.tables.trial_table import FILE_NAMES, exclude_person, trial_rows
 from sandbox.study.tables.upgrades import upgrades_of
 
@@ -223,10 +218,7 @@ def _rows(
 
 
 def _rows_of(
-    study: StudyFolder,
-    person: Participant,
-    sessions: Sequence[StoredSession],
-    empty: Counter[str],
+    study: StudyFolder, person: Participant, sessions: Sequence[StoredSession], empty: Counter[str]
 ) -> dict[str, list[Row]]:
     """Rows of a participant in every table."""
     design, designs = study.design, study.design_of

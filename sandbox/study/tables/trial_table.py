@@ -22,12 +22,7 @@ from sandbox.study.measures.movement import throughput
 from sandbox.study.record.hash_chain import Record
 from sandbox.study.record.state import Attempt, SessionState
 from sandbox.study.record.trial_files import frames_of
-from sandbox.study.tables.column import (
-    FACTOR,
-    Column,
-    Row,
-    factor_columns,
-)
+from sandbox.study.tables.column import FACTOR, Column, Row, factor_columns
 from sandbox.study.tables.frame_table import read_frames
 from sandbox.trial.result import ResultRecord, fields, record_fields
 from tasks.registry import find_task
@@ -39,9 +34,7 @@ SESSION = (
     ),
     Column("site", "", "letter of the place where the session took place"),
     Column(
-        "participant",
-        "",
-        "pseudonym of the participant; the last character is a check character",
+        "participant", "", "pseudonym of the participant; the last character is a check character"
     ),
     Column("number", "", "number of the participant, from 1, which determines the order of levels"),
     Column("session", "", "session number of this participant, from 1"),

@@ -33,10 +33,7 @@ from tests.support.study_files import design
 
 PPI = 64.0
 WIDTH, HEIGHT = 640, 480
-KNOWN = {
-    f"hand-sandbox:px-per-inch:{HEIGHT}x{WIDTH}@1": str(PPI),
-    "hand-sandbox:quality": "3",
-}
+KNOWN = {f"hand-sandbox:px-per-inch:{HEIGHT}x{WIDTH}@1": str(PPI), "hand-sandbox:quality": "3"}
 
 SMALL = """
 name = "on-page"
@@ -109,10 +106,7 @@ class Watched(PagePlayer):
         self.moments: SimpleQueue[tuple[Session, Snapshot]] = SimpleQueue()
 
     def _views(self, session: Session) -> list[View]:
-        return [
-            *super()._views(session),
-            lambda snapshot: self.moments.put((session, snapshot)),
-        ]
+        return [*super()._views(session), lambda snapshot: self.moments.put((session, snapshot))]
 
 
 class OnPage:

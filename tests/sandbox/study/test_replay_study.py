@@ -148,9 +148,7 @@ def row(count: int) -> list[Snapshot]:
 
 
 @given(st.lists(st.tuples(st.floats(0.0, 3.0), st.integers(-200, 200), st.booleans()), max_size=20))
-def test_whatever_one_does_there_is_something_to_see(
-    doings: list[tuple[float, int, bool]],
-) -> None:
+def test_whatever_one_does_there_is_something_to_see(doings: list[tuple[float, int, bool]]) -> None:
     clock = Clock()
     playback = Playback(row(50), 1.0, clock)
     for passed, moved, paused in doings:

@@ -113,9 +113,7 @@ class Leaving(SimulatedForms):
         return super().ask(form, language, poll, draft)
 
 
-def test_the_last_trial_can_be_excluded_after_the_program_was_started_again(
-    tmp_path: Path,
-) -> None:
+def test_the_last_trial_can_be_excluded_after_the_program_was_started_again(tmp_path: Path) -> None:
     study = open_study(tmp_path)
     person = study.add(**simulated_person(study.design, 1))
     leaving, outcomes, last = Leaving(1), list[SessionOutcome](), 0
@@ -244,7 +242,7 @@ def test_a_choice_in_the_terminal_is_its_word_or_its_number() -> None:
     )
     assert question(item, "en", numbered=True) == "Hand? (1 R / 2 L)"
     assert [read_answer(item, t, "en") for t in ("2", " l", "LEFT", "1")] == [
-        *("left", "left", "left", "right"),
+        *("left", "left", "left", "right")
     ]
     for text in ("0", "3", "-1", "1.0"):
         with pytest.raises(StudyError, match="not one of the choices"):

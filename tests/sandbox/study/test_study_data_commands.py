@@ -180,10 +180,7 @@ def test_who_takes_part_after_all_before_any_trial_gets_the_next_free_number(
         (["share", "{}", "--out", "{}/inside"], "inside its study"),
         (["share", "{}", "--bin", "age", "--out", "x"], "not an item and width"),
         (["share", "{}", "--bin", "age:1e-300", "--out", "x"], "from 1e-06 to"),
-        (
-            ["share", "{}", "--drop", "wage", "--out", "x"],
-            "no such demographic item",
-        ),
+        (["share", "{}", "--drop", "wage", "--out", "x"], "no such demographic item"),
         (["share", "{}/..", "--out", "x"], "not a study folder"),
         (["note", "{}", "--participant", "ABCDEF", "--withdraw"], "no such participant in this"),
         (["note", "{}", "--participant", "ZZZZZZ"], "exactly one decision is required"),

@@ -35,12 +35,7 @@ def test_who_withdraws_is_gone_but_for_a_tombstone_and_others_are_untouched(
     (tomb,) = [note for note in study.records() if gone in str(note)]
     assert set(tomb) == {"time", "kind", "ppid"} and tomb["kind"] == "withdrawn"
     assert tomb["time"].endswith("T00:00:00.000+00:00")
-    for table in (
-        "trials.csv",
-        "participants.csv",
-        "answers.csv",
-        "scores.csv",
-    ):
+    for table in ("trials.csv", "participants.csv", "answers.csv", "scores.csv"):
         assert {r["participant"] for r in rows_of(study.path / "tables" / table)} <= {stays}
     assert {p: p.read_bytes() for p in before} == before
     assert withdrawn(study.records()) == {gone}

@@ -421,9 +421,7 @@ def test_the_experimenter_measures_a_screen_before_the_consent_form_and_never_ov
     running.ended()
     records = read_journal(running.folder / "session.jsonl")
     seen = [(r["event"], r["calibrated"]) for r in records if r["kind"] == "screen"]
-    assert seen == [
-        *(("open", False), ("changed", True), ("gone", True), ("back", False)),
-    ]
+    assert seen == [*(("open", False), ("changed", True), ("gone", True), ("back", False))]
     rows = csv.DictReader((running.tables / "tables/events.csv").open(encoding="utf-8"))
     assert {"page_gone", "page_back"} <= {row["event"] for row in rows}
 

@@ -29,11 +29,7 @@ def designs() -> list[tuple[tuple[str, int], ...]]:
     """Factors of all designs of up to three factors, each with two to five levels."""
     one = [(rule, count) for rule in RULES for count in range(2, 6)]
     few = [(rule, count) for rule in RULES for count in (2, 3)]
-    return [
-        *((a,) for a in one),
-        *product(one, few),
-        *product(few, few, few[::3]),
-    ]
+    return [*((a,) for a in one), *product(one, few), *product(few, few, few[::3])]
 
 
 def digest(rules: tuple[tuple[str, int], ...]) -> str:

@@ -14,12 +14,7 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-from sandbox.study.design.balance import (
-    confounded,
-    cycle_of,
-    rows_of,
-    whole_cycle,
-)
+from sandbox.study.design.balance import confounded, cycle_of, rows_of, whole_cycle
 from sandbox.study.design.design import Design
 from sandbox.study.design.design_file import parse_design
 from sandbox.study.design.fields import ORDERS

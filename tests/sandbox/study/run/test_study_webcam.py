@@ -25,10 +25,7 @@ from sandbox.study.run.session_camera import SessionCamera
 from sandbox.study.run.simulated_study import simulate
 from sandbox.trial.replay import replay
 from tests.encoders.air.seen_hands import SIZE, held_up, seen
-from tests.sandbox.study.run.study_before_camera import (
-    BEFORE_A_CAMERA,
-    CameraSession,
-)
+from tests.sandbox.study.run.study_before_camera import BEFORE_A_CAMERA, CameraSession
 from tests.support.study_files import design, quiet
 
 
@@ -86,9 +83,7 @@ def test_one_page_is_the_camera_of_all_trials_and_goes_off_at_the_end(session: O
     assert page.bye.startswith("The session is over: the camera is off.")
 
 
-def test_recordings_hold_landmarks_and_no_pictures_and_replay_to_the_bit(
-    session: OnPage,
-) -> None:
+def test_recordings_hold_landmarks_and_no_pictures_and_replay_to_the_bit(session: OnPage) -> None:
     recordings = sorted((session.path / "trials").glob("*.jsonl*"))
     assert len(recordings) == 2
     for path in recordings:

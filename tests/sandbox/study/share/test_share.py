@@ -17,10 +17,7 @@ from sandbox.study.record.folder import SIMULATED, StudyFolder
 from sandbox.study.record.session_folder import SessionFolder
 from sandbox.study.run.simulated_study import run_simulated
 from sandbox.study.share.groups import binned, groups
-from sandbox.study.share.masking import (
-    WITHHELD,
-    without_folders,
-)
+from sandbox.study.share.masking import WITHHELD, without_folders
 from sandbox.study.share.shared_folder import Masking, Shared, share_study
 from sandbox.study.tables.tables import make_tables
 from tests.support.study_files import DESIGN, TRIALS, design, quiet, rows_of
@@ -95,12 +92,7 @@ def test_results_are_the_same_but_for_names_and_dates(
 ) -> None:
     def results(folder: StudyFolder) -> list[dict[str, str]]:
         rows = rows_of(folder.path / "tables/trials.csv")
-        files = (
-            "participant",
-            "recording",
-            "frames",
-            "exclusion_reason",
-        )
+        files = ("participant", "recording", "frames", "exclusion_reason")
         rows.sort(key=lambda r: (int(r["number"]), int(r["trial"])))
         return [{k: v for k, v in r.items() if k not in (*files, "hand_size")} for r in rows]
 

@@ -256,7 +256,6 @@ def forge(study: StudyFolder) -> None:
         heads[path.parent.parent.name] = read_journal(path)[-1][HASH]
     notes = read_notes(study.notes)
     write_notes(
-        study.notes,
-        [{**n, HASH: heads[n["ppid"]]} if n["kind"] == SEALED else n for n in notes],
+        study.notes, [{**n, HASH: heads[n["ppid"]]} if n["kind"] == SEALED else n for n in notes]
     )
     make_tables(study)

@@ -100,12 +100,7 @@ class Sessions:
     def repeat(self, session: SessionFolder, number: float) -> None:
         for trial, attempts in session.state.attempts.items():
             if attempts[-1].end is not None:
-                session.command(
-                    "repeat",
-                    step=attempts[-1].start["step"],
-                    trial=trial,
-                    reason="",
-                )
+                session.command("repeat", step=attempts[-1].start["step"], trial=trial, reason="")
                 return
 
     def finish(self, session: SessionFolder, number: float) -> None:
