@@ -24,13 +24,10 @@ from sandbox.study.run.simulated_study import run_simulated
 from sandbox.study.share import verify as verification
 from sandbox.study.tables.tables import make_tables
 from tests.support.needs import require
-from tests.support.study_files import DESIGN, design, rows_of
+from tests.support.study_files import SHORT, design, rows_of
 
-SHORT = DESIGN.replace(
-    'repetitions = 2\npractice = 1\npractice_each = "contact"\n', "practice = 0\n"
-)
-"""Consent, questions about the person, and two trials, each with a form after it."""
 SHORT_TRIALS = 2
+"""Trials of a session of `SHORT`."""
 
 TABLES = ("trials.csv", "participants.csv", "answers.csv", "scores.csv")
 LIVE = (

@@ -23,9 +23,9 @@ from sandbox.study.record.state import SessionState
 from sandbox.study.record.stored_sessions import session_path
 from sandbox.study.record.trial_files import finished_result
 from sandbox.study.run.controls import Controls
-from sandbox.study.run.forms import Forms
+from sandbox.study.run.forms import Forms, SimulatedForms
 from sandbox.study.run.players import HeadlessPlayer
-from sandbox.study.run.runner import SessionRunner
+from sandbox.study.run.runner import OpenDevices, SessionOutcome, SessionRunner
 from sandbox.study.run.simulated_study import simulated_devices
 from sandbox.study.tables.trial_table import trial_rows
 from sandbox.trial.result import TrialResult
@@ -64,12 +64,33 @@ kind = "scale"
 step = 5
 ask = "How much effort was it?"
 """
+SHORT = DESIGN.replace(
+    'repetitions = 2\npractice = 1\npractice_each = "contact"\n', "practice = 0\n"
+)
+"""The same design with two trials, each with a form after it."""
+
 SOUND = (
     DESIGN.replace("participants = 2", "participants = 24")
     .replace("Do you agree?", "Your touches are recorded. You may stop at any time. Do you agree?")
     .replace("step = 5\n", 'step = 5\nlow_means = "none"\nhigh_means = "very much"\n')
 )
 """The same design, without anything that misleads: enough people, who are told what they need."""
+
+PAIRS = """
+name = "pairs"
+seed = 3
+participants = 1
+[settings]
+task = "carry-together"
+encoder = "linear"
+[[factors]]
+name = "contact"
+order = "blocked"
+levels = ["hard"]
+[trials]
+time_limit_s = 4.0
+"""
+"""One trial of a task for two hands."""
 
 TRIALS = 6
 """Number of trials in every session of this design, including practice."""
@@ -126,6 +147,25 @@ def simulated_runner(
     """What runs a session, with simulated hands."""
     devices = simulated_devices(person)
     return SessionRunner(session, HeadlessPlayer(), devices, forms, controls or Controls(), say)
+
+
+def play_session(
+    study: StudyFolder, person: Participant, devices: OpenDevices, **more: Any
+) -> SessionOutcome:
+    """Runs a participant's session without a window; `more` are attributes of `SessionRunner`."""
+    usual = {"player": HeadlessPlayer(), "forms": SimulatedForms(1), "controls": Controls()}
+    with SessionFolder(study, person) as session:
+        return SessionRunner(session, open_devices=devices, **{**usual, "say": quiet, **more}).run()
+
+
+def first_session(study: StudyFolder) -> Path:
+    """The folder of the first participant's first session."""
+    return session_path(study.path, study.participants()[0].ppid)
+
+
+def state_of(session: Path) -> SessionState:
+    """The state of a session, by its folder."""
+    return SessionState.of(read_journal(session / "session.jsonl"))
 
 
 def open_study(out: Path, text: str = DESIGN, mode: str = SIMULATED) -> StudyFolder:
@@ -195,7 +235,7 @@ def check_session(study: StudyFolder, number: int, at_least: int, nth: int = 1) 
     if not (path / "session.jsonl").exists():
         assert at_least == 0
         return 0
-    state = SessionState.of(read_journal(path / "session.jsonl"))
+    state = state_of(path)
     ended = {n: [a for a in some if a.end] for n, some in state.attempts.items()}
     finished = [n for n, some in ended.items() if some]
     # A finished trial may still wait to be taken in from its recording: one at most.

@@ -20,6 +20,7 @@ from sandbox.session.session import Session
 from sandbox.study.record.folder import PILOT, Participant, StudyFolder
 from sandbox.study.record.records import SCREEN
 from sandbox.study.record.session_folder import SessionFolder
+from sandbox.study.record.state import SessionState
 from sandbox.study.record.stored_sessions import session_path
 from sandbox.study.run.controls import Controls
 from sandbox.study.run.page_forms import PageForms, measure_screens
@@ -29,7 +30,7 @@ from sandbox.study.run.runner import SessionOutcome, SessionRunner
 from sandbox.study.run.study_page import StudyPage, study_view
 from sandbox.trial.driver import View
 from tasks.user import UserConfiguration
-from tests.support.study_files import design
+from tests.support.study_files import design, rows_of, state_of
 
 PPI = 64.0
 WIDTH, HEIGHT = 640, 480
@@ -146,9 +147,12 @@ class OnPage:
         return session_path(self.study.path, self.person.ppid)
 
     @property
-    def tables(self) -> Path:
-        """Folder with the tables of the study."""
-        return self.folder.parents[1]
+    def state(self) -> SessionState:
+        return state_of(self.folder)
+
+    def rows(self, table: str) -> list[dict[str, str]]:
+        """Rows of a table of the study."""
+        return rows_of(self.study.path / "tables" / table)
 
     def type(self, line: str) -> None:
         """The experimenter types."""

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import socket
 import threading
 from collections.abc import Iterator
@@ -15,18 +14,12 @@ from sandbox.cli.main import main
 from sandbox.devices.registry import DeviceSettings
 from sandbox.recording.recording import load_recording
 from sandbox.study.record.folder import PILOT, StudyFolder
-from sandbox.study.record.session_folder import SessionFolder
-from sandbox.study.record.stored_sessions import session_path
-from sandbox.study.run.controls import Controls
-from sandbox.study.run.forms import SimulatedForms
 from sandbox.study.run.players import HeadlessPlayer
 from sandbox.study.run.run_device import person_devices, settings_fitter
-from sandbox.study.run.runner import SessionOutcome, SessionRunner
+from sandbox.study.run.runner import SessionOutcome
 from sandbox.trial.replay import replay
-from tests.support.study_files import DESIGN, design, quiet
+from tests.support.study_files import SHORT, design, play_session, rows_of
 from tests.support.tuio_packets import frame
-
-SHORT = DESIGN.replace("repetitions = 2\npractice = 1", "repetitions = 1\npractice = 0")
 
 
 def free_port() -> int:
@@ -67,22 +60,14 @@ def test_touches_over_tuio_are_played_and_inches_are_a_guess_unless_the_design_t
     study = StudyFolder(tmp_path, design(text), PILOT)
     person = study.add(hand="right", hand_size=1.0, language="en")
     device = DeviceSettings.of("tuio", {"port": free_port()})
-    with SessionFolder(study, person) as session, somebody_touches(device.options.port):
-        runner = SessionRunner(
-            session,
-            HeadlessPlayer(paced=True),
-            person_devices(device, person),
-            SimulatedForms(1),
-            Controls(),
-            quiet,
-            device,
-            settings_fitter("tuio"),
-        )
-        assert runner.run() is SessionOutcome.COMPLETE
-    folder = session_path(study.path, person.ppid)
-    rows = list(csv.DictReader((study.path / "tables/trials.csv").open()))
+    with somebody_touches(device.options.port):
+        devices, player = person_devices(device, person), HeadlessPlayer(paced=True)
+        fit = settings_fitter("tuio")
+        outcome = play_session(study, person, devices, player=player, device=device, fit=fit)
+    assert outcome is SessionOutcome.COMPLETE
+    rows = rows_of(study.path / "tables/trials.csv")
     assert len(rows) == 2 and all(float(r["first_contact_s"]) < 0.3 for r in rows)
-    for path in sorted((folder / "trials").glob("*.jsonl.gz")):
+    for path in study.path.glob("*/S001/trials/*.jsonl.gz"):
         recording = load_recording(path)
         assert recording.header["settings"]["surface"]["calibrated"] is told
         _, found = replay(recording)

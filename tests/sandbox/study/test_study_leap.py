@@ -17,20 +17,15 @@ from sandbox.recording.recording import load_recording
 from sandbox.study.design.session_plan import CalibrationStep, TrialStep, session_plan
 from sandbox.study.record.folder import PILOT, Participant, StudyFolder
 from sandbox.study.record.journal import read_journal
-from sandbox.study.record.session_folder import SessionFolder
-from sandbox.study.record.stored_sessions import session_path
-from sandbox.study.run.controls import Controls
 from sandbox.study.run.forms import SimulatedForms
 from sandbox.study.run.hand_calibration import hand_measurer
-from sandbox.study.run.players import HeadlessPlayer
 from sandbox.study.run.run_device import person_devices, settings_fitter
-from sandbox.study.run.runner import SessionOutcome, SessionRunner
+from sandbox.study.run.runner import SessionOutcome
 from sandbox.study.share.shared_folder import Masking, share_study
 from sandbox.trial.replay import replay
 from tests.support.leap_hands import take
-from tests.support.study_files import DESIGN, design, quiet
+from tests.support.study_files import DESIGN, SHORT, design, first_session, play_session, quiet
 
-SHORT = DESIGN.replace("repetitions = 2\npractice = 1", "repetitions = 1\npractice = 0")
 OVER_A_LEAP = SHORT.replace("[settings]\n", '[settings]\ndevice = "leap"\n')
 WANTED = 60
 
@@ -63,26 +58,22 @@ def study(tmp_path_factory: pytest.TempPathFactory) -> StudyFolder:
     server = FakeLeapd(open_hand(), port=0, rate=1000.0, loop=True)
     forms = SimulatedForms(1)
     try:
-        with SessionFolder(found, person) as session:
-            runner = SessionRunner(
-                session,
-                HeadlessPlayer(),
-                person_devices(DeviceSettings.of("mouse"), person, leap=server.address),
-                forms,
-                Controls(),
-                quiet,
-                DeviceSettings.of("leap"),
-                settings_fitter("mouse"),
-                hand_measurer(forms, person, server.address, quiet, WANTED),
-            )
-            assert runner.run() is SessionOutcome.COMPLETE
+        outcome = play_session(
+            found,
+            person,
+            person_devices(DeviceSettings.of("mouse"), person, leap=server.address),
+            device=DeviceSettings.of("leap"),
+            fit=settings_fitter("mouse"),
+            calibrate=hand_measurer(forms, person, server.address, quiet, WANTED),
+        )
+        assert outcome is SessionOutcome.COMPLETE
     finally:
         server.close()
     return found
 
 
 def measured(study: StudyFolder) -> tuple[Path, dict[str, Any]]:
-    session = session_path(study.path, study.participants()[0].ppid)
+    session = first_session(study)
     records = read_journal(session / "session.jsonl")
     (found,) = (r["calibration"] for r in records if "calibration" in r)
     return session, found
@@ -109,9 +100,9 @@ def test_lengths_of_fingers_are_in_an_anonymous_copy_only_if_somebody_wants_them
     done = share_study(study, tmp_path / "copy", Masking(hands=kept), quiet)
     assert done.hands == (0 if kept else 2)
     copy = StudyFolder.at(tmp_path / "copy")
-    session = session_path(copy.path, copy.participants()[0].ppid)
-    assert len(list((session / "trials").glob("*.jsonl*"))) == (2 if kept else 0)
-    assert len(list((session / "trials").glob("*.frames.csv.gz"))) == 2
+    trials = first_session(copy) / "trials"
+    assert len(list(trials.glob("*.jsonl*"))) == (2 if kept else 0)
+    assert len(list(trials.glob("*.frames.csv.gz"))) == 2
     length = str(hand["standard"][0]).encode()
     files = [p.read_bytes() for p in copy.path.rglob("*") if p.is_file()]
     inside = [gzip.decompress(d) if d[:2] == b"\x1f\x8b" else d for d in files]

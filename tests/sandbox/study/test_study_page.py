@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import math
 import time
 from collections.abc import Iterator
@@ -18,7 +17,6 @@ from sandbox.server import clients
 from sandbox.study.design.design import Item
 from sandbox.study.record.folder import Participant, StudyFolder
 from sandbox.study.record.journal import read_journal
-from sandbox.study.record.state import SessionState
 from sandbox.study.run.answers import check_answer
 from sandbox.study.run.runner import SessionOutcome
 from sandbox.words.words import words_in
@@ -83,7 +81,6 @@ def trial(page: Page) -> None:
 def test_a_whole_session_is_asked_and_played_on_the_page(running: OnPage) -> None:
     with opened(running) as page:
         welcome = page.until("welcome")
-        assert welcome["study"]["language"] == "de"
         assert welcome["study"]["language"] == "de" and not welcome["study"]["words"]
         form = agreed(page)
         assert [i["kind"] for i in form["items"]] == ["choice", "number", "scale", "text"]
@@ -112,16 +109,10 @@ def test_a_whole_session_is_asked_and_played_on_the_page(running: OnPage) -> Non
         leave(page, last)
         assert page.until("sheet", kind="end")["text"] == words_in("de")["end"]
     assert running.ended() is SessionOutcome.COMPLETE
-    rows = list(csv.DictReader((running.tables / "tables/answers.csv").open(encoding="utf-8")))
-    found = {r["item"]: r["answer"] for r in rows}
-    assert found == {
-        "handedness": "left",
-        "age": "33",
-        "tablets": "7",
-        "remarks": "",
-        "effort": "85",
-    }
-    trials = list(csv.DictReader((running.tables / "tables/trials.csv").open(encoding="utf-8")))
+    found = {r["item"]: r["answer"] for r in running.rows("answers.csv")}
+    about = {"handedness": "left", "age": "33", "tablets": "7", "remarks": ""}
+    assert found == {**about, "effort": "85"}
+    trials = running.rows("trials.csv")
     assert [(r["practice"], r["counted"]) for r in trials] == [("1", "1"), ("0", "1")]
 
 
@@ -227,7 +218,7 @@ def test_the_experimenter_skips_pauses_and_repeats_while_forms_and_trials_are_on
         running.heard("2 of 2 trials")
         running.type("q")
         assert running.ended() is SessionOutcome.STOPPED
-    state = SessionState.of(read_journal(running.folder / "session.jsonl"))
+    state = running.state
     assert "form:demographics" in state.skipped
     assert [len(some) for some in state.attempts.values()] == [2, 2]
     assert all(state.counted(t) for t in (1, 2))
@@ -238,11 +229,7 @@ def test_a_break_lasts_as_long_as_it_has_to(tmp_path: Path) -> None:
     study = study_in(tmp_path, text)
     person = study.add(hand="right", hand_size=1.0, language="en")
     with on_page(study, person) as running, opened(running) as page:
-        leave(page, page.until("sheet", kind="consent"), "yes")
-        page.until("sheet", kind="form")
-        running.type("s")
-        leave(page, page.until("sheet", kind="text"))
-        leave(page, page.until("sheet", kind="task"))
+        past_the_form(running, page)
         trial(page)
         rest = page.until("sheet", kind="rest")
         laid = time.monotonic()
@@ -255,6 +242,14 @@ def test_a_break_lasts_as_long_as_it_has_to(tmp_path: Path) -> None:
                 time.sleep(0.05)
             leave(again, rest)
             again.until("sheet", kind="none")
+
+
+def to_the_end(page: Page) -> None:
+    """Taps until the trial is over, and answers its form."""
+    form = tapped_until_form(page)
+    answer(page, form, "effort", 5)
+    leave(page, form)
+    page.until("sheet", kind="end")
 
 
 def tapped_until_form(page: Page) -> dict[str, Any]:
@@ -276,13 +271,17 @@ def tapped_until_form(page: Page) -> dict[str, Any]:
     raise AssertionError("the trial does not end")
 
 
-def begin_trial(running: OnPage, page: Page) -> None:
-    """Through the consent, past the form, and into the first trial until time runs."""
+def past_the_form(running: OnPage, page: Page) -> None:
+    """Through the consent, past the form, and to the first trial."""
     leave(page, page.until("sheet", kind="consent"), "yes")
     page.until("sheet", kind="form")
     running.type("s")
     leave(page, page.until("sheet", kind="text"))
     leave(page, page.until("sheet", kind="task"))
+
+
+def touch(page: Page) -> None:
+    """Touches until time runs."""
     page.until("sheet", kind="none")
     page.touch((1, 5.0, 3.0))
     while page.until("frame")["time"] == 0.0:
@@ -301,28 +300,20 @@ def test_the_time_before_the_first_touch_is_without_the_experimenter_s_pause(
     study = study_in(tmp_path, text.replace("practice = 1", "practice = 0"))
     with on_page(study, study.add(hand="right", hand_size=1.0, language="en")) as running:
         with opened(running) as page:
-            leave(page, page.until("sheet", kind="consent"), "yes")
-            page.until("sheet", kind="form")
-            running.type("s")
-            leave(page, page.until("sheet", kind="text"))
-            leave(page, page.until("sheet", kind="task"))
+            past_the_form(running, page)
             page.until("sheet", kind="none")
             running.type("p")
             page.until("sheet", kind="wait")
             time.sleep(PAUSED)
             running.type("p")
-            page.until("sheet", kind="none")
             shown = time.monotonic()
-            page.touch((1, 5.0, 3.0))
-            while page.until("frame")["time"] == 0.0:
-                pass
+            touch(page)
             seen = time.monotonic() - shown
             page.until("sheet", kind="form")
             running.type("q")
         running.ended()
-    state = SessionState.of(read_journal(running.folder / "session.jsonl"))
     # The scene is seen for a moment before the pause, too.
-    assert state.counted(1).end["result"]["measures"]["waited_s"] < seen + PAUSED / 2
+    assert running.state.counted(1).end["result"]["measures"]["waited_s"] < seen + PAUSED / 2
 
 
 @pytest.mark.parametrize(
@@ -336,20 +327,17 @@ def test_a_tablet_that_is_gone_in_mid_trial_is_told_of_and_nothing_counts_twice(
     study = study_in(tmp_path, text.replace("practice = 1", "practice = 0"))
     with on_page(study, study.add(hand="right", hand_size=1.0, language="en")) as running:
         with opened(running) as page:
-            begin_trial(running, page)
+            past_the_form(running, page)
+            touch(page)
         running.heard("page is gone")
         time.sleep(0.2)
         with opened(running) as page:
             running.heard("page is back")
             page.until("sheet", kind="none")
-            end = tapped_until_form(page)
-            answer(page, end, "effort", 5)
-            leave(page, end)
-            page.until("sheet", kind="end")
+            to_the_end(page)
         running.ended()
-    rows = list(csv.DictReader((running.tables / "tables/trials.csv").open()))
-    assert [r["counted"] for r in rows] == ["1"]
-    state = SessionState.of(read_journal(running.folder / "session.jsonl"))
+    assert [r["counted"] for r in running.rows("trials.csv")] == ["1"]
+    state = running.state
     assert len(state.attempts[1]) == (2 if when == "repeat" else 1)
     measures = state.counted(1).end["result"]["measures"]
     assert measures["waited_s"] >= 0.0
@@ -364,19 +352,17 @@ def test_another_device_that_becomes_the_participants_page_does_not_finish_their
     study = study_in(tmp_path, text.replace("practice = 1", "practice = 0"))
     with on_page(study, study.add(hand="right", hand_size=1.0, language="en")) as running:
         with opened(running) as page:
-            begin_trial(running, page)
+            past_the_form(running, page)
+            touch(page)
         running.heard("page is gone")
         time.sleep(1.0)
         wide = {**SCREEN, "width_px": 1500.0}
         with Page(running.server.url, name="another", screen=wide, beats=True) as page:
             running.heard("another device became the participant's page")
-            end = tapped_until_form(page)
-            answer(page, end, "effort", 5)
-            leave(page, end)
-            page.until("sheet", kind="end")
+            to_the_end(page)
         running.ended()
-    attempts = SessionState.of(read_journal(running.folder / "session.jsonl")).attempts[1]
-    assert [attempt.end is not None for attempt in attempts] == [False, True]
+    ended = [attempt.end is not None for attempt in running.state.attempts[1]]
+    assert ended == [False, True]
 
 
 def test_a_screen_without_room_for_the_designs_rectangle_is_refused(
@@ -387,14 +373,10 @@ def test_a_screen_without_room_for_the_designs_rectangle_is_refused(
         small = {**SCREEN, "width_px": 800.0}
         with Page(running.server.url, screen=small) as page:
             running.heard("too small for the trials: it has 8.00 x 7.00 in, and")
-            leave(page, page.until("sheet", kind="consent"), "yes")
-            page.until("sheet", kind="form")
-            running.type("s")
-            leave(page, page.until("sheet", kind="text"))
-            leave(page, page.until("sheet", kind="task"))
+            past_the_form(running, page)
             with pytest.raises(StudyError, match="too small"):
                 running.ended(10.0)
-    assert not SessionState.of(read_journal(running.folder / "session.jsonl")).attempts
+    assert not running.state.attempts
 
 
 def test_the_experimenter_measures_a_screen_before_the_consent_form_and_never_over_one(
@@ -421,9 +403,8 @@ def test_the_experimenter_measures_a_screen_before_the_consent_form_and_never_ov
     running.ended()
     records = read_journal(running.folder / "session.jsonl")
     seen = [(r["event"], r["calibrated"]) for r in records if r["kind"] == "screen"]
-    assert seen == [*(("open", False), ("changed", True), ("gone", True), ("back", False))]
-    rows = csv.DictReader((running.tables / "tables/events.csv").open(encoding="utf-8"))
-    assert {"page_gone", "page_back"} <= {row["event"] for row in rows}
+    assert seen == [("open", False), ("changed", True), ("gone", True), ("back", False)]
+    assert {"page_gone", "page_back"} <= {row["event"] for row in running.rows("events.csv")}
 
 
 ANYTHING = st.one_of(st.none(), st.booleans(), st.floats(), st.integers(), st.text(max_size=30))

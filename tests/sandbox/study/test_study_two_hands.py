@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 from pathlib import Path
 from typing import Any
 
@@ -16,36 +15,15 @@ from sandbox.study.design.conditions import run_settings
 from sandbox.study.design.session_plan import TrialStep
 from sandbox.study.measures.arrays import NO_CONTACT
 from sandbox.study.record.folder import Participant, StudyFolder
-from sandbox.study.record.session_folder import SessionFolder
-from sandbox.study.run.controls import Controls
-from sandbox.study.run.forms import SimulatedForms
-from sandbox.study.run.players import HeadlessPlayer
 from sandbox.study.run.run_device import needs_second_device, person_devices, settings_fitter
-from sandbox.study.run.runner import SessionOutcome, SessionRunner
+from sandbox.study.run.runner import SessionOutcome
 from sandbox.study.run.simulated_study import run_simulated
 from sandbox.study.tables.frame_table import read_frames
-from sandbox.study.tables.tables import make_tables
 from sandbox.trial.settings import HandSettings, Settings, recorded_settings
 from tasks.user import UserConfiguration
-from tests.support.study_files import open_study, quiet
+from tests.support.study_files import PAIRS, first_session, open_study, play_session, quiet, rows_of
 
 TASK = "carry-together"
-
-
-PAIRS = f"""
-name = "pairs"
-seed = 3
-participants = 1
-[settings]
-task = "{TASK}"
-encoder = "linear"
-[[factors]]
-name = "contact"
-order = "blocked"
-levels = ["hard"]
-[trials]
-time_limit_s = 4.0
-"""
 
 
 @pytest.fixture(scope="module")
@@ -53,23 +31,15 @@ def study(tmp_path_factory: pytest.TempPathFactory) -> StudyFolder:
     """A study of one simulated participant with one trial, broken off after 4 s."""
     found = open_study(tmp_path_factory.mktemp("pairs"), PAIRS)
     assert run_simulated(found, 1, quiet) is SessionOutcome.COMPLETE
-    make_tables(found)
     return found
 
 
-@pytest.fixture(scope="module")
-def session(study: StudyFolder) -> Path:
-    return next(study.path.glob("*/S001"))
-
-
-def test_a_simulated_trial_for_two_hands_has_tables_of_both_and_replays(
-    study: StudyFolder, session: Path
-) -> None:
-    trial = read_frames(session / "trials" / "T001.jsonl")
+def test_a_simulated_trial_for_two_hands_has_tables_of_both_and_replays(study: StudyFolder) -> None:
+    trial = read_frames(first_session(study) / "trials/T001.jsonl")
     assert trial is not None and len(trial.hands) == 2
     for hand in trial.hands:
         assert (hand.labels[:, 1] != NO_CONTACT).any() and (hand.true[:, 0] != NO_CONTACT).any()
-    (row,) = csv.DictReader((study.path / "tables/trials.csv").open())
+    (row,) = rows_of(study.path / "tables/trials.csv")
     assert row["status"] == "timeout" and float(row["label_accuracy"]) > 0.9
     assert float(row["palm_path_m"]) > 0.05
     assert main(["replay", str(study.path), "--verify"]) == 0
@@ -81,18 +51,9 @@ def test_a_pilot_is_run_with_a_device_for_each_hand(tmp_path: Path) -> None:
     study = open_study(tmp_path, text)
     person = study.add(hand="left", hand_size=1.1, language="en")
     touch, second = (DeviceSettings.of(device) for device in ("mouse", "simulated"))
-    with SessionFolder(study, person, 1) as session:
-        outcome = SessionRunner(
-            session,
-            HeadlessPlayer(),
-            person_devices(touch, person, second=second),
-            SimulatedForms(1),
-            Controls(),
-            quiet,
-            DeviceSettings.of("mouse"),
-            settings_fitter("mouse", second="simulated"),
-            second_device=DeviceSettings.of("simulated"),
-        ).run()
+    devices = person_devices(touch, person, second=second)
+    fit = settings_fitter("mouse", second="simulated")
+    outcome = play_session(study, person, devices, device=touch, fit=fit, second_device=second)
     assert outcome is SessionOutcome.COMPLETE
     recording = load_recording(next(study.path.glob("*/S001/trials/*.jsonl*")))
     settings = recorded_settings(recording.header)

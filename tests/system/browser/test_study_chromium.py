@@ -17,7 +17,6 @@ import pytest
 from sandbox.recording.recording import load_recording
 from sandbox.study.record.folder import Participant, StudyFolder
 from sandbox.study.record.journal import read_journal
-from sandbox.study.record.state import SessionState
 from sandbox.study.run.runner import SessionOutcome
 from sandbox.trial.replay import replay
 from sandbox.words.words import words_in
@@ -28,7 +27,6 @@ from tests.sandbox.study.study_on_page import (
     PPI,
     SMALL,
     WIDTH,
-    OnPage,
     on_page,
     play,
     study_in,
@@ -78,10 +76,6 @@ def pull(tab: Tab, share: float) -> None:
     tab.touch([(1, left + 0.1 * width, y)])
     tab.touch([(1, left + share * width, y)])
     tab.touch([])
-
-
-def rows(running: OnPage, name: str) -> list[dict[str, str]]:
-    return list(csv.DictReader((running.tables / "tables" / name).open(encoding="utf-8")))
 
 
 @pytest.fixture
@@ -166,7 +160,7 @@ def test_a_participant_goes_through_a_study_with_two_pages_closed_in_it(
         assert running.ended() is SessionOutcome.COMPLETE
         assert not tab.events("Runtime.exceptionThrown")
         tab.close()
-    told = {r["item"]: r["answer"] for r in rows(running, "answers.csv")}
+    told = {r["item"]: r["answer"] for r in running.rows("answers.csv")}
     assert told == {
         "handedness": "left",
         "age": "33",
@@ -174,7 +168,7 @@ def test_a_participant_goes_through_a_study_with_two_pages_closed_in_it(
         "remarks": "schön\nhier",
         "effort": "80",
     }
-    trials = rows(running, "trials.csv")
+    trials = running.rows("trials.csv")
     assert [(r["practice"], r["counted"], r["attempt"]) for r in trials] == [
         ("1", "1", "1"),
         ("0", "1", "1"),
@@ -183,7 +177,7 @@ def test_a_participant_goes_through_a_study_with_two_pages_closed_in_it(
     assert limit == 5 or any(r["success"] == "1" for r in trials)
     assert all(float(r["first_contact_s"]) < 1.0 for r in trials)
     for row in trials:
-        path = running.tables / row["recording"]
+        path = running.study.path / row["recording"]
         _, found = replay(load_recording(path))
         assert found.exact and found.complete
     for text in seen:
@@ -213,7 +207,7 @@ def test_a_page_that_is_reloaded_in_mid_trial_comes_back_into_it(
         assert wait_for(lambda: running.page.device is not None and running.page.device.touched)
         tab.touch([])
         tab.close()
-    attempts = SessionState.of(read_journal(running.folder / "session.jsonl")).attempts
+    attempts = running.state.attempts
     assert [len(some) for some in attempts.values()] == [1]
 
 

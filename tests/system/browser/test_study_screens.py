@@ -11,8 +11,6 @@ from typing import Any
 
 import pytest
 
-from sandbox.study.record.journal import read_journal
-from sandbox.study.record.state import SessionState
 from sandbox.words.words import words_in
 from tests.sandbox.study.study_on_page import HEIGHT, KNOWN, WIDTH, OnPage, on_page, study_in
 from tests.support.chromium import BINARY, Browser, Tab
@@ -117,7 +115,7 @@ def test_the_example_study_shows_its_own_texts_and_nothing_else(
 
 def demonstrated(running: OnPage) -> list[bool | None]:
     """Of every attempt that has ended: whether its page had a demonstration."""
-    attempts = SessionState.of(read_journal(running.folder / "session.jsonl")).attempts
+    attempts = running.state.attempts
     return [
         a.end["result"].get("demonstrated") for some in attempts.values() for a in some if a.end
     ]

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from hypothesis import assume, given, settings
+from hypothesis import assume, example, given, settings
 from hypothesis import strategies as st
 
 from sandbox.study.design.balance import confounded, cycle_of, rows_of, whole_cycle
@@ -94,6 +94,8 @@ def test_rows_of_any_number_of_factors_are_combined_equally_often(
 ANY = st.tuples(st.sampled_from(sorted(ORDERS)), st.integers(1, 5))
 
 
+@example([("latin", 5)])
+@example([("latin", 6)])
 @given(st.lists(ANY, min_size=1, max_size=3))
 @settings(max_examples=40, deadline=None)
 def test_over_a_full_cycle_each_level_is_equally_often_at_each_place_and_after_each_other(

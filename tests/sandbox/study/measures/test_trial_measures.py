@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 from collections.abc import Callable
 from typing import Any
 
@@ -16,11 +15,11 @@ from models.frames import FINGERS
 from models.objects import MechanismPart
 from models.surface import Surface
 from sandbox.devices.simulated.simulated import SimulatedDevice
+from sandbox.session.messages import Snapshot
 from sandbox.session.session import Session
 from sandbox.study.measures.arrays import TrialArrays
 from sandbox.study.measures.measures import MEASURES, measure_trial
 from sandbox.study.record.folder import StudyFolder
-from sandbox.study.record.stored_sessions import session_path
 from sandbox.study.record.trial_files import frames_of
 from sandbox.study.run.simulated_study import run_simulated
 from sandbox.study.tables.contacts import ContactReader
@@ -32,7 +31,7 @@ from sandbox.trial.settings import Settings
 from tasks.sensing import Sensing
 from tasks.task import Goal, Task
 from tasks.user import UserConfiguration
-from tests.support.study_files import open_study, quiet, trial_result
+from tests.support.study_files import first_session, open_study, quiet, rows_of, trial_result
 
 PERIOD = 0.016
 
@@ -170,21 +169,22 @@ def test_a_thing_is_turned_by_the_nearest_turn_that_looks_the_same(
     assert yaw_error(Seen(), Goal("box", (0.0, 0.0, 0.0), 0.0), alike) == pytest.approx(off)  # type: ignore[arg-type]
 
 
-def played(task: str, seed: int, look: Callable[[Session], object]) -> tuple[Session, FrameTable]:
+def played(
+    settings: Settings, look: Callable[[Session, Snapshot], object], device_labels: bool = False
+) -> tuple[Session, FrameTable]:
     """A simulated trial, with its table; `look` sees the session after every step."""
 
     def device(drawn: Task, surface: Surface) -> SimulatedDevice:
-        return SimulatedDevice(drawn, UserConfiguration(), surface, seed)
+        return SimulatedDevice(drawn, UserConfiguration(), surface, settings.seed, device_labels)
 
-    session, frames = build(Settings(task=task, seed=seed), (device,)), FrameTable()
+    session, frames = build(settings, (device,)), FrameTable()
     frames.watch(session)
     user: Any = session.rigs[0].device
     while not session.over:
         snapshot = session.advance()
         frames.show(snapshot)
-        look(session)
+        look(session, snapshot)
         user.show(snapshot)
-    frames.truths = [dict(user.true_labels)]
     return session, frames
 
 
@@ -193,7 +193,7 @@ def test_who_pushes_and_bears_what_agrees_with_the_sensors_at_every_moment(task:
     seen = {"digits": 0, "borne": 0, "in hand": 0}
     touching: list[ContactReader] = []
 
-    def look(session: Session) -> None:
+    def look(session: Session, snapshot: Snapshot) -> None:
         touching[:] = touching or [ContactReader(session.scene, session.data)]
         sensing = Sensing(session.scene, session.data)
         names = [thing.name for thing in session.task.objects]
@@ -206,7 +206,7 @@ def test_who_pushes_and_bears_what_agrees_with_the_sensors_at_every_moment(task:
             seen["borne"] += bool(pushes.on)
             seen["in hand"] += bool(pushes.digits) and not pushes.by
 
-    session, _ = played(task, 25, look)
+    session, _ = played(Settings(task=task, seed=25), look)
     assert session.scorer.score.success
     assert min(seen.values()) > 20
 
@@ -220,13 +220,13 @@ def test_the_table_tells_where_every_joint_is_as_tasks_sense_it(
 ) -> None:
     sensed: dict[str, list[float]] = {}
 
-    def look(session: Session) -> None:
+    def look(session: Session, snapshot: Snapshot) -> None:
         sensing = Sensing(session.scene, session.data)
         for part in session.task.objects:
             if isinstance(part, MechanismPart) and part.joint is not None:
                 sensed.setdefault(part.name, []).append(sensing.joint(part.name).position)
 
-    session, frames = played(task, 3, look)
+    session, frames = played(Settings(task=task, seed=3), look)
     trial = TrialArrays.read(frames.data())
     told = {
         name: item.hinge if column == "hinge_rad" else item.slide
@@ -240,19 +240,14 @@ def test_the_table_tells_where_every_joint_is_as_tasks_sense_it(
 
 
 def test_no_label_of_a_device_is_wrong_and_those_of_a_simulated_user_are_what_it_means() -> None:
-    def device(drawn: Task, surface: Surface) -> SimulatedDevice:
-        return SimulatedDevice(drawn, UserConfiguration(), surface, 3, True)
-
-    session = build(Settings().changed(task="box-to-goal", seed=3, labels="device"), (device,))
-    user: Any = session.rigs[0].device
     labels: dict[int, int | None] = {}
-    frames = FrameTable()
-    frames.watch(session)
-    while not session.over:
-        snapshot = session.advance()
-        frames.show(snapshot)
-        user.show(snapshot)
-        labels |= {c.id: c.label for c in snapshot.hands[0].contacts if c.label is not None}
+
+    def look(session: Session, snapshot: Snapshot) -> None:
+        labels.update({c.id: c.label for c in snapshot.hands[0].contacts if c.label is not None})
+
+    settings = Settings().changed(task="box-to-goal", seed=3, labels="device")
+    session, frames = played(settings, look, device_labels=True)
+    user: Any = session.rigs[0].device
     assert labels and labels == {contact: user.true_labels[contact] for contact in labels}
     told = measure_trial(TrialArrays.read(frames.data()), TrialResult.of(session)).values
     assert (told["label_truth"], told["label_accuracy"], told["label_errors"]) == ("device", 1.0, 0)
@@ -266,15 +261,14 @@ def study(tmp_path_factory: pytest.TempPathFactory) -> StudyFolder:
 
 
 def row_of(study: StudyFolder, trial: str) -> dict[str, str]:
-    rows = csv.DictReader((study.path / "tables/trials.csv").open())
+    rows = rows_of(study.path / "tables/trials.csv")
     return next(row for row in rows if row["trial"] == trial)
 
 
 def test_frames_that_are_missing_are_made_again_with_the_measures_of_before(
     study: StudyFolder,
 ) -> None:
-    folder = session_path(study.path, study.participants()[0].ppid)
-    recording = folder / "trials" / "T002.jsonl"
+    recording = first_session(study) / "trials/T002.jsonl"
     path = frames_of(recording)
     before, row = path.read_bytes(), row_of(study, "2")
     trial = read_frames(recording)

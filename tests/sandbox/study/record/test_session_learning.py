@@ -17,20 +17,15 @@ from sandbox.recording.recording import load_recording
 from sandbox.study.design.session_plan import TrialStep
 from sandbox.study.record.folder import SIMULATED, StudyFolder
 from sandbox.study.record.journal import read_journal
-from sandbox.study.record.session_folder import SessionFolder
-from sandbox.study.record.state import SessionState
-from sandbox.study.record.stored_sessions import session_path
 from sandbox.study.run.controls import Controls
-from sandbox.study.run.forms import SimulatedForms
-from sandbox.study.run.players import HeadlessPlayer
-from sandbox.study.run.runner import SessionOutcome, SessionRunner
+from sandbox.study.run.runner import SessionOutcome
 from sandbox.study.run.simulated_study import simulated_person
 from sandbox.study.share.shared_folder import Masking, share_study
 from sandbox.trial.assembly import DeviceMakers
 from sandbox.trial.replay import replay
 from sandbox.trial.settings import Settings
 from tests.support.scripted import Script
-from tests.support.study_files import design, quiet
+from tests.support.study_files import design, first_session, play_session, quiet, state_of
 
 FIVE = 1e-3 * np.array([[40, 110], [75, 68], [100, 55], [123, 62], [144, 84]])
 """Touches of a right hand of size 1, m on the surface, thumb first."""
@@ -70,16 +65,13 @@ def touching(trial: TrialStep, settings: Settings) -> DeviceMakers:
 def play(study: StudyFolder, controls: Controls | None = None, say: Any = quiet) -> SessionOutcome:
     """Plays the session of one participant, or what remains of it."""
     person = study.add(1, **simulated_person(study.design, 1))
-    with SessionFolder(study, person, 1) as session:
-        controls = controls or Controls(say)
-        player, forms = HeadlessPlayer(), SimulatedForms(1)
-        return SessionRunner(session, player, touching, forms, controls, say).run()
+    return play_session(study, person, touching, controls=controls or Controls(say), say=say)
 
 
 def known(study: StudyFolder) -> list[Any]:
     """Layouts at the beginning of every trial of the participant, by their recordings."""
-    folder = session_path(study.path, study.participants()[0].ppid)
-    recordings = [load_recording(path) for path in sorted((folder / "trials").glob("T*.jsonl*"))]
+    trials = first_session(study) / "trials"
+    recordings = [load_recording(path) for path in sorted(trials.glob("T*.jsonl*"))]
     return [r.header["settings"]["hands"][0].get("layouts", []) for r in recordings]
 
 
@@ -107,8 +99,7 @@ def test_a_session_that_learns_begins_each_trial_with_what_the_trials_before_it_
     assert [len(known) for known in layouts] == [0, 1, 2, 3]
     for before, after in pairwise(layouts):
         assert after[: len(before)] == before
-    folder = session_path(learned.path, learned.participants()[0].ppid)
-    _, verification = replay(load_recording(folder / "trials" / "T003.jsonl"))
+    _, verification = replay(load_recording(first_session(learned) / "trials/T003.jsonl"))
     assert verification.exact and verification.complete
 
 
@@ -132,9 +123,7 @@ def test_a_session_that_was_stopped_goes_on_with_what_it_had_learned(
 def test_an_anonymous_copy_tells_no_layouts_unless_hands_are_kept(
     tmp_path: Path, learned: StudyFolder
 ) -> None:
-    folder = session_path(learned.path, learned.participants()[0].ppid)
-    state = SessionState.of(read_journal(folder / "session.jsonl"))
-    assert state.learned and "learned" in (folder / "session.jsonl").read_text()
+    assert state_of(first_session(learned)).learned
     assert share_study(learned, tmp_path / "copy", Masking(), quiet).hands == 4
     assert not list((tmp_path / "copy").rglob("T0*.jsonl*"))
     share_study(learned, tmp_path / "hands", Masking(hands=True), quiet)

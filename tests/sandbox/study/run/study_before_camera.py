@@ -6,18 +6,13 @@ from pathlib import Path
 
 from sandbox.devices.registry import DeviceSettings
 from sandbox.study.record.folder import PILOT, StudyFolder
-from sandbox.study.record.session_folder import SessionFolder
 from sandbox.study.record.stored_sessions import session_path
-from sandbox.study.run.controls import Controls
-from sandbox.study.run.forms import SimulatedForms
 from sandbox.study.run.players import HeadlessPlayer
 from sandbox.study.run.run_device import person_devices, settings_fitter
-from sandbox.study.run.runner import SessionRunner
 from sandbox.study.run.session_camera import SessionCamera
-from tests.support.study_files import DESIGN, design
+from tests.support.study_files import SHORT, design, play_session
 
 CAMERA = "fov=70,at=0/0.4/0.1"
-SHORT = DESIGN.replace("repetitions = 2\npractice = 1", "repetitions = 1\npractice = 0")
 BEFORE_A_CAMERA = SHORT.replace(
     "[settings]\n", f'[settings]\ndevice = "webcam"\nwebcam = "{CAMERA}"\n'
 )
@@ -38,21 +33,16 @@ class CameraSession:
         self.said: list[str] = []
         self.study = StudyFolder(folder, design(BEFORE_A_CAMERA), PILOT)
         person = self.study.add(hand="right", hand_size=1.0, language="en")
-        with (
-            SessionFolder(self.study, person) as session,
-            SessionCamera(engine, ("right",), False, self.say) as camera,
-        ):
-            mouse = DeviceSettings.of("mouse")
-            self.outcome = SessionRunner(
-                session,
-                HeadlessPlayer(paced=True),
-                person_devices(mouse, person, camera=camera),
-                SimulatedForms(1),
-                Controls(),
-                self.say,
-                DeviceSettings.of("webcam"),
-                settings_fitter("mouse", camera=camera),
-            ).run()
+        with SessionCamera(engine, ("right",), False, self.say) as camera:
+            self.outcome = play_session(
+                self.study,
+                person,
+                person_devices(DeviceSettings.of("mouse"), person, camera=camera),
+                player=HeadlessPlayer(paced=True),
+                say=self.say,
+                device=DeviceSettings.of("webcam"),
+                fit=settings_fitter("mouse", camera=camera),
+            )
         self.path = session_path(self.study.path, person.ppid)
 
     def say(self, text: str) -> None:

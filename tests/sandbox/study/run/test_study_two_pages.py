@@ -11,32 +11,15 @@ import pytest
 
 from models.frames import TouchFrame
 from sandbox.recording.recording import load_recording
-from sandbox.study.record.journal import read_journal
-from sandbox.study.record.state import SessionState
 from sandbox.study.run.runner import SessionOutcome
 from sandbox.trial.replay import replay
 from sandbox.trial.settings import recorded_settings
 from sandbox.words.words import words_in
 from tests.sandbox.study.study_on_page import OnPage, on_page, study_in
 from tests.support.page_client import SCREEN, Page
+from tests.support.study_files import PAIRS
 
-PAIRS = """
-name = "pairs"
-seed = 3
-participants = 1
-[settings]
-task = "carry-together"
-encoder = "linear"
-[[factors]]
-name = "contact"
-order = "blocked"
-levels = ["hard"]
-[trials]
-time_limit_s = 1.5
-shows = ["time"]
-"""
-
-
+PAGES = PAIRS.replace("4.0", '1.5\nshows = ["time"]')
 SMALLER = {**SCREEN, "width_px": 1000.0}
 
 
@@ -60,7 +43,7 @@ def trial(page: Page, *contacts: tuple[int, float, float]) -> str:
 
 
 def test_a_trial_for_two_hands_is_played_on_two_pages_and_replays(tmp_path: Path) -> None:
-    study = study_in(tmp_path, PAIRS)
+    study = study_in(tmp_path, PAGES)
     person = study.add(hand="left", hand_size=1.0, language="en")
     with on_page(study, person, pages=2) as running:
         with opened(running, 0) as own, opened(running, 1, SMALLER) as other:
@@ -100,7 +83,7 @@ def paused(page: Page, why: str) -> None:
 def test_time_stands_still_on_both_pages_until_the_one_that_was_away_is_touched(
     tmp_path: Path,
 ) -> None:
-    study = study_in(tmp_path, PAIRS.replace("1.5", "3"))
+    study = study_in(tmp_path, PAGES.replace("1.5", "3"))
     person = study.add(hand="right", hand_size=1.0, language="en")
     with on_page(study, person, pages=2) as running, opened(running, 0) as own:
         with opened(running, 1) as other:
@@ -111,6 +94,5 @@ def test_time_stands_still_on_both_pages_until_the_one_that_was_away_is_touched(
             paused(own, "back")
             together(lambda: own.until("sheet", kind="end"), lambda: trial(other, (1, 3.0, 3.0)))
         running.ended()
-    state = SessionState.of(read_journal(running.folder / "session.jsonl"))
-    (attempt,) = state.attempts[1]
+    (attempt,) = running.state.attempts[1]
     assert attempt.end is not None and attempt.end["result"]["status"] == "timeout"

@@ -36,25 +36,14 @@ from sandbox.study.share.masking import PersonMasking, shared_line, shared_note,
 from sandbox.study.share.shared_folder import Masking, share_study
 from sandbox.study.share.verify import verify
 from sandbox.trial.result import ResultRecord, TrialResult, record_fields
-from tests.sandbox.study.share.test_share import contents
-from tests.support.study_files import DESIGN, design
-
-TEXT = DESIGN.replace(
-    "[[questionnaires]]",
-    '[[demographics]]\nname = "remarks"\nkind = "text"\nask = "Remarks?"\noptional = true\n'
-    "[[questionnaires]]",
-)
-
+from tests.sandbox.study.share.test_share import TEXT, contents
+from tests.support.study_files import design, quiet
 
 MARK = "canary"
 
 
 OWN = ("time", "clock", "hash", "ppid", "boot", "answers", "answer", "item", "calibration")
 """Fields that no record shares as they are."""
-
-
-def quiet(text: str) -> None:
-    """Nobody listens."""
 
 
 def canary(where: str, hint: Any) -> Any:

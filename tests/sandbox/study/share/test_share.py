@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import contextlib
 import gzip
 import json
-import shutil
 from pathlib import Path
 
 import pytest
@@ -15,7 +13,7 @@ from hypothesis import strategies as st
 from models.errors import StudyError
 from sandbox.study.record.folder import SIMULATED, StudyFolder
 from sandbox.study.record.session_folder import SessionFolder
-from sandbox.study.run.simulated_study import run_simulated
+from sandbox.study.run.simulated_study import run_simulated, simulate
 from sandbox.study.share.groups import binned, groups
 from sandbox.study.share.masking import WITHHELD, without_folders
 from sandbox.study.share.shared_folder import Masking, Shared, share_study
@@ -33,37 +31,16 @@ TEXT = DESIGN.replace(
 
 
 @pytest.fixture(scope="module")
-def laboratory(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A folder with the task, where the study is run: its path is in no other text by chance."""
-    place = tmp_path_factory.mktemp("laboratory-in-room-412")
-    task = Path("tests", "support", "regress_tasks.py")
-    (place / task).parent.mkdir(parents=True)
-    shutil.copy(task, place / task)
-    return place
-
-
-@pytest.fixture(scope="module")
-def study(laboratory: Path, tmp_path_factory: pytest.TempPathFactory) -> StudyFolder:
-    with contextlib.chdir(laboratory):
-        found = StudyFolder(tmp_path_factory.mktemp("kept"), design(TEXT), SIMULATED)
-        for number in (1, 2):
-            run_simulated(found, number, quiet)
-    for number in range(2):
-        with SessionFolder(found, found.participants()[number]) as session:
-            session.command("note", text=SECRET, trial=None)
+def study(tmp_path_factory: pytest.TempPathFactory) -> StudyFolder:
+    """A study of two people, of whom the experimenter has written who they are."""
+    found = StudyFolder(tmp_path_factory.mktemp("kept"), design(TEXT), SIMULATED)
+    simulate(found, 2, False, quiet)
+    for person in found.participants():
+        with SessionFolder(found, person) as session:
             session.command("exclude", trial=2, reason=SECRET)
-            session.write("answer", step="form:x", item="remarks", answer=SECRET)
+            about = {"step": "form:demographics", "form": "demographics", "block": 0, "levels": {}}
             answers = {"age": 37, "remarks": SECRET}
-            session.write(
-                "form",
-                step="form:demographics",
-                form="demographics",
-                block=0,
-                levels={},
-                answers=answers,
-                seconds=1.0,
-            )
-            session.command("of_a_later_version", name=SECRET)
+            session.write("form", **about, answers=answers, seconds=1.0)
     make_tables(found)
     return found
 

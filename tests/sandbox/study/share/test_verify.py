@@ -32,12 +32,7 @@ from sandbox.study.share.verify import (
 )
 from sandbox.study.share.withdraw import withdraw
 from sandbox.study.tables.tables import make_tables
-from tests.support.study_files import TRIALS, design, quiet
-
-
-def first(study: StudyFolder) -> Path:
-    """The session of the first participant."""
-    return session_path(study.path, study.participants()[0].ppid)
+from tests.support.study_files import TRIALS, design, first_session, quiet
 
 
 def quick(path: Path) -> Verified:
@@ -110,7 +105,7 @@ def flipped(lines: list[bytes]) -> list[bytes]:
 
 
 def test_a_recording_of_another_trial_and_one_too_many_are_named(study: StudyFolder) -> None:
-    trials = first(study) / "trials"
+    trials = first_session(study) / "trials"
     one, other = trials / "T002.jsonl.gz", trials / "T003.jsonl.gz"
     shutil.copyfile(one, trials / "T009.jsonl.gz")
     shutil.copyfile(other, one)
@@ -121,14 +116,14 @@ def test_a_recording_of_another_trial_and_one_too_many_are_named(study: StudyFol
 
 
 def test_a_recording_that_was_compressed_anew_is_the_same(study: StudyFolder) -> None:
-    path = first(study) / "trials/T002.jsonl.gz"
+    path = first_session(study) / "trials/T002.jsonl.gz"
     path.with_name("T002.jsonl").write_bytes(read_stored(path).data)
     path.unlink()
     assert quick(study.path).found[RECORDINGS] == []
 
 
 def test_frames_and_tables_that_were_changed_by_hand_are_named(study: StudyFolder) -> None:
-    frames = first(study) / "trials/T001.frames.csv.gz"
+    frames = first_session(study) / "trials/T001.frames.csv.gz"
     shutil.copyfile(frames.with_name("T002.frames.csv.gz"), frames)
     table = study.path / "tables/participants.csv"
     table.write_text(table.read_text().replace("right", "left"))
@@ -148,10 +143,10 @@ def test_a_seal_that_was_kept_elsewhere_tells_a_record_that_was_written_anew(
 ) -> None:
     kept = tmp_path / "seals.jsonl"
     shutil.copyfile(study.notes, kept)
-    printed = read_journal(first(study) / "session.jsonl")[-1][HASH]
+    printed = read_journal(first_session(study) / "session.jsonl")[-1][HASH]
     forge(study)
     assert main(["replay", str(study.path), "--verify"]) == 0
-    assert read_journal(first(study) / "session.jsonl")[-1][HASH] != printed
+    assert read_journal(first_session(study) / "session.jsonl")[-1][HASH] != printed
     assert main(["replay", str(study.path), "--verify", "--seals", str(kept)]) == 1
     finding = verify(study.path, kept, False).found[SEALS][0]
     assert "not the line that was sealed" in str(finding)
@@ -186,7 +181,7 @@ def test_a_number_or_an_order_that_is_not_that_of_the_design_is_named(study: Stu
     write_notes(path, [{**notes[0], "number": 5}])
     assert "number" in str(quick(study.path).found[PLANS][0])
     write_notes(path, notes)
-    record = first(study) / "session.jsonl"
+    record = first_session(study) / "session.jsonl"
     records = read_journal(record)
     start = next(r for r in records if r["kind"] == "trial")
     start["seed"] += 1
@@ -200,7 +195,7 @@ def test_attempts_that_a_kill_broke_off_are_no_error_before_and_after_the_next_o
     study = StudyFolder(tmp_path, design(), SIMULATED)
     run_simulated(study, 1, quiet)
     person = study.add(2, **simulated_person(study.design, 2))
-    source = first(study) / "trials/T001.jsonl"
+    source = first_session(study) / "trials/T001.jsonl"
     for part in (b"", read_stored(source).data[:4000]):
         with SessionFolder(study, person) as session:
             trial = next(s for s in session.steps if s.id == "trial:1")
