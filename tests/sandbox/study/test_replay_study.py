@@ -14,11 +14,10 @@ from sandbox.cli.main import main
 from sandbox.recording.recording import load_recording, packed, read_stored
 from sandbox.session.messages import Snapshot
 from sandbox.study.record.folder import StudyFolder
-from sandbox.study.record.stored_sessions import session_path
 from sandbox.study.record.trial_files import find_recordings
 from sandbox.study.run.simulated_study import run_simulated
 from sandbox.trial.replay import Playback
-from tests.support.study_files import TRIALS, open_study, quiet
+from tests.support.study_files import TRIALS, first_session, open_study, quiet
 
 PERIOD = 0.016
 
@@ -32,7 +31,7 @@ def study(tmp_path_factory: pytest.TempPathFactory) -> StudyFolder:
 
 @pytest.fixture
 def session(study: StudyFolder) -> Path:
-    return session_path(study.path, study.participants()[0].ppid)
+    return first_session(study)
 
 
 def test_a_trial_is_found_by_its_name_with_and_without_its_session(
@@ -102,9 +101,9 @@ def test_verification_fails_where_a_recording_breaks_off(
 
 
 def test_a_damaged_compressed_recording_is_read_up_to_the_damage_and_says_so(
-    session_data: bytes, tmp_path: Path
+    session: Path, tmp_path: Path
 ) -> None:
-    whole, path = packed(session_data), tmp_path / "run.jsonl.gz"
+    whole, path = packed(read_stored(session / "trials/T002.jsonl").data), tmp_path / "run.jsonl.gz"
     path.write_bytes(whole)
     told = load_recording(path)
     rng = np.random.default_rng(6)
@@ -125,12 +124,6 @@ def test_a_damaged_compressed_recording_is_read_up_to_the_damage_and_says_so(
         assert found.damage or found.hashes == told.hashes
         assert found.damage or found.end == told.end
     assert read > 50
-
-
-@pytest.fixture(scope="module")
-def session_data(study: StudyFolder) -> bytes:
-    session = session_path(study.path, study.participants()[0].ppid)
-    return read_stored(session / "trials/T002.jsonl").data
 
 
 class Clock:

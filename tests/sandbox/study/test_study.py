@@ -18,7 +18,6 @@ from sandbox.cli.main import main
 from sandbox.recording.recording import load_recording, packed, read_stored
 from sandbox.study.record.folder import PILOT, REAL, SIMULATED, StudyFolder
 from sandbox.study.record.journal import Journal, journal_bytes, now, parse_records, read_journal
-from sandbox.study.record.stored_sessions import session_path
 from sandbox.study.record.trial_files import pack
 from sandbox.study.run.runner import SessionOutcome
 from sandbox.study.run.simulated_study import run_simulated, simulated_person
@@ -28,6 +27,7 @@ from tests.support.study_files import (
     DESIGN,
     TRIALS,
     design,
+    first_session,
     open_study,
     pilot,
     quiet,
@@ -91,7 +91,7 @@ def test_to_run_a_session_that_is_complete_adds_nothing_unless_files_of_it_are_m
         assert f"sandbox study report {study.path}; the next person: --participant new" in said
         assert contents(study.path) == first
     # What a killed program has left is still completed, and then the journal says who did it.
-    folder = session_path(study.path, person)
+    folder = first_session(study)
     packed = folder / "trials/T001.jsonl.gz"
     stray = packed.with_name("T001.a2.jsonl.gz")
     stray.write_bytes(packed.read_bytes()[:200])
@@ -144,7 +144,7 @@ def test_the_time_limit_of_a_study_ends_a_trial_and_its_recording_replays(tmp_pa
     )
     study = open_study(tmp_path, text)
     run_simulated(study, 1, quiet)
-    folder = session_path(study.path, study.participants()[0].ppid)
+    folder = first_session(study)
     rows = rows_of(study.path / "tables/trials.csv")
     assert {(r["status"], r["time_s"]) for r in rows} == {("timeout", "0.08")}
     _, found = replay(load_recording(folder / "trials/T001.jsonl"))
@@ -177,7 +177,7 @@ def test_a_session_that_an_older_version_left_uncompressed_is_compressed_when_it
 ) -> None:
     study = open_study(tmp_path)
     run_simulated(study, 1, quiet)
-    folder = session_path(study.path, study.participants()[0].ppid)
+    folder = first_session(study)
     small = folder / "trials/T002.jsonl.gz"
     before, plain = small.read_bytes(), folder / "trials/T002.jsonl"
     plain.write_bytes(read_stored(plain).data)

@@ -48,10 +48,6 @@ seeds = "SEEDS"
 """
 
 
-USED = {"sus": "sus", "nasa-tlx-raw": "workload-raw"}
-"""Questionnaires, and their scores."""
-
-
 def crossed(sessions: int, order: str = "latin", seeds: str = "own", more: str = "") -> Design:
     text = CROSSED.replace("SESSIONS", str(sessions)).replace("ORDER", order)
     return design(
@@ -188,7 +184,8 @@ def test_a_rule_about_people_waits_for_their_last_session(tmp_path: Path) -> Non
 
 
 def test_places_of_a_questionnaire_count_on_over_all_sessions(tmp_path: Path) -> None:
-    asked = (f'[[questionnaires]]\nuse = "{use}"\nat = "contact"\n' for use in USED)
+    used = {"sus": "sus", "nasa-tlx-raw": "workload-raw"}  # questionnaires and their scores
+    asked = (f'[[questionnaires]]\nuse = "{use}"\nat = "contact"\n' for use in used)
     text = "\n".join((TWICE, *asked))
     study = StudyFolder(tmp_path, design(text), SIMULATED)
     simulate(study, 2, False, quiet)
@@ -196,7 +193,7 @@ def test_places_of_a_questionnaire_count_on_over_all_sessions(tmp_path: Path) ->
     people = {r["participant"] for r in rows}
     assert len(people) == 2
     for person in people:
-        for use, scale in USED.items():
+        for use, scale in used.items():
             mine = [
                 (r["place"], r["session"])
                 for r in rows
@@ -228,24 +225,23 @@ def test_the_command_begins_the_next_session_and_refuses_what_is_not_its_turn(
     (tmp_path / "design.toml").write_text(TWICE)
     monkeypatch.chdir(Path(__file__).parents[3])
     monkeypatch.setattr("sys.stdin", io.StringIO(""))
-    run = [*pilot(tmp_path / "design.toml"), "--forms", "page"]
-    assert main([*run, "--participant", "new", "--session", "2"]) == 2
+    run = [*pilot(tmp_path / "design.toml"), "--forms", "page", "--participant"]
+    assert main([*run, "new", "--session", "2"]) == 2
     assert "begins with session 1" in capsys.readouterr().err
     study = StudyFolder(tmp_path, design(TWICE), "pilot")
     assert not study.participants()
     run_simulated(study, 1, quiet)
     person = study.participants()[0].ppid
-    for _ in range(2):
-        # What is complete has nothing left to do.
-        assert main([*run, "--participant", person, "--session", "2"]) == 0
-        assert f"{person}, session 2 of 2: complete" in capsys.readouterr().out
-    assert main([*run, "--participant", person, "--session", "3"]) == 2
-    assert "no session of this number" in capsys.readouterr().err
-    hand = study.participants()[0].hand
-    other = "left" if hand == "right" else "right"
-    assert hand == "right" and main([*run, "--participant", person, "--hand", other]) == 2
-    assert "stays for all sessions" in capsys.readouterr().err
-    assert main([*run, "--participant", person, "--hand", hand, "--hand-size", "1.25"]) == 2
-    assert "Leave out --hand-size" in capsys.readouterr().err
+    # What is complete has nothing left to do.
+    assert main([*run, person, "--session", "2"]) == 0
+    assert f"{person}, session 2 of 2: complete" in capsys.readouterr().out
+    assert study.participants()[0].hand == "right"
+    for wrong, told in (
+        (["--session", "3"], "no session of this number"),
+        (["--hand", "left"], "stays for all sessions"),
+        (["--hand", "right", "--hand-size", "1.25"], "Leave out --hand-size"),
+    ):
+        assert main([*run, person, *wrong]) == 2
+        assert told in capsys.readouterr().err
     records = read_journal(session_path(study.path, person, 2) / "session.jsonl")
     assert sum(r["kind"] == "trial_end" for r in records) == SECOND

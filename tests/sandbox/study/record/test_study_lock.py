@@ -86,15 +86,10 @@ def program(tmp_path_factory: pytest.TempPathFactory) -> Path:
     ("file", "noticed"),
     [
         ("models/hand.xml", True),
-        ("sandbox/session/session.py", True),
         ("tasks/clutter/slalom.py", True),
-        ("sandbox/recording/recording.py", True),
-        ("sandbox/hand/profiles.py", True),
-        ("sandbox/study/run/runner.py", True),
         ("sandbox/study/tables/frame_table.py", True),
         ("sandbox/server/page_server.py", False),
         ("sandbox/study/report/make.py", False),
-        ("models/motion/__init__.py", False),
     ],
 )
 def test_a_changed_line_is_noticed_where_it_takes_part_in_a_trial(

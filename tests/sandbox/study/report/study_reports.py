@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 from html.parser import HTMLParser
 from pathlib import Path
 from typing import Any
@@ -10,6 +9,7 @@ from typing import Any
 from sandbox.study.report.make import make_report
 from sandbox.study.tables.column import csv_bytes
 from tests.support.planted_study import COLUMNS, Truth, write_study
+from tests.support.study_files import rows_of
 
 SMALL = Truth(people=6, repetitions=2)
 FILES = {"report.html", "analysis.R", "results.csv", "people.csv", "codebook.csv"}
@@ -23,11 +23,6 @@ def planted(folder: Path, truth: Truth = SMALL, seed: int = 1) -> Rows:
     return rows_of(folder / "tables/trials.csv")
 
 
-def rows_of(path: Path) -> Rows:
-    with path.open(newline="", encoding="utf-8") as file:
-        return list(csv.DictReader(file))
-
-
 LEAN = tuple(c for c in COLUMNS if c not in ("instant", "held", "final", "progress"))
 """Every further measure is a picture more."""
 
@@ -35,6 +30,11 @@ LEAN = tuple(c for c in COLUMNS if c not in ("instant", "held", "final", "progre
 def put(folder: Path, rows: Rows, columns: tuple[str, ...] = LEAN) -> None:
     (folder / "tables").mkdir(parents=True, exist_ok=True)
     (folder / "tables/trials.csv").write_bytes(csv_bytes(rows, columns))
+
+
+def write(folder: Path, name: str, rows: Rows) -> None:
+    """Writes another table of a study, with the columns of its first row."""
+    (folder / "tables" / name).write_bytes(csv_bytes(rows, tuple(rows[0])))
 
 
 class Page(HTMLParser):

@@ -3,23 +3,14 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
 
-import numpy as np
 import pytest
 
 from sandbox.study.report.data import load_study
-from sandbox.study.report.numbers import paired_differences, results, welch
+from sandbox.study.report.numbers import results
 from sandbox.study.report.page import Table, sections
-from sandbox.study.tables.column import csv_bytes
-from tests.sandbox.study.report.study_reports import LEAN, planted, put, report
+from tests.sandbox.study.report.study_reports import LEAN, planted, put, report, write
 from tests.support.planted_study import Truth
-
-TWO = Truth(people=12, times=(9.0, 9.0), tasks=(1.0,), losses=(0.01, 0.01), repetitions=2)
-
-
-def write(folder: Path, name: str, rows: list[dict[str, Any]]) -> None:
-    (folder / "tables" / name).write_bytes(csv_bytes(rows, list(rows[0])))
 
 
 def test_every_open_answer_and_every_note_stands_there_as_it_was_written(tmp_path: Path) -> None:
@@ -67,19 +58,3 @@ def test_conditions_of_two_programs_are_compared_with_a_warning_unless_balanced(
         r["states"] = 1 + half
     put(tmp_path, rows, LEAN)
     assert ("may be one between programs" in report(tmp_path).text) is not balanced
-
-
-def test_what_an_order_carries_over_is_welch_s_difference_of_its_groups(tmp_path: Path) -> None:
-    planted(tmp_path, TWO)
-    found = results(load_study(tmp_path))
-    one, data = found.compared[0], found.data
-    (factor,) = [f for f in one.values.factors if len(f.levels) > 1]
-    first, second = factor.levels
-    own = paired_differences(one.values, factor, first, second)
-    at_first = {p: of[factor.column].iloc[0] for p, of in data.used.groupby("ppid", sort=False)}
-    group = np.array([at_first[p] == first for p in data.ppids])
-    apart, _ = welch(own[group], own[~group])
-    text = report(tmp_path).text
-    assert group.sum() == 6 and "differences by the level that came first" in text
-    ends = f"{apart.value:.3g} s ({apart.low:.3g} to {apart.high:.3g})".replace("-", "\u2212")
-    assert ends in text

@@ -11,9 +11,8 @@ from sandbox.study.design.scoring import scores
 from sandbox.study.report.data import load_study
 from sandbox.study.report.numbers import CONFIRMATORY, EXPLORATORY, Pair, holm, results
 from sandbox.study.tables.codebook import codebook, columns_by_table
-from sandbox.study.tables.column import csv_bytes
-from tests.sandbox.study.report.study_reports import planted, put, report, rows_of
-from tests.support.study_files import DESIGN
+from tests.sandbox.study.report.study_reports import planted, put, report, write
+from tests.support.study_files import DESIGN, rows_of
 
 SCALED = (
     DESIGN.replace('name = "contact"\norder', 'name = "encoder"\nsetting = "contact"\norder')
@@ -69,8 +68,8 @@ def answered(folder: Path, effect: float = 0.0, design: str = SCALED) -> None:
                 {**about, "scale": "mental", "score": 50 + 1000 * (level == "b")},
             ]
             items.append({**about, "item": "effort", "answer": value})
-    (folder / "tables/scores.csv").write_bytes(csv_bytes(rows, tuple(rows[0])))
-    (folder / "tables/answers.csv").write_bytes(csv_bytes(items, tuple(items[0])))
+    write(folder, "scores.csv", rows)
+    write(folder, "answers.csv", items)
     made = parse_design(design, Path("design.toml"), try_out=False)
     book = codebook(made, columns_by_table(made))
     (folder / "tables/codebook.csv").write_bytes(book)
@@ -101,10 +100,9 @@ def test_all_that_is_tested_is_one_family(tmp_path: Path) -> None:
 def test_scores_that_are_lost_make_no_other_difference_more_certain(tmp_path: Path) -> None:
     answered(tmp_path)
     before = confirmed(tmp_path)
-    path = tmp_path / "tables/scores.csv"
     # Five people are left with a score, too few for its test.
-    rows = [row for row in rows_of(path) if row["ppid"] != "P001"]
-    path.write_bytes(csv_bytes(rows, tuple(rows[0])))
+    rows = rows_of(tmp_path / "tables/scores.csv")
+    write(tmp_path, "scores.csv", [row for row in rows if row["ppid"] != "P001"])
     after = confirmed(tmp_path)
     assert all(p.p != p.p for p in after["effort"])
     for old, new in zip(before["time_s"], after["time_s"], strict=True):
@@ -125,18 +123,17 @@ def test_of_a_questionnaire_its_score_is_tested_and_neither_other_scales_nor_que
 
 def test_a_score_that_nobody_has_is_not_replaced_by_the_next_scale(tmp_path: Path) -> None:
     answered(tmp_path)
-    path = tmp_path / "tables/scores.csv"
-    rows = [
-        {**row, "score": "" if row["scale"] == "effort" else row["score"]} for row in rows_of(path)
-    ]
-    path.write_bytes(csv_bytes(rows, tuple(rows[0])))
+    rows = rows_of(tmp_path / "tables/scores.csv")
+    for row in rows:
+        row["score"] = "" if row["scale"] == "effort" else row["score"]
+    write(tmp_path, "scores.csv", rows)
     assert set(confirmed(tmp_path)) == {"time_s", "success"}
 
 
 def test_of_whom_the_experimenter_excluded_no_answer_is_described(tmp_path: Path) -> None:
     answered(tmp_path)
     about = [{"ppid": f"P{i:03d}", "excluded": int(i == 2)} for i in range(1, 7)]
-    (tmp_path / "tables/participants.csv").write_bytes(csv_bytes(about, tuple(about[0])))
+    write(tmp_path, "participants.csv", about)
     # The person had begun, and had no trial yet that counts.
     rows = [row for row in rows_of(tmp_path / "tables/trials.csv") if row["ppid"] != "P002"]
     put(tmp_path, rows)
@@ -176,7 +173,7 @@ def test_scores_about_a_factor_that_was_renamed_in_the_middle_are_compared_by_ei
             late = row["ppid"] > "P003"
             row["factor_method"] = row["factor_encoder"] if late else ""
             row["factor_encoder"] = "" if late else row["factor_encoder"]
-        (tmp_path / "tables" / name).write_bytes(csv_bytes(rows, tuple(rows[0])))
+        write(tmp_path, name, rows)
     pairs = confirmed(tmp_path)["effort"]
     named = {p.factor: p.people for p in pairs if {p.first, p.second} == {"a", "b"}}
     assert named == {"encoder": 3, "method": 3}

@@ -16,7 +16,6 @@ from sandbox.study.report.exclusions import flow
 from sandbox.study.report.make import make_report
 from sandbox.study.report.numbers import results
 from sandbox.study.report.page import head
-from sandbox.study.tables.column import csv_bytes
 from tests.sandbox.study.report.study_reports import (
     FILES,
     LEAN,
@@ -25,8 +24,9 @@ from tests.sandbox.study.report.study_reports import (
     planted,
     put,
     report,
-    rows_of,
+    write,
 )
+from tests.support.study_files import rows_of
 
 
 @pytest.fixture(scope="module")
@@ -35,7 +35,7 @@ def plain(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("plain")
     planted(folder)
     people = [{"ppid": f"P{i:03d}", "complete": i != 2} for i in range(1, 7)]
-    (folder / "tables/participants.csv").write_bytes(csv_bytes(people, ("ppid", "complete")))
+    write(folder, "participants.csv", people)
     make_report(folder, folder / "report")
     return folder
 
@@ -94,15 +94,8 @@ def test_names_from_a_study_are_words_and_never_markup(tmp_path: Path) -> None:
 
 def test_levels_stand_in_the_order_of_the_design(tmp_path: Path) -> None:
     planted(tmp_path)
-    book = [
-        {
-            "table": "trials.csv",
-            "column": "factor_encoder",
-            "unit": "",
-            "meaning": "level: c, a, b, never-used",
-        }
-    ]
-    (tmp_path / "tables/codebook.csv").write_bytes(csv_bytes(book, tuple(book[0])))
+    about = {"column": "factor_encoder", "unit": "", "meaning": "level: c, a, b, never-used"}
+    write(tmp_path, "codebook.csv", [{"table": "trials.csv", **about}])
     assert load_study(tmp_path).factor("encoder").levels == ("c", "a", "b")
 
 
@@ -167,7 +160,7 @@ def test_a_measure_that_was_asked_for_is_compared_by_ratios_where_it_is_above_0(
         {"table": "trials.csv", "column": name, "unit": unit, "title": name, "meaning": ""}
         for name, unit in (("object_path_m", "m"), ("drops", ""))
     ]
-    (tmp_path / "tables/codebook.csv").write_bytes(csv_bytes(book, tuple(book[0])))
+    write(tmp_path, "codebook.csv", book)
     make_report(tmp_path, tmp_path / "report", ["object_path_m"])
     some = rows_of(tmp_path / "report" / "results.csv")
     pairs = {(r["first"], r["second"]): r for r in some if r["outcome"] == "object_path_m"}

@@ -14,7 +14,6 @@ from sandbox.study.report.exclusions import endings
 from sandbox.study.report.make import make_report
 from sandbox.study.report.numbers import results
 from sandbox.study.report.page import Paragraph, Picture, sections
-from sandbox.study.tables.column import csv_bytes
 from tests.sandbox.study.report.study_reports import (
     FILES,
     Rows,
@@ -22,8 +21,9 @@ from tests.sandbox.study.report.study_reports import (
     planted,
     put,
     report,
-    rows_of,
+    write,
 )
+from tests.support.study_files import rows_of
 
 LOST = {"success": 0, "held": 0, "status": "timeout", "time_s": 20.0}
 CHANGES: dict[str, Callable[[Rows], Rows]] = {
@@ -96,19 +96,12 @@ def test_a_condition_or_level_without_a_trial_is_a_row_with_none(
     for column, names in LEVELS.items():
         assert sorted({r[column] for r in rows}) == names
     conditions = list(product(*LEVELS.values()))
-    facts = [
-        {
-            "table": "study",
-            "column": "conditions",
-            "unit": "",
-            "meaning": ", ".join(map(" / ".join, conditions)),
-        }
-    ]
+    fact = {"column": "conditions", "unit": "", "meaning": ", ".join(map(" / ".join, conditions))}
     rows = [
         r for r in rows if not all(r[c] == x for c, x in zip(LEVELS, is_left, strict=True) if x)
     ]
     put(tmp_path, rows)
-    (tmp_path / "tables/codebook.csv").write_bytes(csv_bytes(facts, list(facts[0])))
+    write(tmp_path, "codebook.csv", [{"table": "study", **fact}])
     data = load_study(tmp_path)
     left = [c for c in conditions if all(x in ("", y) for x, y in zip(is_left, c, strict=True))]
     assert sorted(data.unused) == sorted(left)
