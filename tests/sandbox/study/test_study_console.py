@@ -5,11 +5,9 @@ from __future__ import annotations
 import io
 import os
 import threading
-import time
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from pathlib import Path
-from queue import SimpleQueue
 
 import pytest
 from hypothesis import given
@@ -133,34 +131,6 @@ def test_the_last_trial_can_be_excluded_after_the_program_was_started_again(tmp_
     assert isinstance(step, FormStep) and state.excluded == {last: "the phone rang"}
 
 
-class Patient(io.StringIO):
-    """Lines that are typed once they are asked for, as people do."""
-
-    def readline(self, size: int | None = -1) -> str:  # type: ignore[override]
-        calm = 0
-        while calm < 3:
-            time.sleep(0.01)
-            made = Terminal.__dict__.get("made", [])
-            asked = [t for t in made if t._asking.is_set() and t._answers.empty()]
-            calm = calm + 1 if asked else 0
-        return super().readline(-1)
-
-
-@pytest.fixture(autouse=True)
-def terminals(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Lets a patient typist see the terminals there are."""
-    begin = Terminal.__init__
-    made: list[Terminal] = []
-    monkeypatch.setattr(Terminal, "made", made, raising=False)
-
-    def seen(self: Terminal, *arguments: object, **more: object) -> None:
-        made.append(self)
-        self._asking, self._answers = threading.Event(), SimpleQueue()
-        begin(self, *arguments, **more)  # type: ignore[arg-type]
-
-    monkeypatch.setattr(Terminal, "__init__", seen)
-
-
 def test_a_note_in_another_encoding_is_kept_and_the_keys_after_it_still_work() -> None:
     controls = Controls()
     typed = io.TextIOWrapper(io.BytesIO("i\nn grüße\nq\n".encode("latin-1")), encoding="utf-8")
@@ -177,7 +147,9 @@ def test_a_session_in_the_terminal_asks_plays_and_hears_the_experimenter(
     file = tmp_path / "design.toml"
     file.write_text(DESIGN)
     command = pilot(file)
-    monkeypatch.setattr("sys.stdin", Patient("maybe\n/n hello\nyes\n17\n33\n\n\n25\n\n\n101\n95\n"))
+    monkeypatch.setattr(
+        "sys.stdin", io.StringIO("maybe\n/n hello\nyes\n17\n33\n\n\n25\n\n\n101\n95\n")
+    )
     assert main([*command, "--participant", "new"]) == 0
     told = capsys.readouterr().out
     assert told.count("type 1 yes, 2 no, then Enter") == 2, "`maybe` was asked again"
@@ -197,7 +169,7 @@ def test_a_question_that_nobody_can_answer_is_an_error_with_a_way_out_and_loses_
     file = tmp_path / "design.toml"
     file.write_text(DESIGN)
     command = [*pilot(file), "--participant"]
-    monkeypatch.setattr("sys.stdin", Patient("yes\n17\n33\n\n"))
+    monkeypatch.setattr("sys.stdin", io.StringIO("yes\n17\n33\n\n"))
     assert main([*command, "new"]) == 2
     left = capsys.readouterr().err
     ppid = StudyFolder.at(tmp_path / "quick-pilot").participants()[0].ppid
@@ -209,11 +181,11 @@ def test_a_question_that_nobody_can_answer_is_an_error_with_a_way_out_and_loses_
     assert main([*command, ppid]) == 2
     error = capsys.readouterr().err
     assert len(error.splitlines()) == 1 and "--resume goes on without asking" in error
-    monkeypatch.setattr("sys.stdin", Patient("no\n"))
+    monkeypatch.setattr("sys.stdin", io.StringIO("no\n"))
     assert main([*command, ppid]) == 0
     assert "nothing was played" in capsys.readouterr().out
     assert [r for r in read_journal(journal) if r["kind"] == "trial_end"] == before
-    monkeypatch.setattr("sys.stdin", Patient("\n25\n\n\n95\n"))
+    monkeypatch.setattr("sys.stdin", io.StringIO("\n25\n\n\n95\n"))
     assert main([*command, ppid, "--resume"]) == 0
     assert "How old" not in capsys.readouterr().out
     ends = [r["trial"] for r in read_journal(journal) if r.get("result")]
@@ -270,10 +242,10 @@ def test_after_a_long_pause_a_block_begins_again_with_its_practice_if_the_experi
     for answer, after in (("go on", done), ("2", done[:3])):
         with SessionFolder(study, person) as session:
             assert 0.0 <= session.away < 600.0
-            offer_to_begin_again(session, Terminal(Controls(), Patient("")), said.append)
+            offer_to_begin_again(session, Terminal(Controls(), io.StringIO("")), said.append)
             assert not said, "nobody is asked after a short pause"
             session.away = LONG_PAUSE + 60.0
-            typed = Terminal(Controls(), Patient(f"{answer}\n"))
+            typed = Terminal(Controls(), io.StringIO(f"{answer}\n"), answers=True)
             offer_to_begin_again(session, typed, said.append)
             assert "31 min" in said.pop(0) and "1 go on, 2 begin again" in said.pop()
             assert sorted(t for t in state.attempts if session.state.counted(t)) == after

@@ -23,7 +23,6 @@ from sandbox.study.share.verify import (
     FRAMES,
     GONE,
     PLANS,
-    POINTS,
     RECORDINGS,
     SEALS,
     TABLES,
@@ -32,7 +31,7 @@ from sandbox.study.share.verify import (
 )
 from sandbox.study.share.withdraw import withdraw
 from sandbox.study.tables.tables import make_tables
-from tests.support.study_files import TRIALS, design, first_session, quiet
+from tests.support.study_files import design, first_session, quiet
 
 
 def quick(path: Path) -> Verified:
@@ -59,17 +58,6 @@ def named(study: StudyFolder, path: Path) -> bool:
 def is_record(path: Path) -> bool:
     """True for a file that is not a lock's, and of whose content the records tell."""
     return path.name not in (".lock", ".tables.json") and not path.name.endswith(".frames.csv.gz")
-
-
-def test_a_study_as_it_was_written_passes_with_a_line_for_each_point(
-    study: StudyFolder, capsys: pytest.CaptureFixture[str]
-) -> None:
-    assert main(["replay", str(study.path), "--verify"]) == 0
-    said = capsys.readouterr().out.splitlines()
-    assert [line.partition(":")[0] for line in said[:-1]] == list(POINTS)
-    verdicts = [line.partition(": ")[2] for line in said[:-1]]
-    assert all(v.startswith("right (") or v == "nothing to check" for v in verdicts)
-    assert f"{2 * TRIALS} recordings replayed" in "\n".join(said)
 
 
 def test_one_bit_anywhere_is_found_and_the_file_is_named(study: StudyFolder) -> None:
