@@ -16,6 +16,10 @@ SCHEMA = 1
 
 START, END = "start", "end"
 
+LISTED, JOINED = ", ", " / "
+"""Separators of names in tables: between levels or conditions of a list, and between the levels of
+one condition."""
+
 ORDERS = {
     "latin": "a balanced Latin square (Williams 1949): each level is equally often at each place, "
     "and equally often right after each other level; n orders for even n, 2 n for odd n",
@@ -294,6 +298,12 @@ _TABLES: dict[str, tuple[Field, ...]] = {
         _SESSIONS,
         Field("title", TEXT, "heading for the participant"),
         Field("items", TABLES, "the questions"),
+        Field(
+            "every_item",
+            TABLE,
+            "keys of all questions that do not have their own, such as the ends of a scale",
+            {},
+        ),
         Field("scales", TABLES, "the scores; the report tests the first one", ()),
         Field("wording", CHOICE, "where its wording comes from", "own", options=WORDINGS),
         Field(

@@ -56,7 +56,8 @@ def read_form(table: TomlTable, factors: list[str], folder: Path) -> Form:
     title = source.text("title")
     if source is not table and table.has("title"):
         title = table.text("title")
-    items = tuple(read_item(t) for t in source.tables("items"))
+    every = source.values("every_item")
+    items = tuple(read_item(t) for t in source.tables("items", every))
     if not items:
         source.add_mistake(
             "items", "the questionnaire has no items", "Add [[questionnaires.items]], or a file"

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from difflib import get_close_matches
+from types import MappingProxyType
 from typing import Any
 
 from models.errors import StudyError
@@ -251,14 +252,23 @@ class TomlTable:
             value = {}
         return TomlTable(self.reader, value, (*self.path, key), (*self._whose, key))
 
-    def tables(self, key: str) -> list[TomlTable]:
-        """Takes a list of tables; empty by default."""
+    def values(self, key: str) -> dict[str, Any]:
+        """Takes the values of a table, unchecked; empty by default."""
+        return self.table(key)._values
+
+    def tables(self, key: str, common: Mapping[str, Any] = MappingProxyType({})) -> list[TomlTable]:
+        """Takes a list of tables; empty by default.
+
+        Args:
+            key: Key of the list.
+            common: Values of each table that does not have its own.
+        """
         value = self.raw(key, [])
         if not isinstance(value, list) or not all(isinstance(v, dict) for v in value):
             self.add_mistake(key, "not a list of tables", f"Begin each table with [[{key}]]")
             return []
         return [
-            TomlTable(self.reader, v, (*self.path, key, i), (*self._whose, key))
+            TomlTable(self.reader, {**common, **v}, (*self.path, key, i), (*self._whose, key))
             for i, v in enumerate(value)
         ]
 
