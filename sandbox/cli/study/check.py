@@ -11,7 +11,6 @@ from cyclopts import Parameter
 from rich.console import Console
 from rich.markup import escape
 
-from models.errors import StudyError
 from models.message import counted
 from sandbox.cli.study.printing import say_findings
 
@@ -40,21 +39,10 @@ class CheckOptions:
 
 def new(options: NewOptions, console: Console) -> int:
     """Runs `sandbox study new`."""
+    from sandbox.study.record.durable_files import write_new
+
     template = files("sandbox.study.design").joinpath("template.toml").read_bytes()
-    try:
-        with options.file.open("xb") as file:
-            file.write(template)
-    except FileExistsError:
-        raise StudyError(
-            "the file exists already", where=str(options.file), remedy="Choose another name"
-        ) from None
-    except OSError as error:
-        raise StudyError(
-            "the file cannot be written",
-            where=str(options.file),
-            got=error.strerror,
-            remedy="Choose a name in a folder in which you may write",
-        ) from None
+    write_new(options.file, template)
     console.print(f"{escape(str(options.file))}: edit it, then `sandbox study check`")
     return 0
 

@@ -52,28 +52,17 @@ def find_participant(options: StudyRunOptions, study: StudyFolder, console: Cons
         )
     if unfinished:
         console.print(f"[yellow]not finished yet: {', '.join(unfinished)}[/]")
-    design = study.design
-    if options.language and options.language not in design.languages:
-        raise StudyError(
-            "the design has no texts in this language",
-            where="--language",
-            got=options.language,
-            expected=", ".join(design.languages),
-        )
+    language = study.design.language_of(options.language)
     checked = Person(options.hand, options.hand_size)
     if options.device == "simulated":
-        drawn = simulated_person(design, len(study.participants()) + 1)
+        drawn = simulated_person(study.design, len(study.participants()) + 1)
         # Options that differ from their defaults replace the values that were drawn.
         if checked.hand != "right":
             drawn["hand"] = checked.hand
         if checked.hand_size != 1.0:
             drawn["hand_size"] = checked.hand_size
         return study.add(**drawn)
-    return study.add(
-        hand=checked.hand,
-        hand_size=checked.hand_size,
-        language=options.language or design.languages[0],
-    )
+    return study.add(hand=checked.hand, hand_size=checked.hand_size, language=language)
 
 
 def _check_same(options: StudyRunOptions, person: Participant) -> None:

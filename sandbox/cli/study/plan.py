@@ -145,7 +145,7 @@ def sheet(options: SheetOptions, console: Console) -> int:
     if options.out is not None:
         from sandbox.study.record.durable_files import write_new
 
-        write_new(options.out, sheet_page(sheets))
+        write_new(options.out, sheet_page(sheets).encode())
         console.print(f"{options.out}: open it in a browser, and print it there", markup=False)
         return 0
     for i, one in enumerate(sheets):

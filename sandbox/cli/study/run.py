@@ -58,6 +58,7 @@ def run(options: StudyRunOptions, console: Console) -> int:
     from sandbox.study.record.session_folder import SessionFolder
     from sandbox.study.run.controls import Controls, Terminal
     from sandbox.study.run.finished_trials import bring_up_to_date
+    from sandbox.study.run.task_pictures import TaskPictures
     from sandbox.study.tables.tables import make_tables
 
     check_options(options)
@@ -124,7 +125,9 @@ def run(options: StudyRunOptions, console: Console) -> int:
                 session.write("done", step="lsl", **clock)
             page = _open_page(options, session, console, closing)
             camera = _camera(options, session, engine, console, closing)
-            pictures = closing.enter_context(_pictures(session)) if page is not None else None
+            pictures = None
+            if page is not None:
+                pictures = closing.enter_context(TaskPictures(_settings_left(session)))
             outcome = _play(options, session, page, camera, controls, terminal, console, pictures)
     say(f"{person.ppid}{of_several}: {outcome}")
     if outcome == "stopped":
@@ -269,13 +272,6 @@ def _camera(
     return closing.enter_context(
         SessionCamera(engine, list(dict.fromkeys(sides)), browse, sayer(console))
     )
-
-
-def _pictures(session: SessionFolder) -> TaskPictures:
-    """Pictures of the tasks of a session's unfinished trials."""
-    from sandbox.study.run.task_pictures import TaskPictures
-
-    return TaskPictures(_settings_left(session))
 
 
 def _settings_left(session: SessionFolder) -> list[Settings]:

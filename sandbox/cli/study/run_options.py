@@ -211,11 +211,10 @@ def check_options(options: StudyRunOptions) -> None:
 def check_leap(options: StudyRunOptions, design: Design) -> None:
     """Checks that the Leap can be opened, if the design has trials over a Leap."""
     from sandbox.devices.leap.leap import open_leap
-    from sandbox.study.design.conditions import combinations, values_of
+    from sandbox.study.design.conditions import every_values
     from sandbox.study.design.session_plan import over_a_leap
 
-    wanted = any(over_a_leap(values_of(design, levels)) for levels in combinations(design))
-    if wanted and options.device != "simulated":
+    if options.device != "simulated" and any(map(over_a_leap, every_values(design))):
         open_leap(options.leap_address).close()
 
 
@@ -248,11 +247,10 @@ def check_second_device(options: StudyRunOptions, design: Design) -> None:
     from sandbox.devices.device import Place
     from sandbox.devices.files.touch_files import guessed_surface
     from sandbox.devices.registry import named_device
-    from sandbox.study.design.conditions import PARTNER, combinations, run_settings, values_of
+    from sandbox.study.design.conditions import PARTNER, every_values, run_settings
     from sandbox.study.run.run_device import needs_second_device
 
-    given = [values_of(design, levels) for levels in combinations(design)]
-    wanted = any(needs_second_device(values, run_settings(values, 0)) for values in given)
+    wanted = any(needs_second_device(v, run_settings(v, 0)) for v in every_values(design))
     name = options.second_device
     if name is None:
         if wanted and options.device != "simulated":

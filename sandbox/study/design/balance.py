@@ -22,7 +22,7 @@ place and level together.
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from functools import cache
 from itertools import combinations, permutations
 from math import lcm, prod
@@ -38,7 +38,6 @@ MOST_FACTORIAL = 5
 Row = tuple[int, ...]
 
 
-@cache
 def balanced_latin_square(n: int) -> tuple[Row, ...]:
     """Rows of a balanced Latin square of n conditions: n rows if n is even, else 2 n.
 
@@ -60,9 +59,18 @@ def balanced_latin_square(n: int) -> tuple[Row, ...]:
 
 
 @cache
-def every_order(n: int) -> tuple[Row, ...]:
-    """Returns all n! orders."""
-    return tuple(permutations(range(n)))
+def table_of(rule: str, n: int) -> tuple[Row, ...]:
+    """Table of the orders of n levels by one of `fields.ORDERS`.
+
+    The table of a random order, which is drawn for each participant, has one row.
+    """
+    if rule == "latin":
+        return balanced_latin_square(n)
+    if rule == "factorial":
+        return tuple(permutations(range(n)))
+    if rule == "between":
+        return tuple((level,) for level in range(n))
+    return (tuple(range(n)),)
 
 
 def order_of(rule: str, n: int, row: int, seed: tuple[int, ...]) -> Row:
@@ -75,32 +83,15 @@ def order_of(rule: str, n: int, row: int, seed: tuple[int, ...]) -> Row:
             the session and, with `repeat_inside`, the round.
         seed: Seed of a random order.
     """
-    if rule == "latin":
-        rows = balanced_latin_square(n)
-        return rows[row % len(rows)]
-    if rule == "factorial":
-        rows = every_order(n)
-        return rows[row % len(rows)]
     if rule == "random":
         return tuple(int(i) for i in np.random.default_rng(seed).permutation(n))
-    if rule == "between":
-        return (row % n,)
-    return tuple(range(n))
-
-
-def cycle(rule: str, n: int) -> int:
-    """Number of participants after which an order rule has used every row of its table once."""
-    if rule == "latin":
-        return len(balanced_latin_square(n))
-    if rule == "factorial":
-        return len(every_order(n))
-    return n if rule == "between" else 1
+    rows = table_of(rule, n)
+    return rows[row % len(rows)]
 
 
 def cycle_of(factor: Factor) -> int:
     """Number of rows in a factor's table of orders; 1 for orders `random` and `blocked`."""
-    lists = factor.nested.values() if factor.nested else [factor.levels]
-    return lcm(*(cycle(factor.order, len(levels)) for levels in lists))
+    return lcm(*(len(table_of(factor.order, len(levels))) for levels in factor.lists))
 
 
 def whole_cycle(design: Design) -> int:
@@ -195,14 +186,10 @@ def _confounded(design: Design, rows: list[tuple[int, ...]], some: tuple[int, ..
     what = names if len(factors) == 1 else f"the interaction of {names}"
     if not _even(Counter(_joint(orders)), prod(map(_cells, factors))):
         return f"{what} with practice: levels are not at every place equally often"
-    if not _even(Counter(row_of(row, some) for row in rows), prod(map(cycle_of, factors))):
+    used = Counter(tuple(row[i] for i in some) for row in rows)
+    if not _even(used, prod(map(cycle_of, factors))):
         return f"{what} with what came before (carry-over): not all orders are used equally often"
     return ""
-
-
-def row_of(row: tuple[int, ...], some: Iterable[int]) -> tuple[int, ...]:
-    """The rows of some factors."""
-    return tuple(row[i] for i in some)
 
 
 def _places(factor: Factor, row: int) -> list[tuple[int, int, int]]:
@@ -210,18 +197,16 @@ def _places(factor: Factor, row: int) -> list[tuple[int, int, int]]:
 
     A nested factor has a list of levels for each outer level; any other factor has one list.
     """
-    lists = list(factor.nested.values()) if factor.nested else [factor.levels]
-    places = []
-    for number, levels in enumerate(lists):
-        order: Row = order_of(factor.order, len(levels), row, ())
-        places += [(number, place, level) for place, level in enumerate(order)]
-    return places
+    return [
+        (number, place, level)
+        for number, levels in enumerate(factor.lists)
+        for place, level in enumerate(order_of(factor.order, len(levels), row, ()))
+    ]
 
 
 def _cells(factor: Factor) -> int:
     """Number of different (list, place, level) of a factor."""
-    lists = list(factor.nested.values()) if factor.nested else [factor.levels]
-    return sum(len(x) if factor.order == "between" else len(x) ** 2 for x in lists)
+    return sum(len(x) if factor.order == "between" else len(x) ** 2 for x in factor.lists)
 
 
 def _joint(orders: list[list[list[tuple[int, int, int]]]]) -> Iterator[tuple[object, ...]]:

@@ -65,47 +65,41 @@ UNREAD = (
 
 
 @dataclass(frozen=True)
-class Flaw:
+class Finding:
     """A part of the design that has no mistake of form, but is misleading or useless.
 
     Attributes:
         path: Place in the design file.
         what: What is wrong.
         remedy: What to do about it.
-        error: True if `run` refuses real participants with it.
+        error: True if `run` refuses real participants with it; False for a warning.
+        line: Line of the place in the file.
     """
 
     path: Path
     what: str
     remedy: str
     error: bool = False
+    line: int = 1
 
-
-@dataclass(frozen=True)
-class Finding(Mistake):
-    """A flaw with its line in the file.
-
-    Attributes:
-        error: True if `run` refuses real participants with it; False for a warning.
-    """
-
-    error: bool = False
+    @property
+    def where(self) -> str:
+        """The place as text."""
+        return place_of(self.path)
 
     def __str__(self) -> str:
-        return f"{'error' if self.error else 'warning'}, {super().__str__()}"
+        mistake = Mistake(self.line, self.where, self.what, self.remedy)
+        return f"{'error' if self.error else 'warning'}, {mistake}"
 
 
 def findings(design: Design) -> list[Finding]:
     """All findings of a design without mistakes of form, in the order of their lines."""
     lines = TomlLines(design.text)
-    found = [
-        Finding(lines.of(flaw.path), place_of(flaw.path), flaw.what, flaw.remedy, flaw.error)
-        for flaw in _all(design, lines)
-    ]
+    found = [replace(one, line=lines.of(one.path)) for one in _all(design, lines)]
     return sorted(found, key=lambda finding: finding.line)
 
 
-def _all(design: Design, lines: TomlLines) -> Iterator[Flaw]:
+def _all(design: Design, lines: TomlLines) -> Iterator[Finding]:
     yield from _placeholders(design)
     yield from _words(design)
     yield from _untranslated(design)
@@ -119,27 +113,27 @@ def _all(design: Design, lines: TomlLines) -> Iterator[Flaw]:
     yield from _exclusions(design)
 
 
-def _placeholders(design: Design) -> Iterator[Flaw]:
-    """Yields a flaw for no consent, and for a name or a consent text of the template."""
+def _placeholders(design: Design) -> Iterator[Finding]:
+    """Yields a finding for no consent, and for a name or a consent text of the template."""
     template = tomllib.loads(
         files("sandbox.study.design").joinpath("template.toml").read_text(encoding="utf-8")
     )
     if design.name == template["name"]:
-        yield Flaw(
+        yield Finding(
             ("name",),
             f"the name is still {design.name}, that of the template",
             "Write your study's name, which also names the folder with the data",
             error=True,
         )
     if not design.consent:
-        yield Flaw(
+        yield Finding(
             ("consent",),
             "participants are not asked for their consent",
             'Add [consent] with text = "..."; without it, `run --pilot` and `simulate` work',
             error=True,
         )
     elif template["consent"]["text"] in design.consent.values():
-        yield Flaw(
+        yield Finding(
             ("consent", "text"),
             "the consent is still that of the template",
             "Write what your board has approved",
@@ -147,14 +141,14 @@ def _placeholders(design: Design) -> Iterator[Flaw]:
         )
 
 
-def _words(design: Design) -> Iterator[Flaw]:
-    """Yields a flaw for each language in which the page lacks words."""
+def _words(design: Design) -> Iterator[Finding]:
+    """Yields a finding for each language in which the page lacks words."""
     for i, code in enumerate(design.languages):
         own = design.page.words.get(code, {})
         missing = [key for key in words_of_studies(design.page.shows) if key not in own]
         if base(code) not in LANGUAGES and missing:
             some = ", ".join(missing[:NAMED]) + (", ..." if len(missing) > NAMED else "")
-            yield Flaw(
+            yield Finding(
                 ("words", code) if own else ("languages", i),
                 f"the page has no words in {code}, so {len(missing)} of them would be in English: "
                 f"{some}",
@@ -164,19 +158,19 @@ def _words(design: Design) -> Iterator[Flaw]:
             )
 
 
-def _untranslated(design: Design) -> Iterator[Flaw]:
-    """Yields a flaw for each text that is the same in two languages, and each choice without a
+def _untranslated(design: Design) -> Iterator[Finding]:
+    """Yields a finding for each text that is the same in two languages, and each choice without a
     text."""
     several = {base(code) for code in design.languages}
     for path, text in _texts(design):
         for (a, one), (b, other) in itertools.combinations(text.items(), 2):
             alike = one.strip() == other.strip() and len(one.strip()) >= COPIED
             if alike and base(a) != base(b):
-                yield Flaw(path, f"the text is the same in {a} and {b}", "Translate it")
+                yield Finding(path, f"the text is the same in {a} and {b}", "Translate it")
                 break
     for path, item in _items(design):
         if item.choices and not item.means and len(several) > 1:
-            yield Flaw(
+            yield Finding(
                 path,
                 f"in every language, the choices of {item.name!r} are read as they are stored: "
                 f"{', '.join(item.choices)}",
@@ -206,11 +200,11 @@ def _texts(design: Design) -> Iterator[tuple[Path, Text]]:
         yield (*path, "ask"), item.ask
 
 
-def _factors(design: Design) -> Iterator[Flaw]:
-    """Yields a flaw for each factor with one level, with one order, or with equal levels."""
+def _factors(design: Design) -> Iterator[Finding]:
+    """Yields a finding for each factor with one level, with one order, or with equal levels."""
     for i, factor in enumerate(design.factors):
         if len(factor.levels) == 1:
-            yield Flaw(
+            yield Finding(
                 ("factors", i, "levels"),
                 f"{factor.name} has one level only, {factor.levels[0].name}, and varies nothing",
                 "Add a level, or move the setting to [settings]",
@@ -218,7 +212,7 @@ def _factors(design: Design) -> Iterator[Flaw]:
         elif factor.order == "blocked":
             names = ", ".join(level.name for level in factor.levels)
             what = "the session" if factor.one_a_session else "practice"
-            yield Flaw(
+            yield Finding(
                 ("factors", i, "order"),
                 f"everybody gets {factor.name} in the order {names}, so its effect cannot be "
                 f"told from {what}",
@@ -227,8 +221,8 @@ def _factors(design: Design) -> Iterator[Flaw]:
         yield from _same(design, i, factor)
 
 
-def _same(design: Design, i: int, factor: Factor) -> Iterator[Flaw]:
-    """Yields a flaw for two levels with equal trials and equal texts before them."""
+def _same(design: Design, i: int, factor: Factor) -> Iterator[Finding]:
+    """Yields a finding for two levels with equal trials and equal texts before them."""
     others = [f.name for f in design.factors if f is not factor]
     try:
         trials = {
@@ -243,7 +237,7 @@ def _same(design: Design, i: int, factor: Factor) -> Iterator[Flaw]:
         both = [outer for outer, name in trials if name == a and (outer, b) in trials]
         alike = both and all(trials[outer, a] == trials[outer, b] for outer in both)
         if alike and _read_before(design, factor, a) == _read_before(design, factor, b):
-            yield Flaw(
+            yield Finding(
                 ("factors", i, "levels", [level.name for level in factor.levels].index(b)),
                 f"the levels {a} and {b} of {factor.name} have the same settings in every trial",
                 "Change one of them, or remove it",
@@ -266,11 +260,11 @@ def _read_before(design: Design, factor: Factor, level: str) -> list[Text]:
     return [text.text for text in texts if text.level == level]
 
 
-def _people(design: Design) -> Iterator[Flaw]:
-    """Yields a flaw if the planned participants do not use all orders equally often."""
+def _people(design: Design) -> Iterator[Finding]:
+    """Yields a finding if the planned participants do not use all orders equally often."""
     missing = confounded(design, design.participants)
     if missing:
-        yield Flaw(
+        yield Finding(
             ("participants",),
             f"{counted(design.participants, 'participant')} do not fill the "
             f"{whole_cycle(design)} orders ({_uses(design)}), so this is confounded: "
@@ -293,13 +287,13 @@ def _times(count: int) -> str:
     return {0: "never", 1: "once", 2: "twice"}.get(count, f"{count} times")
 
 
-def _practice(design: Design) -> Iterator[Flaw]:
-    """Yields flaws for a level that is measured before it is practised, and for a break between
+def _practice(design: Design) -> Iterator[Finding]:
+    """Yields findings for a level that is measured before it is practised, and for a break between
     practice and the trials that follow it."""
     if unpractised := _unpractised(design):
         factor, level, session = unpractised
         where = f"in session {session}, " if design.sessions > 1 else ""
-        yield Flaw(
+        yield Finding(
             ("trials", "practice"),
             f"{where}with {counted(design.practice, 'practice trial')}, {level} of {factor} is "
             "measured before anybody has practised it",
@@ -313,7 +307,7 @@ def _practice(design: Design) -> Iterator[Flaw]:
         )
         fits = next((n for n in nearest if _fits(design, n)), None)
         at = f"session {session}, " if design.sessions > 1 else ""
-        yield Flaw(
+        yield Finding(
             ("breaks", "every"),
             f"every = {design.break_every} puts a break between practice and its trials "
             f"(participant {person}, {at}after trial {trial})",
@@ -376,9 +370,9 @@ def _practice_remedy(design: Design) -> str:
     return f'Write {count}practice_each = "{design.factors[-1].name}"{everywhere}'
 
 
-def _limits(design: Design, lines: TomlLines) -> Iterator[Flaw]:
-    """Yields flaws for time limits that contradict hold times, expected durations or the limits of
-    tasks."""
+def _limits(design: Design, lines: TomlLines) -> Iterator[Finding]:
+    """Yields findings for time limits that contradict hold times, expected durations or the limits
+    of tasks."""
     tasks = tasks_of(design)
     own = {name: task.time_limit for name, task in tasks.items()}
     limit = min(design.time_limit, *own.values())
@@ -386,7 +380,7 @@ def _limits(design: Design, lines: TomlLines) -> Iterator[Flaw]:
     too_long = {name: time for name, time in held.items() if time >= design.time_limit}
     if too_long:
         names = ", ".join(f"{name} {time:g} s" for name, time in too_long.items())
-        yield Flaw(
+        yield Finding(
             ("trials", "time_limit_s"),
             "no trial can succeed: a goal must be held for at least as long as the limit, "
             f"{design.time_limit:g} s ({names})",
@@ -394,14 +388,14 @@ def _limits(design: Design, lines: TomlLines) -> Iterator[Flaw]:
             error=True,
         )
     elif lines.has(("trials", "expected_s")) and design.expected > limit:
-        yield Flaw(
+        yield Finding(
             ("trials", "expected_s"),
             f"expected_s = {design.expected:g} is more than the limit, {limit:g}",
             "Write the expected duration of a trial",
         )
     longest = max(own, key=lambda name: own[name])
     if lines.has(("trials", "time_limit_s")) and own[longest] < design.time_limit:
-        yield Flaw(
+        yield Finding(
             ("trials", "time_limit_s"),
             f"{longest} ends by itself after {own[longest]:g} s, before time_limit_s"
             + (", and other tasks sooner" if len(own) > 1 else ""),
@@ -409,14 +403,14 @@ def _limits(design: Design, lines: TomlLines) -> Iterator[Flaw]:
         )
 
 
-def _never(design: Design, plans: list[list[Step]]) -> Iterator[Flaw]:
-    """Yields a flaw for each form and instruction that no session has, and if no break comes."""
+def _never(design: Design, plans: list[list[Step]]) -> Iterator[Finding]:
+    """Yields a finding for each form and instruction that no session has, and if no break comes."""
     steps = [step for plan in plans for step in plan]
     forms = {step.form.name for step in steps if isinstance(step, FormStep)}
     texts = [step.instruction for step in steps if isinstance(step, InstructionStep)]
     for i, form in enumerate(design.questionnaires):
         if form.name not in forms:
-            yield Flaw(
+            yield Finding(
                 ("questionnaires", i, "at"),
                 f"{form.name} is never asked: with repeat_inside, the levels of {form.at} recur in "
                 "each round, so no level has an end",
@@ -425,11 +419,11 @@ def _never(design: Design, plans: list[list[Step]]) -> Iterator[Flaw]:
             )
     for i, text in enumerate(design.instructions):
         if text not in texts and not text.level:
-            yield Flaw(
+            yield Finding(
                 ("instructions", i, "at"), "no session shows this text", "Write another `at`"
             )
     if design.break_every and not any(isinstance(step, BreakStep) for step in steps):
-        yield Flaw(
+        yield Finding(
             ("breaks", "every"),
             "no break ever comes: no session has more than "
             f"{counted(design.break_every, 'trial')}, practice not counted",
@@ -437,19 +431,19 @@ def _never(design: Design, plans: list[list[Step]]) -> Iterator[Flaw]:
         )
 
 
-def _lengths(design: Design, plans: list[list[Step]]) -> Iterator[Flaw]:
-    """Yields a flaw if a session, or a part of it without a break, is too long."""
+def _lengths(design: Design, plans: list[list[Step]]) -> Iterator[Finding]:
+    """Yields a finding if a session, or a part of it without a break, is too long."""
     longest = max(duration(design, plan) for plan in plans)
     stretch = max(_stretch(design, plan) for plan in plans)
     said = f"a session takes about {longest / 60:.0f} min"
     if stretch > LONGEST_STRETCH:
-        yield Flaw(
+        yield Finding(
             ("breaks", "every") if design.break_every else ("trials", "repetitions"),
             f"{said}; its longest part without a break takes {stretch / 60:.0f} min",
             "Write [breaks] with every = the number of trials in a quarter of an hour",
         )
     elif longest > LONGEST_SESSION:
-        yield Flaw(
+        yield Finding(
             ("trials", "repetitions"),
             f"{said}, so that the results also depend on weariness",
             "Write fewer repetitions, or several sessions",
@@ -465,8 +459,8 @@ def _stretch(design: Design, steps: list[Step]) -> float:
     return max(longest, duration(design, steps[since:]))
 
 
-def _exclusions(design: Design) -> Iterator[Flaw]:
-    """Yields a flaw for each rule that excludes everything, nothing, or by an outcome."""
+def _exclusions(design: Design) -> Iterator[Finding]:
+    """Yields a finding for each rule that excludes everything, nothing, or by an outcome."""
     tested = {"success", *(test.outcome for test in planned_tests(design))}
     for i, rule in enumerate(design.exclusions):
         path = ("exclusions", i)
@@ -477,7 +471,7 @@ def _exclusions(design: Design) -> Iterator[Flaw]:
         above = min((r.above for r in together if r.above is not None), default=None)
         every = [r.name for r in reversed(together)]
         if below is not None and above is not None and above < below:
-            yield Flaw(
+            yield Finding(
                 path,
                 f"{' and '.join(every)} exclude every {rule.of}, since every number is below "
                 f"{below:g} or above {above:g}",
@@ -487,19 +481,19 @@ def _exclusions(design: Design) -> Iterator[Flaw]:
         elif (rule.below is not None and rule.below > high) or (
             rule.above is not None and rule.above < low
         ):
-            yield Flaw(
+            yield Finding(
                 path, f"{rule.name} excludes every {rule.of}: {whole}", "Change it", error=True
             )
         elif (rule.below is None or rule.below <= low) and (
             rule.above is None or rule.above >= high
         ):
-            yield Flaw(
+            yield Finding(
                 path,
                 f"{rule.name} excludes nothing: {whole}",
                 "Change the bound or its unit, or remove the rule",
             )
         elif rule.measure in tested and not _quick(design, rule):
-            yield Flaw(
+            yield Finding(
                 path,
                 f"{rule.name} excludes by {rule.measure}, which is an outcome, so that hard "
                 "conditions lose their bad trials",

@@ -121,8 +121,12 @@ def run_settings(
 
 def uses_camera(design: Design) -> bool:
     """True if a camera sees a hand in any trial of a design."""
-    every = (values_of(design, levels) for levels in combinations(design))
-    return any(WEBCAM in (v.get("device"), v.get("second_device")) for v in every)
+    return any(before_camera(values) for values in every_values(design))
+
+
+def before_camera(values: Mapping[str, Any]) -> bool:
+    """True if, with these settings, a camera sees a hand."""
+    return WEBCAM in (values.get("device"), values.get("second_device"))
 
 
 def consent_text(design: Design, language: str) -> str:
@@ -156,10 +160,7 @@ def tasks_of(design: Design) -> dict[str, type[Task]]:
     """Tasks of all combinations, by name."""
     from tasks.registry import find_task
 
-    names = [
-        run_settings(values_of(design, levels), design.seed % 1000).task
-        for levels in combinations(design)
-    ]
+    names = [run_settings(values, design.seed % 1000).task for values in every_values(design)]
     return {name: find_task(name) for name in dict.fromkeys(names)}
 
 
@@ -171,12 +172,17 @@ def values_of(design: Design, levels: Mapping[str, Level]) -> dict[str, Any]:
     return values
 
 
+def every_values(design: Design) -> Iterator[dict[str, Any]]:
+    """Yields the settings of every combination of levels; see `values_of`."""
+    return (values_of(design, levels) for levels in combinations(design))
+
+
 def any_lifts(design: Design) -> bool:
     """True if a trial of a design needs a lift control."""
     from sandbox.trial.assembly import lifts
 
-    every = (values_of(design, levels) for levels in combinations(design))
-    return any(lifts(run_settings(values, design.seed % 1000)) for values in every)
+    every = (run_settings(values, design.seed % 1000) for values in every_values(design))
+    return any(map(lifts, every))
 
 
 _VARIED_SEEDS = 20

@@ -6,15 +6,13 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+from models.errors import StudyError
 from sandbox.study.design.reading import Text
 from sandbox.study.design.scoring import Scale
 from sandbox.study.measures.measures import Measure
 
 DEMOGRAPHICS = "demographics"
 """Name of the form with the questions about the person."""
-
-LISTED, JOINED = ", ", " / "
-"""Separators of levels: in lists of the codebook, and in the name of a condition in reports."""
 
 FILLED = (
     *("participant_id", "participant", "ppid", "study", "experiment", "mode", "site", "number"),
@@ -54,6 +52,11 @@ class Factor:
     outer: str = ""
     nested: dict[str, tuple[Level, ...]] | None = None
     one_a_session: bool = False
+
+    @property
+    def lists(self) -> tuple[tuple[Level, ...], ...]:
+        """Lists of levels: one for each outer level of a nested factor, otherwise a single one."""
+        return tuple(self.nested.values()) if self.nested else (self.levels,)
 
     def within(self, chosen: dict[str, Level]) -> tuple[Level, ...]:
         """The levels that occur together with the chosen levels of outer factors."""
@@ -209,3 +212,18 @@ class Design:
     digest: str
     text: str
     path: Path
+
+    def language_of(self, asked: str) -> str:
+        """A language of the design; the first one if `asked` is empty.
+
+        Raises:
+            StudyError: The design has no texts in the language.
+        """
+        if asked and asked not in self.languages:
+            raise StudyError(
+                "the design has no texts in this language",
+                where="--language",
+                got=asked,
+                expected=", ".join(self.languages),
+            )
+        return asked or self.languages[0]

@@ -15,8 +15,6 @@ from sandbox.study.design.conditions import check_conditions, setting_types
 from sandbox.study.design.design import (
     DEMOGRAPHICS,
     FILLED,
-    JOINED,
-    LISTED,
     Design,
     Exclusion,
     Factor,
@@ -25,7 +23,7 @@ from sandbox.study.design.design import (
     Level,
     PageSettings,
 )
-from sandbox.study.design.fields import END, SCHEMA, SHOWS, START
+from sandbox.study.design.fields import END, JOINED, LISTED, SCHEMA, SHOWS, START
 from sandbox.study.design.questionnaires import read_form, read_item, scored_by_its_question
 from sandbox.study.design.reading import DesignError, Mistake, Reader, TomlTable
 from sandbox.study.design.toml_lines import TomlLines

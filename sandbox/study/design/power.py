@@ -91,9 +91,8 @@ def _pairs(factor: Factor) -> dict[frozenset[str], list[int]]:
 
     A nested factor has several lists, and two of its levels need not be in the same list.
     """
-    lists = factor.nested.values() if factor.nested else [factor.levels]
     found: dict[frozenset[str], list[int]] = {}
-    for levels in lists:
+    for levels in factor.lists:
         for pair in combinations([level.name for level in levels], 2):
             found.setdefault(frozenset(pair), []).append(len(levels))
     return found

@@ -6,7 +6,7 @@ are not imputed.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -57,12 +57,10 @@ class ScaleScore:
     """Score of a scale.
 
     Attributes:
-        scale: Name of the scale.
         value: The score; None if answers are missing.
         missing: Number of missing answers.
     """
 
-    scale: str
     value: float | None
     missing: int
 
@@ -74,21 +72,18 @@ def score(scale: Scale, answers: Mapping[str, Any]) -> ScaleScore:
     used = (*scale.items, *scale.pairs)
     missing = sum(answers.get(name) is None for name in used)
     if missing:
-        return ScaleScore(scale.name, None, missing)
+        return ScaleScore(None, missing)
     values = [
         _counted(scale, name, float(answers[name]), bounds)
         for name, bounds in zip(scale.items, scale.bounds, strict=True)
     ]
     if scale.rule == "weighted":
-        value = _weighted(values, [tally(scale, answers)[name] for name in scale.items])
+        weights = tally(scale, answers)
+        products = (v * weights[name] for v, name in zip(values, scale.items, strict=True))
+        value = total(products) / total(weights.values())
     else:
         value = total(values) / (len(values) if scale.rule == "mean" else 1)
-    return ScaleScore(scale.name, value * scale.factor, 0)
-
-
-def scores(scales: Sequence[Scale], answers: Mapping[str, Any]) -> list[ScaleScore]:
-    """Computes the scores of all scales of a form."""
-    return [score(scale, answers) for scale in scales]
+    return ScaleScore(value * scale.factor, 0)
 
 
 def tally(scale: Scale, answers: Mapping[str, Any]) -> dict[str, int]:
@@ -101,9 +96,3 @@ def _counted(scale: Scale, name: str, value: float, bounds: tuple[float, float])
     low, high = bounds
     value = low + high - value if name in scale.reverse else value
     return value - low if scale.from_zero else value
-
-
-def _weighted(values: Sequence[float], weights: Sequence[int]) -> float:
-    from models.arithmetic import total
-
-    return total(v * w for v, w in zip(values, weights, strict=True)) / total(weights)

@@ -12,7 +12,7 @@ from hashlib import blake2b
 from typing import Any
 
 from sandbox.study.design.balance import order_of, rows_of
-from sandbox.study.design.conditions import WEBCAM, values_of
+from sandbox.study.design.conditions import before_camera, values_of
 from sandbox.study.design.design import DEMOGRAPHICS, Design, Factor, Form, Instruction, Level
 from sandbox.study.design.fields import END, START
 from sandbox.study.design.questionnaires import arranged
@@ -132,7 +132,7 @@ def session_plan(design: Design, number: int, session: int = 1) -> list[Step]:
 
 def in_the_air(values: Mapping[str, Any]) -> bool:
     """Returns True if, with these settings, a hand is over a Leap or a camera sees it."""
-    return over_a_leap(values) or WEBCAM in (values.get("device"), values.get("second_device"))
+    return over_a_leap(values) or before_camera(values)
 
 
 def over_a_leap(values: Mapping[str, Any]) -> bool:

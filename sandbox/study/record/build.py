@@ -16,7 +16,7 @@ from sandbox.recording.versions import (
     source_files,
     versions,
 )
-from sandbox.study.design.conditions import combinations, run_settings, values_of
+from sandbox.study.design.conditions import every_values, run_settings
 from sandbox.study.design.design import Design
 
 
@@ -101,8 +101,8 @@ def build_of(design: Design) -> dict[str, Any]:
     here = versions()
     learned: dict[str, dict[str, str]] = {}
     tasks: set[str] = set()
-    for levels in combinations(design):
-        settings = run_settings(values_of(design, levels), 0)
+    for values in every_values(design):
+        settings = run_settings(values, 0)
         pipeline = settings.pipeline
         learned.setdefault(f"{pipeline.encoder}, labels {pipeline.labels}", digests(settings))
         tasks.add(settings.task)

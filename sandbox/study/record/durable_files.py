@@ -60,15 +60,15 @@ def write_atomically(path: Path, data: bytes, durable: bool = True) -> bool:
     return True
 
 
-def write_new(path: Path, text: str) -> None:
-    """Writes a text to a new file.
+def write_new(path: Path, data: bytes) -> None:
+    """Writes a new file.
 
     Raises:
         StudyError: The file exists or cannot be written.
     """
     try:
-        with path.open("x", encoding="utf-8") as file:
-            file.write(text)
+        with path.open("xb") as file:
+            file.write(data)
     except FileExistsError:
         raise StudyError(
             "the file exists already", where=str(path), remedy="Choose another name"

@@ -126,7 +126,8 @@ def _of_folder(path: Path) -> list[Path]:
     """Recordings of a trial, or of a folder of a study; empty if the path is neither."""
     if TRIAL.fullmatch(path.name):
         return [file for session in _sessions(path.parent) for file in _trial(session, path.name)]
-    return [file for session in _sessions(path) for file in _all(session / TRIALS)]
+    folders = (session / TRIALS for session in _sessions(path))
+    return [folder / name for folder in folders for name in attempt_files(folder)]
 
 
 def _sessions(path: Path) -> list[Path]:
@@ -147,11 +148,6 @@ def _trial(session: Path, name: str) -> list[Path]:
         if counted is not None:
             exact = session / counted.start["file"]
     return [exact] if stored(exact).is_file() else []
-
-
-def _all(folder: Path) -> list[Path]:
-    """All recordings of a session, compressed or not."""
-    return [folder / name for name in attempt_files(folder)]
 
 
 def pack(recording: Path) -> Path:

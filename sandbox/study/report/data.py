@@ -19,14 +19,13 @@ import numpy as np
 from models.arithmetic import Array
 from models.errors import StudyError
 from models.message import counted
+from sandbox.study.design.fields import JOINED, LISTED
 from sandbox.study.tables.column import (
     CHANGE,
     CLOCK_STEPS,
     CONDITIONS,
     EXPERIMENT,
     FACTOR,
-    JOINED,
-    LISTED,
     MODE,
     ORDERS,
     PRIMARY,

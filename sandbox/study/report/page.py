@@ -29,6 +29,7 @@ from sandbox.study.report.data import (
 )
 from sandbox.study.report.exclusions import endings, flow, gaps, unbalanced_states
 from sandbox.study.report.numbers import (
+    ALPHA,
     CONFIRMATORY,
     FEWEST,
     Compared,
@@ -232,7 +233,7 @@ def _tested(one: Compared) -> list[Pair]:
 
 def _finding(one: Compared, pair: Pair) -> str:
     """A sentence on the result of a test."""
-    word = "there may be no difference" if pair.p_holm >= 0.05 else "a difference"
+    word = "there may be no difference" if pair.p_holm >= ALPHA else "a difference"
     return (
         f"{one.what.title}, {pair.title}: {_difference_text(one.what, pair.estimate)}; p, Holm "
         f"{formats.p_value(pair.p_holm)}: {word}."

@@ -13,7 +13,7 @@ from itertools import groupby
 
 from models.errors import StudyError
 from models.message import counted
-from sandbox.study.design.conditions import WEBCAM, consent_text, run_settings
+from sandbox.study.design.conditions import before_camera, consent_text, run_settings
 from sandbox.study.design.design import Design
 from sandbox.study.design.session_plan import (
     BreakStep,
@@ -98,14 +98,7 @@ def session_sheet(
             got=number,
             expected="1 for the first participant, 2 for the second, and so on",
         )
-    if language and language not in design.languages:
-        raise StudyError(
-            "the design has no texts in this language",
-            where="--language",
-            got=language,
-            expected=", ".join(design.languages),
-        )
-    language = language or design.languages[0]
+    language = design.language_of(language)
     steps = session_plan(design, number, session)
     of_several = f", session {session} of {design.sessions}" if design.sessions > 1 else ""
     title = (
@@ -199,7 +192,7 @@ def _trials(trials: list[TrialStep]) -> str:
     levels = ", ".join(f"{name} = {level}" for name, level in first.levels.items())
     kind = "practice, trial" if first.practice else "trial"
     where = ", with the hand in the air" if in_the_air(first.values) else ""
-    if WEBCAM in (first.values.get("device"), first.values.get("second_device")):
+    if before_camera(first.values):
         where = ", before the camera"
     return f"{kind}{several}: {levels}{where}"
 

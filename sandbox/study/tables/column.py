@@ -9,6 +9,8 @@ from dataclasses import dataclass
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
+from sandbox.study.design.fields import LISTED
+
 if TYPE_CHECKING:
     # A report imports this module for the names of columns, and must not load designs.
     from sandbox.study.design.design import Design
@@ -44,10 +46,6 @@ number of people who withdrew. `CHANGE` is the prefix of the rows on changes of 
 first participation."""
 CLOCK_STEPS = "clock_steps"
 """Column of `participants.csv` with the steps of the wall clock."""
-LISTED = ", "
-"""Separator between levels, and between conditions, in the codebook."""
-JOINED = " / "
-"""Separator between the levels of one condition."""
 
 
 @dataclass(frozen=True)

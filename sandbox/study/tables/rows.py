@@ -6,7 +6,8 @@ from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
 
 from sandbox.study.design.design import Design
-from sandbox.study.design.scoring import scores
+from sandbox.study.design.fields import LISTED
+from sandbox.study.design.scoring import score
 from sandbox.study.design.session_plan import FormStep, session_plan
 from sandbox.study.record import records as kinds
 from sandbox.study.record.hash_chain import Record
@@ -16,7 +17,6 @@ from sandbox.study.record.stored_sessions import StoredSession
 from sandbox.study.tables.column import (
     CLOCK_STEPS,
     FACTOR,
-    LISTED,
     Column,
     Row,
     factor_columns,
@@ -258,19 +258,19 @@ def score_rows(states: Sequence[SessionState], designs: Callable[[str], Design])
         if form is None:
             continue
         places[form.name] += 1
-        ranges = {scale.name: scale.range for scale in form.scales}
-        rows += [
-            {
-                **common,
-                "place": places[form.name],
-                "scale": score.scale,
-                "score": score.value,
-                "items_missing": score.missing,
-                "score_low": ranges[score.scale][0],
-                "score_high": ranges[score.scale][1],
-            }
-            for score in scores(form.scales, record["answers"])
-        ]
+        for scale in form.scales:
+            found, (low, high) = score(scale, record["answers"]), scale.range
+            rows.append(
+                {
+                    **common,
+                    "place": places[form.name],
+                    "scale": scale.name,
+                    "score": found.value,
+                    "items_missing": found.missing,
+                    "score_low": low,
+                    "score_high": high,
+                }
+            )
     return rows
 
 

@@ -18,6 +18,7 @@ from models.errors import StudyError
 from models.message import counted
 from sandbox.recording.recording import stored
 from sandbox.study.design.conditions import combinations
+from sandbox.study.design.fields import JOINED, LISTED
 from sandbox.study.record.durable_files import (
     locked,
     make_folder,
@@ -33,8 +34,6 @@ from sandbox.study.tables.column import (
     CHANGE,
     CONDITIONS,
     EXPERIMENT,
-    JOINED,
-    LISTED,
     MODE,
     TABLES,
     TITLE,

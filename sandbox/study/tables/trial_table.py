@@ -14,7 +14,7 @@ from typing import Any
 from models.arithmetic import total
 from models.errors import InputError
 from sandbox.recording.recording import stored
-from sandbox.study.design.conditions import combinations, values_of
+from sandbox.study.design.conditions import every_values
 from sandbox.study.design.design import Design
 from sandbox.study.design.session_plan import session_plan, trials_of
 from sandbox.study.measures.measures import all_measures, find_measure, measure_trial
@@ -245,8 +245,8 @@ def time_limits(design: Design) -> dict[str, float]:
     Tasks that cannot be loaded are left out.
     """
     limits = {}
-    for levels in combinations(design):
-        name = str(values_of(design, levels).get("task", ""))
+    for values in every_values(design):
+        name = str(values.get("task", ""))
         if name not in limits:
             with suppress(InputError):
                 limits[name] = min(design.time_limit, float(find_task(name).time_limit))

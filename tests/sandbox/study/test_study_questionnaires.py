@@ -13,7 +13,7 @@ from sandbox.study.design.design import Form
 from sandbox.study.design.design_file import parse_design
 from sandbox.study.design.questionnaires import arranged, instruments
 from sandbox.study.design.reading import DesignError
-from sandbox.study.design.scoring import score, scores, tally
+from sandbox.study.design.scoring import score, tally
 from tests.support.study_files import DESIGN, design
 
 TLX = ("mental", "physical", "temporal", "performance", "effort", "frustration")
@@ -27,7 +27,7 @@ def test_sus_gives_the_score_of_brookes_own_example() -> None:
     # Brooke 1996: contributions 4 1 1 4 1 2 1 1 4 3, together 22, times 2.5.
     given = (5, 4, 2, 1, 2, 3, 2, 4, 5, 2)
     answers = {f"sus-{i}": value for i, value in enumerate(given, start=1)}
-    (found,) = scores(form_of("sus").scales, answers)
+    found = score(form_of("sus").scales[0], answers)
     assert found.value == 55.0 and found.missing == 0
 
 
@@ -36,7 +36,7 @@ def test_the_short_ueq_is_the_means_of_its_halves_and_of_all(given: list[int]) -
     form = form_of("ueq-s")
     assert [(i.low, i.high, i.step) for i in form.items] == [(-3.0, 3.0, 1.0)] * 8
     answers = {item.name: value for item, value in zip(form.items, given, strict=True)}
-    found = {s.scale: s.value for s in scores(form.scales, answers)}
+    found = {scale.name: score(scale, answers).value for scale in form.scales}
     halves = {"pragmatic": sum(given[:4]) / 4, "hedonic": sum(given[4:]) / 4}
     assert found == pytest.approx({"overall": sum(given) / 8, **halves})
     assert all(scale.range == (-3.0, 3.0) for scale in form.scales)
@@ -70,8 +70,8 @@ def test_weighted_tlx_is_the_sum_of_ratings_by_tallies_over_fifteen(
 def test_an_answer_that_is_missing_gives_no_score_and_says_so(use: str) -> None:
     form = form_of(use)
     whole = {i.name: i.choices[0] if i.choices else i.low for i in form.items}
-    assert all(s.value is not None and not s.missing for s in scores(form.scales, whole))
     for scale in form.scales:
+        assert score(scale, whole).value is not None and not score(scale, whole).missing
         used = (*scale.items, *scale.pairs)
         assert score(scale, {**whole, used[-1]: None}).value is None
         assert score(scale, {k: v for k, v in whole.items() if k not in used}).missing == len(used)
@@ -125,8 +125,7 @@ def own(tmp_path: Path, text: str) -> Form:
 def test_a_questionnaire_of_ones_own_is_scored_by_its_rules_in_any_script(tmp_path: Path) -> None:
     form = own(tmp_path, OWN)
     assert form.items[0].ask["ja"] == "どのくらい疲れましたか。"
-    (found,) = scores(form.scales, {"tired": 6, "calm": 3})
-    assert found.value == (6 + 5) / 2
+    assert score(form.scales[0], {"tired": 6, "calm": 3}).value == (6 + 5) / 2
     assert form.scales[0].range == (1, 7)
 
 

@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 import pytest
 
 from sandbox.cli.main import main
-from sandbox.study.design.checks import findings
+from sandbox.study.design.checks import Finding, findings
 from sandbox.study.design.conditions import run_settings
 from sandbox.study.design.design_file import load_design
 from sandbox.study.design.reading import DesignError, Mistake
@@ -203,7 +203,7 @@ WARNINGS = {
 }
 
 
-def found_in(path: Path) -> list[tuple[Mistake, bool]]:
+def found_in(path: Path) -> list[tuple[Mistake | Finding, bool]]:
     """Mistakes of a design file, each with whether it is an error."""
     try:
         read = load_design(path)

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from sandbox.study.design.design_file import parse_design
-from sandbox.study.design.scoring import scores
+from sandbox.study.design.scoring import score
 from sandbox.study.report.data import load_study
 from sandbox.study.report.numbers import CONFIRMATORY, EXPLORATORY, Pair, holm, results
 from sandbox.study.tables.codebook import codebook, columns_by_table
@@ -157,7 +157,7 @@ def test_with_primary_outcomes_only_these_are_tested(tmp_path: Path) -> None:
 def test_a_questionnaire_of_one_question_that_is_primary_has_its_answer_as_its_score() -> None:
     design = parse_design(with_primary("calm"), Path("design.toml"), try_out=False)
     (form,) = [form for form in design.questionnaires if form.name == "calm"]
-    assert [s.value for s in scores(form.scales, {"calm": 63.0})] == [63.0]
+    assert [score(scale, {"calm": 63.0}).value for scale in form.scales] == [63.0]
     plain = parse_design(SCALED, Path("design.toml"), try_out=False)
     assert not next(form for form in plain.questionnaires if form.name == "calm").scales
 
