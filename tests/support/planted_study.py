@@ -70,16 +70,10 @@ class Trials:
     status: np.ndarray
 
 
-def draw(truth: Truth, seed: int, people: int | None = None) -> Trials:
-    """Draws a study's trials.
-
-    Args:
-        truth: What they follow.
-        seed: Of all chance.
-        people: Other than the truth's.
-    """
+def draw(truth: Truth, seed: int) -> Trials:
+    """Draws a study's trials; `seed` decides all chance."""
     rng = np.random.default_rng([seed, 9_114])
-    count = people or truth.people
+    count = truth.people
     levels, tasks = len(truth.times), len(truth.tasks)
     order = np.array([order_of("latin", levels, p, (0,)) for p in range(count)])
     level = np.repeat(order, tasks * truth.repetitions, axis=1)

@@ -57,9 +57,8 @@ def run(options: StudyRunOptions, console: Console) -> int:
     from sandbox.study.record.mirror import Mirror
     from sandbox.study.record.session_folder import SessionFolder
     from sandbox.study.run.controls import Controls, Terminal
-    from sandbox.study.run.finished_trials import bring_up_to_date
     from sandbox.study.run.task_pictures import TaskPictures
-    from sandbox.study.tables.tables import make_tables
+    from sandbox.study.tables.tables import bring_up_to_date, make_tables
 
     check_options(options)
     check_page(options)

@@ -25,8 +25,7 @@ from sandbox.study.record.session_folder import SessionFolder
 from sandbox.study.record.state import SessionState
 from sandbox.study.record.stored_sessions import all_sessions, sessions_of
 from sandbox.study.record.trial_files import TRIALS, finished_result, whole_leftovers
-from sandbox.study.run.finished_trials import bring_up_to_date
-from sandbox.study.tables.tables import keep_tables
+from sandbox.study.tables.tables import bring_up_to_date, keep_tables
 from sandbox.trial.result import TrialResult
 
 Say = Callable[[str], object]

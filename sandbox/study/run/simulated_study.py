@@ -22,11 +22,10 @@ from sandbox.study.record.folder import Participant, StudyFolder
 from sandbox.study.record.session_folder import SessionFolder
 from sandbox.study.record.stored_sessions import has_finished
 from sandbox.study.run.controls import Controls
-from sandbox.study.run.finished_trials import bring_up_to_date
 from sandbox.study.run.forms import SimulatedForms
 from sandbox.study.run.players import HeadlessPlayer
 from sandbox.study.run.runner import OpenDevices, SessionOutcome, SessionRunner
-from sandbox.study.tables.tables import make_tables
+from sandbox.study.tables.tables import bring_up_to_date, make_tables
 from sandbox.trial.assembly import DeviceMaker, DeviceMakers, home, shared_by_users
 from sandbox.trial.settings import Settings
 from tasks.task import Task

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from pathlib import Path, PureWindowsPath
+from pathlib import Path
 
 from models.errors import StudyError
 from models.message import counted
@@ -247,15 +247,12 @@ def _check_recordings(done: Verified, session: _Read) -> list[Path]:
     """
     folder = session.path.parent
     digests: dict[str, str | None] = {}
-    ended, known = set(), set()
+    ended = set()
     for record in session.records:
         if "recording" in record and "file" in record:
             digests[record["file"]] = record["recording"]
         if record["kind"] == TRIAL_END and not is_broken(record):
             ended.add(record["file"])
-            # The file with the last states of a diverged attempt belongs to the attempt, too.
-            known.add(PureWindowsPath(record["result"].get("dump") or "").name)
-        known.add(Path(record.get("file", "")).name)
     right = {file for file, digest in digests.items() if _is_right(done, folder / file, digest)}
     text = done.compared.get(RECORDINGS, "0").split()[0]
     done.compared[RECORDINGS] = counted(int(text) + len(right), "recording")

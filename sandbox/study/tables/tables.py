@@ -13,8 +13,9 @@ from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import ExitStack
 from pathlib import Path, PurePosixPath
+from typing import TYPE_CHECKING
 
-from models.errors import StudyError
+from models.errors import InputError, StudyError
 from models.message import counted
 from sandbox.recording.recording import stored
 from sandbox.study.design.conditions import combinations
@@ -28,7 +29,7 @@ from sandbox.study.record.durable_files import (
 from sandbox.study.record.folder import Participant, StudyFolder, withdrawals_of
 from sandbox.study.record.journal import now
 from sandbox.study.record.stored_sessions import StoredSession, all_sessions, planned_trials
-from sandbox.study.record.trial_files import frames_of
+from sandbox.study.record.trial_files import frames_of, pack
 from sandbox.study.tables.codebook import codebook, columns_by_table
 from sandbox.study.tables.column import (
     CHANGE,
@@ -49,6 +50,9 @@ from sandbox.study.tables.frame_table import make_frames
 from sandbox.study.tables.rows import answer_rows, event_rows, participant_row, score_rows
 from sandbox.study.tables.trial_table import FILE_NAMES, exclude_person, trial_rows
 from sandbox.study.tables.upgrades import upgrades_of
+
+if TYPE_CHECKING:
+    from sandbox.study.record.session_folder import SessionFolder
 
 CODEBOOK = "codebook.csv"
 BEFORE = "before-"
@@ -110,6 +114,30 @@ def make_tables(
         "trials": len(counts),
         "excluded": sum(row["excluded"] for row in counts),  # any order: whole numbers
     }
+
+
+def bring_up_to_date(session: SessionFolder, say: Say, tables: bool = True) -> None:
+    """Compresses the recordings of a session, seals its journal, and makes the study's tables.
+
+    If a file cannot be written, the error is printed. The next call after the session is opened
+    again writes the file.
+
+    Args:
+        session: The session.
+        say: Prints a line.
+        tables: False if the caller makes the tables.
+    """
+    try:
+        for attempts in session.state.attempts.values():
+            for attempt in attempts:
+                if attempt.end is not None:
+                    pack(session.path / attempt.start["file"])
+        head, count = session.seal(), len(session.journal.records)
+        say(f"{session.person.ppid}, session {session.number}: {count} records, digest {head}")
+        if tables:
+            make_tables(session.study, say, session.path)
+    except InputError as error:
+        say(f"tables are not up to date: {error}")
 
 
 def _difference(path: Path, data: bytes) -> str:
