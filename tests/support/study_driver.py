@@ -16,6 +16,7 @@ from pathlib import Path
 from types import FrameType
 from typing import Any
 
+from sandbox.cli.main import main
 from sandbox.study.record.folder import SIMULATED, StudyFolder
 from sandbox.study.record.journal import read_journal
 from sandbox.study.record.stored_sessions import session_path
@@ -85,6 +86,11 @@ def verify(folder: Path) -> list[str]:
 def lost(folder: Path) -> list[str]:
     """Participants whose record has lost something about which nobody has decided."""
     return [loss.person.ppid for loss in losses(StudyFolder.at(folder))]
+
+
+def note(folder: Path, ppid: str, *words: str) -> int:
+    """Notes something about a participant by the command; its exit status."""
+    return main(["study", "note", str(folder), "--participant", ppid, *words])
 
 
 def record_of(folder: Path, person: int = 0) -> Path:

@@ -30,6 +30,7 @@ from sandbox.study.run.runner import SessionOutcome, SessionRunner
 from sandbox.study.run.study_page import StudyPage, study_view
 from sandbox.trial.driver import View
 from tasks.user import UserConfiguration
+from tests.support.page_client import Page
 from tests.support.study_files import design, rows_of, state_of
 
 PPI = 64.0
@@ -202,6 +203,14 @@ class OnPage:
             self.page.show_sheet("end", text=self.page.texts["end"])
         except BaseException as error:
             self.failure = error
+
+
+def touch(page: Page, x: float = 5.0, y: float = 3.0) -> None:
+    """Touches the table of a page until time runs."""
+    page.until("sheet", kind="none")
+    page.touch((1, x, y))
+    while page.until("frame")["time"] == 0.0:
+        pass
 
 
 def study_in(out: Path, text: str = SMALL) -> StudyFolder:

@@ -23,6 +23,7 @@ from sandbox.study.run.runner import SessionOutcome
 from sandbox.study.run.simulated_study import run_simulated, simulated_person
 from sandbox.study.tables.tables import make_tables
 from sandbox.trial.replay import replay
+from tests.support.study_driver import everything
 from tests.support.study_files import (
     DESIGN,
     TRIALS,
@@ -67,12 +68,6 @@ def test_every_column_of_the_frames_is_in_the_codebook(finished: StudyFolder) ->
         assert any(fnmatch(name, p.replace("OBJECT", "*")) for p in patterns), name
 
 
-def contents(study: Path) -> dict[str, bytes]:
-    """What is in the files of a study."""
-    files = (path for path in study.rglob("*") if path.is_file())
-    return {path.relative_to(study).as_posix(): path.read_bytes() for path in files}
-
-
 def test_to_run_a_session_that_is_complete_adds_nothing_unless_files_of_it_are_missing(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -82,14 +77,14 @@ def test_to_run_a_session_that_is_complete_adds_nothing_unless_files_of_it_are_m
     run_simulated(study, 1, quiet)
     person = study.participants()[0].ppid
     run = [*pilot(tmp_path / "design.toml"), "--participant", person]
-    first = contents(study.path)
+    first = everything(study.path)
     for more in ([], ["--resume"]):
         capsys.readouterr()
         assert main([*run, *more]) == 0
         said = capsys.readouterr().out
         assert f"{person}: complete, so nothing was played" in said
         assert f"sandbox study report {study.path}; the next person: --participant new" in said
-        assert contents(study.path) == first
+        assert everything(study.path) == first
     # What a killed program has left is still completed, and then the journal says who did it.
     folder = first_session(study)
     packed = folder / "trials/T001.jsonl.gz"

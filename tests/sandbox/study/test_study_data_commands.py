@@ -16,6 +16,7 @@ from sandbox.study.design.session_plan import session_plan, trials_of
 from sandbox.study.record.folder import StudyFolder
 from sandbox.study.record.session_folder import SessionFolder
 from sandbox.study.share.verify import verify
+from tests.support.study_driver import everything, note
 from tests.support.study_files import rows_of
 
 
@@ -28,7 +29,7 @@ def withdraw(folder: Path, ppid: str, *typed: str) -> int:
     """Withdraws a participant in the terminal, where something is typed; its exit status."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr("sys.stdin", io.StringIO("".join(f"{line}\n" for line in typed)))
-        return main(["study", "note", str(folder), "--participant", ppid, "--withdraw"])
+        return note(folder, ppid, "--withdraw")
 
 
 def people_of(folder: Path) -> list[str]:
@@ -98,21 +99,20 @@ def test_exclusions_afterwards_are_in_every_table_and_taken_back_leave_none_of_i
     names = ("trials.csv", "participants.csv", "scores.csv")
     before = {name: (folder / "tables" / name).read_bytes() for name in names}
     recordings = {p: p.read_bytes() for p in folder.glob("*/S001/*.jsonl*")}
-    note = ["study", "note", str(folder), "--participant", ppid]
-    assert main([*note, "--trial", "3", "--exclude", "the phone rang"]) == 0
+    assert note(folder, ppid, "--trial", "3", "--exclude", "the phone rang") == 0
     excluded = [r for r in rows_of(folder / "tables/trials.csv") if r["excluded"] == "1"]
     assert [(r["participant"], r["trial"], r["exclusion_reason"]) for r in excluded] == [
         (ppid, "3", "the phone rang")
     ]
-    assert main([*note, "--exclude", "left early"]) == 0
+    assert note(folder, ppid, "--exclude", "left early") == 0
     assert {
         r["participant"] for r in rows_of(folder / "tables/trials.csv") if r["excluded"] == "0"
     } == {other}
     for more in (["--include", "stayed"], ["--trial", "3", "--include", "it was silent"]):
-        assert main([*note, *more]) == 0
+        assert note(folder, ppid, *more) == 0
     assert {name: (folder / "tables" / name).read_bytes() for name in names} == before
-    assert main([*note, "--trial", "99", "--exclude", "r"]) == 2
-    assert main([*note, "--remark", "asked for the results"]) == 0
+    assert note(folder, ppid, "--trial", "99", "--exclude", "r") == 2
+    assert note(folder, ppid, "--remark", "asked for the results") == 0
     said = [r["text"] for r in rows_of(folder / "tables/events.csv")]
     assert {"the phone rang", "left early", "stayed", "asked for the results"} <= set(said)
     assert {p: p.read_bytes() for p in recordings} == recordings
@@ -124,19 +124,18 @@ def test_a_number_that_was_freed_goes_to_a_newcomer_or_is_taken_back(
 ) -> None:
     study = StudyFolder.at(folder)
     first, second = study.participants()
-    note = ["study", "note", str(folder), "--participant"]
-    assert main([*note, first.ppid, "--release", "did not come"]) == 0
+    assert note(folder, first.ppid, "--release", "did not come") == 0
     assert study.is_released(first.ppid)
     options = StudyRunOptions(Path("design.toml"), participant=first.ppid)
     with pytest.raises(StudyError, match=r"freed for another participant.*--include"):
         find_participant(options, study, Console())
-    assert main([*note, first.ppid, "--include", "came after all"]) == 0
+    assert note(folder, first.ppid, "--include", "came after all") == 0
     assert "has number 1 again" in capsys.readouterr().out and not study.is_released(first.ppid)
     assert study.add().number == 3
-    assert main([*note, second.ppid, "--release", "did not come"]) == 0
+    assert note(folder, second.ppid, "--release", "did not come") == 0
     newcomer = study.add()
     assert newcomer.number == second.number
-    assert main([*note, second.ppid, "--include", "came after all"]) == 0
+    assert note(folder, second.ppid, "--include", "came after all") == 0
     told = capsys.readouterr().out
     assert f"number 2 was given to {newcomer.ppid}" in told and "both count" in told
 
@@ -151,8 +150,7 @@ def test_who_takes_part_after_all_before_any_trial_gets_the_next_free_number(
     study.release(person.ppid, "no consent")
     newcomer = study.add()
     assert newcomer.number == person.number
-    note = ["study", "note", str(folder), "--participant", person.ppid]
-    assert main([*note, "--include", "agrees now"]) == 0
+    assert note(folder, person.ppid, "--include", "agrees now") == 0
     told = capsys.readouterr().out
     assert f"{person.ppid} has number {person.number + 1} now, and its orders" in told
     now = study.find(person.ppid)
@@ -189,9 +187,9 @@ def test_a_mistake_costs_one_line_and_nothing_else(
     tmp_path: Path,
 ) -> None:
     monkeypatch.chdir(tmp_path)
-    before = {p: p.read_bytes() for p in folder.rglob("*") if p.is_file()}
+    before = everything(folder)
     assert main(["study", *(word.format(folder) for word in words)]) == 2
     said = capsys.readouterr().err
     assert what in said and "Traceback" not in said
-    assert {p: p.read_bytes() for p in folder.rglob("*") if p.is_file()} == before
+    assert everything(folder) == before
     assert not (tmp_path / "x").exists()

@@ -21,7 +21,7 @@ from sandbox.study.run.answers import check_answer
 from sandbox.study.run.runner import SessionOutcome
 from sandbox.words.words import words_in
 from tests.sandbox.server.test_page_server import wait_for
-from tests.sandbox.study.study_on_page import SMALL, OnPage, on_page, study_in
+from tests.sandbox.study.study_on_page import SMALL, OnPage, on_page, study_in, touch
 from tests.support.page_client import Page
 from tests.support.processes import PATIENCE
 
@@ -278,14 +278,6 @@ def past_the_form(running: OnPage, page: Page) -> None:
     running.type("s")
     leave(page, page.until("sheet", kind="text"))
     leave(page, page.until("sheet", kind="task"))
-
-
-def touch(page: Page) -> None:
-    """Touches until time runs."""
-    page.until("sheet", kind="none")
-    page.touch((1, 5.0, 3.0))
-    while page.until("frame")["time"] == 0.0:
-        pass
 
 
 SLOW = pytest.mark.slow

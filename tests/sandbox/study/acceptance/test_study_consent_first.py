@@ -9,8 +9,8 @@ import pytest
 from sandbox.study.record.folder import SIMULATED, StudyFolder
 from sandbox.study.run.forms import SimulatedForms
 from sandbox.study.run.simulated_study import simulated_person
-from tests.support.study_driver import SHORT, records, run, verify
-from tests.support.study_files import design
+from tests.support.study_driver import records, run, verify
+from tests.support.study_files import SHORT, design
 
 ASKED_OR_PLAYED = ("answer", "form", "trial", "trial_end")
 

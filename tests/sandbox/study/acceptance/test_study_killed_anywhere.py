@@ -23,17 +23,8 @@ from sandbox.study.record.folder import REAL, SIMULATED, StudyFolder
 from sandbox.study.record.journal import read_journal
 from sandbox.study.record.session_folder import SessionFolder
 from sandbox.study.record.state import SessionState
-from tests.support.study_driver import (
-    SHORT,
-    WritePoints,
-    in_program,
-    places,
-    results,
-    resume,
-    run,
-    verify,
-)
-from tests.support.study_files import design, in_child, killed_after, rows_of
+from tests.support.study_driver import WritePoints, in_program, places, results, resume, run, verify
+from tests.support.study_files import SHORT, design, in_child, killed_after, rows_of
 
 LATER = 600.0
 """s after which somebody goes on with a session whose program was killed."""

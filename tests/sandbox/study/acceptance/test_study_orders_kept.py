@@ -15,8 +15,7 @@ from sandbox.study.design.balance import rows_of, whole_cycle
 from sandbox.study.design.session_plan import session_plan, trials_of
 from sandbox.study.record.folder import REAL, Participant, StudyFolder
 from tests.sandbox.study.design.test_study_balance import crossed
-from tests.support.study_driver import SHORT
-from tests.support.study_files import design
+from tests.support.study_files import SHORT, design
 
 KEPT = Path(__file__).with_name("orders.json")
 """Digests of the orders of all designs, by their first factor; `python FILE` writes them anew."""

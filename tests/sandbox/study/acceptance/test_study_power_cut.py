@@ -13,7 +13,8 @@ from sandbox.study.record.copies import JOURNAL
 from sandbox.study.record.journal import read_journal
 from sandbox.study.record.session_folder import SessionFolder
 from sandbox.study.record.trial_files import recording_digest
-from tests.support.study_driver import SHORT, results, resume, run, verify
+from tests.support.study_driver import results, resume, run, verify
+from tests.support.study_files import SHORT
 
 DURABLE = ("consent", "answer", "form", "trial_end")
 """Kinds of records that a participant has acknowledged once they are written."""

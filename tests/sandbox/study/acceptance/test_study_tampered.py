@@ -19,12 +19,12 @@ from sandbox.study.record.hash_chain import chained_bytes
 from sandbox.study.record.session_folder import SessionFolder
 from sandbox.study.share.withdraw import withdraw
 from tests.support.study_driver import (
-    SHORT,
     SHORT_TRIALS,
     derived,
     everything,
     in_program,
     lost,
+    note,
     record_of,
     records,
     results,
@@ -32,7 +32,7 @@ from tests.support.study_driver import (
     run,
     verify,
 )
-from tests.support.study_files import design, rows_of
+from tests.support.study_files import SHORT, design, rows_of
 
 Rng = np.random.Generator
 
@@ -155,8 +155,7 @@ def test_after_an_accepted_loss_the_tables_of_before_are_there_until_their_peopl
     (ppid,) = lost(study)
     assert main(["study", "tables", str(study)]) == 1
     assert derived(study) == before
-    accept = ["study", "note", str(study), "--participant", ppid, "--accept-loss"]
-    assert main([*accept, "the disk"]) == 0
+    assert note(study, ppid, "--accept-loss", "the disk") == 0
     (kept,) = (study / "tables").glob("before-*")
     for name in ("answers.csv", "trials.csv"):
         assert (kept / name).read_bytes() == before[f"tables/{name}"]
@@ -179,8 +178,7 @@ def test_a_record_that_was_written_anew_is_accepted_only_with_a_reason(study: Pa
         resume(study)
     assert verify(study) != []
     (ppid,) = lost(study)
-    accept = ["study", "note", str(study), "--participant", ppid, "--accept-loss"]
-    assert main([*accept, "by hand"]) == 0
+    assert note(study, ppid, "--accept-loss", "by hand") == 0
     resume(study)
     assert lost(study) == []
 

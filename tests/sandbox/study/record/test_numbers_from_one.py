@@ -13,8 +13,8 @@ from sandbox.study.record.notes import INCLUDE, PARTICIPANT, read_notes, write_n
 from sandbox.study.record.records import RUNS, SCHEMA
 from sandbox.study.run.simulated_study import run_simulated
 from sandbox.study.share.shared_folder import Masking, share_study
-from tests.support.study_driver import SHORT, run, tables
-from tests.support.study_files import design, quiet, rows_of
+from tests.support.study_driver import run, tables
+from tests.support.study_files import SHORT, design, quiet, rows_of
 
 
 def from_zero(study: Path) -> None:

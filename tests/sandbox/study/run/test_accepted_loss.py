@@ -15,6 +15,7 @@ from sandbox.study.record.trial_files import whole_leftovers
 from sandbox.study.run.controls import Controls
 from sandbox.study.run.simulated_study import run_simulated
 from sandbox.study.share.verify import verify
+from tests.support.study_driver import everything, note
 from tests.support.study_files import SHORT, TRIALS, design, first_session, quiet, rows_of, state_of
 
 LOST = 4096
@@ -48,19 +49,13 @@ def leftovers(study: StudyFolder) -> int:
 
 def accept(study: StudyFolder, reason: str) -> int:
     """Accepts the loss; the exit status."""
-    ppid = study.participants()[0].ppid
-    words = ["study", "note", str(study.path), "--participant", ppid, "--accept-loss", reason]
-    return main(words)
-
-
-def files(study: StudyFolder) -> dict[Path, bytes]:
-    return {p: p.read_bytes() for p in study.path.rglob("*") if p.is_file() and p.name != ".lock"}
+    return note(study.path, study.participants()[0].ppid, "--accept-loss", reason)
 
 
 def test_a_session_whose_journal_has_lost_records_is_not_continued_and_stays_as_it_is(
     study: StudyFolder, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    before = files(study)
+    before = everything(study.path)
     assert 0 < finished(study) < TRIALS
     with pytest.raises(StudyError, match=r"whole recordings without a record: T00.*--accept-loss"):
         run_simulated(study, 1, quiet)
@@ -68,11 +63,11 @@ def test_a_session_whose_journal_has_lost_records_is_not_continued_and_stays_as_
     said = capsys.readouterr().out
     assert "records are missing or changed" in said and f"T00{TRIALS}.jsonl: trial {TRIALS}" in said
     ppid = study.participants()[0].ppid
-    assert main(["study", "note", str(study.path), "--participant", ppid, "--exclude", "r"]) == 1
+    assert note(study.path, ppid, "--exclude", "r") == 1
     assert main(["replay", str(study.path), "--verify"]) == 1
     said = capsys.readouterr().out
     assert "S001/session.jsonl: missing" in said and "a whole recording without a record" in said
-    assert files(study) == before
+    assert everything(study.path) == before
 
 
 def test_recordings_that_are_taken_in_count_and_verification_says_so(

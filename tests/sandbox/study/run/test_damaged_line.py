@@ -13,6 +13,7 @@ from sandbox.study.record.folder import StudyFolder
 from sandbox.study.record.journal import read_journal
 from sandbox.study.record.stored_sessions import session_path
 from sandbox.study.share.verify import verify
+from tests.support.study_driver import note
 from tests.support.study_files import rows_of
 
 
@@ -36,11 +37,6 @@ def people(study: StudyFolder) -> list[str]:
     return [person.ppid for person in study.participants()]
 
 
-def note(study: StudyFolder, person: int, *words: str) -> int:
-    """Notes a decision about a person; the exit status."""
-    return main(["study", "note", str(study.path), "--participant", people(study)[person], *words])
-
-
 def test_a_damaged_line_is_a_loss_that_can_be_accepted(
     damaged: StudyFolder, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -51,7 +47,7 @@ def test_a_damaged_line_is_a_loss_that_can_be_accepted(
     assert main(["study", "tables", str(damaged.path)]) == 1
     assert "--accept-loss" in capsys.readouterr().out
     assert journal.read_bytes() == broken
-    assert note(damaged, 0, "--accept-loss", "a flipped bit") == 0
+    assert note(damaged.path, people(damaged)[0], "--accept-loss", "a flipped bit") == 0
     before = broken.splitlines()
     kept = journal.read_bytes().splitlines()
     assert kept[: len(before) // 2] == before[: len(before) // 2]
@@ -66,9 +62,9 @@ def test_a_loss_can_be_accepted_while_another_record_is_damaged(
 ) -> None:
     other = journal_of(damaged, 1)
     other.write_bytes(other.read_bytes().replace(b'"trial":1,', b'"trial":2,', 1))
-    assert note(damaged, 0, "--accept-loss", "a flipped bit") == 0
+    assert note(damaged.path, people(damaged)[0], "--accept-loss", "a flipped bit") == 0
     assert "tables are not up to date" in capsys.readouterr().out
-    assert note(damaged, 1, "--accept-loss", "another one") == 0
+    assert note(damaged.path, people(damaged)[1], "--accept-loss", "another one") == 0
     assert main(["study", "tables", str(damaged.path)]) == 0
 
 
@@ -77,12 +73,11 @@ def test_who_withdraws_is_deleted_while_another_record_is_damaged_and_in_no_tabl
 ) -> None:
     one, other = people(damaged)
     monkeypatch.setattr("builtins.input", lambda: other)
-    assert note(damaged, 1, "--withdraw") == 1
+    assert note(damaged.path, people(damaged)[1], "--withdraw") == 1
     printed = capsys.readouterr().out
     assert f"{other} is deleted" in printed and one in printed
     assert not (damaged.path / other).exists()
     assert not any(other in p.read_text() for p in (damaged.path / "tables").glob("*.csv"))
-    assert note(damaged, 0, "--accept-loss", "a flipped bit") == 0
-    words = ["study", "note", str(damaged.path), "--participant", other, "--withdraw"]
-    assert main(words) == 0
+    assert note(damaged.path, people(damaged)[0], "--accept-loss", "a flipped bit") == 0
+    assert note(damaged.path, other, "--withdraw") == 0
     assert len(rows_of(damaged.path / "tables/participants.csv")) == 1

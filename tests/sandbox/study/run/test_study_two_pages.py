@@ -15,7 +15,7 @@ from sandbox.study.run.runner import SessionOutcome
 from sandbox.trial.replay import replay
 from sandbox.trial.settings import recorded_settings
 from sandbox.words.words import words_in
-from tests.sandbox.study.study_on_page import OnPage, on_page, study_in
+from tests.sandbox.study.study_on_page import OnPage, on_page, study_in, touch
 from tests.support.page_client import SCREEN, Page
 from tests.support.study_files import PAIRS
 
@@ -66,14 +66,6 @@ def test_a_trial_for_two_hands_is_played_on_two_pages_and_replays(tmp_path: Path
     assert found.exact and found.complete
 
 
-def begin(page: Page) -> None:
-    """Touches, and waits until time goes by."""
-    page.until("sheet", kind="none")
-    page.touch((1, 3.0, 3.0))
-    while page.until("frame")["time"] == 0.0:
-        pass
-
-
 def paused(page: Page, why: str) -> None:
     """Waits until the page is told why time stands still."""
     while page.until("frame")["state"].get("pause") != why:
@@ -87,7 +79,7 @@ def test_time_stands_still_on_both_pages_until_the_one_that_was_away_is_touched(
     person = study.add(hand="right", hand_size=1.0, language="en")
     with on_page(study, person, pages=2) as running, opened(running, 0) as own:
         with opened(running, 1) as other:
-            together(lambda: begin(own), lambda: begin(other))
+            together(lambda: touch(own, 3.0), lambda: touch(other, 3.0))
         paused(own, "away")
         own.touch((1, 3.5, 2.0))
         with opened(running, 1) as other:

@@ -38,9 +38,14 @@ def study(tmp_path_factory: pytest.TempPathFactory) -> StudyFolder:
     for person in found.participants():
         with SessionFolder(found, person) as session:
             session.command("exclude", trial=2, reason=SECRET)
-            about = {"step": "form:demographics", "form": "demographics", "block": 0, "levels": {}}
-            answers = {"age": 37, "remarks": SECRET}
-            session.write("form", **about, answers=answers, seconds=1.0)
+            session.write(
+                "form",
+                step="form:demographics",
+                form="demographics",
+                block=0,
+                levels={},
+                answers={"age": 37, "remarks": SECRET},
+            )
     make_tables(found)
     return found
 

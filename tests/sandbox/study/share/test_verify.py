@@ -31,6 +31,7 @@ from sandbox.study.share.verify import (
 )
 from sandbox.study.share.withdraw import withdraw
 from sandbox.study.tables.tables import make_tables
+from tests.support.study_driver import verify as findings
 from tests.support.study_files import design, first_session, quiet
 
 
@@ -39,17 +40,12 @@ def quick(path: Path) -> Verified:
     return verify(path, replays=False)
 
 
-def found(done: Verified) -> list[str]:
-    """All findings as lines."""
-    return [str(finding) for some in done.found.values() for finding in some]
-
-
 def named(study: StudyFolder, path: Path) -> bool:
     """True if a verification names a file, or refuses the study for it."""
     name = path.relative_to(study.path).as_posix()
     person = name.partition("/")[0] if name.endswith("notes.jsonl") else name
     try:
-        lines = found(quick(study.path))
+        lines = findings(study.path)
     except StudyError as error:
         return path.name in str(error) or path.parent.name in str(error)
     return any(line.startswith((f"{name}:", f"{name},", f"{person}:")) for line in lines)
@@ -74,7 +70,7 @@ def test_one_bit_anywhere_is_found_and_the_file_is_named(study: StudyFolder) -> 
         path.write_bytes(changed)
         assert named(study, path), path
         path.write_bytes(data)
-    assert found(quick(study.path)) == []
+    assert findings(study.path) == []
 
 
 def test_every_file_that_is_deleted_is_named(study: StudyFolder) -> None:
@@ -123,7 +119,7 @@ def test_frames_and_tables_that_were_changed_by_hand_are_named(study: StudyFolde
     # Tables are made again from frames, and the missing ones from recordings.
     frames.unlink()
     assert main(["study", "tables", str(study.path)]) == 0
-    assert found(verify(study.path)) == []
+    assert verify(study.path).sound
 
 
 def test_a_seal_that_was_kept_elsewhere_tells_a_record_that_was_written_anew(
@@ -205,7 +201,7 @@ def test_a_withdrawal_leaves_a_study_that_passes_and_their_folder_may_not_come_b
     gone = study.participants()[0].ppid
     shutil.copytree(study.path / gone, tmp_path / gone)
     withdraw(study, gone)
-    assert found(quick(study.path)) == []
+    assert findings(study.path) == []
     shutil.copytree(tmp_path / gone, study.path / gone)
     assert [f.path for f in quick(study.path).found[GONE]] == [gone]
     assert gone not in {person.ppid for person in study.participants()}
@@ -221,7 +217,7 @@ def test_two_sites_are_merged_by_copying_and_copying_twice_changes_nothing(
             if path.is_dir():
                 shutil.copytree(path, study.path / path.name, dirs_exist_ok=True)
     make_tables(study)
-    assert found(quick(study.path)) == []
+    assert findings(study.path) == []
     people = [(p.site, p.number) for p in study.participants()]
     assert sorted(people) == [("A", 1), ("A", 2), ("B", 1)]
     # Each site goes on with its own numbers.
