@@ -127,6 +127,11 @@ def test_a_questionnaire_of_ones_own_is_scored_by_its_rules_in_any_script(tmp_pa
     assert form.items[0].ask["ja"] == "どのくらい疲れましたか。"
     assert score(form.scales[0], {"tired": 6, "calm": 3}).value == (6 + 5) / 2
     assert form.scales[0].range == (1, 7)
+    # Keys of all items are written once, and an item may have its own.
+    ends = "low = 1\nhigh = 7\n"
+    shared = f"[every_item]\n{ends}ask.ja = '?'\n" + OWN.replace(ends, "").split("\n", 2)[2]
+    title = OWN.split("\n", 2)[1]
+    assert own(tmp_path, f"{title}\n{shared}").items == form.items
 
 
 @pytest.mark.parametrize(
@@ -146,6 +151,7 @@ def test_a_questionnaire_of_ones_own_is_scored_by_its_rules_in_any_script(tmp_pa
         ("low = 1\nhigh = 7", "low = 8\nhigh = 7", "not below"),
         ("high = 7", "high = 7\nstep = 4", "do not reach 7"),
         ("title.ja", "title.en", "missing in ja"),
+        ("title.ja", "every_item = 3\ntitle.ja", "Write it as a table"),
     ],
 )
 def test_a_mistake_in_a_questionnaires_file_is_told_with_file_and_line(
