@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from sandbox.study.report.data import load_study
-from sandbox.study.report.numbers import results
+from sandbox.study.report.numbers import paired_differences, results, welch
 from sandbox.study.report.page import Table, sections
 from tests.sandbox.study.report.study_reports import LEAN, planted, put, report, write
 from tests.support.planted_study import Truth
@@ -58,3 +58,17 @@ def test_conditions_of_two_programs_are_compared_with_a_warning_unless_balanced(
         r["states"] = 1 + half
     put(tmp_path, rows, LEAN)
     assert ("may be one between programs" in report(tmp_path).text) is not balanced
+
+
+def test_what_an_order_carries_over_is_welch_s_difference_of_its_groups(tmp_path: Path) -> None:
+    planted(tmp_path, Truth(people=12, times=(9.0, 9.0), tasks=(1.0,), repetitions=2))
+    found = results(load_study(tmp_path))
+    one, data = found.compared[0], found.data
+    (factor,) = [f for f in one.values.factors if len(f.levels) > 1]
+    own = paired_differences(one.values, factor, *factor.levels)
+    at_first = data.used.groupby("ppid", sort=False)[factor.column].first()
+    group = at_first.loc[data.ppids].to_numpy() == factor.levels[0]
+    apart, _ = welch(own[group], own[~group])
+    assert group.sum() == 6
+    ends = f"{apart.value:.3g} s ({apart.low:.3g} to {apart.high:.3g})".replace("-", "\u2212")
+    assert ends in report(tmp_path).text
