@@ -1,4 +1,4 @@
-"""Mutations of touch recordings and of captures of TUIO, 200 of each format.
+"""Mutations of touch recordings and of captures of TUIO.
 
 A detectable one ends equal, refused or reported: units times 10, 25.4 and 1000; rows doubled or
 swapped; names in other bytes. An undetectable one, a row that is missing, changes that frame alone.
@@ -28,7 +28,6 @@ from sandbox.devices.files.touch_files import open_file
 from sandbox.devices.own_device import GuardedDevice
 from tests.support.tuio_packets import alv, blb, blobs, bnd, bundle, cur, frame, frame20, frm, ptr
 
-EXAMPLES = 200
 SURFACE = Surface()
 INCH = 0.0254
 Row = dict[str, Any]
@@ -137,7 +136,7 @@ OF_FRAMES: list[Mutation] = [
 ]
 
 
-@settings(max_examples=EXAMPLES)
+@settings(max_examples=200)
 @given(mutation=st.sampled_from(OF_FRAMES), at=st.integers(2, 60))
 def test_a_detectable_mutation_of_recorded_touches_is_not_silent(
     tmp_path_factory: pytest.TempPathFactory, mutation: Mutation, at: int
@@ -146,26 +145,6 @@ def test_a_detectable_mutation_of_recorded_touches_is_not_silent(
     sound, device = played(written(path, FRAMES))
     assert device.report is not None and not device.report.line() and len(sound) > 50
     rows = copy.deepcopy(FRAMES)
-    mutation(rows, at)
-    assert outcome(written(path, rows), sound) != "differs"
-
-
-@settings(max_examples=EXAMPLES)
-@given(
-    mutation=st.sampled_from([doubled, swapped]),
-    made=st.sampled_from([packets11, packets20]),
-    at=st.integers(1, 59),
-)
-def test_a_detectable_mutation_of_a_capture_is_not_silent(
-    tmp_path_factory: pytest.TempPathFactory,
-    mutation: Mutation,
-    made: Callable[..., list[bytes]],
-    at: int,
-) -> None:
-    path = tmp_path_factory.getbasetemp() / "packets.jsonl"
-    rows = capture(made)
-    sound, device = played(written(path, rows))
-    assert device.report is not None and not device.report.line() and len(sound) > 50
     mutation(rows, at)
     assert outcome(written(path, rows), sound) != "differs"
 

@@ -21,7 +21,6 @@ from models.motion.bvh import read_bvh
 from models.plausible import FINGER, JUMPED
 from models.surface import Surface
 from sandbox.cli.main import main
-from sandbox.devices.device import Device
 from sandbox.devices.leap.leap import LeapDevice
 from sandbox.devices.leap.leap_fake import FakeLeapd
 from sandbox.devices.leap.leap_file import LeapRecording, read_leap
@@ -31,6 +30,7 @@ from sandbox.devices.webcam.landmarks import LandmarkRecording, header_record, m
 from sandbox.devices.webcam.landmarks import read_landmarks as read_pictures
 from tests.encoders.air.seen_hands import film, held_up
 from tests.support.leap_hands import take
+from tests.support.scripted import PlayedHands
 
 Messages = list[dict[str, Any]]
 COUNT = 60
@@ -483,7 +483,7 @@ SIBLINGS: dict[str, tuple[Callable[[], Messages], str]] = {
     # y up, as engines of games have it: MediaPipeUnityPlugin 1373.
     "points in space with y up": (
         seen(lambda hand: {"world": [[x, -y, z] for x, y, z in hand["world"]]}),
-        "the other way round than those in space",
+        "mirrored compared with points in space",
     ),
     "points in space about the wrist": (
         seen(lambda hand: {"world": (np.array(hand["world"]) - hand["world"][0]).tolist()}),
@@ -491,7 +491,7 @@ SIBLINGS: dict[str, tuple[Callable[[], Messages], str]] = {
     ),
     "a picture that is a mirror's": (
         seen(lambda hand: {"image": [[640 - x, y] for x, y in hand["image"]]}),
-        "the other way round than those in space",
+        "mirrored compared with points in space",
     ),
 }
 
@@ -613,20 +613,7 @@ def test_a_hand_of_somebody_s_own_device_that_jumps_is_left_out(
         else:
             other = replace(hand, palm=(hand.palm[0] + 1.0, *hand.palm[1:]))
         frames[i] = replace(frames[i], hands=(other,))
-    device = GuardedDevice(Frames(frames), Surface(), "own.py", type(frames[0]))
-    shown = device.poll(0.0)
+    device = GuardedDevice(PlayedHands(frames), Surface(), "own.py", type(frames[0]))
+    shown = device.poll(1e9)
     assert [i for i, frame in enumerate(shown) if not frame.hands] == [5, 20]
     assert device.report.line() == f"left out: 2 {JUMPED}"
-
-
-class Frames(Device):
-    """Somebody's device, which returns all of its frames at once."""
-
-    name = "frames"
-    finished = False
-
-    def __init__(self, frames: list[Any]) -> None:
-        self._frames = frames
-
-    def poll(self, now: float) -> list[Any]:
-        return self._frames
