@@ -385,20 +385,15 @@ class Collapse:
 
 
 @cache
-def collapse(
-    fingers: tuple[int, ...], degree: int, origin: int | None = None, lifted: float = LIFTED
-) -> Collapse:
+def collapse(fingers: tuple[int, ...], degree: int, lifted: float = LIFTED) -> Collapse:
     """Reduction of a polynomial of contact vectors for a set of touching fingers.
 
     Args:
         fingers: The set.
         degree: Degree of the polynomial.
-        origin: The leftmost finger of the set, which is at (0, 0). Its coordinates are then left
-            out, too: 6, 15, 28 and 45 quadratic monomials remain for 2 to 5 fingers. None uses the
-            coordinates of all fingers of the set.
         lifted: Value of both coordinates of a lifted finger.
     """
-    coordinates = [2 * f + axis for f in fingers if f != origin for axis in range(2)]
+    coordinates = [2 * f + axis for f in fingers for axis in range(2)]
     one = FLAGS + fingers[0]
     left = list(combinations_with_replacement([one, *coordinates], degree))
     row = {tuple(sorted(places)): i for i, places in enumerate(left)}
@@ -411,7 +406,7 @@ def collapse(
                 continue
             places.append(one)
             if place < FLAGS:
-                factor *= 0.0 if place // 2 == origin else lifted
+                factor *= lifted
             elif place - FLAGS not in fingers:
                 factor = 0.0
         monomial.append(row[tuple(sorted(places))])

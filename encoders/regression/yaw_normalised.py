@@ -259,7 +259,7 @@ class _Quadratic:
     """Quadratic forms v' A v, one per output; v is 1 and the coordinates of one set of fingers."""
 
     def __init__(self, coef: Array, fingers: tuple[int, ...], lifted: float) -> None:
-        reduced = collapse(fingers, 2, None, lifted)
+        reduced = collapse(fingers, 2, lifted)
         places = [FLAGS + fingers[0], *(2 * f + axis for f in fingers for axis in range(2))]
         row = {place: i for i, place in enumerate(places)}
         self._outputs = coef.shape[1]
